@@ -1,0 +1,11 @@
+//! The contract between plant and controller, and nothing else.
+//!
+//! | what | where |
+//! |---|---|
+//! | messages, schema hash | [`wire`] |
+//! | robots as data, Table 1 of the paper | [`robot`] |
+//! | scenes: TOML in, checked values out | [`scene`] |
+
+pub mod robot;
+pub mod scene;
+pub mod wire;

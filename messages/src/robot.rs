@@ -1,0 +1,136 @@
+//! Robots as data: a tree of bodies, each joined to its parent by one axis.
+//!
+//! [`table_1`] is the robot of Fujimoto & Kawamura (1995), Table 1. All frames are parallel to the world frame W
+//! (x forward, y left, z up) when every joint angle is zero.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Motion that a joint allows, along or about its axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum JointKind {
+    /// Turns about the axis; angle in rad.
+    Revolute,
+    /// Slides along the axis; travel in m.
+    Prismatic,
+}
+
+/// The joint between a body and its parent.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Joint {
+    /// Name of the body that this joint moves against.
+    pub parent: String,
+    /// Revolute (default) or prismatic.
+    #[serde(default = "revolute")]
+    pub kind: JointKind,
+    /// Axis of motion of this body relative to its parent, in the common frame at zero angles [-].
+    pub axis: [f64; 3],
+    /// Where the joint sits in the parent's frame; the body's own origin is there at zero travel [m].
+    pub at: [f64; 3],
+}
+
+/// One rigid body.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Body {
+    /// Unique name.
+    pub name: String,
+    /// Mass [kg].
+    pub mass: f64,
+    /// Depth, width and height of the box that is drawn and, unless `inertia` is given, uniformly filled [m].
+    pub size: [f64; 3],
+    /// Centre of mass, also the centre of the box, in the body's frame [m].
+    #[serde(default)]
+    pub com: [f64; 3],
+    /// Principal moments of inertia about the centre of mass along the body's axes [kg·m²]; absent: uniform box.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub inertia: Option<[f64; 3]>,
+    /// Joint to the parent; exactly one body of a scene, the base, has none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub joint: Option<Joint>,
+    /// Points that may touch the ground, in the body's frame [m].
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub contacts: Vec<[f64; 3]>,
+}
+
+impl Body {
+    /// Principal moments of inertia about the centre of mass [kg·m²]: as given, or m(b² + c²)/12 of a uniform box.
+    pub fn moments(&self) -> [f64; 3] {
+        let [a, b, c] = self.size.map(|side| side * side);
+        self.inertia
+            .unwrap_or([b + c, a + c, a + b].map(|sum| self.mass * sum / 12.0))
+    }
+}
+
+fn revolute() -> JointKind {
+    JointKind::Revolute
+}
+
+/// Name of the left foot in [`table_1`].
+pub const LEFT_FOOT: &str = "left foot";
+/// Name of the right foot in [`table_1`].
+pub const RIGHT_FOOT: &str = "right foot";
+/// Name of the trunk in [`table_1`].
+pub const TRUNK: &str = "trunk";
+
+/// Table 1 as read: links #0 (left foot) … #8 (right foot), so that the joints, in the order of the bodies that carry
+/// them, are left ankle roll, ankle pitch, knee, hip, right hip, knee, ankle pitch, ankle roll.
+///
+/// The joint angles count from the left foot to the right one. The tree hangs from the trunk, where H is sparsest, so
+/// the left leg's axes point backwards. The table's "total depth 0.3" fits no reading and is taken for a misprint.
+pub fn table_1() -> Vec<Body> {
+    let foot = |name, parent, axis| Body {
+        contacts: sole_corners(),
+        ..link(name, 1.0, [0.2, 0.1, 0.05], [0.0, 0.0, -0.025], parent, axis, [0.0, 0.0, -0.05])
+    };
+    let ankle = |name, parent, axis| {
+        link(name, 0.5, [0.1, 0.1, 0.05], [0.0, 0.0, -0.025], parent, axis, [0.0, 0.0, -0.2])
+    };
+    let bone = |name, parent, axis, at| link(name, 2.0, [0.1, 0.1, 0.2], [0.0, 0.0, -0.1], parent, axis, at);
+    let (roll, pitch) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
+    let (roll_back, pitch_back) = ([-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);
+    vec![
+        foot(LEFT_FOOT, "left ankle", roll_back),
+        ankle("left ankle", "left shank", pitch_back),
+        bone("left shank", "left thigh", pitch_back, [0.0, 0.0, -0.2]),
+        bone("left thigh", TRUNK, pitch_back, [0.0, 0.05, -0.15]),
+        Body {
+            name: TRUNK.into(),
+            mass: 3.0,
+            size: [0.1, 0.1, 0.3],
+            com: [0.0; 3],
+            inertia: None,
+            joint: None,
+            contacts: vec![],
+        },
+        bone("right thigh", TRUNK, pitch, [0.0, -0.05, -0.15]),
+        bone("right shank", "right thigh", pitch, [0.0, 0.0, -0.2]),
+        ankle("right ankle", "right shank", pitch),
+        foot(RIGHT_FOOT, "right ankle", roll),
+    ]
+}
+
+fn link(name: &str, mass: f64, size: [f64; 3], com: [f64; 3], parent: &str, axis: [f64; 3], at: [f64; 3]) -> Body {
+    let joint = Joint { parent: parent.into(), kind: JointKind::Revolute, axis, at };
+    Body { name: name.into(), mass, size, com, inertia: None, joint: Some(joint), contacts: vec![] }
+}
+
+/// Corners of a sole: front left, front right, back left, back right, in the foot's frame [m].
+fn sole_corners() -> Vec<[f64; 3]> {
+    vec![[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn table_1_weighs_fourteen_kilograms_and_stands_eighty_centimetres_tall() {
+        let bodies = table_1();
+        assert!((bodies.iter().map(|body| body.mass).sum::<f64>() - 14.0).abs() < 1e-12);
+        let leg = 0.05 + 0.05 + 0.2 + 0.2;
+        assert!((leg + bodies[4].size[2] - 0.8_f64).abs() < 1e-12);
+    }
+}

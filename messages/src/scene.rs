@@ -1,0 +1,287 @@
+//! A scene: what is simulated, how, and with which controller. TOML in, checked values out.
+//!
+//! Every field's comment is what `biped list --keys` prints, so it says meaning and unit.
+
+use crate::robot::{self, Body};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Everything that a run needs to know, the same for plant and controller.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Scene {
+    /// One sentence for `biped list`.
+    pub description: String,
+    /// Simulated time [s].
+    pub duration: f64,
+    /// Rate of control, encoders and recording [Hz]; a whole number of plant steps must fit into one period.
+    pub rate: f64,
+    /// The simulated robot and its ground.
+    pub plant: PlantScene,
+    /// State at time zero.
+    pub initial: Initial,
+    /// The walking controller; absent: nothing drives the joints.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub controller: Option<ControllerScene>,
+    /// Bodies, the base being the one without a joint; absent: the robot of the paper's Table 1.
+    pub bodies: Vec<Body>,
+}
+
+/// How the plant simulates.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct PlantScene {
+    /// Integration step [s].
+    pub dt: f64,
+    /// Coordinates of the base.
+    pub base: Base,
+    /// Contact law.
+    pub law: Law,
+    /// Integration method.
+    pub method: Method,
+    /// Gravity [m/s²].
+    pub gravity: f64,
+    /// Slope of the ground, downhill along x, made by tilting gravity [deg].
+    pub incline_deg: f64,
+    /// Coulomb friction coefficient of the ground [-].
+    pub friction: f64,
+    /// Drive inertia reflected at each joint, J_r [kg·m²].
+    pub drive_inertia: f64,
+    /// Viscous damping of each joint, D [N·m·s/rad].
+    pub joint_damping: f64,
+    /// Greatest torque that a drive gives [N·m].
+    pub torque_limit: f64,
+    /// Encoder resolution: counts per turn are 2 to this power [bit].
+    pub encoder_bits: u32,
+    /// Delay between a torque command and its effect [control periods].
+    pub latency_ticks: u32,
+    /// Probability that a control period keeps the torques of the one before [-].
+    pub stale_probability: f64,
+    /// Seed of everything random.
+    pub seed: u64,
+    /// Mass added to a body [kg].
+    pub payload_kg: f64,
+    /// Where the added mass sits, in the body's frame [m].
+    pub payload_offset: [f64; 3],
+    /// Body that carries the added mass; empty: the base.
+    pub payload_body: String,
+    /// Impulse of a push, spread over its duration, in W [N·s].
+    pub push_impulse: [f64; 3],
+    /// Start of the push [s].
+    pub push_time: f64,
+    /// Duration of the push [s].
+    pub push_duration: f64,
+    /// Body whose centre of mass is pushed; empty: the base.
+    pub push_body: String,
+}
+
+/// State at time zero. The base pose is that of the base body's frame.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct Initial {
+    /// Position of the base in W [m].
+    pub position: [f64; 3],
+    /// If given, the base is lifted or lowered until the lowest contact point is this far above the ground [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clearance: Option<f64>,
+    /// Roll, pitch and yaw of the base, applied as yaw, then pitch, then roll [deg].
+    pub orientation_deg: [f64; 3],
+    /// Velocity of the base in W [m/s].
+    pub velocity: [f64; 3],
+    /// Angular velocity of the base in W [rad/s].
+    pub angular_velocity: [f64; 3],
+    /// Joint angles, in the order of the bodies that carry them; absent: zeros [rad or m].
+    pub joints: Vec<f64>,
+    /// Joint rates, likewise [rad/s or m/s].
+    pub joint_rates: Vec<f64>,
+}
+
+/// The paper's controller and every choice that it leaves open.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct ControllerScene {
+    /// What the robot does after standing up.
+    pub gait: Gait,
+    /// Period T of two steps [s].
+    pub period: f64,
+    /// Walking speed; the step length is W_1 = speed·T/2 [m/s].
+    pub speed: f64,
+    /// Time at which the robot begins to stop; absent: never [s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_time: Option<f64>,
+    /// Height of the centre of gravity above the sole, z_c [m].
+    pub com_height: f64,
+    /// Greatest height of the swing foot, h_max of (43) [m].
+    pub swing_height: f64,
+    /// Distance x_2 of the centre of gravity from the support foot at which the first step is released; absent: on the
+    /// orbit of the reference energy (40) [m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub release_x2: Option<f64>,
+    /// Energy gain k_E of (39) in the lateral plane [1/s].
+    pub energy_gain: f64,
+    /// How the sagittal plane is stabilised.
+    pub sagittal: Sagittal,
+    /// Foot placement gain, 1 being dead-beat [-].
+    pub foot_placement_gain: f64,
+    /// Energy gain of (42) in the sagittal plane, for the paper's own rule [1/s].
+    pub sagittal_energy_gain: f64,
+    /// Gain that feeds the measured centre of gravity back into the planner [1/s].
+    pub com_feedback: f64,
+    /// Task gain K_p of (30) for the centre of gravity and the trunk [1/s].
+    pub com_gain: f64,
+    /// Task gain K_p of (30) for the swing foot [1/s].
+    pub swing_gain: f64,
+    /// Bound on each joint rate in the QP (28)-(29); absent: the closed form without bounds [rad/s].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rate_limit: Option<f64>,
+    /// Bound on each servo's torque, turned into rate bounds of the QP; absent: none [N·m].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub torque_bound: Option<f64>,
+    /// Switching of the sliding mode: inside a boundary layer, or the true relay.
+    pub switching: Switching,
+    /// Inverse of the switching time, 1/T_s of (24) [1/s].
+    pub switch_rate: f64,
+    /// Bandwidth g of the disturbance observer, S(s) = s/(s + g) [rad/s].
+    pub observer_bandwidth: f64,
+    /// Cut-off of the low-pass on the encoder difference [Hz].
+    pub rate_filter_hz: f64,
+    /// Feed gravity and the planned acceleration forward.
+    pub feed_forward: bool,
+}
+
+/// Coordinates of the base: as few degrees of freedom as the scene needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Base {
+    /// Bolted to the world: none.
+    Fixed,
+    /// Forward, up and pitch: three.
+    Planar,
+    /// The paper's virtual joints x, y, z, yaw, pitch, roll: six.
+    Virtual,
+    /// Position and unit quaternion, velocities in W: six, without a singularity.
+    Quaternion,
+}
+
+/// Contact laws: what an impulse has to satisfy.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Law {
+    /// The energy minimum (14)-(16) as printed, by principal pivoting. Not Coulomb's law: what slides is thrown up.
+    EnergyQp,
+    /// The conditions (17)-(22) with the paper's one slip direction, by Lemke's method.
+    Complementarity,
+    /// (17)-(22) with both tangents resisted, the first along the slip; the default.
+    Aligned,
+}
+
+impl Law {
+    /// Every law, in the order of the paper's story.
+    pub const ALL: [Law; 3] = [Law::EnergyQp, Law::Complementarity, Law::Aligned];
+}
+
+/// Integration methods.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Method {
+    /// Velocity first, position with the new velocity: the paper's.
+    SemiImplicitEuler,
+}
+
+/// What the controller makes the robot do.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Gait {
+    /// Stand on both feet.
+    Stand,
+    /// Step in place, or walk when `speed` is not zero.
+    Walk,
+}
+
+/// Rule that stabilises the sagittal plane.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Sagittal {
+    /// Put the foot where the predicted state at touchdown asks for it.
+    FootPlacement,
+    /// The paper's: mirror the foot about the centre of gravity, x_t1 = 2 x_c1, and control the energy E_1 by (42).
+    Energy,
+}
+
+/// Switching element of the sliding mode.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Switching {
+    /// Proportional within one switching period's reach of the surface.
+    BoundaryLayer,
+    /// The sign of the surface, full amplitude.
+    Relay,
+}
+
+impl Default for Scene {
+    fn default() -> Self {
+        Scene {
+            description: String::new(),
+            duration: 1.0,
+            rate: 1000.0,
+            plant: PlantScene::default(),
+            initial: Initial::default(),
+            controller: None,
+            bodies: robot::table_1(),
+        }
+    }
+}
+
+impl Default for PlantScene {
+    fn default() -> Self {
+        PlantScene {
+            dt: 5e-4,
+            base: Base::Virtual,
+            law: Law::Aligned,
+            method: Method::SemiImplicitEuler,
+            gravity: 9.81,
+            incline_deg: 0.0,
+            friction: 0.7,
+            drive_inertia: 0.1,
+            joint_damping: 0.0,
+            torque_limit: 40.0,
+            encoder_bits: 20,
+            latency_ticks: 0,
+            stale_probability: 0.0,
+            seed: 1995,
+            payload_kg: 0.0,
+            payload_offset: [0.0; 3],
+            payload_body: String::new(),
+            push_impulse: [0.0; 3],
+            push_time: 0.0,
+            push_duration: 0.05,
+            push_body: String::new(),
+        }
+    }
+}
+
+impl Default for ControllerScene {
+    fn default() -> Self {
+        ControllerScene {
+            gait: Gait::Walk,
+            period: 0.6,
+            speed: 0.0,
+            stop_time: None,
+            com_height: 0.27,
+            swing_height: 0.01,
+            release_x2: None,
+            energy_gain: 4.0,
+            sagittal: Sagittal::FootPlacement,
+            foot_placement_gain: 0.9,
+            sagittal_energy_gain: 3.0,
+            com_feedback: 0.0,
+            com_gain: 25.0,
+            swing_gain: 40.0,
+            rate_limit: None,
+            torque_bound: None,
+            switching: Switching::BoundaryLayer,
+            switch_rate: 80.0,
+            observer_bandwidth: 20.0,
+            rate_filter_hz: 150.0,
+            feed_forward: true,
+        }
+    }
+}

@@ -1,0 +1,225 @@
+//! The messages: what plant and controller say to each other, word for word.
+//!
+//! Each struct is declared once, inside [`wire!`]: the macro lays it out as C does, checks its size, proves that it has
+//! no padding, and adds its text to [`SCHEMA`], whose hash both sides compare before they speak. Only fixed-width
+//! integers and `f64` travel, in SI units.
+
+use bytemuck::{Pod, Zeroable};
+use iceoryx2::prelude::ZeroCopySend;
+
+/// Drives of the robot, in wire order: left ankle roll, ankle pitch, knee, hip, right hip, knee, ankle pitch, ankle
+/// roll. Scenes with fewer joints leave the rest at zero.
+pub const JOINTS: usize = 8;
+/// Contact points that [`Truth`] has room for, in the order of the scene's bodies.
+pub const CONTACTS: usize = 16;
+/// First word of every message: "BIPD" in ASCII.
+pub const MAGIC: u32 = 0x4250_4944;
+/// Hash of [`SCHEMA`]: equal on both sides, or they do not speak.
+pub const SCHEMA_HASH: u64 = fnv1a(FNV_START, SCHEMA.as_bytes());
+
+macro_rules! wire {
+    ($( $(#[$meta:meta])* struct $name:ident $wire_name:literal $size:literal
+        { $( $(#[$doc:meta])* $field:ident : $type:ty, )* } )*) => {
+        $(
+            $(#[$meta])*
+            #[repr(C)]
+            #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
+            #[type_name($wire_name)]
+            pub struct $name { $( $(#[$doc])* pub $field: $type, )* }
+
+            impl Default for $name {
+                fn default() -> Self { Zeroable::zeroed() }
+            }
+
+            const _: () = assert!(size_of::<$name>() == $size, "the layout of a message changed");
+        )*
+        /// The wire format as text.
+        pub const SCHEMA: &str = concat!($(
+            $wire_name, "{", $( stringify!($field), ":", stringify!($type), ";", )* "}",
+        )*);
+    };
+}
+
+wire! {
+    /// Head of every message.
+    struct Stamp "biped.Stamp" 64 {
+        /// [`MAGIC`].
+        magic: u32,
+        /// Check sum (CRC-32, IEEE) of the message with this field zero.
+        crc: u32,
+        /// [`SCHEMA_HASH`].
+        schema: u64,
+        /// Number of the plant's run: new at each start or reset.
+        run: u64,
+        /// Number of the sending process: random at each start.
+        epoch: u64,
+        /// Counts the sender's messages of this run from 1.
+        seq: u64,
+        /// In a command: `seq` of the sensors that it answers; else 0.
+        ack: u64,
+        /// Simulated time [ns].
+        sim_ns: u64,
+        /// Monotonic clock of the sender [ns].
+        mono_ns: u64,
+    }
+
+    /// What a robot's joints report.
+    struct Encoders "biped.Encoders" 64 {
+        /// Counts of each joint, 2^bits to a turn, zero at zero angle.
+        counts: [i64; 8],
+    }
+
+    /// What a robot's drives are asked for.
+    struct Torques "biped.Torques" 64 {
+        /// Torque at each joint [N·m].
+        torque: [f64; 8],
+    }
+
+    /// What the controller thinks, for people to look at: nothing acts on it.
+    struct Telemetry "biped.Telemetry" 200 {
+        /// Index into [`PHASES`].
+        phase: u32,
+        /// Supporting leg: 0 left, 1 right.
+        support: u32,
+        /// Steps taken: exchanges of support.
+        steps: u64,
+        /// Measured centre of gravity in the support frame S: forward, toward the swing foot, up [m].
+        com: [f64; 3],
+        /// Measured position of the swing sole's centre in S [m].
+        swing: [f64; 3],
+        /// Planned state x_1, v_1, x_2, v_2 of the two pendulums (31), (32) in S [m, m/s].
+        pendulum: [f64; 4],
+        /// Energies E_1, E_2 by (33) [m²/s²].
+        energy: [f64; 2],
+        /// Their references by (42), (40) [m²/s²].
+        energy_ref: [f64; 2],
+        /// Where the swing foot is to land, x_t1 in S [m].
+        landing: f64,
+        /// Distance of each servo from its sliding surface, wire order [rad/s].
+        surface: [f64; 8],
+    }
+
+    /// Plant to controller: all that a robot could know of itself.
+    struct Sensors "biped.Sensors" 128 {
+        /// Head.
+        stamp: Stamp,
+        /// Joint encoders.
+        encoders: Encoders,
+    }
+
+    /// Controller to plant.
+    struct Command "biped.Command" 328 {
+        /// Head; `ack` names the sensors answered.
+        stamp: Stamp,
+        /// Joint torques.
+        torques: Torques,
+        /// For the record only.
+        telemetry: Telemetry,
+    }
+
+    /// What only a simulation knows; for recording, never for control.
+    struct Truth "biped.Truth" 1024 {
+        /// Head; `seq` as in the sensors of the same instant.
+        stamp: Stamp,
+        /// Position of the base frame in W [m].
+        base_position: [f64; 3],
+        /// Orientation of the base in W: unit quaternion w, x, y, z.
+        base_orientation: [f64; 4],
+        /// Velocity of the base frame's origin in W [m/s].
+        base_velocity: [f64; 3],
+        /// Angular velocity of the base in W [rad/s].
+        base_spin: [f64; 3],
+        /// Joint angles [rad].
+        angle: [f64; 8],
+        /// Joint rates [rad/s].
+        rate: [f64; 8],
+        /// Torques of the drives over the control period before this instant, after delay and limits [N·m].
+        torque: [f64; 8],
+        /// Mean force of the ground on each contact point over that period, x, y, z in W [N].
+        contact_force: [f64; 48],
+        /// Greatest natural-map residual of the steps in that period, relative to each step's scale.
+        natural_map: f64,
+        /// Greatest Signorini residual, likewise.
+        signorini: f64,
+        /// Greatest angle between friction and the direction opposite to slip, over slipping contacts [rad].
+        slip_misalignment: f64,
+        /// Greatest energy after the impulse above that of free motion [J].
+        energy_gain: f64,
+        /// Deepest penetration at the instant, as a positive number [m].
+        penetration: f64,
+        /// Hash of every state since the start of the run.
+        hash: u64,
+        /// Steps so far whose contact problem needed a fallback.
+        fallbacks: u64,
+        /// Greatest number of pivots that one step of the period took.
+        pivots: u64,
+        /// Time that the plant took to compute the period [ns].
+        plant_ns: u64,
+        /// Time that it waited for the command [ns].
+        wait_ns: u64,
+        /// As the last command had it.
+        telemetry: Telemetry,
+    }
+}
+
+/// Names of [`Telemetry::phase`].
+pub const PHASES: [&str; 6] = ["stand", "sway", "lift", "walk", "land", "rest"];
+
+/// Start value of [`fnv1a`].
+pub const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// Hash of bytes, continued from `hash` (Fowler, Noll, Vo: FNV-1a, 64 bits).
+pub const fn fnv1a(mut hash: u64, bytes: &[u8]) -> u64 {
+    let mut i = 0;
+    while i < bytes.len() {
+        hash = (hash ^ bytes[i] as u64).wrapping_mul(0x0000_0100_0000_01b3);
+        i += 1;
+    }
+    hash
+}
+
+/// A message with a stamp that can be sealed and checked.
+pub trait Stamped: Pod {
+    /// Its head.
+    fn stamp(&self) -> &Stamp;
+    /// Its head, to fill in.
+    fn stamp_mut(&mut self) -> &mut Stamp;
+
+    /// Writes magic, schema hash and check sum.
+    fn sealed(mut self) -> Self {
+        *self.stamp_mut() = Stamp { magic: MAGIC, schema: SCHEMA_HASH, crc: 0, ..*self.stamp() };
+        self.stamp_mut().crc = crc32fast::hash(bytemuck::bytes_of(&self));
+        self
+    }
+
+    /// Whether magic, schema hash and check sum are right.
+    fn is_sound(&self) -> bool {
+        self.stamp().magic == MAGIC && self.stamp().schema == SCHEMA_HASH && self.sealed().stamp().crc == self.stamp().crc
+    }
+}
+
+macro_rules! stamped {
+    ($($name:ident)*) => {$(
+        impl Stamped for $name {
+            fn stamp(&self) -> &Stamp { &self.stamp }
+            fn stamp_mut(&mut self) -> &mut Stamp { &mut self.stamp }
+        }
+    )*};
+}
+stamped!(Sensors Command Truth);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flipped_bit_is_seen() {
+        let good = Command::default().sealed();
+        assert!(good.is_sound());
+        for bit in 0..8 * size_of::<Command>() {
+            let mut bytes = bytemuck::bytes_of(&good).to_vec();
+            bytes[bit / 8] ^= 1 << (bit % 8);
+            assert!(!bytemuck::pod_read_unaligned::<Command>(&bytes).is_sound(), "bit {bit}");
+        }
+    }
+}
