@@ -1,1 +1,185 @@
-fn main(){}
+//! `biped`: one program, three roles. It starts plant and controller as processes of their own and watches over them;
+//! as `biped plant` and `biped controller` it is either of them.
+//!
+//! | what | where |
+//! |---|---|
+//! | the main job | [`run`] |
+//! | starting, watching and ending processes | [`children`] |
+//! | progress bar and live line | [`progress`] |
+//! | scenes and their keys | [`list`] |
+//! | what goes wrong, exit codes | [`exit`] |
+//! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
+
+mod children;
+mod csv;
+mod exit;
+mod list;
+mod progress;
+mod record;
+mod report;
+mod run;
+mod summary;
+
+use clap::{Args, Parser, Subcommand};
+use exit::{Exit, Failure};
+use messages::load::load;
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
+use messages::scene::Scene;
+use messages::session::Session;
+use std::io::Write;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc;
+use std::time::Duration;
+
+/// Walks an eight-axis biped robot, plant and controller in two processes. Without a command: `run walk --out out/walk`.
+#[derive(Parser)]
+#[command(version, after_help = exit::HELP)]
+struct Cli {
+    #[command(subcommand)]
+    command: Option<Command>,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Run a scene: start both processes, show progress, sum up
+    Run(run::RunArgs),
+    /// Be the plant of a session
+    Plant(RoleArgs),
+    /// Be the controller of a session
+    Controller(RoleArgs),
+    /// List the built-in scenes
+    List {
+        /// List every key of a scene instead: type, default, meaning
+        #[arg(long)]
+        keys: bool,
+    },
+}
+
+/// Which scene, and what is different in it.
+#[derive(Args, Clone)]
+struct SceneArgs {
+    /// Built-in scene (see `biped list`) or path of a TOML file
+    scene: String,
+    /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    settings: Vec<String>,
+}
+
+impl SceneArgs {
+    fn load(&self) -> Result<Scene, Failure> {
+        Ok(load(&self.scene, &self.settings, &list::SCENES)?)
+    }
+}
+
+/// How the two processes speak.
+#[derive(Args, Clone, Copy)]
+struct PaceArgs {
+    /// Run at the pace of the clock instead of as fast as possible
+    #[arg(long)]
+    realtime: bool,
+    /// Give up when the other process has not been heard of for this long [s]
+    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = seconds)]
+    patience: f64,
+}
+
+impl PaceArgs {
+    fn pace(self) -> Pace {
+        if self.realtime { Pace::RealTime } else { Pace::Lockstep }
+    }
+
+    fn patience(self) -> Duration {
+        Duration::from_secs_f64(self.patience)
+    }
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let good = text.parse().ok().filter(|seconds| (0.1..=1e6).contains(seconds));
+    good.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
+}
+
+#[derive(Args)]
+struct RoleArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    pace: PaceArgs,
+    /// Name of the session that plant and controller share
+    #[arg(long, default_value = "biped")]
+    session: String,
+    /// Process to die with
+    #[arg(long, hide = true)]
+    parent: Option<i32>,
+}
+
+fn main() -> ExitCode {
+    let stop = Arc::new(AtomicBool::new(false));
+    let asked = stop.clone();
+    if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
+        eprintln!("Ctrl-C will not end this in order: {error}");
+    }
+    let result = match Cli::parse().command {
+        Some(Command::Run(args)) => run::run(&args, &stop),
+        Some(Command::Plant(args)) => plant(&args, &stop),
+        Some(Command::Controller(args)) => controller(&args, &stop),
+        Some(Command::List { keys: false }) => list::scenes(),
+        Some(Command::List { keys: true }) => list::keys(),
+        None => run::run(&run::RunArgs::main_job(), &stop),
+    };
+    match result {
+        Ok(()) => Exit::Ok.into(),
+        Err(failure) => {
+            eprintln!("error: {}", failure.message);
+            failure.exit.into()
+        }
+    }
+}
+
+fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let (scene, session) = begin(args)?;
+    let contract = Contract::of(&scene, args.pace.pace());
+    let port = guarded(|| PlantPort::open(&session, &contract))?;
+    let options = plant::process::Options { pace: args.pace.pace(), patience: args.pace.patience() };
+    let (tally, result) = plant::process::run(&scene, port, options, stop);
+    let remarks = tally.to_string();
+    if !remarks.is_empty() {
+        eprintln!("{remarks}");
+    }
+    Ok(result?)
+}
+
+fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let (scene, session) = begin(args)?;
+    let contract = Contract::of(&scene, args.pace.pace());
+    let port = guarded(|| ControllerPort::open(&session, &contract))?;
+    Ok(controller::process::run(&scene, port, args.pace.patience(), stop)?)
+}
+
+/// What both roles begin with.
+fn begin(args: &RoleArgs) -> Result<(Scene, Session), Failure> {
+    if let Some(parent) = args.parent {
+        children::die_with(parent)?;
+    }
+    Ok((args.scene.load()?, Session::named(&args.session)?))
+}
+
+/// Opening a session takes milliseconds; but the remains of a process killed at the wrong instant can block it for
+/// ever, so it gets 3 s before this process ends itself with advice.
+fn guarded<T>(open: impl FnOnce() -> Result<T, PortError>) -> Result<T, PortError> {
+    let (done, waiting) = mpsc::channel::<()>();
+    std::thread::spawn(move || {
+        if waiting.recv_timeout(Duration::from_secs(3)) == Err(mpsc::RecvTimeoutError::Timeout) {
+            eprintln!("error: shared memory: the session could not be opened within 3 s; another --session will work");
+            std::process::exit(Exit::SharedMemory as i32);
+        }
+    });
+    let opened = open();
+    drop(done);
+    opened
+}
+
+/// Prints; a reader that has had enough, such as `head`, is no error.
+fn say(text: impl std::fmt::Display) {
+    let _ = write!(std::io::stdout(), "{text}");
+}

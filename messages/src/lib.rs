@@ -4,8 +4,13 @@
 //! |---|---|
 //! | messages, schema hash | [`wire`] |
 //! | robots as data, Table 1 of the paper | [`robot`] |
-//! | scenes: TOML in, checked values out | [`scene`] |
+//! | scenes: TOML in, checked values out | [`scene`], [`load`] |
+//! | the link between two processes | [`port`], [`session`], [`clock`] |
 
+pub mod clock;
+pub mod load;
+pub mod port;
 pub mod robot;
 pub mod scene;
+pub mod session;
 pub mod wire;

@@ -100,11 +100,13 @@ wire! {
     }
 
     /// Plant to controller: all that a robot could know of itself.
-    struct Sensors "biped.Sensors" 128 {
+    struct Sensors "biped.Sensors" 136 {
         /// Head.
         stamp: Stamp,
         /// Joint encoders.
         encoders: Encoders,
+        /// 1 in the last message of a run, which wants no answer; else 0.
+        last: u64,
     }
 
     /// Controller to plant.
@@ -179,7 +181,7 @@ pub const fn fnv1a(mut hash: u64, bytes: &[u8]) -> u64 {
 }
 
 /// A message with a stamp that can be sealed and checked.
-pub trait Stamped: Pod {
+pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
     /// Its head.
     fn stamp(&self) -> &Stamp;
     /// Its head, to fill in.

@@ -1,1 +1,37 @@
+//! The plant: a tree of rigid bodies in contact with the ground, after Fujimoto & Kawamura (1995).
+//!
+//! | what | where |
+//! |---|---|
+//! | links, joints and base as a tree | [`model`] |
+//! | x and xdot | [`state`] |
+//! | poses, points, momentum, energy | [`kinematics`], [`spatial`] |
+//! | (2)-(11) as the paper has them | [`dynamics`] |
+//! | H and b, fast | [`composite`] |
+//! | H = LᵀL | [`factor`] |
+//! | one step, the story | [`step`] |
+//! | which points can touch | [`detect`] |
+//! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
+//! | the contact laws, (14)-(22) | [`contact`] |
+//! | drives and encoders | [`drive`] |
+//! | the record of a control period | [`truth`] |
+//! | the process around it | [`process`] |
+//! | what can go wrong | [`error`] |
 
+pub mod composite;
+pub mod contact;
+pub mod delassus;
+pub mod detect;
+pub mod drive;
+pub mod dynamics;
+pub mod error;
+pub mod factor;
+pub mod kinematics;
+pub mod model;
+pub mod process;
+pub mod spatial;
+pub mod state;
+pub mod step;
+pub mod truth;
+
+pub use error::PlantError;
+pub use step::Plant;

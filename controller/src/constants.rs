@@ -1,0 +1,119 @@
+//! Numbers that follow from the robot alone: ω_1, ω_2, γ, the nominal inertias and the ankles' limits.
+//!
+//! The paper takes ω = √(g/l). A trunk that rolls with the ankle and legs with mass make the true mode slower: here ω
+//! comes from the full inverse dynamics of the robot, so that the zero-moment point stays under the ankle.
+
+use crate::error::ControllerError;
+use crate::rate;
+use crate::support::{Chain, Joints, TaskVector};
+use messages::scene::{ControllerScene, PlantScene};
+use messages::wire::JOINTS;
+use nalgebra::{SMatrix, Vector3};
+
+/// Constants of one robot at one height of its centre of gravity.
+#[derive(Clone, Debug)]
+pub struct Constants {
+    /// ω_1, ω_2 of (31), (32) [1/s].
+    pub omega: [f64; 2],
+    /// γ_0: how the swing foot's forward acceleration moves the zero-moment point, in (31) [-].
+    pub swing_coupling: f64,
+    /// J_n, support order [kg·m²].
+    pub nominal_inertia: Joints,
+    /// Greatest roll and pitch torque of the supporting ankle that keeps the sole flat [N·m].
+    pub ankle_limit: [f64; 2],
+}
+
+/// Share of the sole's half-width and half-depth that the ankle torque may use.
+const SOLE_SHARE: f64 = 0.95;
+/// J_n over the inertia that a joint feels when all others are free.
+const INERTIA_MARGIN: f64 = 2.0;
+
+impl Constants {
+    /// Computes them at height z_c, x_2 = .4 W_2 and the swing foot .02 m up, amid a step.
+    ///
+    /// # Errors
+    /// If no posture near `guess` [rad, support order] has its centre of gravity that high.
+    pub fn new(
+        chain: &Chain,
+        scene: &ControllerScene,
+        plant: &PlantScene,
+        guess: &Joints,
+    ) -> Result<Self, ControllerError> {
+        let width = chain.leg_width();
+        let target = TaskVector::from([0.0, 0.4 * width, scene.com_height, 0.0, width, 0.02, 0.0]);
+        let s = posture(chain, &target, guess).ok_or(ControllerError::Height {
+            height: scene.com_height,
+            low: 0.6 * chain.task(&Joints::zeros()).x[2],
+            high: 0.95 * chain.task(&Joints::zeros()).x[2],
+        })?;
+        let weight = chain.total_mass * plant.gravity;
+        let [along, across, swing] = [0, 1, 3].map(|k| zmp_shift(chain, &s, k, weight));
+        let omega = [along[0], across[1]].map(|shift| (-1.0 / shift).sqrt());
+        Ok(Constants {
+            omega,
+            swing_coupling: swing[0] * omega[0] * omega[0],
+            nominal_inertia: nominal_inertia(chain, &s, plant.drive_inertia),
+            ankle_limit: [1, 0].map(|k| SOLE_SHARE * weight * chain.sole_half[k]),
+        })
+    }
+}
+
+/// Angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not get there.
+pub fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
+    let mut s = *guess;
+    for _ in 0..50 {
+        let task = chain.task(&s);
+        let miss = target - task.x;
+        if miss.amax() < 1e-12 && task.swing_pitch.abs() < 1e-9 {
+            return Some(s);
+        }
+        s += rate::resolve(&task.jacobian, &miss, &rate::bias(task.swing_pitch / 40.0))?;
+    }
+    None
+}
+
+/// Shift of the zero-moment point [m] along and across per unit acceleration [m/s²] of task component `k`, at rest.
+///
+/// From rest there are no velocity products: n = Σ r_i × m_i r̈_i + I_i α_i about the sole, q̈ by the rate QP.
+fn zmp_shift(chain: &Chain, s: &Joints, k: usize, weight: f64) -> [f64; 2] {
+    let task = chain.task(s);
+    let mut xddot = TaskVector::zeros();
+    xddot[k] = 1.0;
+    let Some(qddot) = rate::resolve(&task.jacobian, &xddot, &Joints::zeros()) else { return [f64::NAN; 2] };
+    let at = chain.place(s);
+    let mut moment = Vector3::zeros();
+    for i in 0..=JOINTS {
+        let (linear, angular) = link_motion(chain, s, i);
+        let tensor = at.rotation[i] * nalgebra::Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose();
+        moment += at.com[i].cross(&(chain.mass[i] * linear * qddot)) + tensor * (angular * qddot);
+    }
+    [-moment.y / weight, -moment.x / weight] // axis 2 points to negative y
+}
+
+type LinkJacobian = SMatrix<f64, 3, JOINTS>;
+
+/// Jacobians of link `i`'s centre of mass and of its rotation.
+fn link_motion(chain: &Chain, s: &Joints, i: usize) -> (LinkJacobian, LinkJacobian) {
+    let at = chain.place(s);
+    let (mut linear, mut angular) = (LinkJacobian::zeros(), LinkJacobian::zeros());
+    for j in 0..i {
+        linear.set_column(j, &at.axis[j].cross(&(at.com[i] - at.joint[j])));
+        angular.set_column(j, &at.axis[j]);
+    }
+    (linear, angular)
+}
+
+/// J_n = 2/((M + J_r 1)⁻¹)_ii, M being the inertia matrix of the joints with the supporting foot held.
+fn nominal_inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> Joints {
+    let at = chain.place(s);
+    let mut inertia = SMatrix::<f64, JOINTS, JOINTS>::identity() * drive_inertia;
+    for i in 0..=JOINTS {
+        let (linear, angular) = link_motion(chain, s, i);
+        let tensor = at.rotation[i] * nalgebra::Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose();
+        inertia += chain.mass[i] * linear.tr_mul(&linear) + angular.tr_mul(&(tensor * angular));
+    }
+    match inertia.cholesky() {
+        Some(factor) => factor.inverse().diagonal().map(|inverse| INERTIA_MARGIN / inverse),
+        None => Joints::repeat(f64::NAN),
+    }
+}

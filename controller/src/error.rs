@@ -1,0 +1,28 @@
+//! What can be wrong with a controller's input, one sentence each.
+
+/// Errors of [`crate::Controller`].
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ControllerError {
+    /// The scene has no `[controller]`.
+    #[error("the scene has no [controller] table: there is nothing to control")]
+    NoController,
+    /// The bodies are not an eight-axis biped.
+    #[error("robot: {0}")]
+    Robot(String),
+    /// The centre of gravity cannot be where the scene wants it.
+    #[error("controller.com_height = {height} m: no posture reaches it; try between {low:.2} and {high:.2}")]
+    Height {
+        /// Height asked for [m].
+        height: f64,
+        /// Least sensible height [m].
+        low: f64,
+        /// Greatest sensible height [m].
+        high: f64,
+    },
+    /// An angle or a rate is no number: the task cannot be resolved.
+    #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight or an encoder reads nonsense")]
+    Singular {
+        /// Time since the controller began [s].
+        time: f64,
+    },
+}

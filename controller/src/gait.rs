@@ -1,0 +1,337 @@
+//! The top level: what the centre of gravity and the swing foot are to do next, 3.3 of the paper.
+//!
+//! ```text
+//!   stand → sway → lift → walk (exchange, exchange, …) → land → rest
+//! ```
+//! In *walk* both axes are pendulums (31), (32). The lateral one is held on its orbit by the energy rule (39) and beats
+//! the time; the sagittal one is stabilised by where the foot lands, or by the paper's energy rule (42).
+
+use crate::constants::Constants;
+use crate::pendulum::{Motion, lateral_energy, sagittal_energy, turning_point, virtual_input};
+use crate::support::{Chain, Task, TaskVector};
+use crate::swing::{Lift, Travel};
+use messages::scene::{ControllerScene, Gait, Sagittal};
+
+/// What the robot is doing; the order is that of [`messages::wire::PHASES`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Phase {
+    /// Still, both feet down.
+    Stand,
+    /// The centre of gravity moves over the first support, both feet down.
+    Sway,
+    /// The swing foot leaves the ground.
+    Lift,
+    /// Stepping.
+    Walk,
+    /// Both feet down, coming to rest.
+    Land,
+    /// Still again.
+    Rest,
+}
+
+/// Constants of a gait.
+#[derive(Clone, Debug)]
+pub struct GaitModel {
+    scene: ControllerScene,
+    omega: [f64; 2],
+    /// γ of the sagittal pendulum [-].
+    swing_coupling: f64,
+    /// W_2 [m].
+    width: f64,
+    lift: Lift,
+    /// x_2 at which the first step is released [m].
+    release: f64,
+    /// Control period [s].
+    h: f64,
+}
+
+/// State of a gait, in the support frame S.
+#[derive(Clone, Copy, Debug)]
+pub struct GaitState {
+    /// What the robot is doing.
+    pub phase: Phase,
+    /// Time in this phase, or since the last exchange [s].
+    pub since: f64,
+    /// Time since the controller began [s].
+    pub time: f64,
+    /// Exchanges of support so far.
+    pub steps: u64,
+    /// x_c1 and x_c2 as planned [m].
+    pub com: [Travel; 2],
+    /// x_c3 as planned [m].
+    pub height: f64,
+    /// x_t1 as planned [m].
+    pub foot: Travel,
+    /// x_t1 at which the foot is wanted to land [m].
+    pub landing: f64,
+    /// Step length W_1 in force [m].
+    step: f64,
+    /// By how much the last landings overshot [m].
+    trim: f64,
+}
+
+/// What the lower levels are to do in this period.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference {
+    /// ẋ_ref of (30) [m/s, rad/s].
+    pub xdot: TaskVector,
+    /// Planned acceleration of the centre of gravity along axes 1 and 2 [m/s²].
+    pub acceleration: [f64; 2],
+    /// Share of the weight on the supporting foot [0…1].
+    pub load: f64,
+    /// Time until the next exchange, if stepping [s].
+    pub time_left: Option<f64>,
+}
+
+const STAND: f64 = 0.5; // [s]
+const SWAY: f64 = 0.8; // [s]
+const LIFT: f64 = 0.3; // [s]
+const LAND: f64 = 0.5; // [s]
+/// Part of the lift in which the weight leaves the swing foot [s].
+const UNLOAD: f64 = 0.1;
+/// Least time between two exchanges [s].
+const LEAST_STEP: f64 = 0.1;
+/// Change of the step length from one step to the next [m].
+const STEP_SLEW: f64 = 0.015;
+/// Time before landing from which the target stays as it is [s].
+const FREEZE: f64 = 0.012;
+/// Limit of the lateral and sagittal virtual inputs, against flottage [m/s²].
+const INPUT_LIMIT: [f64; 2] = [0.5, 0.6];
+
+impl GaitModel {
+    /// The scene's gait on a robot with these constants, planned each `h` [s].
+    pub fn new(scene: &ControllerScene, chain: &Chain, constants: &Constants, h: f64) -> Self {
+        let width = chain.leg_width();
+        let inner = turning_point(constants.omega[1], width, scene.period);
+        let slow = scene.period > 0.8; // then the foot's acceleration no longer matters
+        GaitModel {
+            scene: scene.clone(),
+            omega: constants.omega,
+            swing_coupling: if slow { 0.0 } else { 0.3 * constants.swing_coupling },
+            width,
+            lift: Lift { height: scene.swing_height, reach: 0.5 * width - inner },
+            release: scene.release_x2.unwrap_or(inner),
+            h,
+        }
+    }
+
+    /// Standing as measured.
+    pub fn start(&self, task: &Task) -> GaitState {
+        GaitState {
+            phase: Phase::Stand,
+            since: 0.0,
+            time: 0.0,
+            steps: 0,
+            com: [Travel::at(task.x[0]), Travel::at(task.x[1])],
+            height: task.x[2],
+            foot: Travel::at(task.x[3]),
+            landing: task.x[3],
+            step: 0.0,
+            trim: 0.0,
+        }
+    }
+
+    /// Whether the legs are to change roles now: x_2 has come to W_2/2 and moves on.
+    pub fn exchange_due(&self, state: &GaitState) -> bool {
+        let [_, lateral] = state.com;
+        state.phase == Phase::Walk && lateral.x >= 0.5 * self.width && lateral.v > 0.0 && state.since >= LEAST_STEP
+    }
+
+    /// Hands the plan over to the other support. `task` is measured before, in the old support frame.
+    pub fn exchange(&self, state: &mut GaitState, task: &Task) {
+        let swing = task.swing();
+        state.trim = (state.trim + 0.3 * (swing.x - state.landing)).clamp(-0.02, 0.02);
+        let [sagittal, lateral] = &mut state.com;
+        sagittal.x -= swing.x;
+        // The exchange comes up to one period late, beyond W_2/2. Seen from the new foot that is as far short of it, and
+        // the speed there on the same orbit is less: without this each exchange would add energy.
+        let x = self.width - lateral.x;
+        let slower = lateral.v.powi(2) - self.omega[1].powi(2) * (lateral.x.powi(2) - x.powi(2));
+        *lateral = Travel { x, v: -slower.max(0.0).sqrt(), a: -lateral.a };
+        state.height -= swing.z;
+        state.foot = Travel::at(-swing.x);
+        state.landing = -swing.x;
+        state.steps += 1;
+        state.since = 0.0;
+        let stopping = self.stopping(state);
+        if stopping && state.step == 0.0 {
+            state.phase = Phase::Land;
+            return;
+        }
+        let wanted = if stopping { 0.0 } else { 0.5 * self.scene.speed * self.scene.period };
+        state.step += (wanted - state.step).clamp(-STEP_SLEW, STEP_SLEW);
+    }
+
+    fn stopping(&self, state: &GaitState) -> bool {
+        self.scene.stop_time.is_some_and(|stop| state.time >= stop)
+    }
+
+    /// Plans one period: advances the state and says what to do.
+    pub fn plan(&self, state: &mut GaitState, task: &Task) -> Reference {
+        self.change_phase(state);
+        let reference = match state.phase {
+            Phase::Stand | Phase::Rest => self.hold(state, task),
+            Phase::Sway => self.shift(state, task, [0.0, self.release], SWAY),
+            Phase::Lift => self.raise(state, task),
+            Phase::Walk => self.walk(state, task),
+            Phase::Land => self.shift(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], LAND),
+        };
+        state.since += self.h;
+        state.time += self.h;
+        reference
+    }
+
+    fn change_phase(&self, state: &mut GaitState) {
+        let next = match state.phase {
+            Phase::Stand if self.scene.gait == Gait::Walk && state.since >= STAND && !self.stopping(state) => Phase::Sway,
+            Phase::Sway if state.since >= SWAY => Phase::Lift,
+            Phase::Lift if state.since >= LIFT => Phase::Walk,
+            Phase::Land if state.since >= LAND => Phase::Rest,
+            _ => return,
+        };
+        state.phase = next;
+        state.since = 0.0;
+        for axis in &mut state.com {
+            *axis = Travel::at(axis.x);
+        }
+    }
+
+    /// Both feet down and still.
+    fn hold(&self, state: &mut GaitState, task: &Task) -> Reference {
+        self.follow(state, task, 0.0, [0.0; 2], 1.0 - state.com[1].x / self.width)
+    }
+
+    /// Both feet down, the centre of gravity on its way to `target` [m] since the phase began.
+    fn shift(&self, state: &mut GaitState, task: &Task, target: [f64; 2], duration: f64) -> Reference {
+        let left = duration - state.since;
+        for (axis, target) in state.com.iter_mut().zip(target) {
+            *axis = if left > FREEZE { axis.toward(target, left, self.h) } else { Travel::at(axis.x) };
+        }
+        self.hold(state, task)
+    }
+
+    /// The weight leaves the swing foot, then the foot leaves the ground.
+    fn raise(&self, state: &mut GaitState, task: &Task) -> Reference {
+        let (height, _) = self.lift.height_and_rate(state.com[1].x - 0.5 * self.width, 0.0);
+        let r = (state.since / LIFT).min(1.0);
+        let rise = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r); // least jerk
+        let rate = 30.0 * r * r * (1.0 - r).powi(2) / LIFT;
+        let load = 1.0 - state.com[1].x / self.width * (1.0 - state.since / UNLOAD).max(0.0);
+        self.follow(state, task, height * rise, [0.0, height * rate], load)
+    }
+
+    /// One period of stepping.
+    fn walk(&self, state: &mut GaitState, task: &Task) -> Reference {
+        self.feed_back(state, task);
+        let [energy_1, energy_2] = self.energies(state);
+        let [reference_1, reference_2] = self.energy_references(state);
+        let [sagittal, lateral] = state.com;
+        let u_2 = virtual_input(self.scene.energy_gain, reference_2, energy_2, lateral.v, INPUT_LIMIT[1]); // (39)
+        let left = self.time_left(lateral);
+        state.com[1] = pendulum(lateral, self.omega[1], u_2, self.h); // (32)
+        let lateral = state.com[1];
+        let u_1 = match self.scene.sagittal {
+            Sagittal::FootPlacement => {
+                self.place_foot(state, left);
+                self.swing_coupling * state.foot.a
+            }
+            Sagittal::Energy => {
+                state.landing = 2.0 * Motion { x: sagittal.x, v: sagittal.v }.after(self.omega[0], 0.0, left).x;
+                state.foot = Travel { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
+                if sagittal.v.abs() < 0.02 {
+                    INPUT_LIMIT[0].copysign(state.step) * f64::from(state.step != 0.0) // leave the rest point
+                } else {
+                    virtual_input(self.scene.sagittal_energy_gain, reference_1, energy_1, sagittal.v, INPUT_LIMIT[0])
+                }
+            }
+        };
+        state.com[0] = pendulum(sagittal, self.omega[0], u_1, self.h); // (31)
+        let (height, rate) = self.lift.height_and_rate(lateral.x - 0.5 * self.width, lateral.v); // (43)
+        let reference = self.follow(state, task, height, [state.foot.v, rate], 1.0);
+        Reference { time_left: Some(left), ..reference }
+    }
+
+    /// Time until the exchange, in whole control periods: it comes with the first one that finds x_2 beyond W_2/2 [s].
+    fn time_left(&self, lateral: Travel) -> f64 {
+        let left = Motion { x: lateral.x, v: lateral.v }.time_to(0.5 * self.width, self.omega[1], self.scene.period);
+        (left / self.h).ceil().max(1.0) * self.h
+    }
+
+    /// Feeds the measured centre of gravity back into the plan.
+    fn feed_back(&self, state: &mut GaitState, task: &Task) {
+        for (axis, measured) in state.com.iter_mut().zip([task.x[0], task.x[1]]) {
+            axis.x += self.scene.com_feedback * self.h * (measured - axis.x);
+        }
+    }
+
+    /// Chooses where the foot lands from the predicted touchdown, and moves it on its way there.
+    ///
+    /// ```text
+    ///   x_t1 = x_e + W_1/2 + K (v_e − v_ref),   K = k coth(ωT/2)/ω
+    /// ```
+    /// k = 1 ends a deviation in one step; k = 0 mirrors the foot about the centre of gravity and its step-to-step map
+    /// has an eigenvalue of modulus 1: the robot falls. The prediction (x_e, v_e) holds the foot's own effect γ ẍ_t, in
+    /// which x_t1 occurs; it is solved for. The paper writes only "a function of the gravity center".
+    fn place_foot(&self, state: &mut GaitState, left: f64) {
+        let (omega, gamma) = (self.omega[0], self.swing_coupling);
+        if left > FREEZE {
+            let [sagittal, _] = state.com;
+            let foot = state.foot;
+            let free = Motion { x: sagittal.x, v: sagittal.v }.after(omega, 0.0, left);
+            let (sinh, cosh) = ((omega * left).sinh(), (omega * left).cosh());
+            let x_e = free.x - gamma * sinh * foot.v / omega;
+            let v_e = free.v - gamma * cosh * foot.v;
+            // Moving the foot by ΔX shifts (x_e, v_e) by these, per metre.
+            let per_x = gamma * (0.5 * omega * left).cosh();
+            let per_v = gamma * omega * (0.5 * omega * left).sinh();
+            let gain = self.scene.foot_placement_gain / (omega * (0.5 * omega * self.scene.period).tanh());
+            let v_ref = self.touchdown_speed() * state.step;
+            let fixed = x_e + 0.5 * state.step + gain * (v_e - v_ref);
+            let per_x_t = per_x + gain * per_v;
+            state.landing = (fixed - per_x_t * foot.x) / (1.0 - per_x_t);
+            state.foot = foot.toward(state.landing - state.trim, left, self.h);
+        } else {
+            state.foot = Travel { x: state.foot.x + self.h * state.foot.v, a: 0.0, ..state.foot };
+        }
+    }
+
+    /// Speed of the steady gait at touchdown per step length, c_v [1/s].
+    fn touchdown_speed(&self) -> f64 {
+        let h = 0.25 * self.omega[0] * self.scene.period;
+        self.omega[0] * (0.5 / h.tanh() - self.swing_coupling / h.sinh())
+    }
+
+    /// (30): task rates that make the measured task follow the plan.
+    fn follow(&self, state: &mut GaitState, task: &Task, lift: f64, foot_rate: [f64; 2], load: f64) -> Reference {
+        let climb = (2.0 * (self.scene.com_height - state.height)).clamp(-0.1, 0.1);
+        state.height += self.h * climb;
+        let stepping = matches!(state.phase, Phase::Walk | Phase::Lift);
+        let [sagittal, lateral] = state.com;
+        let command = [sagittal.x, lateral.x, state.height, state.foot.x, self.width, lift, 0.0];
+        let rate = [sagittal.v, lateral.v, climb, foot_rate[0], 0.0, foot_rate[1], 0.0];
+        let (com, foot) = (self.scene.com_gain, self.scene.swing_gain);
+        let gain = [com, com, com, foot, foot, foot, com];
+        let xdot = TaskVector::from_fn(|k, _| {
+            let held = !stepping && (3..6).contains(&k); // a foot on the ground stays where it is
+            if held { 0.0 } else { gain[k] * (command[k] - task.x[k]) + rate[k] } // (30)
+        });
+        Reference { xdot, acceleration: [sagittal.a, lateral.a], load, time_left: None }
+    }
+
+    /// E_1, E_2 of the plan by (33) [m²/s²].
+    pub fn energies(&self, state: &GaitState) -> [f64; 2] {
+        std::array::from_fn(|k| Motion { x: state.com[k].x, v: state.com[k].v }.energy(self.omega[k]))
+    }
+
+    /// Their references by (42) and (40) [m²/s²].
+    pub fn energy_references(&self, state: &GaitState) -> [f64; 2] {
+        let period = self.scene.period;
+        [sagittal_energy(self.omega[0], state.step, period), lateral_energy(self.omega[1], self.width, period)]
+    }
+}
+
+/// One period `h` [s] of ẍ = ω²x + u.
+fn pendulum(now: Travel, omega: f64, u: f64, h: f64) -> Travel {
+    let next = Motion { x: now.x, v: now.v }.after(omega, u, h);
+    Travel { x: next.x, v: next.v, a: omega * omega * next.x + u }
+}

@@ -1,0 +1,106 @@
+//! The inverted-pendulum mode of the centre of gravity, one axis at a time: (31)-(42).
+//!
+//! ```text
+//!   xdd = omega² x + u          (31), (32)
+//!   E   = v²/2 - omega² x²/2    (33), constant without input
+//! ```
+//! Positions are those of the centre of gravity relative to the supporting sole's centre [m].
+
+/// State of one axis.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// Position relative to the support [m].
+    pub x: f64,
+    /// Velocity [m/s].
+    pub v: f64,
+}
+
+impl Motion {
+    /// E = v²/2 − ω²x²/2 [m²/s²]. Source: (33).
+    pub fn energy(self, omega: f64) -> f64 {
+        0.5 * self.v * self.v - 0.5 * (omega * self.x).powi(2) // (33)
+    }
+
+    /// The state after time `t` under constant input `u`: (34), shifted by the rest point −u/ω².
+    pub fn after(self, omega: f64, u: f64, t: f64) -> Motion {
+        let rest = -u / (omega * omega);
+        let (sinh, cosh) = ((omega * t).sinh(), (omega * t).cosh());
+        let x = self.x - rest;
+        Motion { x: rest + x * cosh + self.v / omega * sinh, v: x * omega * sinh + self.v * cosh } // (34)
+    }
+
+    /// Time until the free motion reaches `width` [s], at most `longest`.
+    ///
+    /// (34) as x = A e^(ωt) + B e^(−ωt) is a quadratic in e^(ωt); moving away needs A > 0.
+    pub fn time_to(self, width: f64, omega: f64, longest: f64) -> f64 {
+        let a = 0.5 * (self.x + self.v / omega);
+        let b = 0.5 * (self.x - self.v / omega);
+        if a <= 1e-5 {
+            return longest;
+        }
+        let root = (width * width - 4.0 * a * b).max(0.0).sqrt();
+        (((width + root) / (2.0 * a)).ln() / omega).clamp(0.0, longest)
+    }
+}
+
+/// Energy of the lateral orbit with period `period` between feet `width` apart [m²/s²]. Source: (37), (40).
+pub fn lateral_energy(omega: f64, width: f64, period: f64) -> f64 {
+    let e = (0.5 * omega * period).exp();
+    -(omega * width).powi(2) * e / (2.0 * (1.0 + e).powi(2)) // (40)
+}
+
+/// Energy of the sagittal orbit with steps of length `step` [m²/s²]. Source: (42).
+pub fn sagittal_energy(omega: f64, step: f64, period: f64) -> f64 {
+    let e = (0.5 * omega * period).exp();
+    (omega * step).powi(2) * e / (2.0 * (1.0 - e).powi(2)) // (42)
+}
+
+/// Turning point of the lateral orbit: where E of (33) equals (40) at rest [m].
+pub fn turning_point(omega: f64, width: f64, period: f64) -> f64 {
+    0.5 * width / (0.25 * omega * period).cosh()
+}
+
+/// Virtual input that drives the energy to its reference: u = k_E (E_ref − E)/v, held within ±`limit` [m/s²].
+///
+/// (39) is singular at v = 0, so v/(v² + v_0²) stands for 1/v: near the turning point the input fades instead of
+/// jumping between its limits. Then dE/dt = k_E (E_ref − E) v²/(v² + v_0²), which is (41) but slower there.
+/// Source: (38), (39).
+pub fn virtual_input(gain: f64, reference: f64, energy: f64, v: f64, limit: f64) -> f64 {
+    const V_0: f64 = 0.03;
+    (gain * (reference - energy) * v / (v * v + V_0 * V_0)).clamp(-limit, limit) // (39)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OMEGA: f64 = 4.947;
+
+    #[test]
+    fn the_free_orbit_of_the_reference_energy_has_the_reference_period() {
+        let (width, period) = (0.1, 0.6);
+        let start = Motion { x: turning_point(OMEGA, width, period), v: 0.0 };
+        assert!((start.energy(OMEGA) - lateral_energy(OMEGA, width, period)).abs() < 1e-15);
+        assert!((start.time_to(width / 2.0, OMEGA, 1.0) - period / 4.0).abs() < 1e-12);
+        let end = start.after(OMEGA, 0.0, period / 4.0);
+        let back = Motion { x: end.x, v: -end.v }.after(OMEGA, 0.0, period / 2.0);
+        assert!((back.x - width / 2.0).abs() < 1e-12 && (back.v - end.v).abs() < 1e-12); // (35), (36)
+    }
+
+    #[test]
+    fn a_sagittal_orbit_of_the_reference_energy_covers_one_step_in_half_a_period() {
+        let (step, period) = (0.06, 0.6);
+        let v = (2.0 * sagittal_energy(OMEGA, step, period) + (OMEGA * step / 2.0).powi(2)).sqrt();
+        let end = Motion { x: -step / 2.0, v }.after(OMEGA, 0.0, period / 2.0);
+        assert!((end.x - step / 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn energy_is_constant_without_input_and_follows_38_with_it() {
+        let start = Motion { x: 0.042, v: -0.08 };
+        assert!((start.after(OMEGA, 0.0, 0.2).energy(OMEGA) - start.energy(OMEGA)).abs() < 1e-15);
+        let (u, h) = (0.4, 1e-6);
+        let rate = (start.after(OMEGA, u, h).energy(OMEGA) - start.energy(OMEGA)) / h;
+        assert!((rate - start.v * u).abs() < 1e-5); // (38)
+    }
+}

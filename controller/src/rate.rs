@@ -1,0 +1,92 @@
+//! Resolved motion rate: joint rates from task rates by the QP (28)-(29).
+//!
+//! ```text
+//!   minimise ½ q̇ᵀ C q̇ − c_0ᵀ q̇   subject to   J_aco q̇ = ẋ
+//!   C = I + w s sᵀ,  c_0 = −w k φ s,  s = [0 1 1 1 1 1 1 0]
+//! ```
+//! The task has seven components and the robot eight joints. The one joint motion left over levels the swing foot: the
+//! weights say ½ w (sᵀq̇ + k φ)², φ being the foot's pitch and sᵀq̇ its rate. The paper leaves C and c_0 to the
+//! designer and suggests I and 0, with which the foot lands on its edge.
+
+use crate::support::{Joints, TaskJacobian, TaskVector};
+use clarabel::algebra::CscMatrix;
+use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
+use messages::wire::JOINTS;
+use nalgebra::SMatrix;
+
+/// Weight w of the level swing foot [-].
+const LEVEL_WEIGHT: f64 = 100.0;
+/// Rate k at which its pitch decays [1/s].
+const LEVEL_GAIN: f64 = 40.0;
+
+/// s: the joints whose angles add up to the swing foot's pitch.
+fn pitch_sum() -> Joints {
+    Joints::from([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
+}
+
+/// c_0 of (28) for a swing foot pitched by `pitch` [rad].
+pub fn bias(pitch: f64) -> Joints {
+    -LEVEL_WEIGHT * LEVEL_GAIN * pitch * pitch_sum()
+}
+
+/// C⁻¹ v, by Sherman and Morrison.
+fn unweigh(v: &Joints) -> Joints {
+    let s = pitch_sum();
+    v - s * (LEVEL_WEIGHT * s.dot(v) / (1.0 + LEVEL_WEIGHT * s.dot(&s)))
+}
+
+/// Joint rates without bounds, in closed form; `None` if J is singular.
+///
+/// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0. Shapes: J 7×8, ẋ 7, c_0 8. Source: (28), (29).
+pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Option<Joints> {
+    let mut weighted = SMatrix::<f64, JOINTS, 7>::zeros(); // C⁻¹ Jᵀ
+    for (row, mut column) in jacobian.row_iter().zip(weighted.column_iter_mut()) {
+        column.copy_from(&unweigh(&row.transpose()));
+    }
+    let factor = (jacobian * weighted).cholesky()?;
+    let free = unweigh(bias);
+    let lambda = factor.solve(&(xdot - jacobian * free));
+    let rates = free + weighted * lambda;
+    rates.iter().all(|rate| rate.is_finite()).then_some(rates)
+}
+
+/// Joint rates within `lower` ≤ q̇ ≤ `upper` [rad/s], by an interior-point method; `None` if (29) cannot hold there.
+///
+/// Allocates: bounds are an option for study, the default controller uses [`resolve`]. A fresh solver each time, for
+/// one that is updated in place gives other bits than a new one.
+pub fn resolve_bounded(
+    jacobian: &TaskJacobian,
+    xdot: &TaskVector,
+    bias: &Joints,
+    lower: &Joints,
+    upper: &Joints,
+) -> Option<Joints> {
+    let s = pitch_sum();
+    let weight = SMatrix::<f64, JOINTS, JOINTS>::identity() + LEVEL_WEIGHT * s * s.transpose();
+    let hessian = CscMatrix::from(&rows(weight.upper_triangle().as_slice(), JOINTS, JOINTS));
+    let mut constraints = rows(jacobian.as_slice(), 7, JOINTS);
+    for sign in [1.0, -1.0] {
+        constraints.extend((0..JOINTS).map(|i| (0..JOINTS).map(|j| if i == j { sign } else { 0.0 }).collect::<Vec<_>>()));
+    }
+    let right: Vec<f64> = xdot.iter().chain(upper.iter()).copied().chain(lower.iter().map(|low| -low)).collect();
+    let cones = [SupportedConeT::ZeroConeT(7), SupportedConeT::NonnegativeConeT(2 * JOINTS)];
+    let settings = DefaultSettings {
+        verbose: false,
+        presolve_enable: false,
+        tol_gap_abs: 1e-11,
+        tol_gap_rel: 1e-11,
+        tol_feas: 1e-11,
+        ..DefaultSettings::default()
+    };
+    let linear: Vec<f64> = bias.iter().map(|c| -c).collect();
+    let mut solver =
+        DefaultSolver::new(&hessian, &linear, &CscMatrix::from(&constraints), &right, &cones, settings).ok()?;
+    solver.solve();
+    matches!(solver.solution.status, SolverStatus::Solved | SolverStatus::AlmostSolved)
+        .then(|| Joints::from_column_slice(&solver.solution.x))
+}
+
+/// A column-major matrix as rows, which is what the solver reads.
+fn rows(column_major: &[f64], height: usize, width: usize) -> Vec<Vec<f64>> {
+    (0..height).map(|i| (0..width).map(|j| column_major[i + j * height]).collect()).collect()
+}

@@ -1,0 +1,107 @@
+//! The robust servo of each joint: sliding mode on the rate with a disturbance observer, (23)-(24).
+//!
+//! ```text
+//!   nominal drive  J_n q̈ = τ − d'                         (23) with B taken into d'
+//!   surface        σ = q̇ − q̇_ref
+//!   torque         τ = τ_ff − J_n sat(κσ) + d̂,   κ = 1/T_s
+//!   observer       d̂ = (1 − S)(τ − τ_ff − J_n q̈),  S(s) = s/(s + g)
+//! ```
+//! Where the surface is cancelled in one switching period, σ_{k+1} = T_s (K_n/J_n) S d', which is (24). The paper's
+//! switching element is a relay; in a sampled loop it chatters between the torque limits, so the default saturates.
+
+use crate::support::{Joints, mirror};
+use messages::scene::{ControllerScene, Switching};
+use messages::wire::JOINTS;
+
+/// Greatest acceleration that the switching element asks for [rad/s²].
+pub const REACH: f64 = 60.0;
+
+/// Constants of the eight servos, support order.
+#[derive(Clone, Debug)]
+pub struct ServoModel {
+    /// J_n [kg·m²].
+    pub nominal_inertia: Joints,
+    /// κ = 1/T_s [1/s].
+    pub switch_rate: f64,
+    /// g [rad/s].
+    pub observer_bandwidth: f64,
+    /// Relay or boundary layer.
+    pub switching: Switching,
+    /// Control period [s].
+    pub period: f64,
+}
+
+/// Memory of the eight servos, support order.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ServoState {
+    /// d̂ [N·m].
+    pub disturbance: Joints,
+    /// q̇ of the period before [rad/s].
+    rate: Option<Joints>,
+    /// Torque beyond the feed-forward that was applied in the period before [N·m].
+    effort: Joints,
+}
+
+impl ServoModel {
+    /// Servos of the scene with the nominal inertias given [kg·m²].
+    pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64) -> Self {
+        ServoModel {
+            nominal_inertia,
+            switch_rate: scene.switch_rate,
+            observer_bandwidth: scene.observer_bandwidth,
+            switching: scene.switching,
+            period,
+        }
+    }
+
+    /// Rate bounds that keep the torque of [`drive`](Self::drive) within ±`bound` [N·m] inside the boundary layer:
+    /// q̇ ± … with τ = τ_ff + d̂ + J_n κ (q̇_ref − q̇).
+    pub fn rates_within(&self, state: &ServoState, rate: &Joints, feed_forward: &Joints, bound: f64) -> [Joints; 2] {
+        let slope = self.nominal_inertia * self.switch_rate;
+        let idle = feed_forward + state.disturbance;
+        [-bound, bound].map(|limit| rate + (Joints::repeat(limit) - idle).component_div(&slope))
+    }
+
+    /// Updates the observers with the rates measured now [rad/s]: what the effort of the last period did not explain.
+    pub fn observe(&self, state: &mut ServoState, rate: &Joints) {
+        if let Some(before) = state.rate {
+            let forget = (-self.observer_bandwidth * self.period).exp();
+            let acceleration = (rate - before) / self.period;
+            let unexplained = state.effort - self.nominal_inertia.component_mul(&acceleration);
+            state.disturbance = state.disturbance * forget + unexplained * (1.0 - forget);
+        }
+        state.rate = Some(*rate);
+    }
+
+    /// Torques that drive the rates to `reference` [N·m], within ±`limit`; also the distances σ from the surfaces.
+    pub fn drive(
+        &self,
+        state: &mut ServoState,
+        rate: &Joints,
+        reference: &Joints,
+        feed_forward: &Joints,
+        limit: &Joints,
+    ) -> (Joints, Joints) {
+        let surface = rate - reference; // σ
+        let switch = surface.map(|sigma| match self.switching {
+            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-REACH, REACH),
+            Switching::Relay if sigma == 0.0 => 0.0,
+            Switching::Relay => REACH.copysign(sigma),
+        });
+        let wanted = feed_forward + state.disturbance - self.nominal_inertia.component_mul(&switch);
+        let torque = wanted.zip_map(limit, |torque, limit| torque.clamp(-limit, limit));
+        state.effort = torque - feed_forward; // after the limit, or the observer winds up
+        (torque, surface)
+    }
+
+    /// Hands the memory over to the other support order: kept for the new stance leg, forgotten for the new swing leg,
+    /// whose ankle would be spun by what it held against the ground.
+    pub fn exchange(&self, state: &mut ServoState) {
+        state.disturbance = mirror(&state.disturbance);
+        state.effort = mirror(&state.effort);
+        state.rate = state.rate.map(|rate| mirror(&rate));
+        for j in JOINTS / 2..JOINTS {
+            state.disturbance[j] = 0.0;
+        }
+    }
+}

@@ -1,0 +1,199 @@
+//! The robot seen from its supporting foot: x_c, x_t, x_g and their Jacobian J_aco, (25)-(27).
+//!
+//! The support frame S has its origin at the supporting sole's centre, axis 1 forward, axis 2 *toward the swing foot*,
+//! axis 3 up; the supporting sole is taken to lie flat. The robot is its own mirror image, so everything is written
+//! once, for the left foot, and [`mirror`] turns joint vectors of the right foot's support into those of the left's.
+//! Joints in *support order* run from the supporting foot to the swing foot.
+
+use crate::error::ControllerError;
+use messages::robot::{Body, LEFT_FOOT, RIGHT_FOOT, TRUNK};
+use messages::wire::JOINTS;
+use nalgebra::{Matrix3, SMatrix, SVector, Unit, UnitQuaternion, Vector3};
+
+/// One number per joint.
+pub type Joints = SVector<f64, JOINTS>;
+/// x = [x_c1 x_c2 x_c3 x_t1 x_t2 x_t3 x_g] of (26).
+pub type TaskVector = SVector<f64, 7>;
+/// J_aco of (27).
+pub type TaskJacobian = SMatrix<f64, 7, JOINTS>;
+
+/// Wire order to support order of the right foot, and back: it is its own inverse.
+///
+/// Reversing the chain turns every angle's sign, mirroring turns that of the two rolls once more.
+pub fn mirror(q: &Joints) -> Joints {
+    Joints::from_fn(|i, _| if i == 0 || i == JOINTS - 1 { q[JOINTS - 1 - i] } else { -q[JOINTS - 1 - i] })
+}
+
+/// The robot as a chain from the left foot to the right, at zero angles, origin at the left sole's centre.
+#[derive(Clone, Debug)]
+pub struct Chain {
+    /// Mass of link 0 … 8 [kg].
+    pub mass: [f64; JOINTS + 1],
+    /// Centre of mass of link 0 … 8 [m].
+    pub com: [Vector3<f64>; JOINTS + 1],
+    /// Principal moments of link 0 … 8 about its centre of mass [kg·m²].
+    pub tensor: [Vector3<f64>; JOINTS + 1],
+    /// Direction of joint 0 … 7.
+    pub axis: [Vector3<f64>; JOINTS],
+    /// Position of joint 0 … 7 [m].
+    pub joint: [Vector3<f64>; JOINTS],
+    /// Centre of the right sole [m].
+    pub swing_sole: Vector3<f64>,
+    /// Half the depth and half the width of a sole [m].
+    pub sole_half: [f64; 2],
+    /// Mass of the robot [kg].
+    pub total_mass: f64,
+}
+
+/// Where everything is at one set of angles; frame as for [`Chain`] (axis 2 is minus the second coordinate).
+#[derive(Clone, Debug)]
+pub struct Posture {
+    /// Rotation of link 0 … 8.
+    pub rotation: [Matrix3<f64>; JOINTS + 1],
+    /// Centre of mass of link 0 … 8 [m].
+    pub com: [Vector3<f64>; JOINTS + 1],
+    /// Direction of joint 0 … 7.
+    pub axis: [Vector3<f64>; JOINTS],
+    /// Position of joint 0 … 7 [m].
+    pub joint: [Vector3<f64>; JOINTS],
+    /// Centre of the swing sole [m].
+    pub swing_sole: Vector3<f64>,
+}
+
+/// The task (25)-(27) at one set of angles.
+#[derive(Clone, Debug)]
+pub struct Task {
+    /// x of (26), in S.
+    pub x: TaskVector,
+    /// J_aco of (27): dx/dt = J_aco dq/dt, joints in support order.
+    pub jacobian: TaskJacobian,
+    /// Pitch of the swing foot [rad].
+    pub swing_pitch: f64,
+}
+
+impl Chain {
+    /// Reads the chain out of the scene's bodies.
+    ///
+    /// # Errors
+    /// The bodies must be nine, listed from the left foot to the right, joined by eight turning axes: roll, three
+    /// times pitch, and back.
+    pub fn new(bodies: &[Body]) -> Result<Self, ControllerError> {
+        let refuse = |what: &str| Err(ControllerError::Robot(what.into()));
+        if bodies.len() != JOINTS + 1 {
+            return refuse("the controller walks robots of nine bodies and eight joints");
+        }
+        if bodies[0].name != LEFT_FOOT || bodies[4].name != TRUNK || bodies[JOINTS].name != RIGHT_FOOT {
+            return refuse("the bodies must be listed from `left foot` over `trunk`, the fifth, to `right foot`");
+        }
+        let mut origin = [Vector3::zeros(); JOINTS + 1];
+        let mut axis = [Vector3::zeros(); JOINTS];
+        let mut joint = [Vector3::zeros(); JOINTS];
+        // Outward from the trunk: the left leg's joints move the lower body, so their angles count backwards.
+        for (child, parent, j) in [(3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)] {
+            let Some(link) = bodies[child].joint.as_ref().filter(|link| link.parent == bodies[parent].name) else {
+                return refuse("each body must hang from its neighbour toward the trunk");
+            };
+            origin[child] = origin[parent] + Vector3::from(link.at);
+            joint[j] = origin[child];
+            axis[j] = Vector3::from(link.axis).normalize() * if child < parent { -1.0 } else { 1.0 };
+        }
+        let pattern = [Vector3::x(), Vector3::y(), Vector3::y(), Vector3::y()];
+        if (0..JOINTS).any(|j| (axis[j] - pattern[j.min(JOINTS - 1 - j)]).norm() > 1e-9) {
+            return refuse("the axes must be roll, pitch, pitch, pitch in each leg, as in the paper's Figure 4");
+        }
+        let sole = |body: usize| sole_centre(&bodies[body]).map(|centre| centre + origin[body]);
+        let (Some(left), Some(right)) = (sole(0), sole(JOINTS)) else {
+            return refuse("each foot needs contact points, its sole's corners");
+        };
+        let extent = |k: usize| bodies[0].contacts.iter().map(|p| (p[k] - left[k] + origin[0][k]).abs()).fold(0.0, f64::max);
+        Ok(Chain {
+            mass: std::array::from_fn(|i| bodies[i].mass),
+            com: std::array::from_fn(|i| origin[i] + Vector3::from(bodies[i].com) - left),
+            tensor: std::array::from_fn(|i| Vector3::from(bodies[i].moments())),
+            axis,
+            joint: joint.map(|p| p - left),
+            swing_sole: right - left,
+            sole_half: [extent(0), extent(1)],
+            total_mass: bodies.iter().map(|body| body.mass).sum(),
+        })
+    }
+
+    /// Distance W_2 between the soles' centres [m].
+    pub fn leg_width(&self) -> f64 {
+        self.swing_sole.y.abs()
+    }
+
+    /// Places every link at the angles `s` [rad, support order].
+    pub fn place(&self, s: &Joints) -> Posture {
+        let mut at = Posture {
+            rotation: [Matrix3::identity(); JOINTS + 1],
+            com: self.com,
+            axis: self.axis,
+            joint: self.joint,
+            swing_sole: self.swing_sole,
+        };
+        for j in 0..JOINTS {
+            let before = at.rotation[j];
+            if j > 0 {
+                at.joint[j] = at.joint[j - 1] + before * (self.joint[j] - self.joint[j - 1]);
+            }
+            at.axis[j] = before * self.axis[j];
+            let turn = UnitQuaternion::from_axis_angle(&Unit::new_unchecked(self.axis[j]), s[j]);
+            at.rotation[j + 1] = before * turn.to_rotation_matrix().matrix();
+            at.com[j + 1] = at.joint[j] + at.rotation[j + 1] * (self.com[j + 1] - self.joint[j]);
+        }
+        let last = JOINTS - 1;
+        at.swing_sole = at.joint[last] + at.rotation[JOINTS] * (self.swing_sole - self.joint[last]);
+        at
+    }
+
+    /// The task at the angles `s` [rad, support order]. Source: (25)-(27).
+    pub fn task(&self, s: &Joints) -> Task {
+        let at = self.place(s);
+        let mut jacobian = TaskJacobian::zeros();
+        // Column j of the centre of gravity: z_j × Σ_{i>j} m_i (r_i − p_j) / M, summed from the swing foot inward.
+        let mut outer_mass = 0.0;
+        let mut outer_moment = Vector3::zeros();
+        for j in (0..JOINTS).rev() {
+            outer_mass += self.mass[j + 1];
+            outer_moment += self.mass[j + 1] * at.com[j + 1];
+            let com = at.axis[j].cross(&(outer_moment - outer_mass * at.joint[j])) / self.total_mass;
+            let swing = at.axis[j].cross(&(at.swing_sole - at.joint[j]));
+            jacobian.fixed_view_mut::<3, 1>(0, j).copy_from(&toward_swing(com));
+            jacobian.fixed_view_mut::<3, 1>(3, j).copy_from(&toward_swing(swing));
+        }
+        for j in 1..4 {
+            jacobian[(6, j)] = 1.0;
+        }
+        let com = toward_swing((outer_moment + self.mass[0] * at.com[0]) / self.total_mass);
+        let swing = toward_swing(at.swing_sole);
+        let tilt = s[1] + s[2] + s[3];
+        Task {
+            x: TaskVector::from([com.x, com.y, com.z, swing.x, swing.y, swing.z, tilt]),
+            jacobian,
+            swing_pitch: tilt + s[4] + s[5] + s[6],
+        }
+    }
+}
+
+impl Task {
+    /// x_c [m].
+    pub fn com(&self) -> Vector3<f64> {
+        self.x.fixed_rows::<3>(0).into()
+    }
+
+    /// x_t [m].
+    pub fn swing(&self) -> Vector3<f64> {
+        self.x.fixed_rows::<3>(3).into()
+    }
+}
+
+/// The left foot's neighbour lies at negative y: axis 2 of S points there.
+fn toward_swing(v: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(v.x, -v.y, v.z)
+}
+
+fn sole_centre(foot: &Body) -> Option<Vector3<f64>> {
+    let sum: Vector3<f64> = foot.contacts.iter().map(|p| Vector3::from(*p)).sum();
+    (!foot.contacts.is_empty()).then(|| sum / foot.contacts.len() as f64)
+}

@@ -1,0 +1,232 @@
+//! The tick: from encoder counts to joint torques, top to bottom of the paper's section 3.
+
+use crate::constants::{Constants, posture};
+use crate::encoder::{EncoderModel, EncoderState};
+use crate::error::ControllerError;
+use crate::gait::{GaitModel, GaitState, Phase, Reference};
+use crate::rate;
+use crate::servo::{ServoModel, ServoState};
+use crate::support::{Chain, Joints, Task, mirror};
+use messages::scene::{ControllerScene, Scene};
+use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
+
+/// Everything about the controller that does not change.
+struct Model {
+    scene: ControllerScene,
+    gravity: f64,
+    torque_limit: f64,
+    chain: Chain,
+    constants: Constants,
+    encoder: EncoderModel,
+    gait: GaitModel,
+    servo: ServoModel,
+}
+
+/// Everything that does.
+#[derive(Clone, Copy)]
+struct State {
+    encoder: EncoderState,
+    /// Whether the right foot supports.
+    right: bool,
+    /// `None` until the first encoders tell how the robot stands.
+    gait: Option<GaitState>,
+    servo: ServoState,
+}
+
+/// The paper's walking controller: encoder counts in, torques out, once each control period.
+pub struct Controller {
+    model: Model,
+    state: State,
+    telemetry: Telemetry,
+}
+
+/// Greatest joint rate that is asked for [rad/s].
+const RATE_LIMIT: f64 = 12.0;
+
+impl Controller {
+    /// A controller for the scene.
+    ///
+    /// # Errors
+    /// If the scene has no controller or its bodies are not the eight-axis biped; see [`ControllerError`].
+    pub fn new(scene: &Scene) -> Result<Self, ControllerError> {
+        let settings = scene.controller.clone().ok_or(ControllerError::NoController)?;
+        let period = 1.0 / scene.rate;
+        let chain = Chain::new(&scene.bodies)?;
+        let constants = Constants::new(&chain, &settings, &scene.plant, &crouch())?;
+        let model = Model {
+            gravity: scene.plant.gravity,
+            torque_limit: scene.plant.torque_limit,
+            encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
+            gait: GaitModel::new(&settings, &chain, &constants, period),
+            servo: ServoModel::new(&settings, constants.nominal_inertia, period),
+            scene: settings,
+            chain,
+            constants,
+        };
+        let state =
+            State { encoder: EncoderState::default(), right: false, gait: None, servo: ServoState::default() };
+        Ok(Controller { model, state, telemetry: Telemetry::default() })
+    }
+
+    /// One control period: torques for the encoders read now.
+    ///
+    /// # Errors
+    /// [`ControllerError::Singular`] where the task cannot be resolved into joint rates.
+    pub fn tick(&mut self, encoders: &Encoders) -> Result<Torques, ControllerError> {
+        let Controller { model, state, telemetry } = self;
+        model.encoder.read(&mut state.encoder, encoders);
+        let mut task = model.chain.task(&state.to_support(&state.encoder.angle)); // (25)-(27)
+        let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task));
+        if model.gait.exchange_due(&gait) {
+            model.gait.exchange(&mut gait, &task);
+            model.servo.exchange(&mut state.servo);
+            state.right = !state.right;
+            task = model.chain.task(&state.to_support(&state.encoder.angle));
+        }
+        let plan = model.gait.plan(&mut gait, &task); // (30)-(43)
+        state.gait = Some(gait);
+        let rate = state.to_support(&state.encoder.rate);
+        model.servo.observe(&mut state.servo, &rate);
+        let feed_forward = model.feed_forward(state, &task, &plan);
+        let reference = model
+            .resolve(state, &task, &plan, &rate, &feed_forward) // (28), (29)
+            .ok_or(ControllerError::Singular { time: gait.time })?;
+        let limit = model.torque_limits(&gait, &plan);
+        let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limit); // (24)
+        *telemetry = model.tell(state, &gait, &task, &state.to_support(&surface));
+        Ok(Torques { torque: state.to_support(&torque).into() })
+    }
+
+    /// What the controller thought in the last tick.
+    pub fn telemetry(&self) -> Telemetry {
+        self.telemetry
+    }
+
+    /// The robot's constants in this scene: ω, J_n and so on.
+    pub fn constants(&self) -> &Constants {
+        &self.model.constants
+    }
+}
+
+impl State {
+    /// Wire order to support order and back.
+    fn to_support(&self, q: &Joints) -> Joints {
+        if self.right { mirror(q) } else { *q }
+    }
+}
+
+impl Model {
+    /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone:
+    /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m].
+    fn feed_forward(&self, state: &State, task: &Task, plan: &Reference) -> Joints {
+        if !self.scene.feed_forward {
+            return Joints::zeros();
+        }
+        let [a_1, a_2] = plan.acceleration;
+        let carry = |task: &Task, a_2: f64| {
+            let row = |k: usize| task.jacobian.row(k).transpose();
+            self.chain.total_mass * (self.gravity * row(2) + a_1 * row(0) + a_2 * row(1))
+        };
+        let stance = carry(task, a_2);
+        if plan.load >= 1.0 {
+            return stance;
+        }
+        // Seen from the other foot, axis 2 points the other way.
+        let other = self.chain.task(&mirror(&state.to_support(&state.encoder.angle)));
+        plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2))
+    }
+
+    /// Joint rates for the task rates: closed form, or the QP with bounds where the scene sets any.
+    fn resolve(
+        &self,
+        state: &State,
+        task: &Task,
+        plan: &Reference,
+        rate: &Joints,
+        feed_forward: &Joints,
+    ) -> Option<Joints> {
+        let bias = rate::bias(task.swing_pitch);
+        let free = rate::resolve(&task.jacobian, &plan.xdot, &bias)?;
+        let within = |free: Joints, low: &Joints, high: &Joints| free.zip_zip_map(low, high, f64::clamp);
+        let hard = Joints::repeat(RATE_LIMIT);
+        if self.scene.rate_limit.is_none() && self.scene.torque_bound.is_none() {
+            return Some(within(free, &-hard, &hard));
+        }
+        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(RATE_LIMIT));
+        let mut low = -high;
+        if let Some(bound) = self.scene.torque_bound {
+            let [least, most] = self.servo.rates_within(&state.servo, rate, feed_forward, bound);
+            // Where the present rate already exceeds both, the rate bound wins.
+            high = most.zip_zip_map(&low, &high, f64::clamp);
+            low = least.zip_zip_map(&low, &high, f64::clamp);
+        }
+        let bounded = rate::resolve_bounded(&task.jacobian, &plan.xdot, &bias, &low, &high);
+        Some(bounded.unwrap_or_else(|| within(free, &low, &high)))
+    }
+
+    /// Torque limits in support order: the drives', and at the ankles what leaves the soles flat on the ground [N·m].
+    ///
+    /// A loaded sole tips over its edge when the ankle's torque exceeds weight × half its size. After an exchange the
+    /// new stance foot is still being loaded, before the next one the swing foot is about to touch.
+    fn torque_limits(&self, gait: &GaitState, plan: &Reference) -> Joints {
+        let [roll, pitch] = self.constants.ankle_limit;
+        let stepping = gait.phase == Phase::Walk;
+        let loaded = if stepping && gait.steps > 0 { 0.15 + 0.85 * (gait.since / 0.04).min(1.0) } else { 1.0 };
+        let stance = loaded * plan.load;
+        let mut limit = Joints::repeat(self.torque_limit);
+        let mut ankle = |j: usize, bound: f64| limit[j] = bound.min(self.torque_limit);
+        ankle(0, roll * stance);
+        ankle(1, pitch * stance);
+        if plan.load < 1.0 {
+            ankle(JOINTS - 1, roll * (1.0 - plan.load));
+            ankle(JOINTS - 2, pitch * (1.0 - plan.load));
+        } else {
+            let touching = plan.time_left.is_some_and(|left| left < 0.02);
+            let light = if touching { 0.3 } else { 1.0 };
+            ankle(JOINTS - 1, light * SWING_SHARE[0] * roll);
+            ankle(JOINTS - 2, light * SWING_SHARE[1] * pitch);
+        }
+        limit
+    }
+
+    fn tell(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
+        let [sagittal, lateral] = gait.com;
+        Telemetry {
+            phase: gait.phase as u32,
+            support: u32::from(state.right),
+            steps: gait.steps,
+            com: task.com().into(),
+            swing: task.swing().into(),
+            pendulum: [sagittal.x, sagittal.v, lateral.x, lateral.v],
+            energy: self.gait.energies(gait),
+            energy_ref: self.gait.energy_references(gait),
+            landing: gait.landing,
+            surface: (*surface).into(),
+        }
+    }
+}
+
+/// Share of the stance limits that the swinging ankle gets: roll 3 and pitch 4 N·m for the paper's robot.
+const SWING_SHARE: [f64; 2] = [0.46, 0.31];
+
+/// The bent-kneed posture from which the search for others starts [rad, support order].
+fn crouch() -> Joints {
+    Joints::from([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])
+}
+
+/// Joint angles with the centre of gravity midway between the feet at the scene's height, trunk upright [rad, wire
+/// order]: a posture to start from.
+///
+/// # Errors
+/// As [`Controller::new`].
+pub fn standing_posture(scene: &Scene) -> Result<Joints, ControllerError> {
+    let settings = scene.controller.as_ref().ok_or(ControllerError::NoController)?;
+    let chain = Chain::new(&scene.bodies)?;
+    let width = chain.leg_width();
+    let target = [0.0, 0.5 * width, settings.com_height, 0.0, width, 0.0, 0.0].into();
+    posture(&chain, &target, &crouch()).ok_or(ControllerError::Height {
+        height: settings.com_height,
+        low: 0.0,
+        high: chain.task(&Joints::zeros()).x[2],
+    })
+}

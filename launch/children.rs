@@ -1,0 +1,132 @@
+//! The two processes: started, watched, and never left behind.
+
+use crate::exit::{Exit, Failure};
+use indicatif::ProgressBar;
+use nix::sys::prctl;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::{Pid, getppid};
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::JoinHandle;
+use std::time::{Duration, Instant};
+
+/// Time that a process gets to end in order before it is killed.
+const GRACE: Duration = Duration::from_secs(5);
+
+/// A process of ours: plant or controller.
+#[derive(Debug)]
+pub struct Role {
+    /// `plant` or `controller`.
+    pub name: &'static str,
+    process: Child,
+    status: Option<ExitStatus>,
+    complaints: Option<JoinHandle<Vec<String>>>,
+}
+
+impl Role {
+    /// Starts `biped NAME ARGUMENTS`. What it writes is passed on line by line above the progress bar, but its errors
+    /// are kept for [`Role::verdict`].
+    ///
+    /// # Errors
+    /// If the system cannot start it.
+    pub fn start(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<Role, Failure> {
+        let failed = |error| Failure::new(Exit::Fault, format!("the {name} process cannot be started: {error}"));
+        let mut process = Command::new(std::env::current_exe().map_err(failed)?)
+            .arg(name)
+            .args(arguments)
+            .args(["--parent", &std::process::id().to_string()])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .map_err(failed)?;
+        let bar = bar.clone();
+        let listen = |stderr| std::thread::spawn(move || {
+            let mut errors: Vec<String> = Vec::new();
+            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                // An error may have more lines, such as the caret under a word.
+                match line.strip_prefix("error: ") {
+                    Some(error) => errors.push(error.into()),
+                    None if !errors.is_empty() || line.starts_with("thread '") => errors.push(line),
+                    None => bar.suspend(|| eprintln!("{name}: {line}")),
+                }
+            }
+            errors
+        });
+        let complaints = process.stderr.take().map(listen);
+        Ok(Role { name, process, status: None, complaints })
+    }
+
+    /// Its exit status, once it has ended.
+    pub fn ended(&mut self) -> Option<ExitStatus> {
+        if self.status.is_none() {
+            self.status = self.process.try_wait().ok().flatten();
+        }
+        self.status
+    }
+
+    /// Asks it to end in order.
+    pub fn ask_to_end(&mut self) {
+        self.signal(Signal::SIGTERM);
+    }
+
+    fn signal(&mut self, signal: Signal) {
+        // Only while it is not reaped: its number belongs to it.
+        if let (None, Ok(pid)) = (self.ended(), i32::try_from(self.process.id())) {
+            let _ = kill(Pid::from_raw(pid), signal);
+        }
+    }
+
+    /// What it ended with: nothing if in order, else its exit code and its last words.
+    ///
+    /// # Errors
+    /// If it failed, with the exit code that says how.
+    pub fn verdict(&mut self) -> Result<(), Failure> {
+        let Some(status) = self.ended() else { return Ok(()) };
+        if status.success() {
+            return Ok(());
+        }
+        let words = self.complaints.take().and_then(|listener| listener.join().ok()).unwrap_or_default();
+        let words = if words.is_empty() { String::new() } else { format!(": {}", words.join("\n")) };
+        Err(Failure::new(Exit::of_child(status.code()), format!("the {} failed ({status}){words}", self.name)))
+    }
+}
+
+impl Drop for Role {
+    /// Never leaves a process behind, whatever happened.
+    fn drop(&mut self) {
+        if self.ended().is_none() {
+            self.signal(Signal::SIGKILL);
+            let _ = self.process.wait();
+        }
+    }
+}
+
+/// Asks every process to end, and waits for it, `meanwhile` doing what they may be waiting for; kills what does not.
+pub fn end(roles: &mut [Role], mut meanwhile: impl FnMut()) {
+    roles.iter_mut().for_each(Role::ask_to_end);
+    wait(roles, GRACE, &mut meanwhile);
+    roles.iter_mut().for_each(|role| role.signal(Signal::SIGKILL));
+    wait(roles, GRACE, &mut meanwhile);
+}
+
+/// Waits for every process to end by itself, for a limited time.
+pub fn wait(roles: &mut [Role], limit: Duration, mut meanwhile: impl FnMut()) {
+    let start = Instant::now();
+    while roles.iter_mut().any(|role| role.ended().is_none()) && start.elapsed() < limit {
+        meanwhile();
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
+/// In a child: asks the system for a TERM when the parent dies, however it dies.
+///
+/// # Errors
+/// If it is dead already.
+pub fn die_with(parent: i32) -> Result<(), Failure> {
+    let asked = prctl::set_pdeathsig(Signal::SIGTERM);
+    match asked.is_ok() && getppid() == Pid::from_raw(parent) {
+        true => Ok(()),
+        false => Err(Failure::new(Exit::Interrupted, "the process that started this one has ended")),
+    }
+}

@@ -1,0 +1,107 @@
+//! What can go wrong, and the exit code that says so.
+
+use messages::load::SceneError;
+use messages::port::PortError;
+use std::process::ExitCode;
+
+/// Exit codes of every role.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All went well.
+    Ok = 0,
+    /// Wrong arguments, or a scene that is refused.
+    Usage = 2,
+    /// The other process did not come, or went away.
+    PeerMissing = 3,
+    /// The simulation or the controller failed, or results could not be written.
+    Fault = 4,
+    /// The other process has another program version, scene or pace.
+    Incompatible = 5,
+    /// Shared memory is missing, full or blocked.
+    SharedMemory = 6,
+    /// The robot fell.
+    Fell = 7,
+    /// Ctrl-C or TERM.
+    Interrupted = 130,
+}
+
+/// The same for people.
+pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
+    5 incompatible processes, 6 shared memory, 7 the robot fell, 130 interrupted";
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(exit as u8)
+    }
+}
+
+impl Exit {
+    /// The meaning of a child's exit code; one that is not ours, or a signal, is a fault.
+    pub fn of_child(code: Option<i32>) -> Exit {
+        let known = [Exit::Ok, Exit::Usage, Exit::PeerMissing, Exit::Incompatible, Exit::SharedMemory, Exit::Interrupted];
+        known.into_iter().find(|exit| code == Some(*exit as i32)).unwrap_or(Exit::Fault)
+    }
+}
+
+/// An exit code and a sentence.
+#[derive(Debug)]
+pub struct Failure {
+    /// The code.
+    pub exit: Exit,
+    /// The sentence.
+    pub message: String,
+}
+
+impl Failure {
+    /// A failure with a message.
+    pub fn new(exit: Exit, message: impl ToString) -> Failure {
+        Failure { exit, message: message.to_string() }
+    }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::new(Exit::Usage, error)
+    }
+}
+
+impl From<PortError> for Failure {
+    fn from(error: PortError) -> Self {
+        let exit = match &error {
+            PortError::SessionName { .. } => Exit::Usage,
+            PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => Exit::Incompatible,
+            PortError::SharedMemory(_) => Exit::SharedMemory,
+        };
+        Failure::new(exit, error)
+    }
+}
+
+impl From<plant::process::ProcessError> for Failure {
+    fn from(error: plant::process::ProcessError) -> Self {
+        use plant::process::ProcessError as E;
+        match error {
+            E::Port(error) => error.into(),
+            E::NoController(..) => Failure::new(Exit::PeerMissing, error),
+            E::Plant(_) | E::Silent(_) => Failure::new(Exit::Fault, error),
+            E::Interrupted => Failure::new(Exit::Interrupted, error),
+        }
+    }
+}
+
+impl From<controller::process::ProcessError> for Failure {
+    fn from(error: controller::process::ProcessError) -> Self {
+        use controller::process::ProcessError as E;
+        match error {
+            E::Port(error) => error.into(),
+            E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
+            E::Controller(_) => Failure::new(Exit::Fault, error),
+            E::Interrupted => Failure::new(Exit::Interrupted, error),
+        }
+    }
+}
+
+impl From<plant::PlantError> for Failure {
+    fn from(error: plant::PlantError) -> Self {
+        plant::process::ProcessError::from(error).into()
+    }
+}

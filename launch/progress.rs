@@ -1,0 +1,87 @@
+//! What a run shows while it runs: a bar with a live line on a terminal, plain lines elsewhere.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use messages::scene::Scene;
+use messages::wire::{PHASES, Truth};
+use std::io::IsTerminal;
+use std::time::{Duration, Instant};
+
+/// Time between plain lines.
+const LINE_INTERVAL: Duration = Duration::from_secs(5);
+/// Simulated time over which the speed shown is averaged: about two steps [s].
+const SPEED_SPAN: f64 = 0.6;
+
+/// The progress of a run, on standard error.
+pub struct Progress {
+    /// The bar, hidden when there is no terminal; other lines go through its `suspend`.
+    pub bar: ProgressBar,
+    lines: bool,
+    duration: f64,
+    start: Instant,
+    told: Instant,
+    /// Time and place of the base that the speed counts from [s, m].
+    from: (f64, f64),
+    speed: f64,
+}
+
+impl Progress {
+    /// A run of `scene` begins.
+    pub fn new(scene: &Scene, quiet: bool) -> Progress {
+        let terminal = std::io::stderr().is_terminal();
+        let target = if terminal && !quiet { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        // Milliseconds; no colours, so that there is nothing for NO_COLOR to switch off.
+        let bar = ProgressBar::with_draw_target(Some((scene.duration * 1e3) as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("[{bar:24}] {percent:>3} %  {msg}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        let now = Instant::now();
+        let lines = !terminal && !quiet;
+        Progress { bar, lines, duration: scene.duration, start: now, told: now, from: (0.0, 0.0), speed: 0.0 }
+    }
+
+    /// Takes the latest truth; cheap enough for every one of them.
+    pub fn update(&mut self, truth: &Truth) {
+        let (time, x) = (truth.stamp.sim_ns as f64 * 1e-9, truth.base_position[0]);
+        if time == 0.0 {
+            self.from = (time, x);
+        }
+        if time - self.from.0 >= SPEED_SPAN {
+            self.speed = (x - self.from.1) / (time - self.from.0);
+            self.from = (time, x);
+        }
+    }
+
+    /// Shows the latest truth, when it is time to.
+    pub fn show(&mut self, truth: &Truth) {
+        let interval = if self.lines { LINE_INTERVAL } else { Duration::from_millis(100) };
+        if self.told.elapsed() < interval || (self.bar.is_hidden() && !self.lines) {
+            return;
+        }
+        self.told = Instant::now();
+        self.bar.set_position(truth.stamp.sim_ns / 1_000_000);
+        self.bar.set_message(self.line(truth));
+        if self.lines {
+            eprintln!("{}", self.line(truth));
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
+    }
+
+    fn line(&self, truth: &Truth) -> String {
+        let time = truth.stamp.sim_ns as f64 * 1e-9;
+        let telemetry = &truth.telemetry;
+        let phase = PHASES.get(telemetry.phase as usize).copied().unwrap_or("?");
+        let support = if telemetry.support == 0 { "left" } else { "right" };
+        format!(
+            "t {time:.1} of {:.1} s  x {:+.2} m  {:+.2} m/s  {phase}, {support} foot  E2 {:+.5}  {:.0}x real time",
+            self.duration,
+            truth.base_position[0],
+            self.speed,
+            telemetry.energy[1],
+            time / self.start.elapsed().as_secs_f64().max(1e-3),
+        )
+    }
+}

@@ -1,0 +1,136 @@
+//! Steps, seen from outside: where the centre of mass crosses the line midway between the soles.
+
+use super::sample::{Sample, Sole};
+use nalgebra::{Rotation2, Vector2, Vector3};
+
+/// One step: from one exchange of support to the next.
+#[derive(Clone, Debug)]
+pub struct Step {
+    /// Time of the exchange that began it [s].
+    pub start: f64,
+    /// Centre of mass at that time [m].
+    pub com: Vector3<f64>,
+    /// Supporting foot: 0 left, 1 right.
+    pub support: usize,
+    /// Least lateral distance of the centre of mass from the support sole's centre, x_2 min [m].
+    pub x2_min: f64,
+    /// The support sole at that moment: the footprint.
+    pub sole: Sole,
+}
+
+/// State of the lateral plane in the support frame S: axis 2 from the support foot toward the other.
+#[derive(Clone, Copy, Debug)]
+pub struct Lateral {
+    /// Supporting foot: 0 left, 1 right.
+    pub support: usize,
+    /// Distance x_c2 of the centre of mass from the support sole's centre [m].
+    pub position: f64,
+    /// Its rate [m/s].
+    pub velocity: f64,
+    /// Signed distance from the midline, positive on the left [m].
+    offset: f64,
+    /// Distance between the soles' centres [m].
+    width: f64,
+}
+
+impl Lateral {
+    /// Reads the lateral plane off a sample; the side of the midline on which the centre of mass is supports.
+    /// The lateral direction is square to the mean heading of the feet. `None` without feet.
+    pub fn new(sample: &Sample) -> Option<Self> {
+        let [left, right] = sample.soles.as_ref()?;
+        let heading = Rotation2::new(left.yaw).slerp(&Rotation2::new(right.yaw), 0.5);
+        let across = heading * Vector2::y();
+        let along = |place: Vector2<f64>| across.dot(&place);
+        let (l, r, c) = (along(left.centre.xy()), along(right.centre.xy()), along(sample.com.xy()));
+        let offset = c - (l + r) / 2.0;
+        let rate = along(sample.com_velocity.xy());
+        let (support, position, velocity) = if offset >= 0.0 { (0, l - c, -rate) } else { (1, c - r, rate) };
+        Some(Lateral { support, position, velocity, offset, width: (l - r).abs() })
+    }
+}
+
+/// Counts steps as samples come in.
+#[derive(Default)]
+pub struct Gait {
+    /// Every step so far; the last is still going on.
+    pub steps: Vec<Step>,
+    side: Option<usize>,
+    before: Option<(Sample, Lateral)>,
+    crossing: Option<(f64, Vector3<f64>)>,
+    deepest: Option<(f64, Sole)>,
+}
+
+impl Gait {
+    /// A crossing counts once the centre of mass is this share of the soles' distance beyond the midline: standing
+    /// still on it is not walking.
+    const DEAD_BAND: f64 = 0.01;
+
+    /// Takes the next sample.
+    pub fn push(&mut self, sample: &Sample) {
+        let Some((now, soles)) = Lateral::new(sample).zip(sample.soles) else { return };
+        if let Some((old, then)) = &self.before
+            && then.support != now.support
+        {
+            let share = then.offset / (then.offset - now.offset);
+            let time = old.time + share * (sample.time - old.time);
+            self.crossing = Some((time, old.com.lerp(&sample.com, share)));
+            self.deepest = None;
+        }
+        if self.deepest.is_none_or(|(least, _)| now.position < least) {
+            self.deepest = Some((now.position, soles[now.support]));
+        }
+        if now.offset.abs() > Self::DEAD_BAND * now.width {
+            if self.side.is_some_and(|side| side != now.support) {
+                self.begin(now.support, soles[now.support]);
+            }
+            self.side = Some(now.support);
+        }
+        if let (Some(step), Some((least, sole))) = (self.steps.last_mut(), self.deepest)
+            && step.support == now.support
+            && least < step.x2_min
+        {
+            (step.x2_min, step.sole) = (least, sole);
+        }
+        self.before = Some((sample.clone(), now));
+    }
+
+    fn begin(&mut self, support: usize, sole: Sole) {
+        if let Some((start, com)) = self.crossing {
+            self.steps.push(Step { start, com, support, x2_min: f64::INFINITY, sole });
+        }
+    }
+
+    /// Steps that have ended.
+    pub fn complete(&self) -> &[Step] {
+        self.steps.split_last().map_or(&[], |(_, done)| done)
+    }
+
+    /// Mean and standard deviation of the last `count` periods, a period being two steps [s]; NaN without any.
+    pub fn period(&self, count: usize) -> (f64, f64) {
+        let periods: Vec<f64> = self.steps.windows(3).rev().take(count).map(|w| w[2].start - w[0].start).collect();
+        let mean = mean(periods.iter().copied());
+        (mean, self::mean(periods.iter().map(|period| (period - mean).powi(2))).sqrt())
+    }
+
+    /// Mean of x_2 min over the last `count` complete steps [m]; NaN without any.
+    pub fn x2_min(&self, count: usize) -> f64 {
+        mean(self.complete().iter().rev().take(count).map(|step| step.x2_min))
+    }
+
+    /// Mean forward speed over the last half of the walk, over whole periods [m/s]; NaN with fewer than three steps.
+    pub fn speed(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) else { return f64::NAN };
+        let middle = (first.start + last.start) / 2.0;
+        (self.steps.iter().rev().step_by(2).skip(1))
+            .take_while(|step| step.start >= middle)
+            .last()
+            .or_else(|| self.steps.iter().rev().nth(2))
+            .map_or(f64::NAN, |step| (last.com.x - step.com.x) / (last.start - step.start))
+    }
+}
+
+/// Mean; NaN of nothing.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = values.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value));
+    if count == 0 { f64::NAN } else { sum / f64::from(count) }
+}

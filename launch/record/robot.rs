@@ -1,0 +1,169 @@
+//! Where the bodies of a scene are and how they move, from the pose in a [`Truth`].
+
+use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, TRUNK};
+use messages::scene::Scene;
+use messages::wire::{CONTACTS, Truth};
+use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
+
+/// The scene's robot, arranged for walking the tree from the base outwards.
+pub struct Robot {
+    /// Bodies as in the scene.
+    pub bodies: Vec<Body>,
+    /// Contact points in wire order: body and place in its frame [m].
+    pub contacts: Vec<(usize, Point3<f64>)>,
+    /// Left and right foot, if the robot has both.
+    pub feet: Option<[Foot; 2]>,
+    /// The body that falls: the trunk if one has that name, else the base.
+    pub trunk: usize,
+    links: Vec<Link>,
+    lumps: Vec<(usize, Point3<f64>, f64)>,
+}
+
+/// A foot and its flat rectangular sole.
+pub struct Foot {
+    /// Index of the body.
+    pub body: usize,
+    /// Centre of the sole in the body's frame [m].
+    pub sole: Point3<f64>,
+    /// Half the depth and half the width of the sole [m].
+    pub half: [f64; 2],
+}
+
+/// Pose and velocity of one body in W.
+#[derive(Clone, Copy)]
+pub struct Placed {
+    /// Body frame to W.
+    pub pose: Isometry3<f64>,
+    /// Velocity of the frame's origin [m/s].
+    pub velocity: Vector3<f64>,
+    /// Angular velocity [rad/s].
+    pub spin: Vector3<f64>,
+}
+
+struct Link {
+    body: usize,
+    parent: usize,
+    joint: usize,
+    kind: JointKind,
+    axis: Unit<Vector3<f64>>,
+    at: Vector3<f64>,
+}
+
+impl Robot {
+    /// Arranges the scene's bodies. Bodies that hang from nothing stay at the base.
+    pub fn new(scene: &Scene) -> Self {
+        let bodies = scene.bodies.clone();
+        let find = |name: &str| bodies.iter().position(|body| body.name == name);
+        let base = bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
+        let or_base = |name: &str| find(name).unwrap_or(base);
+        let contacts = (bodies.iter().enumerate())
+            .flat_map(|(i, body)| body.contacts.iter().map(move |&point| (i, point.into())))
+            .take(CONTACTS)
+            .collect();
+        let mut lumps: Vec<_> = (bodies.iter().enumerate()).map(|(i, body)| (i, body.com.into(), body.mass)).collect();
+        if !bodies.is_empty() {
+            let plant = &scene.plant;
+            lumps.push((or_base(&plant.payload_body), plant.payload_offset.into(), plant.payload_kg));
+        }
+        let feet =
+            find(LEFT_FOOT).zip(find(RIGHT_FOOT)).map(|(left, right)| [left, right].map(|i| Foot::new(i, &bodies[i])));
+        let (trunk, links) = (or_base(TRUNK), links(&bodies, base));
+        Robot { bodies, contacts, feet, trunk, links, lumps }
+    }
+
+    /// Names of the joints, in wire order: those of the bodies that they move.
+    pub fn joints(&self) -> Vec<&str> {
+        self.bodies.iter().filter(|body| body.joint.is_some()).map(|body| body.name.as_str()).collect()
+    }
+
+    /// Total mass, with the payload [kg].
+    pub fn mass(&self) -> f64 {
+        self.lumps.iter().map(|lump| lump.2).sum()
+    }
+
+    /// Pose and velocity of every body in W, in the scene's order.
+    pub fn place(&self, truth: &Truth) -> Vec<Placed> {
+        let [w, x, y, z] = truth.base_orientation;
+        let base = Placed {
+            pose: Isometry3::from_parts(
+                Translation3::from(truth.base_position),
+                UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+            ),
+            velocity: truth.base_velocity.into(),
+            spin: truth.base_spin.into(),
+        };
+        let mut placed = vec![base; self.bodies.len()];
+        for link in &self.links {
+            let at_joint = |values: &[f64]| values.get(link.joint).copied().unwrap_or(0.0);
+            let (travel, rate) = (at_joint(&truth.angle), at_joint(&truth.rate));
+            placed[link.body] = link.carry(&placed[link.parent], travel, rate);
+        }
+        placed
+    }
+
+    /// Centre of mass in W [m] and its velocity [m/s]; NaN if the robot weighs nothing.
+    pub fn com(&self, placed: &[Placed]) -> (Vector3<f64>, Vector3<f64>) {
+        let mut sum = (Vector3::zeros(), Vector3::zeros());
+        for &(body, place, mass) in &self.lumps {
+            let arm = placed[body].pose.rotation * place.coords;
+            sum.0 += mass * (placed[body].pose.translation.vector + arm);
+            sum.1 += mass * (placed[body].velocity + placed[body].spin.cross(&arm));
+        }
+        (sum.0 / self.mass(), sum.1 / self.mass())
+    }
+}
+
+impl Foot {
+    /// The sole spans the body's contact points; without any it is the bottom of the box.
+    fn new(index: usize, body: &Body) -> Self {
+        let [depth, width, height] = body.size;
+        if body.contacts.is_empty() {
+            let sole = Point3::from(body.com) - Vector3::z() * height / 2.0;
+            return Foot { body: index, sole, half: [depth / 2.0, width / 2.0] };
+        }
+        let span = |axis: usize| {
+            let values = body.contacts.iter().map(move |point| point[axis]);
+            (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let [x, y, z] = [span(0), span(1), span(2)];
+        let sole = Point3::new((x.0 + x.1) / 2.0, (y.0 + y.1) / 2.0, z.0);
+        Foot { body: index, sole, half: [(x.1 - x.0) / 2.0, (y.1 - y.0) / 2.0] }
+    }
+}
+
+impl Link {
+    fn carry(&self, parent: &Placed, travel: f64, rate: f64) -> Placed {
+        let axis = parent.pose.rotation * *self.axis;
+        let (angle, slide, turning, sliding) = match self.kind {
+            JointKind::Revolute => (travel, 0.0, rate, 0.0),
+            JointKind::Prismatic => (0.0, travel, 0.0, rate),
+        };
+        let arm = parent.pose.rotation * (self.at + *self.axis * slide);
+        let turn = UnitQuaternion::from_axis_angle(&self.axis, angle);
+        let origin = parent.pose.translation.vector + arm;
+        Placed {
+            pose: Isometry3::from_parts(origin.into(), parent.pose.rotation * turn),
+            velocity: parent.velocity + parent.spin.cross(&arm) + axis * sliding,
+            spin: parent.spin + axis * turning,
+        }
+    }
+}
+
+/// Joints of the tree, parents first.
+fn links(bodies: &[Body], base: usize) -> Vec<Link> {
+    let mut open: Vec<Link> = (bodies.iter().enumerate())
+        .filter_map(|(i, body)| body.joint.as_ref().map(|joint| (i, joint)))
+        .enumerate()
+        .filter_map(|(number, (body, joint))| {
+            let parent = bodies.iter().position(|other| other.name == joint.parent)?;
+            let axis = Unit::new_normalize(Vector3::from(joint.axis));
+            Some(Link { body, parent, joint: number, kind: joint.kind, axis, at: joint.at.into() })
+        })
+        .collect();
+    let (mut reached, mut links) = (vec![base], Vec::new());
+    while let Some(next) = open.iter().position(|link| reached.contains(&link.parent)) {
+        reached.push(open[next].body);
+        links.push(open.remove(next));
+    }
+    links
+}

@@ -1,0 +1,109 @@
+//! What one [`Truth`] says about the whole robot: centre of mass, soles, loads, zero-moment point.
+
+use super::robot::{Foot, Placed, Robot};
+use messages::wire::{CONTACTS, Truth};
+use nalgebra::{Vector2, Vector3};
+
+/// Everything derived from one sample; world frame W.
+#[derive(Clone, Debug)]
+pub struct Sample {
+    /// Simulated time [s].
+    pub time: f64,
+    /// Centre of mass [m].
+    pub com: Vector3<f64>,
+    /// Its velocity [m/s].
+    pub com_velocity: Vector3<f64>,
+    /// Soles of the left and right foot.
+    pub soles: Option<[Sole; 2]>,
+    /// Zero-moment point on the ground, x and y [m]; NaN while nothing carries the robot.
+    pub zmp: Vector2<f64>,
+    /// Normal force on all contact points together [N].
+    pub load: f64,
+    /// Height of the lowest contact point [m]; infinite if the robot has none.
+    pub clearance: f64,
+    /// Height of the trunk's centre of mass [m].
+    pub trunk_height: f64,
+    /// Angle between the trunk's and the world's vertical [rad].
+    pub trunk_tilt: f64,
+}
+
+/// The sole of one foot.
+#[derive(Clone, Copy, Debug)]
+pub struct Sole {
+    /// Its centre [m].
+    pub centre: Vector3<f64>,
+    /// Heading of the foot [rad].
+    pub yaw: f64,
+    /// Angle between the sole and the ground [rad].
+    pub tilt: f64,
+    /// Normal force on its contact points [N].
+    pub load: f64,
+    /// Least distance of the zero-moment point inside the sole's edge; negative outside [m].
+    pub zmp_margin: f64,
+}
+
+impl Sample {
+    /// Derives everything from one record; `placed` as [`Robot::place`] gives it for the same record.
+    pub fn new(robot: &Robot, truth: &Truth, placed: &[Placed]) -> Self {
+        let (com, com_velocity) = robot.com(placed);
+        let (mut load, mut moment, mut clearance) = (0.0, Vector2::zeros(), f64::INFINITY);
+        for (&(body, place), force) in robot.contacts.iter().zip(normal_forces(truth)) {
+            let point = placed[body].pose * place;
+            load += force;
+            moment += force * point.xy().coords;
+            clearance = clearance.min(point.z);
+        }
+        let zmp = if load > 0.0 { moment / load } else { Vector2::repeat(f64::NAN) };
+        let trunk = robot.bodies.get(robot.trunk).map(|body| (placed[robot.trunk].pose, body));
+        Sample {
+            time: truth.stamp.sim_ns as f64 * 1e-9,
+            com,
+            com_velocity,
+            soles: robot.feet.as_ref().map(|feet| feet.each_ref().map(|foot| sole(robot, truth, placed, foot, zmp))),
+            zmp,
+            load,
+            clearance,
+            trunk_height: trunk.map_or(f64::NAN, |(pose, body)| (pose * nalgebra::Point3::from(body.com)).z),
+            trunk_tilt: trunk.map_or(f64::NAN, |(pose, _)| tilt(pose.rotation * Vector3::z())),
+        }
+    }
+
+    /// Index of the foot that carries more; `None` in the air or without feet.
+    pub fn loaded_foot(&self) -> Option<usize> {
+        let [left, right] = self.soles.as_ref()?;
+        (left.load + right.load > 0.0).then_some(usize::from(right.load > left.load))
+    }
+
+    /// The only foot that carries, if it carries everything.
+    pub fn single_support(&self) -> Option<&Sole> {
+        match self.soles.as_ref()? {
+            [left, right] if right.load == 0.0 && left.load > 0.0 => Some(left),
+            [left, right] if left.load == 0.0 && right.load > 0.0 => Some(right),
+            _ => None,
+        }
+    }
+}
+
+/// Normal forces on the contact points in wire order [N].
+pub fn normal_forces(truth: &Truth) -> [f64; CONTACTS] {
+    std::array::from_fn(|i| truth.contact_force[3 * i + 2])
+}
+
+fn sole(robot: &Robot, truth: &Truth, placed: &[Placed], foot: &Foot, zmp: Vector2<f64>) -> Sole {
+    let pose = placed[foot.body].pose;
+    let centre = (pose * foot.sole).coords;
+    let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
+    let load = (robot.contacts.iter().zip(normal_forces(truth)))
+        .filter(|((body, _), _)| *body == foot.body)
+        .map(|(_, force)| force)
+        .sum();
+    let yaw = forward.y.atan2(forward.x);
+    let arm = nalgebra::Rotation2::new(-yaw) * (zmp - centre.xy());
+    let zmp_margin = (foot.half[0] - arm.x.abs()).min(foot.half[1] - arm.y.abs());
+    Sole { centre, yaw, tilt: tilt(up), load, zmp_margin }
+}
+
+/// Angle of a unit vector to the vertical [rad], exact near zero.
+fn tilt(up: Vector3<f64>) -> f64 {
+    up.xy().norm().atan2(up.z)
+}

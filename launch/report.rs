@@ -1,0 +1,196 @@
+//! The folder of a run: summary, trajectory, figures, and a page that holds all of it.
+
+mod contact;
+mod draw;
+mod frames;
+mod lateral;
+mod loads;
+mod plot;
+mod portrait;
+mod timing;
+mod torques;
+mod trajectory;
+
+use crate::csv;
+use crate::record::{Recorder, Row};
+use crate::summary::Summary;
+use messages::scene::Scene;
+use std::path::Path;
+use std::{fs, io};
+
+/// A figure: panels under one heading.
+pub struct Figure {
+    /// Heading.
+    pub title: &'static str,
+    /// One sentence that says what to see.
+    pub caption: &'static str,
+    /// Drawings.
+    pub panels: Vec<Panel>,
+}
+
+/// One drawing.
+pub struct Panel {
+    /// Name of its file, without extension.
+    pub name: &'static str,
+    /// The drawing, on white.
+    pub svg: String,
+}
+
+impl Panel {
+    fn new(name: &'static str, svg: String) -> Self {
+        Panel { name, svg }
+    }
+}
+
+/// Every figure that applies to the run, in the order of the page; none without records.
+pub fn figures(recorder: &Recorder) -> Vec<Figure> {
+    if recorder.rows.is_empty() {
+        return Vec::new();
+    }
+    let figures = [
+        frames::figure(recorder),
+        Some(trajectory::figure(recorder)),
+        lateral::figure(recorder),
+        portrait::figure(recorder),
+        torques::figure(recorder),
+        Some(loads::figure(recorder)),
+        Some(contact::figure(recorder)),
+        Some(timing::figure(recorder)),
+    ];
+    figures.into_iter().flatten().collect()
+}
+
+/// Writes `summary.json`, `trajectory.csv`, `report.html` and `figures/*.svg` into the folder, which it makes if need
+/// be. A file is either written whole or not at all. `text` is the scene as the user would write it.
+///
+/// # Errors
+/// As the file system has them, with the file's name.
+pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> io::Result<()> {
+    let figures = figures(recorder);
+    fs::create_dir_all(folder.join("figures"))?;
+    write_whole(&folder.join("summary.json"), &summary.json())?;
+    write_whole(&folder.join("trajectory.csv"), &csv::table(recorder))?;
+    write_whole(&folder.join("report.html"), &page(&figures, summary, &scene.description, text))?;
+    for panel in figures.iter().flat_map(|figure| &figure.panels) {
+        write_whole(&folder.join("figures").join(panel.name).with_extension("svg"), &panel.svg)?;
+    }
+    Ok(())
+}
+
+/// Writes beside the file and renames, so that no reader ever sees half of it.
+fn write_whole(path: &Path, text: &str) -> io::Result<()> {
+    let draft = path.with_extension("part");
+    let named = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+    fs::write(&draft, text).map_err(named)?;
+    fs::rename(&draft, path).map_err(named)
+}
+
+/// The page, complete in itself: styles and drawings inline.
+fn page(figures: &[Figure], summary: &Summary, description: &str, scene: &str) -> String {
+    let rows = summary.lines().into_iter().map(|(name, value)| {
+        let class = match name {
+            "outcome" if summary.fell => " class=\"bad\"",
+            "outcome" => " class=\"good\"",
+            _ => "",
+        };
+        format!("<tr><td>{name}</td><td{class}>{}</td></tr>\n", plot::escaped(&value))
+    });
+    let drawings = figures.iter().map(|figure| {
+        let panels: String = figure.panels.iter().map(|panel| inline(&panel.svg)).collect();
+        format!(
+            "<figure>\n<h2>{}</h2>\n<figcaption>{}</figcaption>\n<div>{panels}</div>\n</figure>\n",
+            figure.title, figure.caption
+        )
+    });
+    // The scene comes last: whatever it contains is not taken for a place to fill in.
+    include_str!("report/page.html")
+        .replace("{{title}}", &plot::escaped(&format!("biped: {}", summary.scene)))
+        .replace("{{summary}}", rows.collect::<String>().trim_end())
+        .replace("{{figures}}", &drawings.collect::<String>())
+        .replace("{{description}}", &plot::escaped(description))
+        .replace("{{scene}}", &plot::escaped(scene))
+}
+
+/// The drawing in the colours of the page, light or dark.
+fn inline(svg: &str) -> String {
+    svg.replace("#1F2328", "currentColor").replace("#E1E5EA", "var(--grid)").replace("#FFFFFF", "var(--card)")
+}
+
+/// A quantity over time.
+fn series(rows: &[Row], value: impl Fn(&Row) -> f64) -> Vec<(f64, f64)> {
+    rows.iter().map(|row| (row.sample.time, value(row))).collect()
+}
+
+/// The rows of the last seconds.
+fn last_seconds(rows: &[Row], seconds: f64) -> &[Row] {
+    let end = rows.last().map_or(0.0, |row| row.sample.time);
+    &rows[rows.partition_point(|row| row.sample.time < end - seconds)..]
+}
+
+/// The rows of the last eight steps; all if there are fewer.
+fn last_cycles(recorder: &Recorder) -> &[Row] {
+    let steps = &recorder.gait.steps;
+    let Some(begin) = steps.len().checked_sub(9).map(|i| &steps[i]) else { return &recorder.rows };
+    let end = steps.last().map_or(0.0, |step| step.start);
+    let index = |time: f64| recorder.rows.partition_point(|row| row.sample.time < time);
+    &recorder.rows[index(begin.start)..index(end)]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::fake::FakeWalk;
+    use std::time::Duration;
+
+    fn report(scene: &Scene, seconds: u64) -> (Vec<Figure>, String) {
+        let (fake, mut recorder) = (FakeWalk::new(0.06), Recorder::new(scene));
+        for seq in 0..1000 * seconds {
+            recorder.push(&fake.truth(seq, seq as f64 * 1e-3));
+        }
+        let summary = Summary::new("<walk>", &recorder, Duration::from_secs(1), 2);
+        let figures = figures(&recorder);
+        let page = page(&figures, &summary, "fourteen & more", "note = \"{{figures}}\"");
+        (figures, page)
+    }
+
+    #[test]
+    fn the_page_holds_everything_and_fetches_nothing() {
+        let (figures, page) = report(&Scene::default(), 14);
+        assert_eq!(figures.len(), 8);
+        assert!(page.len() < 3_000_000, "{} bytes", page.len());
+        assert_eq!(page.matches("<svg").count(), figures.iter().map(|figure| figure.panels.len()).sum::<usize>());
+        assert!(page.contains("&lt;walk&gt;") && page.contains("fourteen &amp; more"));
+        assert_eq!(page.matches("{{").count(), 1, "the scene's own braces stay, every place is filled");
+        let outside = page.replace("http://www.w3.org/2000/svg", "");
+        assert!(!["http:", "https:", "src=", "href=", "url("].iter().any(|fetch| outside.contains(fetch)));
+        assert!(!page.contains("NaN") && !page.contains("inf"));
+    }
+
+    #[test]
+    fn a_robot_that_cannot_walk_gets_the_figures_that_apply() {
+        let mut scene = Scene::default();
+        scene.bodies.retain(|body| body.name == messages::robot::TRUNK);
+        let (figures, _) = report(&scene, 1);
+        let titles: Vec<_> = figures.iter().map(|figure| figure.title).collect();
+        assert_eq!(titles.len(), 5, "{titles:?}");
+        assert!(super::figures(&Recorder::new(&scene)).is_empty());
+    }
+
+    #[test]
+    fn the_folder_is_complete_and_without_drafts() {
+        let folder = std::env::temp_dir().join(format!("biped-report-{}", std::process::id()));
+        let mut recorder = Recorder::new(&Scene::default());
+        recorder.push(&FakeWalk::new(0.0).truth(0, 0.0));
+        let summary = Summary::new("stand", &recorder, Duration::from_secs(1), 1);
+        write(&folder, &recorder, &summary, &Scene::default(), "").unwrap();
+        let names = |folder: &Path| -> Vec<String> {
+            let mut names: Vec<_> =
+                fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+            names.sort();
+            names
+        };
+        assert_eq!(names(&folder), ["figures", "report.html", "summary.json", "trajectory.csv"]);
+        assert!(names(&folder.join("figures")).iter().all(|name| name.ends_with(".svg")));
+        fs::remove_dir_all(&folder).unwrap();
+    }
+}

@@ -1,0 +1,178 @@
+//! Draws axes, marks and legend as SVG text, with plotters: one look for every figure.
+
+use super::plot::{Axis, Frame, GREY, GRID, INK, Mark, Shape, Ticks, escaped};
+use plotters::coord::Shift;
+use plotters::coord::types::RangedCoordf64;
+use plotters::element::DashedPathElement;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use std::error::Error;
+use std::ops::Range;
+
+/// Width of every figure [px]; narrow, so that it can be read on a phone.
+const WIDTH: u32 = 560;
+/// plotters rounds to whole pixels, so figures are drawn this much larger than they are shown.
+const FINE: u32 = 4;
+
+/// Draws a figure. A failure becomes its text: one bad figure does not cost the report.
+pub fn plot(frame: &Frame, marks: &[Mark]) -> String {
+    let mut svg = String::new();
+    let drawn = {
+        let root = SVGBackend::with_string(&mut svg, (WIDTH * FINE, frame.height * FINE)).into_drawing_area();
+        draw(&root, frame, marks)
+    };
+    let title = escaped(&frame.title);
+    if let Err(error) = drawn {
+        return format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\"><text y=\"20\">{title}: {}</text></svg>",
+            escaped(&error.to_string())
+        );
+    }
+    let (wide, tall) = (WIDTH * FINE, frame.height * FINE);
+    let size = format!("width=\"{wide}\" height=\"{tall}\"");
+    let shown = format!("width=\"{WIDTH}\" height=\"{}\" role=\"img\" aria-label=\"{title}\"", frame.height);
+    svg.replacen(&size, &shown, 1)
+}
+
+type Outcome = Result<(), Box<dyn Error>>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
+
+fn px(pixels: f64) -> i32 {
+    (pixels * f64::from(FINE)).round() as i32
+}
+
+/// plotters' SVG backend writes 1/1.24 of the size that it is asked for.
+fn font_px(size: f64) -> i32 {
+    px(1.24 * size)
+}
+
+fn font(size: f64, colour: RGBColor) -> TextStyle<'static> {
+    ("sans-serif", font_px(size)).into_font().color(&colour)
+}
+
+fn draw(root: &Area, frame: &Frame, marks: &[Mark]) -> Outcome {
+    root.fill(&WHITE)?;
+    root.draw(&Text::new(
+        frame.title.clone(),
+        (px(10.0), px(9.0)),
+        ("sans-serif", font_px(15.0), FontStyle::Bold).into_font().color(&INK),
+    ))?;
+    let rows = legend(root, marks)?;
+    let bare = matches!(frame.y.ticks, Ticks::None);
+    let mut chart = ChartBuilder::on(root)
+        .margin_top(px(34.0 + 20.0 * rows))
+        .margin_right(px(24.0))
+        .margin_left(px(if bare { 10.0 } else { 4.0 }))
+        .margin_bottom(px(5.0))
+        .x_label_area_size(px(if matches!(frame.x.ticks, Ticks::None) { 4.0 } else { 46.0 }))
+        .y_label_area_size(px(if bare { 0.0 } else { 70.0 }))
+        .build_cartesian_2d(sound(&frame.x.range), sound(&frame.y.range))?;
+    mesh(&mut chart, frame)?;
+    marks.iter().try_for_each(|mark| draw_mark(&mut chart, mark))
+}
+
+type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
+
+fn mesh(chart: &mut Chart, frame: &Frame) -> Outcome {
+    let (x, y) = (write_ticks(&frame.x, 8), write_ticks(&frame.y, 6));
+    let mut mesh = chart.configure_mesh();
+    mesh.disable_x_mesh().light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(FINE));
+    mesh.axis_style(GREY.stroke_width(FINE)).label_style(font(13.0, INK)).axis_desc_style(font(13.0, INK));
+    mesh.x_labels(8).y_labels(6).x_desc(frame.x.label).y_desc(frame.y.label);
+    mesh.x_label_formatter(&x).y_label_formatter(&y).set_all_tick_mark_size(px(4.0));
+    if matches!(frame.x.ticks, Ticks::None) {
+        mesh.disable_x_axis();
+    }
+    if matches!(frame.y.ticks, Ticks::None) {
+        mesh.disable_y_axis().disable_y_mesh();
+    }
+    Ok(mesh.draw()?)
+}
+
+fn draw_mark(chart: &mut Chart, mark: &Mark) -> Outcome {
+    let colour = mark.colour.mix(mark.opacity);
+    let plane = chart.plotting_area();
+    match &mark.shape {
+        Shape::Line(points, width) => {
+            let style = colour.stroke_width(px(*width).unsigned_abs());
+            for part in unbroken(points) {
+                plane.draw(&PathElement::new(part.to_vec(), style))?;
+            }
+        }
+        Shape::Dashes(points) => {
+            let style = colour.stroke_width(px(1.6).unsigned_abs());
+            for part in unbroken(points) {
+                plane.draw(&DashedPathElement::new(part.to_vec(), px(6.0), px(4.0), style))?;
+            }
+        }
+        Shape::Dots(points, radius) => {
+            for &point in points.iter().filter(|point| is_finite(point)) {
+                plane.draw(&Circle::new(point, px(*radius), colour.filled()))?;
+            }
+        }
+        Shape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
+        Shape::Text(at, text) => {
+            let style = font(12.0, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
+            plane.draw(&Text::new(text.clone(), *at, style))?;
+        }
+    }
+    Ok(())
+}
+
+/// Names of the marks under the title, in as many rows as they need; returns how many.
+fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
+    let (mut x, mut row) = (12.0, 0.0);
+    for (mark, label) in marks.iter().filter_map(|mark| mark.label.map(|label| (mark, label))) {
+        let width = 26.0 + 7.4 * label.chars().count() as f64 + 14.0;
+        if x + width > f64::from(WIDTH) && x > 12.0 {
+            (x, row) = (12.0, row + 1.0);
+        }
+        let (y, colour) = (40.0 + 20.0 * row, mark.colour.mix(mark.opacity.max(0.35)));
+        let line = |from: f64, to: f64| {
+            PathElement::new(
+                vec![(px(x + from), px(y)), (px(x + to), px(y))],
+                colour.stroke_width(px(2.5).unsigned_abs()),
+            )
+        };
+        match &mark.shape {
+            Shape::Area(_) => {
+                root.draw(&Rectangle::new([(px(x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))], colour.filled()))?
+            }
+            Shape::Dots(..) => root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.filled()))?,
+            Shape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
+            Shape::Line(..) | Shape::Text(..) => root.draw(&line(0.0, 18.0))?,
+        }
+        let style = font(13.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
+        root.draw(&Text::new(label, (px(x + 24.0), px(y)), style))?;
+        x += width;
+    }
+    Ok(if x > 12.0 { row + 1.0 } else { 0.0 })
+}
+
+/// A range that can be drawn: finite and not empty.
+fn sound(range: &Range<f64>) -> Range<f64> {
+    let finite = range.start.is_finite() && range.end.is_finite();
+    if finite && range.end > range.start { range.clone() } else { 0.0..1.0 }
+}
+
+fn write_ticks(axis: &Axis, labels: usize) -> impl Fn(&f64) -> String + use<> {
+    let (ticks, step) = (axis.ticks, (sound(&axis.range).end - sound(&axis.range).start) / labels as f64);
+    let decimals = (0.7 - step.log10()).floor().clamp(0.0, 9.0) as usize;
+    move |value| match ticks {
+        Ticks::Plain if value.abs() < 1e-9 * step => "0".into(),
+        Ticks::Plain => format!("{value:.decimals$}"),
+        Ticks::Powers if (value - value.round()).abs() > 1e-6 => String::new(),
+        Ticks::Powers if (-0.5..4.5).contains(value) => format!("{:.0}", 10f64.powf(*value)),
+        Ticks::Powers => format!("1e{value:.0}"),
+        Ticks::None => String::new(),
+    }
+}
+
+fn is_finite(point: &(f64, f64)) -> bool {
+    point.0.is_finite() && point.1.is_finite()
+}
+
+/// The stretches of finite points.
+fn unbroken(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+    points.split(|point| !is_finite(point)).filter(|part| part.len() > 1)
+}

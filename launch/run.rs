@@ -1,0 +1,194 @@
+//! The main job: run a scene, watch over it, record it, and say what came out.
+
+use crate::children::{self, Role};
+use crate::exit::{Exit, Failure};
+use crate::progress::Progress;
+use crate::record::Recorder;
+use crate::summary::Summary;
+use crate::{PaceArgs, SceneArgs, guarded, report, say};
+use clap::Args;
+use messages::load;
+use messages::port::{Contract, PortError, RecorderPort};
+use messages::scene::Scene;
+use messages::session::Session;
+use messages::wire::{Command, Sensors, Truth};
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// A look at children and progress this often; the truth's buffer holds longer.
+const LOOK: Duration = Duration::from_millis(2);
+/// Time for the controller to hear the plant's goodbye.
+const GOODBYE: Duration = Duration::from_secs(1);
+
+/// Arguments of `biped run`.
+#[derive(Args)]
+pub struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    #[command(flatten)]
+    pace: PaceArgs,
+    /// Write summary, trajectory and report into this folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+    /// Run plant and controller in this process, by plain calls: the same results
+    #[arg(long, conflicts_with = "realtime")]
+    in_process: bool,
+}
+
+impl RunArgs {
+    /// What `biped` does without arguments.
+    pub fn main_job() -> RunArgs {
+        RunArgs {
+            scene: SceneArgs { scene: "walk".into(), settings: vec![] },
+            pace: PaceArgs { realtime: false, patience: 10.0 },
+            out: Some("out/walk".into()),
+            quiet: false,
+            in_process: false,
+        }
+    }
+}
+
+/// Runs a scene. Also of a run that was cut short, what was recorded is summed up and written.
+///
+/// # Errors
+/// A sentence and an exit code; a fall is one of them.
+pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let scene = args.scene.load()?;
+    let mut watch = Watch::new(&scene, args.quiet);
+    let start = Instant::now();
+    let outcome = match args.in_process {
+        true => in_process(&scene, &mut watch, stop),
+        false => two_processes(args, &scene, &mut watch, stop),
+    };
+    watch.progress.finish();
+    if watch.lost > 0 {
+        eprintln!("{} control periods were not recorded", watch.lost);
+    }
+    if watch.latest.stamp.seq == 0 {
+        return outcome;
+    }
+    let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
+    let summary = Summary::new(&args.scene.scene, &watch.recorder, start.elapsed(), processes);
+    if let Some(folder) = &args.out {
+        let text = load::text(&scene);
+        report::write(folder, &watch.recorder, &summary, &scene, &text)
+            .and_then(|()| std::fs::write(folder.join("scene.toml"), &text))
+            .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display())))?;
+    }
+    say(&summary);
+    match (summary.fall_time_s, outcome) {
+        // What fails after a fall fails because of it.
+        (Some(time), Ok(())) => Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s"))),
+        (Some(time), Err(failure)) if failure.exit == Exit::Fault => {
+            Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
+        }
+        (_, outcome) => outcome,
+    }
+}
+
+/// Whatever listens to a run.
+struct Watch {
+    recorder: Recorder,
+    progress: Progress,
+    latest: Truth,
+    /// Gaps in the sequence: records that were dropped on the way.
+    lost: u64,
+}
+
+impl Watch {
+    fn new(scene: &Scene, quiet: bool) -> Watch {
+        let (recorder, progress) = (Recorder::new(scene), Progress::new(scene, quiet));
+        Watch { recorder, progress, latest: Truth::default(), lost: 0 }
+    }
+
+    fn take(&mut self, truth: &Truth) {
+        self.lost += truth.stamp.seq - self.latest.stamp.seq - 1;
+        self.latest = *truth;
+        self.recorder.push(truth);
+        self.progress.update(truth);
+    }
+
+    /// Takes all there is.
+    fn drain(&mut self, port: &RecorderPort) -> Result<(), PortError> {
+        while let Some(truth) = port.next()? {
+            self.take(&truth);
+        }
+        if self.latest.stamp.seq > 0 {
+            self.progress.show(&self.latest);
+        }
+        Ok(())
+    }
+}
+
+/// One process: the plant's loop with a controller at the other end of a function call.
+fn in_process(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
+    use controller::process::ProcessError;
+    let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
+    let mut controller = controller.map_err(ProcessError::from)?;
+    plant::process::simulate(scene, |sensors: &Sensors, truth| {
+        watch.take(truth);
+        watch.progress.show(truth);
+        if stop.load(Relaxed) {
+            return Err(plant::process::ProcessError::Interrupted.into());
+        }
+        match controller.as_mut().filter(|_| sensors.last == 0) {
+            None => Ok(Command::default()),
+            Some(controller) => {
+                let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
+                Ok(Command { torques, telemetry: controller.telemetry(), ..Command::default() })
+            }
+        }
+    })
+}
+
+/// Two processes, started, recorded and reaped; nothing of them is left when this returns.
+fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
+    let swept = Swept(Session::unique());
+    let contract = Contract::of(scene, args.pace.pace());
+    let port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
+    let arguments = child_arguments(args, &swept.0);
+    let mut roles = vec![Role::start("plant", &arguments, &watch.progress.bar)?];
+    if scene.controller.is_some() {
+        roles.push(Role::start("controller", &arguments, &watch.progress.bar)?);
+    }
+    let outcome = loop {
+        watch.drain(&port)?;
+        if stop.load(Relaxed) {
+            break Err(Failure::new(Exit::Interrupted, "interrupted"));
+        }
+        // A controller that fails leaves the plant waiting, and the other way round: the first to fail is to blame.
+        if let Some(failure) = roles.iter_mut().find_map(|role| role.verdict().err()) {
+            break Err(failure);
+        }
+        if roles[0].ended().is_some() {
+            children::wait(&mut roles, GOODBYE, || ());
+            break Ok(());
+        }
+        std::thread::sleep(LOOK);
+    };
+    children::end(&mut roles, || drop(watch.drain(&port)));
+    watch.drain(&port)?;
+    outcome
+}
+
+fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
+    let settings = args.scene.settings.iter().flat_map(|setting| ["--set".to_string(), setting.clone()]);
+    let mut arguments = vec![args.scene.scene.clone(), "--session".into(), session.name().into()];
+    arguments.extend(["--patience".into(), args.pace.patience.to_string()]);
+    arguments.extend(args.pace.realtime.then(|| "--realtime".to_string()));
+    arguments.extend(settings);
+    arguments
+}
+
+/// A session that is cleared away when it is dropped, after every process of it has ended.
+struct Swept(Session);
+
+impl Drop for Swept {
+    fn drop(&mut self) {
+        self.0.sweep();
+    }
+}

@@ -1,0 +1,285 @@
+//! The run in numbers: `summary.json` and the table in the terminal.
+
+use crate::record::{Recorder, Row};
+use serde::Serialize;
+use std::fmt::{self, Display};
+use std::time::Duration;
+
+/// What came out of a run; SI units, degrees where named. What could not be measured is NaN or infinite here and null
+/// in JSON.
+#[derive(Clone, Debug, Serialize)]
+pub struct Summary {
+    /// Name of the scene.
+    pub scene: String,
+    /// Whether the trunk came down; always false for robots without two feet.
+    pub fell: bool,
+    /// When it did [s].
+    pub fall_time_s: Option<f64>,
+    /// Simulated time [s].
+    pub duration_s: f64,
+    /// Displacement of the centre of mass along x [m].
+    pub distance_m: f64,
+    /// Its displacement along y [m].
+    pub lateral_m: f64,
+    /// Heading of the base at the end [deg].
+    pub yaw_deg: f64,
+    /// Mean speed along x over the last half of the walk; without steps, of the run [m/s].
+    pub speed_mps: f64,
+    /// Mean period of two steps over the last 20 [s].
+    pub period_s: f64,
+    /// Its standard deviation over the same steps [s].
+    pub period_std_s: f64,
+    /// Least lateral distance of the centre of mass from the support foot, mean of the last 20 steps [m].
+    pub x2_min_m: f64,
+    /// Exchanges of support.
+    pub steps: usize,
+    /// Greatest torque of each drive [N·m].
+    pub peak_torque_nm: [f64; 8],
+    /// Greatest mechanical power of each drive [W].
+    pub peak_power_w: [f64; 8],
+    /// Greatest tilt of the foot that carries more [deg].
+    pub foot_tilt_max_deg: f64,
+    /// Least distance of the zero-moment point inside the sole's edge while one foot carries everything [m].
+    pub zmp_margin_m: f64,
+    /// Greatest Signorini residual, relative to the step's scale.
+    pub signorini_max: f64,
+    /// Greatest natural-map residual, relative to the step's scale.
+    pub natural_map_max: f64,
+    /// Greatest energy after the impulse above that of free motion [J].
+    pub energy_gain_max_j: f64,
+    /// Steps whose contact problem needed a fallback.
+    pub fallbacks: u64,
+    /// Hash of every state of the run.
+    pub trajectory_hash: String,
+    /// Time that the run took [s].
+    pub wall_s: f64,
+    /// Simulated time per time taken.
+    pub realtime_factor: f64,
+    /// Processes that simulated: 1 or 2.
+    pub processes: u32,
+    /// Least x_2 min of all steps [m].
+    pub x2_least_m: f64,
+    /// Greatest sideways distance of the centre of mass from where it began [m].
+    pub lateral_max_m: f64,
+    /// Greatest height of the lowest contact point after the first contact [m].
+    pub hop_max_m: f64,
+    /// Deepest penetration [m].
+    pub penetration_max_m: f64,
+    /// Greatest angle between friction and the direction opposite to slip [deg].
+    pub slip_misalignment_max_deg: f64,
+    /// Speed of the centre of mass at the end [m/s].
+    pub com_speed_end_mps: f64,
+    /// Median time of the plant for one control period [s].
+    pub plant_median_s: f64,
+    /// Records left out because their pose was not finite.
+    pub dropped: u64,
+}
+
+/// Steps at the end of the walk that period and x_2 min are averaged over.
+const LAST_STEPS: usize = 20;
+
+impl Summary {
+    /// Sums up what the recorder heard; `wall` is the time that the run took.
+    pub fn new(scene: &str, recorder: &Recorder, wall: Duration, processes: u32) -> Self {
+        let (gait, extremes) = (&recorder.gait, &recorder.extremes);
+        let ends = recorder.first.as_ref().zip(recorder.last.as_ref());
+        let over = |f: &dyn Fn(&Row, &Row) -> f64| ends.map_or(f64::NAN, |(a, b)| f(a, b));
+        let duration_s = over(&|_, last| last.sample.time);
+        let (period_s, period_std_s) = gait.period(LAST_STEPS);
+        Summary {
+            scene: scene.into(),
+            fell: extremes.fall.is_some(),
+            fall_time_s: extremes.fall,
+            duration_s,
+            distance_m: over(&|first, last| last.sample.com.x - first.sample.com.x),
+            lateral_m: over(&|first, last| last.sample.com.y - first.sample.com.y),
+            yaw_deg: over(&|_, last| yaw(last.truth.base_orientation).to_degrees()),
+            speed_mps: if gait.steps.len() > 2 { gait.speed() } else { speed(recorder) },
+            period_s,
+            period_std_s,
+            x2_min_m: gait.x2_min(LAST_STEPS),
+            steps: gait.steps.len(),
+            peak_torque_nm: extremes.torque,
+            peak_power_w: extremes.power,
+            foot_tilt_max_deg: extremes.foot_tilt.to_degrees(),
+            zmp_margin_m: extremes.zmp_margin,
+            signorini_max: extremes.signorini,
+            natural_map_max: extremes.natural_map,
+            energy_gain_max_j: extremes.energy_gain,
+            fallbacks: recorder.last.as_ref().map_or(0, |last| last.truth.fallbacks),
+            trajectory_hash: format!("{:016x}", recorder.last.as_ref().map_or(0, |last| last.truth.hash)),
+            wall_s: wall.as_secs_f64(),
+            realtime_factor: duration_s / wall.as_secs_f64(),
+            processes,
+            x2_least_m: gait.complete().iter().map(|step| step.x2_min).fold(f64::INFINITY, f64::min),
+            lateral_max_m: extremes.drift,
+            hop_max_m: extremes.hop,
+            penetration_max_m: extremes.penetration,
+            slip_misalignment_max_deg: extremes.slip_misalignment.to_degrees(),
+            com_speed_end_mps: over(&|_, last| last.sample.com_velocity.norm()),
+            plant_median_s: recorder.spread.plant.quantile(0.5) * 1e-9,
+            dropped: recorder.dropped,
+        }
+    }
+
+    /// As JSON, one key per line.
+    pub fn json(&self) -> String {
+        serde_json::to_string_pretty(self).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")) + "\n"
+    }
+
+    /// The table: name and value with unit, only what applies to this run.
+    pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let outcome = match self.fall_time_s {
+            Some(time) => format!("FELL after {time:.2} s"),
+            None if self.steps > 0 => "no fall".into(),
+            None => "completed".into(),
+        };
+        let mut lines = vec![
+            ("outcome", outcome),
+            (
+                "simulated",
+                format!("{:.2} s in {:.2} s, {:.0} x real time", self.duration_s, self.wall_s, self.realtime_factor),
+            ),
+            ("processes", self.processes.to_string()),
+            ("distance", format!("{:.3} m", tidy(self.distance_m))),
+            ("sideways", format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg))),
+            ("speed", format!("{:.4} m/s", tidy(self.speed_mps))),
+        ];
+        if self.steps > 0 {
+            lines.push(("steps", self.steps.to_string()));
+            lines.push((
+                "period of two steps",
+                format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s),
+            ));
+            lines.push(("x2 min", format!("{:.2} mm", 1e3 * self.x2_min_m)));
+        }
+        if self.peak_torque_nm.iter().any(|torque| *torque != 0.0) {
+            lines.push(("peak torque, L to R", format!("{} N m", list(&self.peak_torque_nm))));
+            lines.push(("peak power, L to R", format!("{} W", list(&self.peak_power_w))));
+        }
+        if self.zmp_margin_m.is_finite() {
+            lines.push((
+                "support foot",
+                format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m),
+            ));
+        }
+        let residuals = format!("Signorini {:.1e}, natural map {:.1e}", self.signorini_max, self.natural_map_max);
+        lines.extend([
+            ("contact residuals", residuals),
+            ("energy gain", format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks)),
+            ("trajectory hash", self.trajectory_hash.clone()),
+        ]);
+        if self.dropped > 0 {
+            lines.push(("not finite", format!("{} records left out", self.dropped)));
+        }
+        lines
+    }
+
+    /// Writes the table to standard output.
+    pub fn print(&self) {
+        print!("{self}");
+    }
+}
+
+impl Display for Summary {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        writeln!(out, "{}", self.scene)?;
+        self.lines().iter().try_for_each(|(name, value)| writeln!(out, "  {name:<20} {value}"))
+    }
+}
+
+fn list(values: &[f64]) -> String {
+    values.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" ")
+}
+
+fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
+    (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
+}
+
+/// Mean speed along x over the last half of the rows, for robots that do not step.
+fn speed(recorder: &Recorder) -> f64 {
+    let (Some(half), Some(last)) = (recorder.rows.get(recorder.rows.len() / 2), recorder.rows.last()) else {
+        return f64::NAN;
+    };
+    (last.sample.com.x - half.sample.com.x) / (last.sample.time - half.sample.time)
+}
+
+/// Without the minus sign of a zero.
+fn tidy(value: f64) -> f64 {
+    if value.abs() < 5e-5 { 0.0 } else { value }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::fake::FakeWalk;
+    use messages::scene::Scene;
+    use messages::wire::Truth;
+
+    /// The keys that users' scripts rely on, in their order.
+    const KEYS: [&str; 24] = [
+        "scene",
+        "fell",
+        "fall_time_s",
+        "duration_s",
+        "distance_m",
+        "lateral_m",
+        "yaw_deg",
+        "speed_mps",
+        "period_s",
+        "period_std_s",
+        "x2_min_m",
+        "steps",
+        "peak_torque_nm",
+        "peak_power_w",
+        "foot_tilt_max_deg",
+        "zmp_margin_m",
+        "signorini_max",
+        "natural_map_max",
+        "energy_gain_max_j",
+        "fallbacks",
+        "trajectory_hash",
+        "wall_s",
+        "realtime_factor",
+        "processes",
+    ];
+
+    fn summary(truths: impl IntoIterator<Item = Truth>) -> Summary {
+        let mut recorder = Recorder::new(&Scene::default());
+        truths.into_iter().for_each(|truth| recorder.push(&truth));
+        Summary::new("walk", &recorder, Duration::from_millis(200), 2)
+    }
+
+    #[test]
+    fn every_promised_key_is_there_and_in_order() {
+        let json = summary([]).json();
+        let places: Vec<_> = KEYS.iter().map(|key| json.find(&format!("\n  \"{key}\":"))).collect();
+        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{json}");
+    }
+
+    #[test]
+    fn a_record_that_is_not_a_number_breaks_neither_json_nor_the_rest() {
+        let fake = FakeWalk::new(0.06);
+        let truths = (0..5000).map(|seq| {
+            let mut truth = fake.truth(seq, seq as f64 * 1e-3);
+            truth.base_position[2] = if seq == 3000 { f64::NAN } else { truth.base_position[2] };
+            truth.natural_map = if seq == 3001 { f64::NAN } else { truth.natural_map };
+            truth
+        });
+        let summary = summary(truths);
+        let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
+        assert_eq!(json["dropped"], 1);
+        assert!(json["natural_map_max"].is_null() && json["signorini_max"].is_number());
+        assert!((json["period_s"].as_f64().unwrap() - 0.6).abs() < 1e-3);
+        assert!(json["trajectory_hash"].as_str().unwrap().len() == 16);
+    }
+
+    #[test]
+    fn what_was_not_measured_is_null() {
+        let json: serde_json::Value = serde_json::from_str(&summary([]).json()).unwrap();
+        for key in ["fall_time_s", "distance_m", "period_s", "x2_min_m", "zmp_margin_m", "foot_tilt_max_deg"] {
+            assert!(json[key].is_null(), "{key}: {}", json[key]);
+        }
+        assert_eq!(json["fell"], false);
+    }
+}

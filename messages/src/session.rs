@@ -1,0 +1,131 @@
+//! A session: one plant, one controller and whoever records, under a name of their own.
+//!
+//! Every file that a session makes lies in /dev/shm and begins with the user and the session's name, so that sessions
+//! live side by side and one can be cleared away without touching another.
+
+use crate::port::PortError;
+use nix::sys::statvfs::statvfs;
+use std::fs::{File, Metadata};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+/// Where POSIX shared memory shows as files on Linux.
+const SHARED_MEMORY: &str = "/dev/shm";
+
+/// Name of a session and of everything that belongs to it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Session {
+    name: String,
+}
+
+impl Session {
+    /// The session called `name`: 1 to 32 letters, digits or hyphens.
+    ///
+    /// # Errors
+    /// [`PortError::SessionName`] if it is anything else.
+    pub fn named(name: &str) -> Result<Session, PortError> {
+        let good = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-');
+        match good && (1..=32).contains(&name.len()) {
+            true => Ok(Session { name: name.into() }),
+            false => Err(PortError::SessionName { name: name.into() }),
+        }
+    }
+
+    /// A session that nobody else has.
+    pub fn unique() -> Session {
+        Session { name: format!("run-{}-{:08x}", std::process::id(), crate::clock::random() as u32) }
+    }
+
+    /// Its name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Start of the name of every shared memory segment; ends so that no session's prefix begins another's.
+    pub(crate) fn prefix(&self) -> String {
+        format!("biped_{}_{}_", nix::unistd::getuid(), self.name)
+    }
+
+    /// Folder of the session's other files.
+    pub(crate) fn root(&self) -> PathBuf {
+        Path::new(SHARED_MEMORY).join(self.prefix() + "files")
+    }
+
+    /// Everything of this session that is in shared memory now.
+    pub fn leftovers(&self) -> Vec<PathBuf> {
+        let prefix = self.prefix();
+        let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+        let mut found: Vec<_> = entries
+            .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
+            .map(|entry| entry.path())
+            .collect();
+        found.sort();
+        found
+    }
+
+    /// Removes everything of this session, for whoever knows that nobody of it is alive; also the empty segments that
+    /// a process leaves when it is killed while making one.
+    pub fn sweep(&self) {
+        self.leftovers().iter().for_each(|path| remove(path));
+    }
+
+    /// Enters the session; the first one in sweeps what killed processes left.
+    pub(crate) fn enter(&self) -> Result<Membership, PortError> {
+        let path = Path::new(SHARED_MEMORY).join(self.prefix() + "members");
+        let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
+        loop {
+            let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
+            if file.try_lock().is_ok() {
+                self.leftovers().iter().filter(|left| **left != path).for_each(|left| remove(left));
+            }
+            file.lock_shared().map_err(fail)?;
+            // The last one out may have removed the file just before it was locked here.
+            let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
+            if std::fs::metadata(&path).is_ok_and(same) {
+                return Ok(Membership { session: self.clone(), file });
+            }
+        }
+    }
+
+    /// Full shared memory kills by SIGBUS instead of an error, so room is demanded beforehand.
+    pub(crate) fn demand(&self, bytes: u64) -> Result<(), PortError> {
+        let stat = statvfs(SHARED_MEMORY)
+            .map_err(|reason| PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be examined: {reason}")))?;
+        let free = stat.blocks_available() as u64 * stat.fragment_size() as u64;
+        match free >= bytes {
+            true => Ok(()),
+            false => Err(PortError::SharedMemory(format!(
+                "{SHARED_MEMORY} has {} MB free, but {} MB are needed: remove files there, or enlarge it",
+                free >> 20,
+                bytes >> 20,
+            ))),
+        }
+    }
+}
+
+fn remove(path: &Path) {
+    // What somebody else has just removed is gone as well.
+    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+}
+
+/// One process's part in a session: a shared lock, which the system gives back even for the killed. The last one out
+/// sweeps.
+#[derive(Debug)]
+pub(crate) struct Membership {
+    session: Session,
+    file: File,
+}
+
+impl Membership {
+    pub(crate) fn session(&self) -> &str {
+        self.session.name()
+    }
+}
+
+impl Drop for Membership {
+    fn drop(&mut self) {
+        if self.file.try_lock().is_ok() {
+            self.session.sweep();
+        }
+    }
+}

@@ -1,0 +1,194 @@
+//! Claims about the link between two processes, here between two threads with ends of their own.
+
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError, RecorderPort};
+use messages::scene::Scene;
+use messages::session::Session;
+use messages::wire::{Command, Sensors, Stamp, Truth};
+use std::time::{Duration, Instant};
+
+fn contract() -> Contract {
+    Contract::of(&Scene::default(), Pace::Lockstep)
+}
+
+fn sensors(seq: u64) -> Sensors {
+    Sensors { stamp: Stamp { seq, ..Stamp::default() }, ..Sensors::default() }
+}
+
+/// Answers every message of sensors until the last one.
+fn answer(session: &Session) -> u64 {
+    let mut port = ControllerPort::open(session, &contract()).expect("controller");
+    let mut answered = 0;
+    loop {
+        let Some(sensors) = port.wait().expect("waiting") else { continue };
+        if sensors.last != 0 {
+            return answered;
+        }
+        answered += 1;
+        let stamp = Stamp { ack: sensors.stamp.seq, ..Stamp::default() };
+        port.send(Command { stamp, ..Command::default() }).expect("answering");
+    }
+}
+
+fn ask(port: &mut PlantPort, seq: u64) {
+    port.send(sensors(seq)).expect("sending");
+    let start = Instant::now();
+    loop {
+        match port.wait().expect("waiting") {
+            Some(command) if command.stamp.ack == seq => return,
+            _ => assert!(start.elapsed() < Duration::from_secs(20), "no answer to {seq}"),
+        }
+    }
+}
+
+#[test]
+fn every_question_is_answered_and_nothing_is_left_behind() {
+    const ROUNDS: u64 = 20_000;
+    let session = Session::unique();
+    std::thread::scope(|scope| {
+        let controller = scope.spawn(|| answer(&session));
+        let mut port = PlantPort::open(&session, &contract()).expect("plant");
+        ask(&mut port, 1);
+        let start = Instant::now();
+        (2..=ROUNDS).for_each(|seq| ask(&mut port, seq));
+        println!("round trip {:.2} µs", start.elapsed().as_secs_f64() * 1e6 / (ROUNDS - 1) as f64);
+        assert_eq!(port.unsound(), 0);
+        port.send(Sensors { last: 1, ..sensors(ROUNDS + 1) }).expect("sending");
+        drop(port); // The goodbye outlives its sender.
+        assert_eq!(controller.join().expect("controller"), ROUNDS);
+    });
+    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+}
+
+#[test]
+fn a_controller_that_comes_late_gets_what_it_missed() {
+    let session = Session::unique();
+    let mut plant = PlantPort::open(&session, &contract()).expect("plant");
+    for restart in 1..=3 {
+        plant.send(sensors(restart)).expect("sending");
+        let mut controller = ControllerPort::open(&session, &contract()).expect("controller");
+        assert!(plant.wait().expect("waiting").is_none());
+        let got = controller.wait().expect("waiting").expect("the sensors it missed");
+        assert_eq!(got.stamp.seq, restart);
+    }
+}
+
+#[test]
+fn a_recorder_gets_every_truth_in_order_also_after_the_plant_has_gone() {
+    const COUNT: u64 = 20_000; // several buffers full
+    let session = Session::unique();
+    let recorder = RecorderPort::open(&session, &contract()).expect("recorder");
+    std::thread::scope(|scope| {
+        let plant = scope.spawn(|| {
+            let port = PlantPort::open(&session, &contract()).expect("plant");
+            for seq in 1..=COUNT {
+                port.record(Truth { stamp: Stamp { seq, ..Stamp::default() }, ..Truth::default() }).expect("truth");
+            }
+            port.unrecorded()
+        });
+        let (mut seen, mut idle) = (0, Instant::now());
+        while seen < COUNT && idle.elapsed() < Duration::from_secs(20) {
+            match recorder.next().expect("recorder") {
+                Some(truth) => {
+                    seen += 1;
+                    assert_eq!(truth.stamp.seq, seen);
+                    idle = Instant::now();
+                }
+                None => std::thread::sleep(Duration::from_millis(2)),
+            }
+            if seen == COUNT / 2 {
+                std::thread::sleep(Duration::from_millis(200)); // long enough for the plant to have to wait
+                assert!(!plant.is_finished(), "the plant ran ahead of a full buffer");
+            }
+        }
+        assert_eq!(seen, COUNT);
+        assert_eq!(plant.join().expect("plant"), 0);
+    });
+}
+
+#[test]
+fn in_real_time_a_full_recorder_loses_truth_and_the_plant_never_waits() {
+    let session = Session::unique();
+    let contract = Contract { pace: Pace::RealTime, ..contract() };
+    let recorder = RecorderPort::open(&session, &contract).expect("recorder");
+    let plant = PlantPort::open(&session, &contract).expect("plant");
+    assert!(recorder.next().expect("recorder").is_none()); // connects
+    let count = 10_000;
+    (0..count).for_each(|_| plant.record(Truth::default()).expect("truth"));
+    let mut got = 0;
+    while recorder.next().expect("recorder").is_some() {
+        got += 1;
+    }
+    assert!(plant.unrecorded() > 0);
+    assert_eq!(got + plant.unrecorded(), count);
+}
+
+#[test]
+fn another_contract_is_refused_with_both_values() {
+    let session = Session::unique();
+    let _plant = PlantPort::open(&session, &contract()).expect("plant");
+    let others = [
+        ("wire schema", Contract { schema: contract().schema + 1, ..contract() }),
+        ("model", Contract { model: 0, ..contract() }),
+        ("rate", Contract { rate: 500.0, ..contract() }),
+        ("pace", Contract { pace: Pace::RealTime, ..contract() }),
+    ];
+    for (part, other) in others {
+        match ControllerPort::open(&session, &other).expect_err(part) {
+            PortError::Incompatible { what, theirs, ours, .. } => {
+                assert_eq!(what, part);
+                assert_ne!(theirs, ours);
+            }
+            error => panic!("{part}: {error}"),
+        }
+    }
+    ControllerPort::open(&session, &contract()).expect("the right contract is welcome afterwards");
+}
+
+#[test]
+fn the_model_hash_sees_every_change_of_plant_and_bodies_and_no_other() {
+    let scene = Scene::default();
+    let model = |change: fn(&mut Scene)| {
+        let mut scene = scene.clone();
+        change(&mut scene);
+        Contract::of(&scene, Pace::Lockstep).model
+    };
+    let same = model(|_| ());
+    assert_eq!(model(|scene| scene.duration = 3.0), same);
+    assert_ne!(model(|scene| scene.plant.friction = 0.3), same);
+    assert_ne!(model(|scene| scene.bodies[0].mass += 1e-12), same);
+}
+
+#[test]
+fn a_second_plant_and_a_second_controller_are_refused_until_the_first_has_gone() {
+    let session = Session::unique();
+    let plant = PlantPort::open(&session, &contract()).expect("plant");
+    let controller = ControllerPort::open(&session, &contract()).expect("controller");
+    let taken = |result: Result<(), PortError>, who: &str| match result {
+        Err(PortError::Taken { role, .. }) => assert_eq!(role, who),
+        other => panic!("{who}: {other:?}"),
+    };
+    taken(PlantPort::open(&session, &contract()).map(drop), "plant");
+    taken(ControllerPort::open(&session, &contract()).map(drop), "controller");
+    drop((plant, controller));
+    PlantPort::open(&session, &contract()).expect("the place is free again");
+}
+
+#[test]
+fn sessions_live_side_by_side_and_one_is_swept_without_the_other() {
+    let (one, other) = (Session::unique(), Session::unique());
+    let _one = PlantPort::open(&one, &contract()).expect("plant");
+    let _other = PlantPort::open(&other, &contract()).expect("plant");
+    let count = other.leftovers().len();
+    assert!(count > 0 && !one.leftovers().is_empty());
+    one.sweep();
+    assert!(one.leftovers().is_empty());
+    assert_eq!(other.leftovers().len(), count);
+}
+
+#[test]
+fn a_session_needs_a_name_that_can_be_a_file_name() {
+    for bad in ["", "a/b", "..", "a b", "an-awfully-long-name-for-just-one-session"] {
+        assert!(matches!(Session::named(bad), Err(PortError::SessionName { .. })), "{bad}");
+    }
+    assert_eq!(Session::named("bench-2").expect("a good name").name(), "bench-2");
+}

@@ -1,0 +1,87 @@
+//! H and b fast: composite rigid bodies for H, one recursion for b. The default path of a step.
+//!
+//! Equal to [`crate::dynamics`] to rounding. All quantities are about O in W axes, so the inertias and wrenches of a
+//! branch simply add up towards the base.
+//!
+//! # Source
+//! Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5 and 6; (1)-(11) say what is computed.
+
+use crate::factor::PathMatrix;
+use crate::kinematics::Pose;
+use crate::model::Model;
+use crate::spatial::{Inertia, Spatial};
+use nalgebra::Vector3;
+
+/// Scratch of the recursions, one entry per link.
+#[derive(Clone, Debug)]
+pub struct Composite {
+    inertia: Vec<Inertia>,
+    acceleration: Vec<Spatial>,
+    wrench: Vec<Spatial>,
+}
+
+impl Composite {
+    /// Room for a model.
+    pub fn new(model: &Model) -> Self {
+        let links = model.links.len();
+        Composite {
+            inertia: vec![Inertia::default(); links],
+            acceleration: vec![Spatial::default(); links],
+            wrench: vec![Spatial::default(); links],
+        }
+    }
+
+    /// H(x) of (1), with J_r on the diagonal.
+    ///
+    /// H_ij = S_j · I_i S_i for each j on the path to link i, where I_i is the inertia of all that link i carries.
+    pub fn inertia(&mut self, model: &Model, pose: &Pose, h: &mut PathMatrix) {
+        for ((sum, link), pose) in self.inertia.iter_mut().zip(&model.links).zip(&pose.links) {
+            *sum = if link.mass > 0.0 {
+                Inertia::new(link.mass, &pose.com, &pose.tensor)
+            } else {
+                Inertia::default()
+            };
+        }
+        for i in (1..model.links.len()).rev() {
+            let link = &model.links[i];
+            let carried = self.inertia[i];
+            self.inertia[link.parent] += carried;
+            let wrench = carried.times(&pose.links[i].column);
+            let row = h.row_mut(i - 1);
+            for (entry, &dof) in row.iter_mut().zip(model.path(i)) {
+                *entry = pose.links[dof + 1].column.dot(&wrench);
+            }
+            row[row.len() - 1] += link.drive_inertia;
+        }
+    }
+
+    /// b(x, xdot) of (1): Coriolis, centrifugal and gravity effects, and the damping D xdot.
+    ///
+    /// `xdot` must be the rates that `pose` was computed with.
+    pub fn bias(&mut self, model: &Model, pose: &Pose, xdot: &[f64], b: &mut [f64]) {
+        // gravity as an upward acceleration of link 0, as the paper does
+        self.acceleration[0] = Spatial { angular: Vector3::zeros(), linear: -model.gravity };
+        self.wrench[0] = Spatial::default();
+        for (i, link) in model.links.iter().enumerate().skip(1) {
+            let here = &pose.links[i];
+            let swept = pose.links[link.carrier].velocity.cross(&(here.column * xdot[i - 1]));
+            let a = self.acceleration[link.parent] + swept;
+            self.acceleration[i] = a;
+            self.wrench[i] = if link.mass > 0.0 {
+                let w = here.velocity.angular;
+                let velocity = here.velocity.at(&here.com);
+                let force = (a.at(&here.com) + w.cross(&velocity)) * link.mass;
+                let moment = &here.tensor * &a.angular + w.cross(&(&here.tensor * &w));
+                Spatial { angular: moment + here.com.cross(&force), linear: force }
+            } else {
+                Spatial::default()
+            };
+        }
+        for i in (1..model.links.len()).rev() {
+            let link = &model.links[i];
+            let wrench = self.wrench[i];
+            b[i - 1] = pose.links[i].column.dot(&wrench) + link.damping * xdot[i - 1];
+            self.wrench[link.parent] += wrench;
+        }
+    }
+}

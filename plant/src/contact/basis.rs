@@ -1,0 +1,161 @@
+//! The impulse that belongs to a basis: the small nontrivial block, solved with partial pivoting and refined.
+//!
+//! A complementary basis says of every contact whether it is open, sticks, or slides on which facet. The impulse is then
+//! f = G y, with one unknown per column, and E (A f + b) = 0, with one row per unknown:
+//!
+//! | contact | columns of G | rows of E |
+//! |---|---|---|
+//! | sticks | its basic directions | the same |
+//! | slides on facet j | (1, mu d_j) | normal |
+//! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
+//! | energy QP | its basic rays | the same |
+
+use super::{energy_qp::ray, scaled::Scaled};
+use messages::scene::Law;
+
+/// Pivots below this mean that the basis does not fit this problem.
+const SINGULAR: f64 = 1e-13;
+/// Refinements at most.
+const REFINEMENTS: usize = 3;
+
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    first: usize,
+    push: [f64; 3],
+    read: [f64; 3],
+}
+
+/// Workspace of the block.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Block {
+    columns: Vec<Column>,
+    matrix: Vec<f64>,
+    order: Vec<usize>,
+    right: Vec<f64>,
+    solution: Vec<f64>,
+}
+
+impl Block {
+    /// Writes impulse and velocity, scaled, of the basis. False when its block is singular.
+    pub fn solve(&mut self, scaled: &Scaled, law: Law, basis: &[u8], f: &mut Vec<f64>, v: &mut Vec<f64>) -> bool {
+        self.columns(scaled, law, basis);
+        f.clear();
+        f.resize(scaled.drift.len(), 0.0);
+        v.clone_from(&scaled.drift);
+        if self.columns.is_empty() {
+            return true;
+        }
+        if !self.factor(scaled) {
+            return false;
+        }
+        for _ in 0..=REFINEMENTS {
+            self.right.clear();
+            self.right.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
+            self.substitute();
+            for (c, y) in self.columns.iter().zip(&self.solution) {
+                f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
+            }
+            scaled.velocity(f, v);
+            let size = f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+            if self.columns.iter().all(|c| in_contact(&c.read, &v[c.first..]).abs() <= 4.0 * f64::EPSILON * size) {
+                break;
+            }
+        }
+        true
+    }
+
+    fn columns(&mut self, scaled: &Scaled, law: Law, basis: &[u8]) {
+        let (d, stride) = (scaled.facets(), scaled.stride());
+        self.columns.clear();
+        for (i, &bits) in basis.iter().enumerate() {
+            let first = i * stride;
+            let mut column = |push, read| self.columns.push(Column { first, push, read });
+            if law == Law::EnergyQp {
+                (0..d).filter(|j| bits >> j & 1 == 1).for_each(|j| column(ray(scaled, i, j), ray(scaled, i, j)));
+                continue;
+            }
+            let facet = |j: usize| bits >> (1 + j) & 1 == 1;
+            let normal = [1.0, 0.0, 0.0];
+            // Both signs of one tangent leave no slip: that contact sticks at the limit of friction.
+            let slides = bits >> (d + 1) & 1 == 1 && (0..d).step_by(2).all(|j| !(facet(j) && facet(j + 1)));
+            if slides && bits & 1 == 1 {
+                let mut active = (0..d).filter(|&j| facet(j));
+                if let Some(j) = active.next() {
+                    column(ray(scaled, i, j), normal);
+                    if let Some(k) = active.next() {
+                        let mut slip = [0.0; 3];
+                        for (j, side) in [(j, 1.0), (k, -1.0)] {
+                            let (row, sign) = Scaled::facet(j);
+                            slip[row] = side * sign / scaled.ratio[first + row];
+                        }
+                        column(ray(scaled, i, k), slip);
+                    }
+                }
+            } else if !slides {
+                if bits & 1 == 1 {
+                    column(normal, normal);
+                }
+                for k in (1..stride).filter(|k| facet(2 * k - 2) || facet(2 * k - 1)) {
+                    let mut tangent = [0.0; 3];
+                    tangent[k] = 1.0;
+                    column(tangent, tangent);
+                }
+            }
+        }
+    }
+
+    /// E A G = P^-1 L U in place.
+    fn factor(&mut self, scaled: &Scaled) -> bool {
+        let (p, m, stride) = (self.columns.len(), scaled.drift.len(), scaled.stride());
+        self.matrix.clear();
+        for row in &self.columns {
+            for column in &self.columns {
+                let mut sum = 0.0;
+                for (k, weight) in row.read[..stride].iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                    let a = &scaled.delassus[(row.first + k) * m + column.first..];
+                    sum += weight * in_contact(&column.push, &a[..stride]);
+                }
+                self.matrix.push(sum);
+            }
+        }
+        self.order.clear();
+        self.order.extend(0..p);
+        for k in 0..p {
+            let size = |r: usize| self.matrix[r * p + k].abs();
+            let best = (k + 1..p).fold(k, |best, r| if size(r) > size(best) { r } else { best });
+            if !(size(best) > SINGULAR) {
+                return false;
+            }
+            if best != k {
+                self.order.swap(k, best);
+                (0..p).for_each(|c| self.matrix.swap(k * p + c, best * p + c));
+            }
+            let (upper, lower) = self.matrix.split_at_mut((k + 1) * p);
+            let pivot = &upper[k * p..];
+            for row in lower.chunks_exact_mut(p) {
+                let factor = row[k] / pivot[k];
+                row[k] = factor;
+                row[k + 1..].iter_mut().zip(&pivot[k + 1..]).for_each(|(x, u)| *x -= factor * u);
+            }
+        }
+        true
+    }
+
+    fn substitute(&mut self) {
+        let p = self.columns.len();
+        self.solution.clear();
+        for (k, row) in self.matrix.chunks_exact(p).enumerate() {
+            let known: f64 = row.iter().zip(&self.solution).map(|(l, y)| l * y).sum();
+            self.solution.push(self.right[self.order[k]] - known);
+        }
+        for (k, row) in self.matrix.chunks_exact(p).enumerate().rev() {
+            let known: f64 = row[k + 1..].iter().zip(&self.solution[k + 1..]).map(|(u, y)| u * y).sum();
+            self.solution[k] = (self.solution[k] - known) / row[k];
+        }
+    }
+}
+
+/// Product over the rows of one contact; the shorter length counts.
+fn in_contact(e: &[f64; 3], rows: &[f64]) -> f64 {
+    e.iter().zip(rows).map(|(e, x)| e * x).sum()
+}

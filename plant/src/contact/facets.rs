@@ -1,0 +1,121 @@
+//! Conditions (17)-(22) as a linear complementarity problem (Stewart & Trinkle), d facets per contact.
+//!
+//! With friction f_F = sum beta_j d_j along the directions d_j = -t1, +t1 (, -t2, +t2):
+//!
+//! ```text
+//! 0 <= f_N     _|_  v_N               >= 0    (17)-(19)
+//! 0 <= beta_j  _|_  d_j v_F + s       >= 0    (21), (22); s becomes the slip speed
+//! 0 <= s       _|_  mu f_N - sum beta >= 0    (20)
+//! ```
+//!
+//! Two facets are the paper's one slip direction, four resist both tangents. In scaled rows (`Scaled`) s has the scale of
+//! the normal row, so each beta_j comes with a weight c_j: `d_j v_F + c_j s` and `mu f_N - sum c_j beta_j = w_s`.
+//!
+//! Lemke does not start at zero but where each contact slides the way it would freely go: the facet that opposes it, say
+//! j, carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots a
+//! contact, and only normal rows can be negative, so the artificial variable lifts all contact points by one velocity.
+//! A ray would need an impulse in the cone with A f = 0 and f·b + (lift) < 0; but A f = 0 means K f = 0, and b is in the
+//! range of K^T, so f·b = 0: there is none.
+
+use super::{lemke::Lemke, scaled::Scaled};
+
+/// Assembly of the problem and the reading of its solution.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Facets {
+    lemke: Lemke,
+    /// Facet j of each contact, along which it slides at the start.
+    start: Vec<usize>,
+    /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
+    push: Vec<[f64; 3]>,
+    /// For each pair: coefficients with which the basic partner reads the contact's velocity.
+    read: Vec<[f64; 3]>,
+    combined: Vec<f64>,
+}
+
+impl Facets {
+    /// Solves and writes the basis, one bit per basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed.
+    /// Returns the number of pivots, or `None` when there is no solution to be found.
+    pub fn pivot(&mut self, scaled: &Scaled, zero: f64, basis: &mut [u8]) -> Option<u32> {
+        self.directions(scaled);
+        self.assemble(scaled);
+        let pivots = self.lemke.run(zero)?;
+        let size = scaled.facets() + 2;
+        for (i, bits) in basis.iter_mut().enumerate() {
+            // Basic at the start are the facet of the slide and s, of the other pairs the velocities.
+            let at_start = |local| local == 1 + self.start[i] || local == size - 1;
+            let basic = |local: &usize| at_start(*local) != self.lemke.entered(i * size + local);
+            *bits = (0..size).filter(basic).map(|local| 1 << local).sum();
+        }
+        Some(pivots)
+    }
+
+    /// Chooses the facets of the start and from them what each variable pushes and reads.
+    fn directions(&mut self, scaled: &Scaled) {
+        let (d, stride) = (scaled.facets(), scaled.stride());
+        self.start.clear();
+        self.push.clear();
+        self.read.clear();
+        for i in 0..scaled.contacts {
+            let ratio = &scaled.ratio[i * stride..][..stride];
+            let slip = |k: usize| scaled.drift[i * stride + k] / ratio[k];
+            let along = (2..stride).fold(1, |best, k| if slip(k).abs() > slip(best).abs() { k } else { best });
+            let j = 2 * (along - 1) + usize::from(slip(along) < 0.0);
+            let sign = Scaled::facet(j).1;
+            self.start.push(j);
+            for local in 0..d + 2 {
+                let mut e = [0.0; 3];
+                if local == 0 {
+                    e[0] = 1.0;
+                } else if local == d + 1 {
+                    e[along] = -sign / ratio[along];
+                } else if local != 1 + j {
+                    let (k, other) = Scaled::facet(local - 1);
+                    e[k] = other;
+                    e[along] -= sign * ratio[k] / ratio[along];
+                }
+                self.read.push(e);
+                if local == 0 {
+                    e[along] = sign * scaled.friction[i] / ratio[along];
+                }
+                self.push.push(e);
+            }
+        }
+    }
+
+    /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
+    fn assemble(&mut self, scaled: &Scaled) {
+        let Facets { lemke, start, push, read, combined } = self;
+        let (d, stride, m) = (scaled.facets(), scaled.stride(), scaled.drift.len());
+        let (size, n) = (d + 2, push.len());
+        lemke.reset(n);
+        for (r, e) in read.iter().enumerate() {
+            let first = r / size * stride;
+            combined.clear();
+            combined.resize(m, 0.0);
+            let entries = lemke.dictionary.row_mut(r);
+            for (k, weight) in e.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                let row = &scaled.delassus[(first + k) * m..][..m];
+                combined.iter_mut().zip(row).for_each(|(sum, a)| *sum += weight * a);
+                entries[n + 1] += weight * scaled.drift[first + k] / scaled.size;
+            }
+            for (columns, (a, push)) in entries.chunks_exact_mut(size).zip(combined.chunks_exact(stride).zip(push.chunks_exact(size))) {
+                for (entry, e) in columns.iter_mut().zip(push) {
+                    *entry = a.iter().zip(e).map(|(a, e)| a * e).sum();
+                }
+            }
+        }
+        for (i, &j) in start.iter().enumerate() {
+            let ratio = |k: usize| scaled.ratio[i * stride + Scaled::facet(k).0];
+            let first = i * size;
+            let mut couple = |row: usize, column: usize, x: f64| lemke.dictionary.row_mut(first + row)[column] += x;
+            couple(0, n, 1.0);
+            couple(1 + j, first, scaled.friction[i] / ratio(j));
+            couple(1 + j, first + d + 1, -1.0 / ratio(j));
+            couple(d + 1, first + 1 + j, 1.0 / ratio(j));
+            for k in (0..d).filter(|&k| k != j) {
+                couple(1 + j, first + 1 + k, -ratio(k) / ratio(j));
+                couple(1 + k, first + 1 + j, ratio(k) / ratio(j));
+            }
+        }
+    }
+}

@@ -1,0 +1,103 @@
+//! Lemke's complementary pivoting with lexicographic ties.
+//!
+//! Given `w = q + M z` with every pair `w_i, z_i >= 0`, `w_i z_i = 0` wanted: an artificial variable t is added on the rows
+//! of `cover` and made as small as the most negative q allows. From there each variable that leaves the basis is followed
+//! by its partner entering, until t leaves. Ties are broken as if row i of q were larger by eps^i, so no basis comes twice
+//! and redundant contacts (singular M) do not cycle. For a copositive M the path ends at a solution.
+//!
+//! # Source
+//! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.
+
+use super::dictionary::Dictionary;
+
+/// Ratios closer than this are ties; q is about 1. Wide enough that the rounding of redundant rows does not choose.
+const TIE: f64 = 1e-9;
+
+/// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Lemke {
+    /// n rows; columns: the n partners, t, constants.
+    pub dictionary: Dictionary,
+    basic: Vec<usize>,
+    nonbasic: Vec<usize>,
+    /// Row of a basic variable, or n + column of a nonbasic one.
+    place: Vec<usize>,
+    ties: Vec<usize>,
+}
+
+impl Lemke {
+    /// Empties the dictionary for n pairs.
+    pub fn reset(&mut self, n: usize) {
+        self.dictionary.reset(n, n + 2);
+    }
+
+    /// Whether the start's nonbasic partner of row i is basic now.
+    pub fn entered(&self, i: usize) -> bool {
+        let n = self.dictionary.rows;
+        self.place[n + i] < n
+    }
+
+    /// Runs to a complementary basis and returns the number of pivots, or `None` on a ray or after 50 n pivots. Entries
+    /// below `zero` are no pivots: in the scaled problem an honest one is about 1, rounding about 1e-15 but growing.
+    pub fn run(&mut self, zero: f64) -> Option<u32> {
+        let n = self.dictionary.rows;
+        self.basic.clear();
+        self.basic.extend(0..n);
+        self.nonbasic.clear();
+        self.nonbasic.extend(n..=2 * n);
+        self.place.clear();
+        self.place.extend((0..n).chain(n..=2 * n));
+        let Some(mut row) = self.first_row() else { return Some(0) };
+        let mut column = n;
+        for pivots in 1..=50 * n as u32 {
+            let left = self.basic[row];
+            self.exchange(row, column);
+            if left == 2 * n {
+                return Some(pivots);
+            }
+            column = self.place[(left + n) % (2 * n)] - n;
+            row = self.leaving(column, zero)?;
+        }
+        None
+    }
+
+    /// Row that t must lift most; of equal ones the last, whose perturbation is smallest.
+    fn first_row(&self) -> Option<usize> {
+        let n = self.dictionary.rows;
+        let lift = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
+        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > 0.0 && lift(r) > 0.0);
+        lifted.max_by(|&a, &b| lift(a).total_cmp(&lift(b)))
+    }
+
+    fn exchange(&mut self, row: usize, column: usize) {
+        let n = self.dictionary.rows;
+        self.dictionary.exchange(row, column);
+        std::mem::swap(&mut self.basic[row], &mut self.nonbasic[column]);
+        self.place[self.basic[row]] = row;
+        self.place[self.nonbasic[column]] = n + column;
+    }
+
+    /// Lexicographic ratio test: the row that reaches zero first while the variable of `column` grows.
+    fn leaving(&mut self, column: usize, zero: f64) -> Option<usize> {
+        let n = self.dictionary.rows;
+        let Lemke { dictionary, place, ties, .. } = self;
+        let slope = |r: usize| -dictionary.at(r, column);
+        let ratio = |r: usize| dictionary.constant(r).max(0.0) / slope(r);
+        let least = (0..n).filter(|&r| slope(r) > zero).map(ratio).fold(f64::INFINITY, f64::min);
+        ties.clear();
+        ties.extend((0..n).filter(|&r| slope(r) > zero && dictionary.constant(r) - least * slope(r) <= TIE));
+        if let Some(&end) = ties.iter().find(|&&r| place[2 * n] == r) {
+            return Some(end);
+        }
+        for &at in &place[..n] {
+            if ties.len() < 2 {
+                break;
+            }
+            // Coefficient of this power of eps in row r: the perturbed variable itself, or minus its column.
+            let power = |r: usize| if at >= n { -dictionary.at(r, at - n) } else { f64::from(at == r) };
+            let least = ties.iter().map(|&r| power(r) / slope(r)).fold(f64::INFINITY, f64::min);
+            ties.retain(|&r| power(r) - least * slope(r) <= TIE);
+        }
+        ties.iter().copied().max_by(|&a, &b| slope(a).total_cmp(&slope(b)))
+    }
+}

@@ -1,0 +1,112 @@
+//! What a step reports: how far an impulse is from the law, in numbers that compare across laws.
+
+use super::scaled::Scaled;
+
+/// An impulse or slip this small beside the step's scale has no direction.
+const NO_DIRECTION: f64 = 1e-6;
+
+/// Whose optimality the natural map measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Yardstick {
+    /// (17)-(22), the truth for every law.
+    Coulomb,
+    /// The convex program (14)-(16).
+    EnergyMinimum,
+}
+
+/// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
+pub(super) fn scale(scaled: &Scaled, f: &[f64]) -> f64 {
+    f.iter().fold(scaled.size, |size, f| size.max(f.abs()))
+}
+
+/// Natural map ||f - P_K(f - v^)||, the greatest entry, relative to the step's scale.
+///
+/// K is the cone that the law's tangents span: |f_F| <= mu f_N along one tangent, the square |f_1| + |f_2| <= mu f_N along
+/// two. It vanishes exactly when f minimises f·v^ over K. With v^_N = v_N + mu |v_F| (the largest slip along a tangent; De
+/// Saxce's correction) that is (17)-(22); with v^ = v it is the optimum of (14)-(16), which asks for v_N >= mu |v_F| instead.
+pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yardstick) -> f64 {
+    let stride = scaled.stride();
+    let mut worst = 0.0_f64;
+    for i in 0..scaled.contacts {
+        let rows = i * stride..(i + 1) * stride;
+        let (f, v, ratio) = (&f[rows.clone()], &v[rows.clone()], &scaled.ratio[rows]);
+        let (mut half, mut x) = ([0.0; 2], [0.0; 3]);
+        for k in 1..stride {
+            half[k - 1] = scaled.friction[i] / ratio[k];
+        }
+        for k in 0..stride {
+            x[k] = f[k] - v[k];
+        }
+        if yardstick == Yardstick::Coulomb {
+            x[0] -= (1..stride).fold(0.0, |slip: f64, k| slip.max(half[k - 1] * v[k].abs()));
+        }
+        let nearest = project(x, half);
+        for k in 0..stride {
+            // Neither the projection nor f64::max may hide a NaN.
+            let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
+            worst = if worst.is_nan() || error <= worst { worst } else { error };
+        }
+    }
+    relative(worst, scale(scaled, f))
+}
+
+/// Nearest point of the cone |x_1|/h_1 + |x_2|/h_2 <= x_0; with h_2 = 0 of the planar one, |x_1| <= h_1 x_0.
+///
+/// Decided by signs, never by comparing distances: those differ in the square of what is to be seen here.
+fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
+    let [n, a, b] = [x[0], x[1].abs(), x[2].abs()];
+    let [h1, h2] = half;
+    let (l1, l2) = (h1.hypot(1.0), h2.hypot(1.0));
+    // Lengths of the projections on the two edges.
+    let (t1, t2) = ((n + a * h1) / l1, (n + b * h2) / l2);
+    let nearest = if h2 == 0.0 {
+        if a <= h1 * n { [n, a, 0.0] } else { [t1.max(0.0) / l1, t1.max(0.0) / l1 * h1, 0.0] }
+    } else {
+        let excess = a / h1 + b / h2 - n;
+        let step = excess.max(0.0) / (1.0 + (h1 * h1).recip() + (h2 * h2).recip());
+        let facet = [n + step, a - step / h1, b - step / h2];
+        if facet.iter().all(|&p| p >= 0.0) {
+            facet
+        } else if t1 >= t2 {
+            [t1.max(0.0) / l1, t1.max(0.0) / l1 * h1, 0.0]
+        } else {
+            [t2.max(0.0) / l2, 0.0, t2.max(0.0) / l2 * h2]
+        }
+    };
+    [nearest[0], nearest[1].copysign(x[1]), nearest[2].copysign(x[2])]
+}
+
+/// Greatest |f_N v_N|, (19), relative to the square of the step's scale.
+pub(super) fn signorini(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
+    let work = f.iter().zip(v).step_by(scaled.stride()).fold(0.0, |work: f64, (f, v)| work.max((f * v).abs()));
+    relative(work, scale(scaled, f).powi(2))
+}
+
+/// Greatest angle between f_F and -v_F of a contact that slips [rad]; zero when none does.
+pub(super) fn slip_misalignment(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
+    let stride = scaled.stride();
+    let least = NO_DIRECTION * scale(scaled, f);
+    let mut worst = 0.0_f64;
+    for i in 0..scaled.contacts {
+        let (mut force, mut slip) = ([0.0; 2], [0.0; 2]);
+        let (mut scaled_force, mut scaled_slip) = (0.0_f64, 0.0_f64);
+        for t in 1..stride {
+            let k = i * stride + t;
+            (scaled_force, scaled_slip) = (scaled_force.max(f[k].abs()), scaled_slip.max(v[k].abs()));
+            if scaled.root[k] > 0.0 {
+                (force[t - 1], slip[t - 1]) = (f[k] / scaled.root[k], v[k] * scaled.root[k]);
+            }
+        }
+        if scaled_force > least && scaled_slip > least {
+            let across = force[0] * slip[1] - force[1] * slip[0];
+            let along = -(force[0] * slip[0] + force[1] * slip[1]);
+            worst = worst.max(across.abs().atan2(along));
+        }
+    }
+    worst
+}
+
+/// A ratio that is zero, not NaN, for nothing of nothing.
+fn relative(x: f64, scale: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x / scale }
+}

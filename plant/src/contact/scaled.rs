@@ -1,0 +1,111 @@
+//! The contact problem in energy units: rows and columns scaled by diag(A)^-1/2, so that A has a unit diagonal and
+//! impulses and velocities are both in sqrt(J).
+
+use super::{Problem, lift};
+use messages::scene::Law;
+
+/// A diagonal entry this small beside the largest is a direction in which the contact cannot move. A = (L^-1 K)^T (L^-1 K)
+/// has squared rounding on its diagonal, so an honest zero is near 1e-32.
+const IMMOVABLE: f64 = 1e-20;
+
+/// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
+/// impulse.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Scaled {
+    pub contacts: usize,
+    pub tangents: usize,
+    /// A~, m by m.
+    pub delassus: Vec<f64>,
+    /// b~, the allowed approach added to the normal rows.
+    pub drift: Vec<f64>,
+    /// sqrt(A_kk), zero where immovable.
+    pub root: Vec<f64>,
+    /// mu of each contact.
+    pub friction: Vec<f64>,
+    /// For each tangent row c = sqrt(A_NN / A_kk), so that the cone reads sum c |f~_k| <= mu f~_N.
+    pub ratio: Vec<f64>,
+    /// Largest scaled drift.
+    pub size: f64,
+    inverse: Vec<f64>,
+}
+
+impl Scaled {
+    /// Rows per contact.
+    pub fn stride(&self) -> usize {
+        1 + self.tangents
+    }
+
+    /// Directions in which friction may act at a contact: there and back along each tangent.
+    pub fn facets(&self) -> usize {
+        2 * self.tangents
+    }
+
+    /// Row within the contact and sign of facet j: -t1, +t1, -t2, +t2. The first opposes the free slip.
+    pub fn facet(j: usize) -> (usize, f64) {
+        (1 + j / 2, if j.is_multiple_of(2) { -1.0 } else { 1.0 })
+    }
+
+    pub fn set(&mut self, problem: &Problem, law: Law) {
+        (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
+        let (m, stride) = (problem.rows(), self.stride());
+        let greatest = (0..m).map(|k| problem.delassus[k * m + k]).fold(0.0, f64::max);
+        self.root.clear();
+        self.root.extend((0..m).map(|k| {
+            let a = problem.delassus[k * m + k];
+            if a <= IMMOVABLE * greatest { 0.0 } else { a.sqrt() }
+        }));
+        self.inverse.clear();
+        self.inverse.extend(self.root.iter().map(|&r| if r == 0.0 { 0.0 } else { 1.0 / r }));
+        self.delassus.clear();
+        for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
+            self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
+        }
+        self.drift.clear();
+        self.drift.extend(problem.drift.iter().zip(&self.inverse).map(|(b, s)| b * s));
+        self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
+        self.friction.clone_from(&problem.friction);
+        self.ratio.clear();
+        self.ratio.resize(m, 1.0);
+        for i in 0..problem.contacts {
+            let normal = i * stride;
+            self.drift[normal] += lift(problem, law, i) * self.inverse[normal];
+            for k in normal + 1..normal + stride {
+                if self.root[k] > 0.0 {
+                    self.ratio[k] = self.root[normal] * self.inverse[k];
+                }
+            }
+        }
+    }
+
+    /// The problem of one proximal round: A + rho I, b - rho f.
+    pub fn regularise(&mut self, original: &Scaled, rho: f64, f: &[f64]) {
+        (self.contacts, self.tangents, self.size) = (original.contacts, original.tangents, original.size);
+        self.delassus.clone_from(&original.delassus);
+        self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
+        self.drift.clear();
+        self.drift.extend(original.drift.iter().zip(f).map(|(b, f)| b - rho * f));
+        self.root.clone_from(&original.root);
+        self.friction.clone_from(&original.friction);
+        self.ratio.clone_from(&original.ratio);
+    }
+
+    /// v~ = A~ f~ + b~.
+    pub fn velocity(&self, impulse: &[f64], velocity: &mut Vec<f64>) {
+        velocity.clear();
+        let rows = self.delassus.chunks_exact(self.drift.len().max(1)).zip(&self.drift);
+        velocity.extend(rows.map(|(row, b)| b + dot(row, impulse)));
+    }
+}
+
+/// Four partial sums, which the compiler can keep in vector registers.
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = [0.0; 4];
+    let (ca, cb) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest: f64 = ca.remainder().iter().zip(cb.remainder()).map(|(x, y)| x * y).sum();
+    for (x, y) in ca.zip(cb) {
+        for k in 0..4 {
+            sum[k] += x[k] * y[k];
+        }
+    }
+    (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
+}

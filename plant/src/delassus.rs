@@ -1,0 +1,113 @@
+//! The contact problem of a step, (12)-(14): K, A = KᵀH⁻¹K and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
+
+use crate::contact::Problem;
+use crate::detect::Touch;
+use crate::factor::Factor;
+use crate::kinematics::{Pose, contact_column};
+use crate::model::Model;
+use nalgebra::Vector3;
+
+/// K and Y = L⁻ᵀK, one row per contact row: entries on the path to the contact's link, base first, the rest unused.
+#[derive(Clone, Debug)]
+pub struct ContactMap {
+    half: Vec<f64>,
+    column: Vec<f64>,
+    stride: usize,
+    /// Unit tangents of each contact.
+    tangents: Vec<[Vector3<f64>; 2]>,
+}
+
+impl ContactMap {
+    /// Room for a model.
+    pub fn new(model: &Model) -> Self {
+        let stride = model.dofs();
+        let rows = 3 * model.corners.len();
+        ContactMap {
+            half: vec![0.0; rows * stride],
+            column: vec![0.0; stride],
+            stride,
+            tangents: Vec::with_capacity(model.corners.len()),
+        }
+    }
+
+    /// Writes the problem of the touching contacts. `free` is the velocity that the step would end with if nothing
+    /// touched, ẋ₋ + H⁻¹Δf_b; `tangents` is 1 or 2.
+    ///
+    /// The first tangent of a contact is its direction of free slip, so that friction can oppose it exactly. The paper
+    /// takes the velocity before the step; a contact at rest has none, and would creep down any slope.
+    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model, pose and factor are its tools")]
+    pub fn assemble(
+        &mut self,
+        model: &Model,
+        pose: &Pose,
+        factor: &Factor,
+        touches: &[Touch],
+        free: &[f64],
+        tangents: usize,
+        problem: &mut Problem,
+    ) {
+        problem.reset(touches.len(), tangents);
+        self.tangents.clear();
+        let rows = 1 + tangents;
+        for (i, touch) in touches.iter().enumerate() {
+            let path = model.path(touch.link);
+            let mut drift = Vector3::zeros();
+            for (axis, value) in drift.iter_mut().enumerate() {
+                let mut direction = Vector3::zeros();
+                direction[axis] = 1.0;
+                contact_column(model, pose, touch.link, &touch.arm, &direction, &mut self.column);
+                *value = self.column.iter().zip(path).map(|(k, &dof)| k * free[dof]).sum();
+            }
+            let slip = drift.xy().norm();
+            let along = if slip > 0.0 { Vector3::new(drift.x / slip, drift.y / slip, 0.0) } else { Vector3::x() };
+            let across = Vector3::new(-along.y, along.x, 0.0);
+            self.tangents.push([along, across]);
+            problem.id[i] = touch.id;
+            for (k, direction) in [Vector3::z(), along, across][..rows].iter().enumerate() {
+                let y = &mut self.half[(i * rows + k) * self.stride..][..path.len()];
+                contact_column(model, pose, touch.link, &touch.arm, direction, y);
+                factor.half_solve(model, touch.link, y);
+            }
+            let drift = [drift.z, slip, 0.0];
+            problem.drift[i * rows..(i + 1) * rows].copy_from_slice(&drift[..rows]);
+        }
+        self.multiply(model, touches, problem);
+    }
+
+    /// A = YᵀY: two contacts meet in the degrees of freedom that their links share.
+    fn multiply(&self, model: &Model, touches: &[Touch], problem: &mut Problem) {
+        let (rows, size) = (1 + problem.tangents, problem.rows());
+        for (i, a) in touches.iter().enumerate() {
+            for (j, b) in touches.iter().enumerate().take(i + 1) {
+                let shared = model.shared(a.link, b.link);
+                for k in i * rows..(i + 1) * rows {
+                    let y_k = &self.half[k * self.stride..][..shared];
+                    for l in j * rows..((j + 1) * rows).min(k + 1) {
+                        let y_l = &self.half[l * self.stride..][..shared];
+                        let product = y_k.iter().zip(y_l).map(|(a, b)| a * b).sum();
+                        problem.delassus[k * size + l] = product;
+                        problem.delassus[l * size + k] = product;
+                    }
+                }
+            }
+        }
+    }
+
+    /// K Δf, added to `effort`: what the contact impulses do to each degree of freedom [N·s, N·m·s].
+    pub fn push(&mut self, model: &Model, pose: &Pose, touches: &[Touch], impulse: &[f64], effort: &mut [f64]) {
+        for (i, touch) in touches.iter().enumerate() {
+            let force = self.force(i, impulse, touches.len());
+            contact_column(model, pose, touch.link, &touch.arm, &force, &mut self.column);
+            for (k, &dof) in self.column.iter().zip(model.path(touch.link)) {
+                effort[dof] += k;
+            }
+        }
+    }
+
+    /// Impulse on the i-th of `contacts` contacts as a vector in W [N·s].
+    pub fn force(&self, i: usize, impulse: &[f64], contacts: usize) -> Vector3<f64> {
+        let rows = impulse.len() / contacts;
+        let parts = &impulse[i * rows..(i + 1) * rows];
+        parts[1..].iter().zip(&self.tangents[i]).fold(Vector3::z() * parts[0], |sum, (f, t)| sum + t * *f)
+    }
+}

@@ -1,0 +1,41 @@
+//! Which contact points can touch the ground within a step.
+
+use crate::kinematics::Pose;
+use crate::model::Model;
+use messages::scene::Law;
+use nalgebra::Vector3;
+
+/// A contact point near enough to the ground to touch it.
+#[derive(Clone, Copy, Debug)]
+pub struct Touch {
+    /// Which of [`Model::corners`].
+    pub id: usize,
+    /// Link that carries it.
+    pub link: usize,
+    /// Position from the pose's reference point [m].
+    pub arm: Vector3<f64>,
+    /// Height above the ground [m].
+    pub gap: f64,
+}
+
+/// Speed that a point may gain within one step and still not be overlooked [m/s].
+const SURPRISE: f64 = 0.5;
+
+/// Lists the points that may touch within a step of `h` [s], in the order of the model.
+///
+/// The printed laws stop whatever touches at any height, so for them touching means a gap no larger than two steps of
+/// free fall open, 2gh². `Aligned` lets a point close its gap first, so every point that could is listed.
+pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, touches: &mut Vec<Touch>) {
+    touches.clear();
+    for (id, corner) in model.corners.iter().enumerate() {
+        let arm = pose.arm(corner.link, &corner.at);
+        let gap = pose.reference.z + arm.z;
+        let reach = match law {
+            Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
+            Law::Aligned => h * (SURPRISE + 2.0 * pose.links[corner.link].velocity.at(&arm).norm()),
+        };
+        if gap <= reach {
+            touches.push(Touch { id, link: corner.link, arm, gap });
+        }
+    }
+}

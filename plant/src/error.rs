@@ -1,0 +1,67 @@
+//! What can go wrong in a plant, one clear sentence each.
+
+use thiserror::Error;
+
+/// Why a plant could not be built or could not take a step.
+#[derive(Clone, Debug, PartialEq, Error)]
+pub enum PlantError {
+    /// The tree has no root, or several.
+    #[error("exactly one body, the base, must be without a joint, but there are {}: [{}]", .names.len(), .names.join(", "))]
+    Base {
+        /// Bodies without a joint.
+        names: Vec<String>,
+    },
+    /// Two bodies with one name.
+    #[error("two bodies are called `{name}`, but names must differ")]
+    Duplicate {
+        /// The name.
+        name: String,
+    },
+    /// A name that no body has.
+    #[error("{what} names the body `{name}`, but there are only: {known}")]
+    Unknown {
+        /// Who names it.
+        what: String,
+        /// The name.
+        name: String,
+        /// Names of the bodies.
+        known: String,
+    },
+    /// Bodies that hang from each other.
+    #[error("the parents of body `{body}` lead in a circle and never to the base")]
+    Cycle {
+        /// One body of the circle, or below it.
+        body: String,
+    },
+    /// A value that no body or scene can have.
+    #[error("{what} is {value}, but it must be {rule}")]
+    Value {
+        /// Quantity, and whose it is.
+        what: String,
+        /// As found.
+        value: String,
+        /// What would be right.
+        rule: String,
+    },
+    /// The inertia matrix is not positive definite, so the model or its state is no longer one of masses.
+    #[error("the inertia matrix has the pivot {pivot} at degree of freedom {dof}, but it must be positive and finite")]
+    Singular {
+        /// Index of the degree of freedom.
+        dof: usize,
+        /// The pivot.
+        pivot: f64,
+    },
+    /// The simulation has blown up.
+    #[error("the state is no longer finite at t = {time:.4} s: the step plant.dt is too long for this scene")]
+    NotFinite {
+        /// Simulated time [s].
+        time: f64,
+    },
+}
+
+impl PlantError {
+    /// A [`PlantError::Value`].
+    pub(crate) fn value(what: impl Into<String>, value: impl std::fmt::Debug, rule: impl Into<String>) -> Self {
+        PlantError::Value { what: what.into(), value: format!("{value:?}"), rule: rule.into() }
+    }
+}

@@ -1,0 +1,205 @@
+//! Where everything is: poses and velocities of links, points, Jacobian columns, and sums over the robot.
+
+use crate::model::{Model, Motion};
+use crate::spatial::{Spatial, Symmetric};
+use crate::state::State;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+
+/// Pose and velocity of one link. Axes of W; positions from the reference point O of [`Pose`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LinkPose {
+    /// Rotation R from the link's axes to W.
+    pub rotation: Matrix3<f64>,
+    /// Origin p, at the joint to the parent, from O [m].
+    pub origin: Vector3<f64>,
+    /// Centre of mass r, from O [m].
+    pub com: Vector3<f64>,
+    /// Inertia about the centre of mass, R J Rᵀ [kg·m²].
+    pub tensor: Symmetric,
+    /// Velocity of the link per unit rate of its joint: (z, p × z), or (0, z) if prismatic.
+    pub column: Spatial,
+    /// Velocity of the link: (w, velocity of its point at O).
+    pub velocity: Spatial,
+}
+
+/// Pose and velocity of every link at one state.
+///
+/// Positions count from O, the origin of the base body, so that nothing loses digits far from the world's origin.
+#[derive(Clone, Debug)]
+pub struct Pose {
+    /// Reference point O in W [m].
+    pub reference: Vector3<f64>,
+    /// One per link of the model.
+    pub links: Vec<LinkPose>,
+}
+
+impl Pose {
+    /// Room for the poses of a model.
+    pub fn new(model: &Model) -> Self {
+        Pose { reference: Vector3::zeros(), links: vec![LinkPose::default(); model.links.len()] }
+    }
+
+    /// Position in W of a point given in a link's frame [m].
+    pub fn point(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
+        self.reference + self.arm(link, at)
+    }
+
+    /// The same from O [m].
+    #[inline]
+    pub fn arm(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
+        let link = &self.links[link];
+        link.origin + link.rotation * at
+    }
+
+    /// Velocity in W of a point given in a link's frame [m/s].
+    pub fn point_velocity(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
+        self.links[link].velocity.at(&self.arm(link, at))
+    }
+
+    /// Orientation of a link in W: unit quaternion w, x, y, z with w >= 0.
+    pub fn orientation(&self, link: usize) -> [f64; 4] {
+        quaternion(&self.links[link].rotation)
+    }
+}
+
+/// Unit quaternion w, x, y, z with w >= 0 of a rotation.
+pub(crate) fn quaternion(rotation: &Matrix3<f64>) -> [f64; 4] {
+    let q = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(*rotation)).into_inner();
+    let sign = if q.w < 0.0 { -1.0 } else { 1.0 };
+    [q.w, q.i, q.j, q.k].map(|component| sign * component)
+}
+
+/// Rotation of a unit quaternion w, x, y, z.
+fn rotation(q: &[f64]) -> Matrix3<f64> {
+    let (w, x, y, z) = (q[0], q[1], q[2], q[3]);
+    Matrix3::new(
+        1.0 - 2.0 * (y * y + z * z),
+        2.0 * (x * y - w * z),
+        2.0 * (x * z + w * y),
+        2.0 * (x * y + w * z),
+        1.0 - 2.0 * (x * x + z * z),
+        2.0 * (y * z - w * x),
+        2.0 * (x * z - w * y),
+        2.0 * (y * z + w * x),
+        1.0 - 2.0 * (x * x + y * y),
+    )
+}
+
+/// Rotation by an angle about a unit axis (Rodrigues).
+fn turn(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
+    let (s, c) = angle.sin_cos();
+    let (a, b) = (axis * s, axis * (1.0 - c));
+    Matrix3::new(
+        c + b.x * axis.x,
+        b.x * axis.y - a.z,
+        b.x * axis.z + a.y,
+        b.y * axis.x + a.z,
+        c + b.y * axis.y,
+        b.y * axis.z - a.x,
+        b.z * axis.x - a.y,
+        b.z * axis.y + a.x,
+        c + b.z * axis.z,
+    )
+}
+
+/// Computes the pose and velocity of every link, from the base outwards.
+pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
+    let offset = model.coordinates() - model.dofs();
+    pose.reference = model.mount_position;
+    pose.links[0] = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
+    settle(model, pose, 0);
+    for (i, link) in model.links.iter().enumerate().skip(1) {
+        let parent = pose.links[link.parent];
+        let axis = pose.links[link.carrier].rotation * link.axis;
+        let mut origin = parent.origin + parent.rotation * link.at;
+        let (rotation, column) = match link.motion {
+            Motion::Revolute => {
+                let angle = state.x[i - 1 + if i > model.base_link { offset } else { 0 }];
+                (parent.rotation * turn(&link.axis, angle), Spatial { angular: axis, linear: origin.cross(&axis) })
+            }
+            Motion::Prismatic => {
+                let travel = axis * state.x[i - 1 + if i > model.base_link { offset } else { 0 }];
+                let moved = if i <= model.base_link { &mut pose.reference } else { &mut origin };
+                *moved += travel;
+                (parent.rotation, Spatial { angular: Vector3::zeros(), linear: axis })
+            }
+            Motion::Spin => {
+                (rotation(&state.x[3..7]), Spatial { angular: axis, linear: origin.cross(&axis) })
+            }
+        };
+        let velocity = parent.velocity + column * state.xdot[i - 1];
+        pose.links[i] = LinkPose { rotation, origin, column, velocity, ..LinkPose::default() };
+        settle(model, pose, i);
+    }
+}
+
+/// Centre of mass and tensor of a link whose rotation and origin are known.
+#[inline]
+fn settle(model: &Model, pose: &mut Pose, i: usize) {
+    let (link, pose) = (&model.links[i], &mut pose.links[i]);
+    if link.mass > 0.0 {
+        pose.com = pose.origin + pose.rotation * link.com;
+        pose.tensor = link.tensor.rotated(&pose.rotation);
+    }
+}
+
+/// Column of K (1): the effort on each degree of freedom of the path to `link` of a unit force along `direction` at
+/// `arm` (from O) on that link.
+///
+/// By virtual work it is also the row of the Jacobian: velocity of the point along `direction` = column · xdot.
+/// `column` has one entry per degree of freedom of [`Model::path`], base first; all others are zero.
+pub fn contact_column(
+    model: &Model,
+    pose: &Pose,
+    link: usize,
+    arm: &Vector3<f64>,
+    direction: &Vector3<f64>,
+    column: &mut [f64],
+) {
+    let unit = Spatial::force_at(arm, direction);
+    for (k, &dof) in column.iter_mut().zip(model.path(link)) {
+        *k = pose.links[dof + 1].column.dot(&unit);
+    }
+}
+
+/// Sums over the whole robot.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Totals {
+    /// Mass [kg].
+    pub mass: f64,
+    /// Centre of mass in W [m].
+    pub com: Vector3<f64>,
+    /// Its velocity [m/s].
+    pub com_velocity: Vector3<f64>,
+    /// Linear momentum [kg·m/s].
+    pub linear: Vector3<f64>,
+    /// Angular momentum about the centre of mass [kg·m²/s].
+    pub angular: Vector3<f64>,
+    /// Kinetic energy, with that of the drives [J].
+    pub kinetic: f64,
+    /// Potential energy in the field of gravity, zero at the world's origin [J].
+    pub potential: f64,
+}
+
+/// Adds up mass, momentum and energy of the bodies.
+pub fn totals(model: &Model, state: &State, pose: &Pose) -> Totals {
+    let mut sum = Totals::default();
+    for (link, pose) in model.links.iter().zip(&pose.links).filter(|(link, _)| link.mass > 0.0) {
+        let spin = pose.velocity.angular;
+        let velocity = pose.velocity.at(&pose.com);
+        let own = &pose.tensor * &spin;
+        sum.mass += link.mass;
+        sum.com += pose.com * link.mass;
+        sum.linear += velocity * link.mass;
+        sum.angular += own + pose.com.cross(&velocity) * link.mass;
+        sum.kinetic += 0.5 * (link.mass * velocity.norm_squared() + spin.dot(&own));
+    }
+    sum.com /= sum.mass;
+    sum.com_velocity = sum.linear / sum.mass;
+    sum.angular -= sum.com.cross(&sum.linear);
+    sum.com += pose.reference;
+    sum.potential = -sum.mass * model.gravity.dot(&sum.com);
+    let drives = model.links[1..].iter().zip(&state.xdot);
+    sum.kinetic += 0.5 * drives.map(|(link, rate)| link.drive_inertia * rate * rate).sum::<f64>();
+    sum
+}

@@ -1,0 +1,278 @@
+//! The step: one integration step of the plant, in the order of the paper's section 2.
+//!
+//! ```text
+//!   pose → H, b → free motion (12) → touching → problem (14) → impulse (15)-(22) → velocity (12) → position
+//! ```
+
+use crate::composite::Composite;
+use crate::contact::{Memory, Problem, Report, Solver, tangents};
+use crate::delassus::ContactMap;
+use crate::detect::{Touch, touching};
+use crate::drive::Drives;
+use crate::error::PlantError;
+use crate::factor::{Factor, PathMatrix};
+use crate::kinematics::{self, Pose, contact_column};
+use crate::model::Model;
+use crate::state::State;
+use crate::truth::Record;
+use messages::scene::{Law, Method, PlantScene, Scene};
+use messages::wire::{Encoders, Torques, Truth};
+use nalgebra::Vector3;
+
+/// A robot, its ground and its drives.
+///
+/// The model never changes; the state, with the memories of contacts and drives, is all that the future depends on; the
+/// workspace may be dropped without changing a result.
+pub struct Plant {
+    model: Model,
+    settings: Settings,
+    state: State,
+    memory: Memory,
+    drives: Drives,
+    steps: u64,
+    applied: Torques,
+    record: Record,
+    work: Workspace,
+}
+
+/// How to integrate.
+#[derive(Clone, Debug)]
+struct Settings {
+    h: f64,
+    steps_per_period: u64,
+    law: Law,
+    method: Method,
+    friction: f64,
+    push: Option<Push>,
+}
+
+/// A force on a body's centre of mass for a while.
+#[derive(Clone, Debug)]
+struct Push {
+    link: usize,
+    force: Vector3<f64>,
+    steps: std::ops::Range<u64>,
+}
+
+/// Scratch of one step. `pose` belongs to the state at all times.
+struct Workspace {
+    pose: Pose,
+    composite: Composite,
+    inertia: PathMatrix,
+    factor: Factor,
+    /// b, then Δf_b, then H⁻¹Δf_b, then ẋ₋ + H⁻¹Δf_b.
+    free: Vec<f64>,
+    /// KΔf, then H⁻¹KΔf.
+    effort: Vec<f64>,
+    column: Vec<f64>,
+    touches: Vec<Touch>,
+    map: ContactMap,
+    problem: Problem,
+    solver: Solver,
+    report: Option<Report>,
+}
+
+impl Plant {
+    /// The plant of a scene in its initial state.
+    ///
+    /// # Errors
+    /// If the scene's bodies, base or initial state cannot be simulated; see [`PlantError`].
+    pub fn new(scene: &Scene) -> Result<Self, PlantError> {
+        let model = Model::new(scene)?;
+        let state = State::initial(&model, &scene.initial)?;
+        let mut work = Workspace::new(&model);
+        kinematics::pose(&model, &state, &mut work.pose);
+        Ok(Plant {
+            settings: Settings::new(&scene.plant, scene.rate, &model)?,
+            drives: Drives::new(&scene.plant),
+            memory: Memory::default(),
+            steps: 0,
+            applied: Torques::default(),
+            record: Record::default(),
+            model,
+            state,
+            work,
+        })
+    }
+
+    /// One control period: the torques go through the drives and act for as many steps as fit.
+    ///
+    /// # Errors
+    /// If the state is no longer finite or H no longer positive definite: the simulation has blown up.
+    pub fn advance(&mut self, command: &Torques) -> Result<Encoders, PlantError> {
+        self.applied = self.drives.apply(command);
+        self.record.begin_period();
+        for _ in 0..self.settings.steps_per_period {
+            self.step()?;
+        }
+        Ok(self.encoders())
+    }
+
+    /// One integration step under the torques in force.
+    ///
+    /// # Errors
+    /// As [`Plant::advance`].
+    pub fn step(&mut self) -> Result<(), PlantError> {
+        self.find_inertia()?;
+        self.predict_free_motion();
+        self.find_contacts();
+        self.solve_contacts();
+        self.advance_state()?;
+        self.record.fold(&self.state);
+        Ok(())
+    }
+
+    /// H, b and H = LᵀL at the present pose.
+    fn find_inertia(&mut self) -> Result<(), PlantError> {
+        let Workspace { pose, composite, inertia, factor, free, .. } = &mut self.work;
+        composite.inertia(&self.model, pose, inertia);
+        composite.bias(&self.model, pose, &self.state.xdot, free);
+        factor.factorize(&self.model, inertia)
+    }
+
+    /// The velocity that this step would end with if nothing touched: ẋ₋ + H⁻¹Δf_b, Δf_b = (u − b)h. (12)
+    fn predict_free_motion(&mut self) {
+        let Workspace { pose, factor, free, column, .. } = &mut self.work;
+        for bias in free.iter_mut() {
+            *bias = -*bias;
+        }
+        for (&dof, torque) in self.model.joint_dof.iter().zip(self.applied.torque) {
+            free[dof] += torque;
+        }
+        if let Some(push) = self.settings.push.as_ref().filter(|push| push.steps.contains(&self.steps)) {
+            let arm = pose.links[push.link].com;
+            contact_column(&self.model, pose, push.link, &arm, &push.force, column);
+            for (k, &dof) in column.iter().zip(self.model.path(push.link)) {
+                free[dof] += k;
+            }
+        }
+        for effort in free.iter_mut() {
+            *effort *= self.settings.h; // Δf_b
+        }
+        factor.solve(&self.model, free);
+        for (free, before) in free.iter_mut().zip(&self.state.xdot) {
+            *free += before;
+        }
+    }
+
+    /// What touches, and the problem (14) that it poses.
+    fn find_contacts(&mut self) {
+        let Settings { h, law, friction, .. } = self.settings;
+        let Workspace { pose, factor, free, touches, map, problem, .. } = &mut self.work;
+        touching(&self.model, pose, law, h, touches);
+        map.assemble(&self.model, pose, factor, touches, free, tangents(law), problem);
+        problem.friction.fill(friction);
+        for (approach, touch) in problem.approach.iter_mut().zip(touches) {
+            *approach = touch.gap.max(0.0) / h;
+        }
+    }
+
+    /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
+    fn solve_contacts(&mut self) {
+        let Workspace { pose, factor, free, effort, touches, map, problem, solver, report, .. } = &mut self.work;
+        *report = None;
+        if !touches.is_empty() {
+            let solved = solver.solve(problem, self.settings.law, &mut self.memory);
+            debug_assert!(solved.energy_gain < 1e-9, "plastic contact raised the energy: {solved:?}");
+            self.record.note(report.insert(solved));
+            effort.fill(0.0);
+            map.push(&self.model, pose, touches, &solver.impulse, effort);
+            factor.solve(&self.model, effort);
+            for (i, touch) in touches.iter().enumerate() {
+                self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
+            }
+            free.iter_mut().zip(effort.iter()).for_each(|(velocity, change)| *velocity += change);
+        }
+        self.state.xdot.copy_from_slice(free);
+    }
+
+    /// The position after the step.
+    fn advance_state(&mut self) -> Result<(), PlantError> {
+        match self.settings.method {
+            Method::SemiImplicitEuler => self.state.advance(&self.model, self.settings.h),
+        }
+        self.steps += 1;
+        if !self.state.x.iter().chain(&self.state.xdot).all(|number| number.is_finite()) {
+            return Err(PlantError::NotFinite { time: self.steps as f64 * self.settings.h });
+        }
+        kinematics::pose(&self.model, &self.state, &mut self.work.pose);
+        Ok(())
+    }
+
+    /// What the joint encoders read now.
+    pub fn encoders(&self) -> Encoders {
+        self.drives.read((0..self.model.joint_dof.len()).map(|k| self.state.joint(&self.model, k)))
+    }
+
+    /// What only a simulation knows, now and of the control period before. Stamp and timings are the caller's.
+    pub fn truth(&self) -> Truth {
+        let period = self.settings.h * self.settings.steps_per_period as f64;
+        self.record.truth(&self.model, &self.state, &self.work.pose, &self.applied, period)
+    }
+
+    /// Simulated time [ns].
+    pub fn time_ns(&self) -> u64 {
+        (self.steps as f64 * self.settings.h * 1e9).round() as u64
+    }
+
+    /// The contact problem of the last step, to study laws on.
+    pub fn contact_problem(&self) -> &Problem {
+        &self.work.problem
+    }
+
+    /// How it was solved; `None` if nothing touched.
+    pub fn contact_report(&self) -> Option<&Report> {
+        self.work.report.as_ref()
+    }
+
+    /// The robot as the dynamics see it.
+    pub fn model(&self) -> &Model {
+        &self.model
+    }
+
+    /// The present state.
+    pub fn state(&self) -> &State {
+        &self.state
+    }
+}
+
+impl Settings {
+    fn new(plant: &PlantScene, rate: f64, model: &Model) -> Result<Self, PlantError> {
+        let step = |time: f64| (time / plant.dt).round() as u64;
+        let impulse = Vector3::from(plant.push_impulse);
+        let from = step(plant.push_time);
+        let count = step(plant.push_duration).max(1);
+        let push = Push {
+            link: model.link_of(&plant.push_body, "plant.push_body")?,
+            force: impulse / (count as f64 * plant.dt),
+            steps: from..from + count,
+        };
+        Ok(Settings {
+            h: plant.dt,
+            steps_per_period: step(1.0 / rate).max(1),
+            law: plant.law,
+            method: plant.method,
+            friction: plant.friction,
+            push: (impulse != Vector3::zeros()).then_some(push),
+        })
+    }
+}
+
+impl Workspace {
+    fn new(model: &Model) -> Self {
+        Workspace {
+            pose: Pose::new(model),
+            composite: Composite::new(model),
+            inertia: PathMatrix::new(model),
+            factor: Factor::new(model),
+            free: vec![0.0; model.dofs()],
+            effort: vec![0.0; model.dofs()],
+            column: vec![0.0; model.dofs()],
+            touches: Vec::with_capacity(model.corners.len()),
+            map: ContactMap::new(model),
+            problem: Problem::default(),
+            solver: Solver::default(),
+            report: None,
+        }
+    }
+}

@@ -1,0 +1,85 @@
+//! What only the simulation knows: the record of a control period, gathered step by step.
+
+use crate::contact::Report;
+use crate::kinematics::Pose;
+use crate::model::{Corner, Model};
+use crate::state::State;
+use messages::wire::{CONTACTS, FNV_START, JOINTS, Torques, Truth};
+use nalgebra::Vector3;
+
+/// Extremes and sums over the steps of one control period, and the hash of the whole run.
+#[derive(Clone, Copy, Debug)]
+pub struct Record {
+    impulse: [f64; 3 * CONTACTS],
+    worst: Report,
+    fallbacks: u64,
+    hash: u64,
+}
+
+impl Default for Record {
+    fn default() -> Self {
+        Record { impulse: [0.0; 3 * CONTACTS], worst: Report::default(), fallbacks: 0, hash: FNV_START }
+    }
+}
+
+impl Record {
+    /// Forgets the period before.
+    pub fn begin_period(&mut self) {
+        *self = Record { fallbacks: self.fallbacks, hash: self.hash, ..Record::default() };
+    }
+
+    /// Notes how a contact problem was solved.
+    pub fn note(&mut self, report: &Report) {
+        let worst = &mut self.worst;
+        worst.natural_map = worst.natural_map.max(report.natural_map);
+        worst.signorini = worst.signorini.max(report.signorini);
+        worst.slip_misalignment = worst.slip_misalignment.max(report.slip_misalignment);
+        worst.energy_gain = worst.energy_gain.max(report.energy_gain);
+        worst.pivots = worst.pivots.max(report.pivots);
+        self.fallbacks += u64::from(report.fallback);
+    }
+
+    /// Adds an impulse on contact point `id` [N·s]; points beyond the wire's room are not recorded.
+    pub fn push(&mut self, id: usize, impulse: [f64; 3]) {
+        if let Some(sum) = self.impulse.get_mut(3 * id..3 * id + 3) {
+            sum.iter_mut().zip(impulse).for_each(|(sum, part)| *sum += part);
+        }
+    }
+
+    /// Takes the state after a step into the hash.
+    pub fn fold(&mut self, state: &State) {
+        for number in state.x.iter().chain(&state.xdot) {
+            self.hash = (self.hash ^ number.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+        }
+    }
+
+    /// The truth at the end of a period that took `period` seconds. The stamp and the shell's timings stay zero.
+    pub fn truth(&self, model: &Model, state: &State, pose: &Pose, torques: &Torques, period: f64) -> Truth {
+        let base = &pose.links[model.base_link];
+        let position = pose.point(model.base_link, &Vector3::zeros());
+        let height = |corner: &Corner| pose.point(corner.link, &corner.at).z;
+        let lowest = model.corners.iter().map(height).fold(f64::INFINITY, f64::min);
+        let mut truth = Truth {
+            base_position: position.into(),
+            base_orientation: pose.orientation(model.base_link),
+            base_velocity: base.velocity.at(&base.origin).into(),
+            base_spin: base.velocity.angular.into(),
+            torque: torques.torque,
+            contact_force: self.impulse.map(|impulse| impulse / period),
+            natural_map: self.worst.natural_map,
+            signorini: self.worst.signorini,
+            slip_misalignment: self.worst.slip_misalignment,
+            energy_gain: self.worst.energy_gain,
+            penetration: (-lowest).max(0.0),
+            hash: self.hash,
+            fallbacks: self.fallbacks,
+            pivots: u64::from(self.worst.pivots),
+            ..Truth::default()
+        };
+        for k in 0..model.joint_dof.len().min(JOINTS) {
+            truth.angle[k] = state.joint(model, k);
+            truth.rate[k] = state.joint_rate(model, k);
+        }
+        truth
+    }
+}

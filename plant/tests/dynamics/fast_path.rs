@@ -1,0 +1,102 @@
+//! The fast path is the paper's recursion, and the sparse factor is a factor of H.
+
+use crate::support::*;
+use messages::scene::Base;
+use nalgebra::{DMatrix, DVector};
+use plant::PlantError;
+use plant::dynamics::{self, Force};
+use plant::factor::{Factor, PathMatrix};
+use plant::kinematics::contact_column;
+use plant::state::State;
+
+#[test]
+fn composite_bodies_give_the_inertia_of_unit_accelerations() {
+    for_each_case(1, 20, |_, case| {
+        let reference = dynamics::inertia(&case.model, &case.pose);
+        close("H", case.inertia().as_slice(), reference.as_slice(), 1e-12);
+    });
+}
+
+#[test]
+fn one_recursion_gives_the_bias_of_zero_acceleration() {
+    for_each_case(2, 20, |_, case| {
+        let reference = dynamics::bias(&case.model, &case.pose, &case.state.xdot);
+        close("b", &case.b, &reference, 1e-12);
+    });
+}
+
+#[test]
+fn jacobian_columns_are_the_contact_map_of_unit_forces() {
+    for_each_case(3, 10, |rng, case| {
+        for corner in &case.model.corners {
+            let (arm, force) = (case.pose.arm(corner.link, &corner.at), vector(rng, 1.0).into());
+            let mut column = vec![0.0; case.model.depth(corner.link)];
+            contact_column(&case.model, &case.pose, corner.link, &arm, &force, &mut column);
+            let mut full = vec![0.0; case.model.dofs()];
+            column.iter().zip(case.model.path(corner.link)).for_each(|(k, &dof)| full[dof] = *k);
+            let reference = dynamics::contact_column(&case.model, &case.pose, Force { link: corner.link, arm, force });
+            let scale = reference.iter().fold(1.0_f64, |scale, k| scale.max(k.abs()));
+            for (fast, reference) in full.iter().zip(&reference) {
+                assert!((fast - reference).abs() <= 1e-12 * scale, "{full:?} instead of {reference:?}");
+            }
+        }
+    });
+}
+
+#[test]
+fn the_factor_solves_what_a_dense_one_solves() {
+    for_each_case(4, 10, |rng, case| {
+        let u = random_efforts(rng, case.model.dofs());
+        let dense = case.inertia().cholesky().expect("a positive H").solve(&u);
+        let error = (case.inertia() * DVector::from_vec(case.solve(u.as_slice())) - &u).amax() / u.amax();
+        assert!(error < 1e-11, "residual {error:e}");
+        close("H⁻¹u", &case.solve(u.as_slice()), dense.as_slice(), 1e-9);
+    });
+}
+
+#[test]
+fn half_solved_columns_give_the_delassus_matrix() {
+    for_each_case(5, 5, |_, case| {
+        let model = &case.model;
+        let mut factor = Factor::new(model);
+        factor.factorize(model, &case.h).expect("a positive H");
+        let corners = &model.corners;
+        let jacobians: Vec<DMatrix<f64>> = corners.iter().map(|corner| case.jacobian(corner.link, &corner.at)).collect();
+        let half = |c: usize, axis: usize| {
+            let mut y: Vec<f64> = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]).collect();
+            factor.half_solve(model, corners[c].link, &mut y);
+            y
+        };
+        let cholesky = case.inertia().cholesky().expect("a positive H");
+        for (a, b) in [(0, 0), (0, 1), (0, 4), (3, 7), (5, 2)] {
+            let dense = &jacobians[a] * cholesky.solve(&jacobians[b].transpose());
+            let shared = model.shared(corners[a].link, corners[b].link);
+            let sparse = DMatrix::from_fn(3, 3, |i, j| {
+                half(a, i)[..shared].iter().zip(&half(b, j)[..shared]).map(|(y, z)| y * z).sum::<f64>()
+            });
+            let error = (&sparse - &dense).amax() / cholesky.inverse().amax();
+            assert!(error < 1e-11, "{sparse} instead of {dense}");
+        }
+    });
+}
+
+#[test]
+fn an_indefinite_inertia_is_refused_and_named() {
+    let model = model(&bare_table_1(Base::Quaternion));
+    let case = Case::new(&model, &State::zero(&model));
+    for bad in [-1.0, 0.0, f64::NAN] {
+        let mut h: PathMatrix = case.h.clone();
+        h.row_mut(7)[7] = bad;
+        let error = Factor::new(&model).factorize(&model, &h).expect_err("not positive definite");
+        assert!(matches!(error, PlantError::Singular { dof: 7, .. }), "{error}");
+    }
+}
+
+#[test]
+fn different_branches_share_only_the_base() {
+    let model = model(&bare_table_1(Base::Virtual));
+    let feet = [model.link_of("left foot", "test"), model.link_of("right foot", "test")].map(|link| link.expect("a foot"));
+    assert_eq!(model.shared(feet[0], feet[1]), 6);
+    assert_eq!(model.path(feet[0]), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
+    assert_eq!(model.path(feet[1]), [0, 1, 2, 3, 4, 5, 10, 11, 12, 13]);
+}

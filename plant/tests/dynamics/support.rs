@@ -1,0 +1,163 @@
+//! Random robots and states, and how to compare.
+
+use messages::robot::{Body, Joint, JointKind};
+use messages::scene::{Base, Scene};
+use nalgebra::{DMatrix, DVector, Vector3};
+use plant::composite::Composite;
+use plant::factor::{Factor, PathMatrix};
+use plant::kinematics::{self, Pose};
+use plant::model::Model;
+use plant::state::State;
+
+pub const BASES: [Base; 4] = [Base::Fixed, Base::Planar, Base::Virtual, Base::Quaternion];
+
+/// A model at a state, with all that the fast path computes.
+pub struct Case {
+    pub model: Model,
+    pub state: State,
+    pub pose: Pose,
+    pub h: PathMatrix,
+    pub b: Vec<f64>,
+}
+
+impl Case {
+    pub fn new(model: &Model, state: &State) -> Self {
+        let (model, state) = (model.clone(), state.clone());
+        let mut pose = Pose::new(&model);
+        kinematics::pose(&model, &state, &mut pose);
+        let (mut composite, mut h, mut b) = (Composite::new(&model), PathMatrix::new(&model), vec![0.0; model.dofs()]);
+        composite.inertia(&model, &pose, &mut h);
+        composite.bias(&model, &pose, &state.xdot, &mut b);
+        Case { model, state, pose, h, b }
+    }
+
+    pub fn inertia(&self) -> DMatrix<f64> {
+        self.h.dense(&self.model)
+    }
+
+    /// H⁻¹ v by the sparse factor.
+    pub fn solve(&self, v: &[f64]) -> Vec<f64> {
+        let mut factor = Factor::new(&self.model);
+        factor.factorize(&self.model, &self.h).expect("a positive H");
+        let mut solution = v.to_vec();
+        factor.solve(&self.model, &mut solution);
+        solution
+    }
+
+    /// xddot under the effort u.
+    pub fn forward(&self, u: &[f64]) -> Vec<f64> {
+        self.solve(&u.iter().zip(&self.b).map(|(u, b)| u - b).collect::<Vec<_>>())
+    }
+
+    /// Jacobian of a point, 3 × dofs.
+    pub fn jacobian(&self, link: usize, at: &Vector3<f64>) -> DMatrix<f64> {
+        let arm = self.pose.arm(link, at);
+        let mut jacobian = DMatrix::zeros(3, self.model.dofs());
+        let mut row = vec![0.0; self.model.depth(link)];
+        for axis in 0..3 {
+            let mut direction = Vector3::zeros();
+            direction[axis] = 1.0;
+            kinematics::contact_column(&self.model, &self.pose, link, &arm, &direction, &mut row);
+            for (value, &dof) in row.iter().zip(self.model.path(link)) {
+                jacobian[(axis, dof)] = *value;
+            }
+        }
+        jacobian
+    }
+}
+
+/// Table 1 on a base, without drive inertia.
+pub fn bare_table_1(base: Base) -> Scene {
+    let mut scene = Scene::default();
+    scene.plant.base = base;
+    scene.plant.drive_inertia = 0.0;
+    scene
+}
+
+pub fn model(scene: &Scene) -> Model {
+    Model::new(scene).expect("a good scene")
+}
+
+pub fn vector(rng: &mut fastrand::Rng, size: f64) -> [f64; 3] {
+    std::array::from_fn(|_| size * (2.0 * rng.f64() - 1.0))
+}
+
+/// A branched robot of twelve bodies listed in any order, with sliding joints, drives, damping, payload and a slope.
+pub fn random_tree(rng: &mut fastrand::Rng, base: Base) -> Scene {
+    let mut bodies: Vec<Body> = (0..12)
+        .map(|i| Body {
+            name: format!("body {i}"),
+            mass: 0.5 + rng.f64(),
+            size: [0.1 + 0.2 * rng.f64(), 0.1 + 0.2 * rng.f64(), 0.1 + 0.2 * rng.f64()],
+            com: vector(rng, 0.1),
+            inertia: None,
+            joint: (i > 0).then(|| Joint {
+                parent: format!("body {}", rng.usize(..i)),
+                kind: if rng.f64() < 0.3 { JointKind::Prismatic } else { JointKind::Revolute },
+                axis: vector(rng, 3.0),
+                at: vector(rng, 0.3),
+            }),
+            contacts: vec![vector(rng, 0.2), vector(rng, 0.2)],
+        })
+        .collect();
+    rng.shuffle(&mut bodies);
+    let mut scene = Scene { bodies, ..Scene::default() };
+    scene.plant.base = base;
+    scene.plant.drive_inertia = 0.07;
+    scene.plant.joint_damping = 0.3;
+    scene.plant.incline_deg = 12.0;
+    scene.plant.payload_kg = 1.5;
+    scene.plant.payload_offset = [0.05, -0.1, 0.2];
+    scene.plant.payload_body = "body 5".into();
+    scene
+}
+
+/// Random coordinates and rates, far from the singular pitch of virtual joints.
+pub fn random_state(rng: &mut fastrand::Rng, model: &Model) -> State {
+    let mut state = State::zero(model);
+    state.x.iter_mut().for_each(|x| *x = 2.4 * rng.f64() - 1.2);
+    state.xdot.iter_mut().for_each(|rate| *rate = 4.0 * rng.f64() - 2.0);
+    if model.base == Base::Quaternion {
+        let length = state.x[3..7].iter().map(|c| c * c).sum::<f64>().sqrt();
+        state.x[3..7].iter_mut().for_each(|c| *c /= length);
+    }
+    state
+}
+
+/// `count` random states of Table 1 and of random trees on every base; the seed is printed when a claim fails.
+pub fn for_each_case(seed: u64, count: usize, mut claim: impl FnMut(&mut fastrand::Rng, Case)) {
+    println!("seed {seed}");
+    let mut rng = fastrand::Rng::with_seed(seed);
+    for base in BASES {
+        for _ in 0..count {
+            for scene in [Scene { plant: random_tree(&mut rng, base).plant, ..Scene::default() }, random_tree(&mut rng, base)] {
+                let mut scene = scene;
+                if scene.bodies.iter().all(|body| body.name != scene.plant.payload_body) {
+                    scene.plant.payload_body = "left foot".into();
+                }
+                let model = model(&scene);
+                let state = random_state(&mut rng, &model);
+                claim(&mut rng, Case::new(&model, &state));
+            }
+        }
+    }
+}
+
+/// Largest difference, relative to the largest expected number.
+pub fn error(found: &[f64], expected: &[f64]) -> f64 {
+    assert_eq!(found.len(), expected.len());
+    let scale = expected.iter().fold(0.0_f64, |scale, value| scale.max(value.abs()));
+    let error = found.iter().zip(expected).fold(0.0_f64, |error, (a, b)| error.max((a - b).abs()));
+    assert!(error.is_finite());
+    if error == 0.0 { 0.0 } else { error / scale }
+}
+
+#[track_caller]
+pub fn close(what: &str, found: &[f64], expected: &[f64], tolerance: f64) {
+    let error = error(found, expected);
+    assert!(error <= tolerance, "{what} differs by {error:e} relative: {found:?} instead of {expected:?}");
+}
+
+pub fn random_efforts(rng: &mut fastrand::Rng, dofs: usize) -> DVector<f64> {
+    DVector::from_fn(dofs, |_, _| 20.0 * (2.0 * rng.f64() - 1.0))
+}
