@@ -41,18 +41,20 @@ impl Role {
             .spawn()
             .map_err(failed)?;
         let bar = bar.clone();
-        let listen = |stderr| std::thread::spawn(move || {
-            let mut errors: Vec<String> = Vec::new();
-            for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                // An error may have more lines, such as the caret under a word.
-                match line.strip_prefix("error: ") {
-                    Some(error) => errors.push(error.into()),
-                    None if !errors.is_empty() || line.starts_with("thread '") => errors.push(line),
-                    None => bar.suspend(|| eprintln!("{name}: {line}")),
+        let listen = |stderr| {
+            std::thread::spawn(move || {
+                let mut errors: Vec<String> = Vec::new();
+                for line in BufReader::new(stderr).lines().map_while(Result::ok) {
+                    // An error may have more lines, such as the caret under a word.
+                    match line.strip_prefix("error: ") {
+                        Some(error) => errors.push(error.into()),
+                        None if !errors.is_empty() || line.starts_with("thread '") => errors.push(line),
+                        None => bar.suspend(|| eprintln!("{name}: {line}")),
+                    }
                 }
-            }
-            errors
-        });
+                errors
+            })
+        };
         let complaints = process.stderr.take().map(listen);
         Ok(Role { name, process, status: None, complaints })
     }

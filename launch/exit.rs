@@ -38,7 +38,8 @@ impl From<Exit> for ExitCode {
 impl Exit {
     /// The meaning of a child's exit code; one that is not ours, or a signal, is a fault.
     pub fn of_child(code: Option<i32>) -> Exit {
-        let known = [Exit::Ok, Exit::Usage, Exit::PeerMissing, Exit::Incompatible, Exit::SharedMemory, Exit::Interrupted];
+        let known =
+            [Exit::Ok, Exit::Usage, Exit::PeerMissing, Exit::Incompatible, Exit::SharedMemory, Exit::Interrupted];
         known.into_iter().find(|exit| code == Some(*exit as i32)).unwrap_or(Exit::Fault)
     }
 }

@@ -49,23 +49,25 @@ struct Key {
 /// The keys of a table, depth first.
 fn below(root: &Value, table: &Value, path: &str) -> Vec<Key> {
     let properties = table["properties"].as_object().into_iter().flatten();
-    properties.flat_map(|(name, property)| {
-        let path = format!("{path}{name}");
-        let target = resolve(root, property);
-        if target["properties"].is_object() {
-            return below(root, target, &format!("{path}."));
-        }
-        let items = resolve(root, &property["items"]);
-        if items["properties"].is_object() {
-            return below(root, items, &format!("{path}.NAME."));
-        }
-        let default = match &property["default"] {
-            Value::Null => String::new(),
-            default => format!(" = {default}"),
-        };
-        let meaning = property["description"].as_str().or(target["description"].as_str()).unwrap_or_default();
-        vec![Key { path, kind: kind(root, property) + &default, meaning: meaning.replace('\n', " ") }]
-    }).collect()
+    properties
+        .flat_map(|(name, property)| {
+            let path = format!("{path}{name}");
+            let target = resolve(root, property);
+            if target["properties"].is_object() {
+                return below(root, target, &format!("{path}."));
+            }
+            let items = resolve(root, &property["items"]);
+            if items["properties"].is_object() {
+                return below(root, items, &format!("{path}.NAME."));
+            }
+            let default = match &property["default"] {
+                Value::Null => String::new(),
+                default => format!(" = {default}"),
+            };
+            let meaning = property["description"].as_str().or(target["description"].as_str()).unwrap_or_default();
+            vec![Key { path, kind: kind(root, property) + &default, meaning: meaning.replace('\n', " ") }]
+        })
+        .collect()
 }
 
 /// Follows a reference, also an optional one.

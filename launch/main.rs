@@ -4,6 +4,7 @@
 //! | what | where |
 //! |---|---|
 //! | the main job | [`run`] |
+//! | tables of many runs | [`study`] |
 //! | starting, watching and ending processes | [`children`] |
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
@@ -18,6 +19,7 @@ mod progress;
 mod record;
 mod report;
 mod run;
+mod study;
 mod summary;
 
 use clap::{Args, Parser, Subcommand};
@@ -45,6 +47,8 @@ struct Cli {
 enum Command {
     /// Run a scene: start both processes, show progress, sum up
     Run(run::RunArgs),
+    /// Run the cases of a table, in parallel, and write it
+    Study(study::StudyArgs),
     /// Be the plant of a session
     Plant(RoleArgs),
     /// Be the controller of a session
@@ -121,6 +125,7 @@ fn main() -> ExitCode {
     }
     let result = match Cli::parse().command {
         Some(Command::Run(args)) => run::run(&args, &stop),
+        Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
         Some(Command::List { keys: false }) => list::scenes(),

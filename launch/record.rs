@@ -47,6 +47,8 @@ pub struct Recorder {
     pub spread: Spread,
     /// Records left out because their pose is not finite.
     pub dropped: u64,
+    /// Integration steps in one control period.
+    pub steps_per_period: u64,
     row_ns: u64,
 }
 
@@ -68,6 +70,8 @@ pub struct Spread {
 
 /// Rows never come closer than this [ns].
 const ROW_NS: u64 = 5_000_000;
+/// What happens this long after a fall is of no interest [s].
+const AFTERMATH: f64 = 1.0;
 /// More rows than these are thinned out by half.
 const MAX_ROWS: usize = 24_000;
 
@@ -83,12 +87,22 @@ impl Recorder {
             extremes: Extremes::default(),
             spread: Spread::new(),
             dropped: 0,
+            steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
             row_ns: ROW_NS,
         }
     }
 
+    /// The time of the fall [s], once it has been seen to its end: nothing is recorded any more.
+    pub fn is_over(&self) -> Option<f64> {
+        let time = self.last.as_ref().map_or(0.0, |last| last.sample.time);
+        self.extremes.fall.filter(|fall| time >= fall + AFTERMATH)
+    }
+
     /// Takes the next record. One whose pose is not finite is counted and left out.
     pub fn push(&mut self, truth: &Truth) {
+        if self.is_over().is_some() {
+            return;
+        }
         self.spread.push(truth);
         let placed = self.robot.place(truth);
         let sample = Sample::new(&self.robot, truth, &placed);
@@ -205,6 +219,9 @@ mod tests {
         let fall = recorder.extremes.fall.expect("45 degrees is a fall");
         assert!((fall - 4.0 - 45f64.to_radians()).abs() < 2e-3, "{fall}");
         assert!(recorder.gait.steps.iter().all(|step| step.start < fall));
+        assert_eq!(recorder.is_over(), Some(fall));
+        let last = recorder.last.expect("a last record").sample.time;
+        assert!((last - fall - AFTERMATH).abs() < 2e-3, "the record ends at {last} s");
     }
 
     #[test]

@@ -78,7 +78,7 @@ pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scen
 }
 
 /// Writes beside the file and renames, so that no reader ever sees half of it.
-fn write_whole(path: &Path, text: &str) -> io::Result<()> {
+pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
     let draft = path.with_extension("part");
     let named = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
     fs::write(&draft, text).map_err(named)?;

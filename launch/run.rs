@@ -61,7 +61,11 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut watch = Watch::new(&scene, args.quiet);
     let start = Instant::now();
     let outcome = match args.in_process {
-        true => in_process(&scene, &mut watch, stop),
+        true => in_process(&scene, |truth| {
+            watch.take(truth);
+            watch.progress.show(truth);
+            goes_on(&watch.recorder, stop)
+        }),
         false => two_processes(args, &scene, &mut watch, stop),
     };
     watch.progress.finish();
@@ -82,7 +86,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     say(&summary);
     match (summary.fall_time_s, outcome) {
         // What fails after a fall fails because of it.
-        (Some(time), Ok(())) => Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s"))),
+        (Some(time), Ok(())) => Err(fell(time)),
         (Some(time), Err(failure)) if failure.exit == Exit::Fault => {
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
         }
@@ -124,17 +128,33 @@ impl Watch {
     }
 }
 
-/// One process: the plant's loop with a controller at the other end of a function call.
-fn in_process(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
+/// Whether a run has anything more to show.
+///
+/// # Errors
+/// A fall seen to its end, or a wish of the user's to stop.
+pub fn goes_on(recorder: &Recorder, stop: &AtomicBool) -> Result<(), Failure> {
+    match recorder.is_over() {
+        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
+        Some(time) => Err(fell(time)),
+        None => Ok(()),
+    }
+}
+
+fn fell(time: f64) -> Failure {
+    Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s"))
+}
+
+/// One process: the plant's loop with a controller at the other end of a function call. `hear` gets the truth of each
+/// control period and may end the run by an error.
+///
+/// # Errors
+/// Whatever plant, controller or `hear` fails with.
+pub fn in_process(scene: &Scene, mut hear: impl FnMut(&Truth) -> Result<(), Failure>) -> Result<(), Failure> {
     use controller::process::ProcessError;
     let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
     let mut controller = controller.map_err(ProcessError::from)?;
     plant::process::simulate(scene, |sensors: &Sensors, truth| {
-        watch.take(truth);
-        watch.progress.show(truth);
-        if stop.load(Relaxed) {
-            return Err(plant::process::ProcessError::Interrupted.into());
-        }
+        hear(truth)?;
         match controller.as_mut().filter(|_| sensors.last == 0) {
             None => Ok(Command::default()),
             Some(controller) => {
@@ -157,8 +177,8 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     }
     let outcome = loop {
         watch.drain(&port)?;
-        if stop.load(Relaxed) {
-            break Err(Failure::new(Exit::Interrupted, "interrupted"));
+        if let Err(failure) = goes_on(&watch.recorder, stop) {
+            break Err(failure);
         }
         // A controller that fails leaves the plant waiting, and the other way round: the first to fail is to blame.
         if let Some(failure) = roles.iter_mut().find_map(|role| role.verdict().err()) {

@@ -1,25 +1,46 @@
 //! `biped study`: tables that the documents quote, each case a scene with some values changed.
 
-use crate::in_process;
-use crate::scenes;
+use crate::exit::{Exit, Failure};
+use crate::list::SCENES;
+use crate::record::Recorder;
+use crate::report::write_whole;
+use crate::run::{goes_on, in_process};
+use crate::say;
 use crate::summary::Summary;
-use anyhow::Result;
-use clap::ValueEnum;
-use indicatif::{ParallelProgressIterator, ProgressBar, ProgressStyle};
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressStyle};
+use messages::load::load;
+use messages::scene::Law;
 use rayon::prelude::*;
 use std::fmt::Write;
-use std::path::Path;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Arguments of `biped study`.
+#[derive(Args)]
+pub struct StudyArgs {
+    /// Which table
+    study: Study,
+    /// Write the table into this folder, as Markdown and as CSV
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+}
 
 /// Which table.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Study {
-    /// How far the robot, its sensors and the ground may be off before it falls.
+    /// How far the robot, its sensors and the ground may be off before it falls
     Margins,
-    /// The same walk under each contact law.
+    /// The same walk under each contact law
     Laws,
-    /// Where the lateral orbit is attracted to, with and without the energy rule (39).
+    /// Where the lateral orbit is attracted to, with and without the energy rule (39)
     Attraction,
-    /// Long walks.
+    /// Long walks
     Endurance,
 }
 
@@ -30,83 +51,150 @@ struct Case {
     settings: Vec<String>,
 }
 
+/// What became of it: a summary, also of a fall, or why there is none.
+type Outcome = Result<Summary, String>;
+
 fn case(name: impl Into<String>, scene: &'static str, settings: &[&str]) -> Case {
     Case { name: name.into(), scene, settings: settings.iter().map(|setting| (*setting).into()).collect() }
 }
 
-/// Runs the cases of a study on all cores, prints the table and writes it to `out`, if given, as Markdown and CSV.
-pub fn run(study: Study, out: Option<&Path>, quiet: bool) -> Result<()> {
-    let cases = match study {
+/// Runs the cases of a study on all cores, prints the table and writes it, if asked to.
+///
+/// # Errors
+/// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
+/// are rows of the table.
+pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let cases = cases(args.study);
+    let bar = if args.quiet { ProgressBar::hidden() } else { ProgressBar::new(cases.len() as u64) };
+    if let Ok(style) = ProgressStyle::with_template("[{bar:24}] {pos} of {len} cases, {elapsed}") {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    let study = |case| {
+        let outcome = simulate(case, stop);
+        bar.inc(1);
+        outcome
+    };
+    let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
+    bar.finish_and_clear();
+    let rows = rows(args.study, &cases, &outcomes);
+    let text = markdown(&rows, &outcomes);
+    say(&text);
+    match &args.out {
+        None => Ok(()),
+        Some(folder) => write(folder, args.study, &text, &csv(&rows, &cases))
+            .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display()))),
+    }
+}
+
+fn write(folder: &Path, study: Study, markdown: &str, csv: &str) -> io::Result<()> {
+    std::fs::create_dir_all(folder)?;
+    let path = folder.join(format!("{study:?}").to_lowercase());
+    write_whole(&path.with_extension("md"), markdown)?;
+    write_whole(&path.with_extension("csv"), csv)
+}
+
+fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
+    let scene = load(case.scene, &case.settings, &SCENES)?;
+    let (mut recorder, start) = (Recorder::new(&scene), Instant::now());
+    let result = in_process(&scene, |truth| {
+        recorder.push(truth);
+        goes_on(&recorder, stop)
+    });
+    match result {
+        Err(failure) if failure.exit == Exit::Interrupted => Err(failure),
+        // What fails after a fall fails because of it.
+        Err(failure) if recorder.extremes.fall.is_none() => Ok(Err(failure.message)),
+        _ => Ok(Ok(Summary::new(case.scene, &recorder, start.elapsed(), 1))),
+    }
+}
+
+type Column = (&'static str, fn(&Summary) -> String);
+
+/// Columns that a study shows.
+fn columns(study: Study) -> Vec<Column> {
+    let all: [Column; 8] = [
+        ("x m", |s| fixed(s.distance_m, 2)),
+        ("y m", |s| fixed(s.lateral_m, 3)),
+        ("yaw °", |s| fixed(s.yaw_deg, 2)),
+        ("m/s", |s| fixed(s.speed_mps, 3)),
+        ("period s", |s| fixed(s.period_s, 3) + " ± " + &fixed(s.period_std_s, 3)),
+        ("x_2 min mm", |s| fixed(1e3 * s.x2_min_m, 1)),
+        ("peak N·m", |s| fixed(s.peak_torque_nm.into_iter().fold(0.0, f64::max), 1)),
+        ("tilt °", |s| fixed(s.foot_tilt_max_deg, 2)),
+    ];
+    let contact: [Column; 9] = [
+        ("hop mm", |s| fixed(1e3 * s.hop_max_m, 2)),
+        ("sinks mm", |s| fixed(1e3 * s.penetration_max_m, 3)),
+        ("peak force N", |s| fixed(s.peak_force_n, 0)),
+        ("slip angle °", |s| fixed(s.slip_misalignment_max_deg, 1)),
+        ("Signorini", |s| format!("{:.0e}", s.signorini_max)),
+        ("natural map", |s| format!("{:.0e}", s.natural_map_max)),
+        ("energy gain J", |s| format!("{:.0e}", s.energy_gain_max_j)),
+        ("fallbacks", |s| s.fallbacks.to_string()),
+        ("µs/step", |s| fixed(1e6 * s.plant_median_s / s.steps_per_period as f64, 2)),
+    ];
+    let more: &[Column] = if let Study::Laws = study { &contact } else { &[] };
+    all.iter().chain(more).copied().collect()
+}
+
+/// A number; a dash if it could not be measured, or is what remains of a simulation that blew up after a fall.
+fn fixed(value: f64, digits: usize) -> String {
+    if value.abs() < 1e6 { format!("{value:.digits$}") } else { "-".into() }
+}
+
+/// The table as cells, the first row naming the columns.
+fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> {
+    let columns = columns(study);
+    let names = ["case", "outcome"].into_iter().chain(columns.iter().map(|column| column.0));
+    let cells = |outcome: &Outcome| match outcome {
+        Err(error) => [error.clone()].into_iter().chain(columns.iter().map(|_| String::new())).collect(),
+        Ok(summary) => {
+            let fate = summary.fall_time_s.map_or("up".into(), |time| format!("fell at {time:.1} s"));
+            [fate].into_iter().chain(columns.iter().map(|column| column.1(summary))).collect::<Vec<_>>()
+        }
+    };
+    let body = cases.iter().zip(outcomes).map(|(case, outcome)| [vec![case.name.clone()], cells(outcome)].concat());
+    [names.map(String::from).collect()].into_iter().chain(body).collect()
+}
+
+fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
+    let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(widest).collect();
+    let mut text = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} |"));
+        let _ = writeln!(text, "|{}", cells.collect::<String>());
+        if i == 0 {
+            let rule = widths.iter().map(|width| format!("{}|", "-".repeat(width + 2)));
+            let _ = writeln!(text, "|{}", rule.collect::<String>());
+        }
+    }
+    let up = outcomes.iter().filter(|outcome| outcome.as_ref().is_ok_and(|summary| !summary.fell)).count();
+    let _ = writeln!(text, "\n{up} of {} stay up.", outcomes.len());
+    text
+}
+
+/// The same with the command line of each case, to run it again.
+fn csv(rows: &[Vec<String>], cases: &[Case]) -> String {
+    let command = |case: &Case| {
+        let settings = case.settings.iter().map(|setting| format!(" --set '{setting}'"));
+        format!("biped run {}{}", case.scene, settings.collect::<String>())
+    };
+    let commands = ["command".into()].into_iter().chain(cases.iter().map(command));
+    let quoted = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
+    let line = |(row, command): (&Vec<String>, String)| {
+        row.iter().chain([&command]).map(quoted).collect::<Vec<_>>().join(",") + "\n"
+    };
+    rows.iter().zip(commands).map(line).collect()
+}
+
+fn cases(study: Study) -> Vec<Case> {
+    match study {
         Study::Margins => margins(),
         Study::Laws => laws(),
         Study::Attraction => attraction(),
         Study::Endurance => endurance(),
-    };
-    let bar = if quiet { ProgressBar::hidden() } else { ProgressBar::new(cases.len() as u64) };
-    bar.set_style(ProgressStyle::with_template("{bar:40} {pos}/{len} cases, {elapsed} of {duration}")?);
-    let results: Vec<Summary> = cases.par_iter().progress_with(bar).map(simulate).collect::<Result<_>>()?;
-    let table = table(study, &cases, &results);
-    print!("{table}");
-    if let Some(out) = out {
-        std::fs::create_dir_all(out)?;
-        let name = study.to_possible_value().map_or(String::new(), |value| value.get_name().to_owned());
-        std::fs::write(out.join(format!("{name}.md")), table)?;
     }
-    Ok(())
-}
-
-fn simulate(case: &Case) -> Result<Summary> {
-    let scene = scenes::load(case.scene, &case.settings)?;
-    in_process::simulate(case.scene, &scene)
-}
-
-/// Columns that a study shows.
-fn columns(study: Study) -> Vec<(&'static str, fn(&Summary) -> String)> {
-    let mut columns: Vec<(&'static str, fn(&Summary) -> String)> = vec![
-        ("outcome", |s| s.fall_time_s.map_or("up".into(), |t| format!("fell at {t:.1} s"))),
-        ("x m", |s| format!("{:.2}", s.distance_m)),
-        ("y m", |s| format!("{:.3}", s.lateral_m)),
-        ("yaw °", |s| format!("{:.2}", s.yaw_deg)),
-        ("m/s", |s| format!("{:.3}", s.speed_mps)),
-        ("period s", |s| format!("{:.3} ± {:.3}", s.period_s, s.period_std_s)),
-        ("x_2 min m", |s| format!("{:.4}", s.x2_min_m)),
-        ("peak N·m", |s| format!("{:.1}", s.peak_torque_nm.into_iter().fold(0.0, f64::max))),
-        ("tilt °", |s| format!("{:.2}", s.foot_tilt_max_deg)),
-    ];
-    if let Study::Laws = study {
-        columns.extend([
-            ("hop mm", (|s| format!("{:.2}", 1e3 * s.hop_max_m)) as fn(&Summary) -> String),
-            ("sinks mm", |s| format!("{:.3}", 1e3 * s.penetration_max_m)),
-            ("peak force N", |s| format!("{:.0}", s.peak_force_n)),
-            ("Signorini", |s| format!("{:.0e}", s.signorini_max)),
-            ("natural map", |s| format!("{:.0e}", s.natural_map_max)),
-            ("energy gain J", |s| format!("{:.0e}", s.energy_gain_max_j)),
-            ("µs/step", |s| format!("{:.2}", s.plant_median_s * 1e6 / s.steps_per_period as f64)),
-        ]);
-    }
-    columns
-}
-
-fn table(study: Study, cases: &[Case], results: &[Summary]) -> String {
-    let columns = columns(study);
-    let mut rows = vec![["case"].into_iter().chain(columns.iter().map(|(name, _)| *name)).map(String::from).collect::<Vec<_>>()];
-    rows.extend(cases.iter().zip(results).map(|(case, summary)| {
-        [case.name.clone()].into_iter().chain(columns.iter().map(|(_, cell)| cell(summary))).collect()
-    }));
-    let widths: Vec<usize> =
-        (0..rows[0].len()).map(|k| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0)).collect();
-    let mut text = String::new();
-    for (i, row) in rows.iter().enumerate() {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} |")).collect::<String>();
-        let _ = writeln!(text, "|{cells}");
-        if i == 0 {
-            let rule = widths.iter().map(|width| format!("{}|", "-".repeat(width + 2))).collect::<String>();
-            let _ = writeln!(text, "|{rule}");
-        }
-    }
-    let up = results.iter().filter(|summary| !summary.fell).count();
-    let _ = writeln!(text, "\n{up} of {} stay up.", results.len());
-    text
 }
 
 fn margins() -> Vec<Case> {
@@ -145,9 +233,7 @@ fn margins() -> Vec<Case> {
         ],
     ));
     for (scene, name) in [("walk", "walking"), ("stamp", "stamping")] {
-        for (direction, impulse) in
-            [("forward", [2, 0]), ("backward", [-2, 0]), ("left", [0, 2]), ("right", [0, -2])]
-        {
+        for (direction, impulse) in [("forward", [2, 0]), ("backward", [-2, 0]), ("left", [0, 2]), ("right", [0, -2])] {
             for eighth in 0..8 {
                 let time = 8.0 + 0.6 * f64::from(eighth) / 8.0;
                 cases.push(case(
@@ -166,21 +252,16 @@ fn margins() -> Vec<Case> {
 }
 
 fn laws() -> Vec<Case> {
-    let laws = ["EnergyQp", "Complementarity", "Aligned"];
-    let each = |name: &str, scene: &'static str, more: &[&str]| {
-        laws.map(|law| {
-            let settings: Vec<&str> = more.to_vec();
-            let law_setting = format!("plant.law={law}");
-            let all: Vec<&str> = settings.into_iter().chain([law_setting.as_str()]).collect();
-            case(format!("{name}, {law}"), scene, &all)
-        })
+    let each = |name: &str, scene: &'static str, settings: &[&str]| {
+        Law::ALL
+            .map(|law| case(format!("{name}, {law:?}"), scene, &[settings, &[&format!("plant.law={law:?}")]].concat()))
     };
     [
         each("walk 14 s", "walk", &[]),
         each("walk 110 s", "walk", &["duration=110"]),
         each("walk 14 s, dt .25 ms", "walk", &["plant.dt=0.00025"]),
         each("stamp 60 s", "stamp", &[]),
-        each("slide", "slide", &[]),
+        each("slide at 1 m/s", "slide", &["initial.velocity=[1.0, 0.0, 0.0]"]),
     ]
     .into_iter()
     .flatten()
@@ -195,7 +276,7 @@ fn attraction() -> Vec<Case> {
                 format!("k_E = {gain}, released at x_2 = {start} m"),
                 "stamp",
                 &[
-                    "duration=10",
+                    "duration=11", // the last 20 periods, which are averaged, begin after more than 8 steps
                     &format!("controller.energy_gain={gain}"),
                     &format!("controller.release_x2={start}"),
                 ],
@@ -212,4 +293,34 @@ fn endurance() -> Vec<Case> {
         case("stamp 600 s", "stamp", &["duration=600"]),
         case("the paper's sagittal rule 110 s", "walk-literal", &["duration=110"]),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_case_of_every_study_is_a_good_scene_and_has_its_own_name() {
+        for study in Study::value_variants() {
+            let cases = cases(*study);
+            for (i, case) in cases.iter().enumerate() {
+                assert!(load(case.scene, &case.settings, &SCENES).is_ok(), "{study:?}: {}", case.name);
+                assert!(cases[..i].iter().all(|other| other.name != case.name), "{study:?}: {} twice", case.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_simulation_that_blows_up_is_a_row_and_not_the_end_of_the_study() {
+        // A gravity that overflows within the first control period.
+        let wild = case("too heavy", "drop", &["plant.gravity=1e308"]);
+        let calm = case("as it is", "drop", &["duration=0.01"]);
+        let stop = AtomicBool::new(false);
+        let outcomes = [&wild, &calm].map(|case| simulate(case, &stop).expect("not interrupted"));
+        assert!(outcomes[0].as_ref().is_err_and(|words| words.contains("no longer finite")), "{:?}", outcomes[0]);
+        let rows = rows(Study::Laws, &[wild, calm], &outcomes);
+        assert!(rows[1][1].contains("no longer finite") && rows[2][1] == "up", "{rows:?}");
+        assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+        assert!(markdown(&rows, &outcomes).ends_with("1 of 2 stay up.\n"));
+    }
 }

@@ -63,6 +63,8 @@ pub struct Summary {
     pub lateral_max_m: f64,
     /// Greatest height of the lowest contact point after the first contact [m].
     pub hop_max_m: f64,
+    /// Greatest normal force of the ground on the whole robot, mean over a control period [N].
+    pub peak_force_n: f64,
     /// Deepest penetration [m].
     pub penetration_max_m: f64,
     /// Greatest angle between friction and the direction opposite to slip [deg].
@@ -71,6 +73,8 @@ pub struct Summary {
     pub com_speed_end_mps: f64,
     /// Median time of the plant for one control period [s].
     pub plant_median_s: f64,
+    /// Integration steps in one control period.
+    pub steps_per_period: u64,
     /// Records left out because their pose was not finite.
     pub dropped: u64,
 }
@@ -114,10 +118,12 @@ impl Summary {
             x2_least_m: gait.complete().iter().map(|step| step.x2_min).fold(f64::INFINITY, f64::min),
             lateral_max_m: extremes.drift,
             hop_max_m: extremes.hop,
+            peak_force_n: extremes.force,
             penetration_max_m: extremes.penetration,
             slip_misalignment_max_deg: extremes.slip_misalignment.to_degrees(),
             com_speed_end_mps: over(&|_, last| last.sample.com_velocity.norm()),
             plant_median_s: recorder.spread.plant.quantile(0.5) * 1e-9,
+            steps_per_period: recorder.steps_per_period,
             dropped: recorder.dropped,
         }
     }
@@ -173,11 +179,6 @@ impl Summary {
             lines.push(("not finite", format!("{} records left out", self.dropped)));
         }
         lines
-    }
-
-    /// Writes the table to standard output.
-    pub fn print(&self) {
-        print!("{self}");
     }
 }
 

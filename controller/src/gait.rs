@@ -183,7 +183,9 @@ impl GaitModel {
 
     fn change_phase(&self, state: &mut GaitState) {
         let next = match state.phase {
-            Phase::Stand if self.scene.gait == Gait::Walk && state.since >= STAND && !self.stopping(state) => Phase::Sway,
+            Phase::Stand if self.scene.gait == Gait::Walk && state.since >= STAND && !self.stopping(state) => {
+                Phase::Sway
+            }
             Phase::Sway if state.since >= SWAY => Phase::Lift,
             Phase::Lift if state.since >= LIFT => Phase::Walk,
             Phase::Land if state.since >= LAND => Phase::Rest,

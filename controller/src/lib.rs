@@ -11,6 +11,7 @@
 //! | top | phases, exchange of support, foot placement | [`gait`] |
 //! | | constants of the robot | [`constants`] |
 //! | | encoders | [`encoder`] |
+//! | | the process around it | [`process`] |
 //!
 //! [`tick`] is pure: no clock, thread, messages between processes, allocation (but for the bounded QP) or panic.
 
@@ -19,6 +20,7 @@ pub mod encoder;
 pub mod error;
 pub mod gait;
 pub mod pendulum;
+pub mod process;
 pub mod rate;
 pub mod servo;
 pub mod support;

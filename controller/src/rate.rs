@@ -66,7 +66,8 @@ pub fn resolve_bounded(
     let hessian = CscMatrix::from(&rows(weight.upper_triangle().as_slice(), JOINTS, JOINTS));
     let mut constraints = rows(jacobian.as_slice(), 7, JOINTS);
     for sign in [1.0, -1.0] {
-        constraints.extend((0..JOINTS).map(|i| (0..JOINTS).map(|j| if i == j { sign } else { 0.0 }).collect::<Vec<_>>()));
+        constraints
+            .extend((0..JOINTS).map(|i| (0..JOINTS).map(|j| if i == j { sign } else { 0.0 }).collect::<Vec<_>>()));
     }
     let right: Vec<f64> = xdot.iter().chain(upper.iter()).copied().chain(lower.iter().map(|low| -low)).collect();
     let cones = [SupportedConeT::ZeroConeT(7), SupportedConeT::NonnegativeConeT(2 * JOINTS)];

@@ -89,7 +89,9 @@ impl Chain {
         let mut axis = [Vector3::zeros(); JOINTS];
         let mut joint = [Vector3::zeros(); JOINTS];
         // Outward from the trunk: the left leg's joints move the lower body, so their angles count backwards.
-        for (child, parent, j) in [(3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)] {
+        for (child, parent, j) in
+            [(3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)]
+        {
             let Some(link) = bodies[child].joint.as_ref().filter(|link| link.parent == bodies[parent].name) else {
                 return refuse("each body must hang from its neighbour toward the trunk");
             };
@@ -105,7 +107,8 @@ impl Chain {
         let (Some(left), Some(right)) = (sole(0), sole(JOINTS)) else {
             return refuse("each foot needs contact points, its sole's corners");
         };
-        let extent = |k: usize| bodies[0].contacts.iter().map(|p| (p[k] - left[k] + origin[0][k]).abs()).fold(0.0, f64::max);
+        let extent =
+            |k: usize| bodies[0].contacts.iter().map(|p| (p[k] - left[k] + origin[0][k]).abs()).fold(0.0, f64::max);
         Ok(Chain {
             mass: std::array::from_fn(|i| bodies[i].mass),
             com: std::array::from_fn(|i| origin[i] + Vector3::from(bodies[i].com) - left),

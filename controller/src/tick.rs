@@ -63,8 +63,7 @@ impl Controller {
             chain,
             constants,
         };
-        let state =
-            State { encoder: EncoderState::default(), right: false, gait: None, servo: ServoState::default() };
+        let state = State { encoder: EncoderState::default(), right: false, gait: None, servo: ServoState::default() };
         Ok(Controller { model, state, telemetry: Telemetry::default() })
     }
 
@@ -118,6 +117,10 @@ impl State {
 impl Model {
     /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone:
     /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m].
+    ///
+    /// With both feet down the loads alone balance the robot sideways; ankles that rolled as if each foot stood alone
+    /// would press the feet apart up to the limit of friction. So the swing foot's ankle does not roll, and the stance
+    /// foot's carries only what the loads leave over, M g (x_2 − (1 − load) W_2).
     fn feed_forward(&self, state: &State, task: &Task, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();
@@ -133,7 +136,11 @@ impl Model {
         }
         // Seen from the other foot, axis 2 points the other way.
         let other = self.chain.task(&mirror(&state.to_support(&state.encoder.angle)));
-        plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2))
+        let mut shared = plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2));
+        let unbalanced = 1.0 - (1.0 - plan.load) * self.chain.leg_width() / task.x[1];
+        shared[0] = unbalanced * stance[0];
+        shared[JOINTS - 1] = 0.0;
+        shared
     }
 
     /// Joint rates for the task rates: closed form, or the QP with bounds where the scene sets any.

@@ -26,6 +26,8 @@ pub struct Extremes {
     pub slip_misalignment: f64,
     /// Deepest penetration [m].
     pub penetration: f64,
+    /// Greatest normal force of the ground on the whole robot, mean over a control period [N].
+    pub force: f64,
     /// Greatest height of the lowest contact point after the first contact [m].
     pub hop: f64,
     /// Greatest sideways distance of the centre of mass from where it began [m].
@@ -54,6 +56,7 @@ impl Default for Extremes {
             energy_gain: f64::NEG_INFINITY,
             slip_misalignment: 0.0,
             penetration: 0.0,
+            force: 0.0,
             hop: f64::NEG_INFINITY,
             drift: 0.0,
             upright: None,
@@ -74,6 +77,7 @@ impl Extremes {
         raise(&mut self.energy_gain, truth.energy_gain);
         raise(&mut self.slip_misalignment, truth.slip_misalignment);
         raise(&mut self.penetration, truth.penetration);
+        raise(&mut self.force, sample.load);
         if let Some((foot, soles)) = sample.loaded_foot().zip(sample.soles) {
             raise(&mut self.foot_tilt, soles[foot].tilt);
         }

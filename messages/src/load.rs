@@ -75,8 +75,8 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
     };
     let mut scene = parse(&text, &origin)?;
     for setting in settings {
-        scene = overridden(&scene, setting)
-            .map_err(|reason| SceneError::Override { setting: setting.clone(), reason })?;
+        scene =
+            overridden(&scene, setting).map_err(|reason| SceneError::Override { setting: setting.clone(), reason })?;
         origin += &format!(" --set {setting}");
     }
     validate(&scene, &origin)?;
@@ -117,9 +117,7 @@ fn slot<'a>(root: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {
     let mut place = root;
     for part in key.split('.') {
         place = match place {
-            Value::Table(table) => {
-                table.entry(part).or_insert_with(|| Value::Table(Table::new()))
-            }
+            Value::Table(table) => table.entry(part).or_insert_with(|| Value::Table(Table::new())),
             Value::Array(items) => {
                 let named = |item: &Value| item.get("name").and_then(Value::as_str) == Some(part);
                 let index = items.iter().position(named).or_else(|| part.parse().ok());
@@ -170,12 +168,7 @@ type Checked = Result<(), SceneError>;
 
 impl Check<'_> {
     fn fail(&self, key: &str, value: impl ToString, rule: impl Into<String>) -> SceneError {
-        SceneError::Invalid {
-            origin: self.origin.into(),
-            key: key.into(),
-            value: value.to_string(),
-            rule: rule.into(),
-        }
+        SceneError::Invalid { origin: self.origin.into(), key: key.into(), value: value.to_string(), rule: rule.into() }
     }
 
     fn require(&self, holds: bool, key: &str, value: impl ToString, rule: impl Into<String>) -> Checked {
@@ -443,7 +436,8 @@ mod tests {
         let one = "[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [1.0, 1.0, 1.0]\n";
         let point = format!("{one}contacts = [{}]", "[0.0, 0.0, 0.0],".repeat(CONTACTS + 1));
         let two_bases = one.to_string() + &one.replace("\"a\"", "\"b\"");
-        for (text, words) in [(point, "contact points"), (two_bases, "exactly one"), ("bodies = []".into(), "one body")] {
+        for (text, words) in [(point, "contact points"), (two_bases, "exactly one"), ("bodies = []".into(), "one body")]
+        {
             let error = validate(&parse(&text, "here").expect("good syntax"), "here").expect_err(words).to_string();
             assert!(error.contains(words), "{error}");
         }

@@ -21,7 +21,9 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
-use iceoryx2::service::builder::publish_subscribe::{PublishSubscribeOpenError as Open, PublishSubscribeOpenOrCreateError};
+use iceoryx2::service::builder::publish_subscribe::{
+    PublishSubscribeOpenError as Open, PublishSubscribeOpenOrCreateError,
+};
 use iceoryx2::service::port_factory::{event, publish_subscribe};
 use std::fmt::Debug;
 use std::sync::Arc;
@@ -103,7 +105,9 @@ pub enum PortError {
         name: String,
     },
     /// The other side brings another contract.
-    #[error("session `{session}` speaks {what} {theirs}, this process {ours}: start both with the same program, scene and options")]
+    #[error(
+        "session `{session}` speaks {what} {theirs}, this process {ours}: start both with the same program, scene and options"
+    )]
     Incompatible {
         /// Name of the session.
         session: String,
@@ -115,7 +119,9 @@ pub enum PortError {
         ours: String,
     },
     /// The topic was made by something else.
-    #[error("session `{session}` was made by another version of this program ({reason}): end that one, or use another --session")]
+    #[error(
+        "session `{session}` was made by another version of this program ({reason}): end that one, or use another --session"
+    )]
     Foreign {
         /// Name of the session.
         session: String,
@@ -202,7 +208,7 @@ impl PlantPort {
         self.command.unsound
     }
 
-/// Messages of truth that a recorder did not get.
+    /// Messages of truth that a recorder did not get.
     pub fn unrecorded(&self) -> u64 {
         self.truth.lost.load(Relaxed)
     }

@@ -59,8 +59,7 @@ impl Body {
     /// Principal moments of inertia about the centre of mass [kg·m²]: as given, or m(b² + c²)/12 of a uniform box.
     pub fn moments(&self) -> [f64; 3] {
         let [a, b, c] = self.size.map(|side| side * side);
-        self.inertia
-            .unwrap_or([b + c, a + c, a + b].map(|sum| self.mass * sum / 12.0))
+        self.inertia.unwrap_or([b + c, a + c, a + b].map(|sum| self.mass * sum / 12.0))
     }
 }
 
@@ -85,9 +84,8 @@ pub fn table_1() -> Vec<Body> {
         contacts: sole_corners(),
         ..link(name, 1.0, [0.2, 0.1, 0.05], [0.0, 0.0, -0.025], parent, axis, [0.0, 0.0, -0.05])
     };
-    let ankle = |name, parent, axis| {
-        link(name, 0.5, [0.1, 0.1, 0.05], [0.0, 0.0, -0.025], parent, axis, [0.0, 0.0, -0.2])
-    };
+    let ankle =
+        |name, parent, axis| link(name, 0.5, [0.1, 0.1, 0.05], [0.0, 0.0, -0.025], parent, axis, [0.0, 0.0, -0.2]);
     let bone = |name, parent, axis, at| link(name, 2.0, [0.1, 0.1, 0.2], [0.0, 0.0, -0.1], parent, axis, at);
     let (roll, pitch) = ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]);
     let (roll_back, pitch_back) = ([-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]);

@@ -1,9 +1,10 @@
 //! A session: one plant, one controller and whoever records, under a name of their own.
 //!
-//! Every file that a session makes lies in /dev/shm and begins with the user and the session's name, so that sessions
-//! live side by side and one can be cleared away without touching another.
+//! Every file that a session makes lies in /dev/shm and begins with a prefix of its own, so that sessions live side by
+//! side and one can be cleared away without touching another.
 
 use crate::port::PortError;
+use crate::wire::{FNV_START, fnv1a};
 use nix::sys::statvfs::statvfs;
 use std::fs::{File, Metadata};
 use std::os::unix::fs::MetadataExt;
@@ -41,9 +42,11 @@ impl Session {
         &self.name
     }
 
-    /// Start of the name of every shared memory segment; ends so that no session's prefix begins another's.
+    /// Start of the name of every file of the session: a hash of user and name, because the paths of its sockets, which
+    /// hold it twice, must stay below 108 bytes.
     pub(crate) fn prefix(&self) -> String {
-        format!("biped_{}_{}_", nix::unistd::getuid(), self.name)
+        let owner = fnv1a(FNV_START, &nix::unistd::getuid().as_raw().to_le_bytes());
+        format!("biped_{:08x}_", fnv1a(owner, self.name.as_bytes()) as u32)
     }
 
     /// Folder of the session's other files.

@@ -196,7 +196,9 @@ pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
 
     /// Whether magic, schema hash and check sum are right.
     fn is_sound(&self) -> bool {
-        self.stamp().magic == MAGIC && self.stamp().schema == SCHEMA_HASH && self.sealed().stamp().crc == self.stamp().crc
+        self.stamp().magic == MAGIC
+            && self.stamp().schema == SCHEMA_HASH
+            && self.sealed().stamp().crc == self.stamp().crc
     }
 }
 

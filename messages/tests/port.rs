@@ -1,5 +1,7 @@
 //! Claims about the link between two processes, here between two threads with ends of their own.
 
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
@@ -190,5 +192,9 @@ fn a_session_needs_a_name_that_can_be_a_file_name() {
     for bad in ["", "a/b", "..", "a b", "an-awfully-long-name-for-just-one-session"] {
         assert!(matches!(Session::named(bad), Err(PortError::SessionName { .. })), "{bad}");
     }
-    assert_eq!(Session::named("bench-2").expect("a good name").name(), "bench-2");
+    let longest = Session::named("the-longest-name-of-32-characters").expect_err("33 characters are too many");
+    assert!(longest.to_string().contains("32"));
+    let longest = Session::named("the-longest-name-of-32-character").expect("a good name");
+    ControllerPort::open(&longest, &contract()).expect("a long name fits everywhere");
+    assert!(longest.leftovers().is_empty());
 }

@@ -8,7 +8,7 @@
 
 use crate::factor::PathMatrix;
 use crate::kinematics::Pose;
-use crate::model::Model;
+use crate::model::{Model, Motion};
 use crate::spatial::{Inertia, Spatial};
 use nalgebra::Vector3;
 
@@ -36,22 +36,26 @@ impl Composite {
     /// H_ij = S_j · I_i S_i for each j on the path to link i, where I_i is the inertia of all that link i carries.
     pub fn inertia(&mut self, model: &Model, pose: &Pose, h: &mut PathMatrix) {
         for ((sum, link), pose) in self.inertia.iter_mut().zip(&model.links).zip(&pose.links) {
-            *sum = if link.mass > 0.0 {
-                Inertia::new(link.mass, &pose.com, &pose.tensor)
-            } else {
-                Inertia::default()
-            };
+            *sum = if link.mass > 0.0 { Inertia::new(link.mass, &pose.com, &pose.tensor) } else { Inertia::default() };
         }
         for i in (1..model.links.len()).rev() {
             let link = &model.links[i];
             let carried = self.inertia[i];
             self.inertia[link.parent] += carried;
-            let wrench = carried.times(&pose.links[i].column);
-            let row = h.row_mut(i - 1);
-            for (entry, &dof) in row.iter_mut().zip(model.path(i)) {
-                *entry = pose.links[dof + 1].column.dot(&wrench);
+            self.wrench[i] = carried.times(&pose.links[i].column);
+        }
+        for (j, link) in model.links[1..].iter().enumerate() {
+            let Spatial { angular, linear } = pose.links[j + 1].column;
+            let wrenches = self.wrench[1..][model.branch(j)].iter();
+            // a virtual link slides, or turns about O: half of its column is zero
+            match (j < model.base_link, link.motion) {
+                (true, Motion::Prismatic) => h.set_column(model, j, wrenches.map(|f| linear.dot(&f.linear))),
+                (true, _) => h.set_column(model, j, wrenches.map(|f| angular.dot(&f.angular))),
+                (false, _) => {
+                    h.set_column(model, j, wrenches.map(|f| angular.dot(&f.angular) + linear.dot(&f.linear)));
+                }
             }
-            row[row.len() - 1] += link.drive_inertia;
+            h.add_diagonal(j, link.drive_inertia);
         }
     }
 

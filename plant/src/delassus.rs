@@ -7,6 +7,9 @@ use crate::kinematics::{Pose, contact_column};
 use crate::model::Model;
 use nalgebra::Vector3;
 
+/// Cosine of the angle, 8°, within which contacts share one direction of slip.
+const NEARLY: f64 = 0.99;
+
 /// K and Y = L⁻ᵀK, one row per contact row: entries on the path to the contact's link, base first, the rest unused.
 #[derive(Clone, Debug)]
 pub struct ContactMap {
@@ -60,6 +63,7 @@ impl ContactMap {
             }
             let slip = drift.xy().norm();
             let along = if slip > 0.0 { Vector3::new(drift.x / slip, drift.y / slip, 0.0) } else { Vector3::x() };
+            let along = self.near_before(i, along);
             let across = Vector3::new(-along.y, along.x, 0.0);
             self.tangents.push([along, across]);
             problem.id[i] = touch.id;
@@ -68,10 +72,21 @@ impl ContactMap {
                 contact_column(model, pose, touch.link, &touch.arm, direction, y);
                 factor.half_solve(model, touch.link, y);
             }
-            let drift = [drift.z, slip, 0.0];
+            let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
             problem.drift[i * rows..(i + 1) * rows].copy_from_slice(&drift[..rows]);
         }
         self.multiply(model, touches, problem);
+    }
+
+    /// The tangent of the contact before, if this one's is nearly parallel to it.
+    ///
+    /// The corners of a foot slip alike. Friction cones that differ by a hair would let them chase each other along
+    /// directions in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin.
+    fn near_before(&self, i: usize, along: Vector3<f64>) -> Vector3<f64> {
+        match i.checked_sub(1).map(|before| self.tangents[before][0]) {
+            Some(before) if before.dot(&along).abs() > NEARLY => before * before.dot(&along).signum(),
+            _ => along,
+        }
     }
 
     /// A = YᵀY: two contacts meet in the degrees of freedom that their links share.

@@ -1,7 +1,7 @@
 //! H = LᵀL without fill-in: degrees of freedom on different branches never meet.
 //!
 //! # Source
-//! Featherstone, Rigid Body Dynamics Algorithms (2008), §6.5.
+//! Featherstone, Rigid Body Dynamics Algorithms (2008), §6.5; here by rows, each from all that its branch has to say.
 
 use crate::error::PlantError;
 use crate::model::Model;
@@ -9,33 +9,55 @@ use nalgebra::DMatrix;
 
 /// A matrix over degrees of freedom whose entry (i, j), j <= i, is zero unless j is on the path to i: H, and its L.
 ///
-/// Row i holds the entries of the path, base first, its diagonal last; so an entry's place in the row is its depth.
+/// Row i holds the entries of the path, base first, its diagonal last; so the place of (i, j) is the depth of j, the same
+/// in every row of the branch of j.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathMatrix {
-    start: Vec<usize>,
-    values: Vec<f64>,
+    /// Length of each row.
+    length: Vec<usize>,
+    /// Rows in whole blocks, so that short loops need no remainder; what lies behind a row's end means nothing.
+    blocks: Vec<[f64; BLOCK]>,
+    /// Blocks of a row.
+    stride: usize,
 }
+
+/// Numbers that are worked on at once.
+const BLOCK: usize = 4;
 
 impl PathMatrix {
     /// Zeros for a model.
     pub fn new(model: &Model) -> Self {
-        let mut start = vec![0];
-        for link in 1..model.links.len() {
-            start.push(start[link - 1] + model.depth(link));
-        }
-        PathMatrix { values: vec![0.0; start[model.dofs()]], start }
+        let length: Vec<usize> = (1..model.links.len()).map(|link| model.depth(link)).collect();
+        let stride = length.iter().copied().max().unwrap_or(1).div_ceil(BLOCK);
+        PathMatrix { blocks: vec![[0.0; BLOCK]; stride * length.len()], length, stride }
     }
 
     /// Entries of the path to degree of freedom i, the last being the diagonal.
     #[inline]
     pub fn row(&self, i: usize) -> &[f64] {
-        &self.values[self.start[i]..self.start[i + 1]]
+        &self.blocks[i * self.stride..].as_flattened()[..self.length[i]]
     }
 
     /// The same, to change.
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
-        &mut self.values[self.start[i]..self.start[i + 1]]
+        &mut self.blocks[i * self.stride..].as_flattened_mut()[..self.length[i]]
+    }
+
+    /// Sets the entries (i, j) of one j and every i of its branch, in order.
+    #[inline]
+    pub(crate) fn set_column(&mut self, model: &Model, j: usize, values: impl Iterator<Item = f64>) {
+        let (place, width) = (self.length[j] - 1, self.stride * BLOCK);
+        let numbers = self.blocks.as_flattened_mut();
+        for (i, value) in model.branch(j).zip(values) {
+            numbers[i * width + place] = value;
+        }
+    }
+
+    #[inline]
+    pub(crate) fn add_diagonal(&mut self, i: usize, value: f64) {
+        let place = self.length[i] - 1;
+        self.blocks.as_flattened_mut()[i * self.stride * BLOCK + place] += value;
     }
 
     /// The full symmetric matrix; allocates.
@@ -57,12 +79,15 @@ pub struct Factor {
     l: PathMatrix,
     /// 1 / L_ii.
     reciprocal: Vec<f64>,
+    /// 1 / L_ii².
+    inverse: Vec<f64>,
 }
 
 impl Factor {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
-        Factor { l: PathMatrix::new(model), reciprocal: vec![0.0; model.dofs()] }
+        let zeros = vec![0.0; model.dofs()];
+        Factor { l: PathMatrix::new(model), reciprocal: zeros.clone(), inverse: zeros }
     }
 
     /// Computes L.
@@ -70,48 +95,56 @@ impl Factor {
     /// # Errors
     /// [`PlantError::Singular`] if H is not positive definite.
     pub fn factorize(&mut self, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
-        self.l.values.copy_from_slice(&h.values);
-        for k in (0..model.dofs()).rev() {
-            let path = model.path(k + 1);
-            let (above, row) = self.l.values.split_at_mut(self.l.start[k]);
-            let (&mut pivot, row) = match row[..path.len()].split_last_mut() {
-                Some((pivot, row)) => (pivot, row),
-                None => continue,
-            };
-            if !(pivot > 0.0 && pivot.is_finite()) {
-                return Err(PlantError::Singular { dof: k, pivot });
-            }
-            // H_ij -= H_ki H_kj / H_kk for i, j on the path to k
-            let inverse = 1.0 / pivot;
-            for (depth, &i) in path[..row.len()].iter().enumerate() {
-                let factor = row[depth] * inverse;
-                let start = self.l.start[i];
-                for (entry, &l) in above[start..start + depth + 1].iter_mut().zip(row.iter()) {
-                    *entry -= factor * l;
+        let (stride, width) = (self.l.stride, self.l.stride * BLOCK);
+        // U = diag(L) L: without roots, which would make each row wait longer for the one before
+        for i in (0..model.dofs()).rev() {
+            let place = self.l.length[i] - 1;
+            let (rows, branch) = self.l.blocks.split_at_mut((i + 1) * stride);
+            let row = &mut rows[i * stride..];
+            let inverses = &self.inverse[i + 1..model.branch(i).end];
+            // U_ij = H_ij - Σ U_ki U_kj / U_kk over the branch of i
+            for (b, (entries, h)) in row.iter_mut().zip(&h.blocks[i * stride..]).enumerate().take(place / BLOCK + 1) {
+                let mut sum = *h;
+                for (k, inverse) in inverses.iter().enumerate() {
+                    let factor = branch.as_flattened()[k * width + place] * inverse;
+                    let u = &branch[k * stride + b];
+                    sum = std::array::from_fn(|c| sum[c] - factor * u[c]);
                 }
+                *entries = sum;
             }
-            let scale = inverse.sqrt();
-            self.reciprocal[k] = scale;
-            for l in row {
-                *l *= scale;
+            let pivot = row.as_flattened()[place];
+            if !(pivot > 0.0 && pivot.is_finite()) {
+                return Err(PlantError::Singular { dof: i, pivot });
             }
+            self.inverse[i] = 1.0 / pivot;
+        }
+        for (i, row) in self.l.blocks.chunks_mut(stride).enumerate() {
+            let scale = self.inverse[i].sqrt();
+            self.reciprocal[i] = scale;
+            row.as_flattened_mut().iter_mut().for_each(|l| *l *= scale);
         }
         Ok(())
     }
 
     /// v = H⁻¹ v.
     pub fn solve(&self, model: &Model, v: &mut [f64]) {
+        let width = self.l.stride * BLOCK;
+        let numbers = self.l.blocks.as_flattened();
         for i in (0..model.dofs()).rev() {
-            let (path, row) = (model.path(i + 1), self.l.row(i));
-            v[i] *= self.reciprocal[i];
-            for (l, &j) in row[..row.len() - 1].iter().zip(path) {
-                v[j] -= l * v[i];
+            let place = self.l.length[i] - 1;
+            let mut y = v[i];
+            for k in (i + 1..model.branch(i).end).rev() {
+                y -= numbers[k * width + place] * v[k];
             }
+            v[i] = y * self.reciprocal[i];
         }
         for i in 0..model.dofs() {
-            let (path, row) = (model.path(i + 1), self.l.row(i));
-            let known: f64 = row[..row.len() - 1].iter().zip(path).map(|(l, &j)| l * v[j]).sum();
-            v[i] = (v[i] - known) * self.reciprocal[i];
+            let place = self.l.length[i] - 1;
+            let x = v[i] * self.reciprocal[i];
+            v[i] = x;
+            for k in i + 1..model.branch(i).end {
+                v[k] -= numbers[k * width + place] * x;
+            }
         }
     }
 

@@ -1,9 +1,9 @@
 //! Where everything is: poses and velocities of links, points, Jacobian columns, and sums over the robot.
 
-use crate::model::{Model, Motion};
+use crate::model::{Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
 
 /// Pose and velocity of one link. Axes of W; positions from the reference point O of [`Pose`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -85,61 +85,71 @@ fn rotation(q: &[f64]) -> Matrix3<f64> {
     )
 }
 
-/// Rotation by an angle about a unit axis (Rodrigues).
-fn turn(axis: &Vector3<f64>, angle: f64) -> Matrix3<f64> {
-    let (s, c) = angle.sin_cos();
-    let (a, b) = (axis * s, axis * (1.0 - c));
-    Matrix3::new(
-        c + b.x * axis.x,
-        b.x * axis.y - a.z,
-        b.x * axis.z + a.y,
-        b.y * axis.x + a.z,
-        c + b.y * axis.y,
-        b.y * axis.z - a.x,
-        b.z * axis.x - a.y,
-        b.z * axis.y + a.x,
-        c + b.z * axis.z,
-    )
+/// R turned by an angle about the joint's axis, given in the frame of R.
+#[inline]
+fn turned(r: &Matrix3<f64>, link: &Link, angle: f64) -> Matrix3<f64> {
+    let Some(k) = link.along else {
+        return r * Rotation3::from_axis_angle(&Unit::new_unchecked(link.axis), angle).matrix();
+    };
+    // only the two columns across the axis change
+    let (s, c) = (angle * link.axis[k]).sin_cos();
+    let (u, v) = ((k + 1) % 3, (k + 2) % 3);
+    let mut turned = *r;
+    turned.set_column(u, &(r.column(u) * c + r.column(v) * s));
+    turned.set_column(v, &(r.column(v) * c - r.column(u) * s));
+    turned
 }
 
 /// Computes the pose and velocity of every link, from the base outwards.
 pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
-    let offset = model.coordinates() - model.dofs();
-    pose.reference = model.mount_position;
-    pose.links[0] = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
-    settle(model, pose, 0);
+    let Pose { reference, links } = pose;
+    let joint_offset = model.coordinates() - model.dofs();
+    *reference = model.mount_position;
+    links[0] = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
+    settle(&model.links[0], &mut links[0]);
     for (i, link) in model.links.iter().enumerate().skip(1) {
-        let parent = pose.links[link.parent];
-        let axis = pose.links[link.carrier].rotation * link.axis;
-        let mut origin = parent.origin + parent.rotation * link.at;
-        let (rotation, column) = match link.motion {
-            Motion::Revolute => {
-                let angle = state.x[i - 1 + if i > model.base_link { offset } else { 0 }];
-                (parent.rotation * turn(&link.axis, angle), Spatial { angular: axis, linear: origin.cross(&axis) })
-            }
-            Motion::Prismatic => {
-                let travel = axis * state.x[i - 1 + if i > model.base_link { offset } else { 0 }];
-                let moved = if i <= model.base_link { &mut pose.reference } else { &mut origin };
-                *moved += travel;
-                (parent.rotation, Spatial { angular: Vector3::zeros(), linear: axis })
-            }
-            Motion::Spin => {
-                (rotation(&state.x[3..7]), Spatial { angular: axis, linear: origin.cross(&axis) })
-            }
+        let virtual_link = i <= model.base_link;
+        let x = state.x[i - 1 + if virtual_link { 0 } else { joint_offset }];
+        let (before, rest) = links.split_at_mut(i);
+        let (parent, here) = (&before[link.parent], &mut rest[0]);
+        let axis = match link.along {
+            Some(k) => before[link.carrier].rotation.column(k) * link.axis[k],
+            None => before[link.carrier].rotation * link.axis,
         };
-        let velocity = parent.velocity + column * state.xdot[i - 1];
-        pose.links[i] = LinkPose { rotation, origin, column, velocity, ..LinkPose::default() };
-        settle(model, pose, i);
+        here.rotation = match link.motion {
+            Motion::Revolute => turned(&parent.rotation, link, x),
+            Motion::Prismatic => parent.rotation,
+            Motion::Spin => rotation(&state.x[3..7]),
+        };
+        here.column = match link.motion {
+            Motion::Revolute | Motion::Spin => Spatial { angular: axis, linear: Vector3::zeros() },
+            Motion::Prismatic => Spatial { angular: Vector3::zeros(), linear: axis },
+        };
+        // virtual links have no length: their joints stay at O, and O moves instead
+        match (virtual_link, link.motion) {
+            (true, Motion::Prismatic) => *reference += axis * x,
+            (true, _) => {}
+            (false, Motion::Prismatic) => here.origin = parent.origin + parent.rotation * link.at + axis * x,
+            (false, _) => {
+                here.origin = parent.origin + parent.rotation * link.at;
+                here.column.linear = here.origin.cross(&axis);
+            }
+        }
+        here.velocity = parent.velocity + here.column * state.xdot[i - 1];
+        settle(link, here);
     }
 }
 
 /// Centre of mass and tensor of a link whose rotation and origin are known.
 #[inline]
-fn settle(model: &Model, pose: &mut Pose, i: usize) {
-    let (link, pose) = (&model.links[i], &mut pose.links[i]);
+fn settle(link: &Link, here: &mut LinkPose) {
     if link.mass > 0.0 {
-        pose.com = pose.origin + pose.rotation * link.com;
-        pose.tensor = link.tensor.rotated(&pose.rotation);
+        here.com = here.origin + here.rotation * link.com;
+        here.tensor = Symmetric::principal(&link.moments, &here.rotation);
+        if link.reduced_mass > 0.0 {
+            let arm = here.rotation * link.payload_arm;
+            here.tensor = here.tensor + Symmetric::of_point(link.reduced_mass, &arm);
+        }
     }
 }
 

@@ -256,9 +256,10 @@ impl<'a> Link<'a> {
                 self.tally.held += 1;
                 Ok(self.newest)
             }
-            ..=DAMP => {
+            _ if age <= DAMP => {
                 self.tally.damped += 1;
-                let rate = |joint: usize| (sensors.encoders.counts[joint] - before.counts[joint]) as f64 * self.count_rate;
+                let rate =
+                    |joint: usize| (sensors.encoders.counts[joint] - before.counts[joint]) as f64 * self.count_rate;
                 let torque: [f64; JOINTS] = std::array::from_fn(|joint| -DAMPING * rate(joint));
                 Ok(Command { torques: Torques { torque }, ..self.newest })
             }

@@ -71,23 +71,19 @@ impl Mul<f64> for Spatial {
 pub struct Symmetric(pub [f64; 6]);
 
 impl Symmetric {
-    /// The symmetric matrix with the upper triangle of `m`.
-    pub fn from_matrix(m: &Matrix3<f64>) -> Self {
-        Symmetric([m[(0, 0)], m[(1, 1)], m[(2, 2)], m[(0, 1)], m[(0, 2)], m[(1, 2)]])
-    }
-
     /// As a full matrix.
     pub fn matrix(&self) -> Matrix3<f64> {
         let [xx, yy, zz, xy, xz, yz] = self.0;
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// R S Rᵀ.
+    /// R diag(m) Rᵀ = m_x 1 + (m_y - m_x) y yᵀ + (m_z - m_x) z zᵀ with the columns y, z of R.
     #[inline]
-    pub fn rotated(&self, r: &Matrix3<f64>) -> Symmetric {
-        let half = r * self.matrix();
-        let entry = |i: usize, j: usize| half.row(i).dot(&r.row(j));
-        Symmetric([entry(0, 0), entry(1, 1), entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)])
+    pub fn principal(m: &Vector3<f64>, r: &Matrix3<f64>) -> Symmetric {
+        let (y, z) = (r.column(1), r.column(2));
+        let (a, b) = (y * (m.y - m.x), z * (m.z - m.x));
+        let entry = |i: usize, j: usize| a[i] * y[j] + b[i] * z[j];
+        Symmetric([m.x + entry(0, 0), m.x + entry(1, 1), m.x + entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)])
     }
 
     /// m (c² 1 - c cᵀ): what a point of mass m at c has about the origin.

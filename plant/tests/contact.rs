@@ -206,7 +206,8 @@ fn a_painleve_rod_jams_above_four_thirds() {
     for law in [Law::Complementarity, Law::Aligned] {
         for (mu, jams) in [(1.30, false), (1.34, true), (2.0, true)] {
             let drop = 1e-9;
-            let problem = assemble(law, std::slice::from_ref(&tip), &[1. / mass, 1. / mass, 3. / mass], &[1., -drop, 0.], mu);
+            let problem =
+                assemble(law, std::slice::from_ref(&tip), &[1. / mass, 1. / mass, 3. / mass], &[1., -drop, 0.], mu);
             let (solver, report) = solve(&problem, law);
             let energy = 0.5 * mass;
             if jams {
@@ -294,7 +295,7 @@ fn not_a_number_is_reported_and_ends() {
                 problem.delassus.fill(f64::NAN);
             }
             let report = Solver::default().solve(&problem, law, &mut Memory::default());
-            assert!(!(report.natural_map <= 1e-10), "{report:?}");
+            assert!(report.natural_map.is_nan(), "{report:?}");
         }
     }
 }
@@ -306,7 +307,7 @@ fn step_scale(problem: &Problem, solver: &Solver) -> f64 {
 }
 
 /// A random mechanism: few or many coordinates, inertias to 1 : 1e6, contacts repeated or nearly so, fast and slow, high
-/// and low friction. Friction is kept below the least jamming value when `mild`; then Coulomb's law has one velocity.
+/// and low friction. Also the decimal exponent of the spread of inertias.
 fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
     let contacts = random.usize(1..=8);
     let dof = random.usize(3..=14);
@@ -338,9 +339,48 @@ fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
     (problem, spread as u32)
 }
 
+/// The energy minimum has one velocity; so has Coulomb's law for a foot at ordinary friction that resists both tangents.
+/// Remembering the last basis must not be seen in it, while corners come and go. With one slip direction per corner, and
+/// these nearly parallel, corners can also jam each other: (17)-(22) then have several solutions, of which each is found.
+#[test]
+fn a_remembered_basis_gives_the_velocity_of_a_fresh_start() {
+    let corners = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]];
+    let inverse = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
+    for law in Law::ALL {
+        let mut random = fastrand::Rng::with_seed(3);
+        let (mut memory, mut solver) = (Memory::default(), Solver::default());
+        let (mut warm, mut others) = (0, 0);
+        let mut xdot = [0.0, 0.0, -G * H, 0.0, 0.0, 0.0];
+        let mut touching = vec![0, 1, 2, 3];
+        for step in 0..3000 {
+            for (k, v) in xdot.iter_mut().enumerate() {
+                let rest = if k == 2 { -G * H } else { 0.0 };
+                *v += 0.02 * (rest - *v) + 2e-4 * (random.f64() - 0.5);
+            }
+            if step % 50 == 0 {
+                touching = (0..4).filter(|_| random.f64() < 0.7).collect();
+                random.shuffle(&mut touching);
+            }
+            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(corners[c])).collect();
+            let mut problem = assemble(law, &contacts, &inverse, &xdot, 0.7);
+            problem.id.clone_from(&touching);
+            let (fresh, _) = solve(&problem, law);
+            let report = solver.solve(&problem, law, &mut memory);
+            assert!(report.own <= 1e-10 && !report.fallback, "{report:?}");
+            warm += usize::from(report.warm);
+            let difference =
+                solver.velocity.iter().zip(&fresh.velocity).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            others += usize::from(difference > 1e-10 * G * H);
+        }
+        println!("{law:?}: {warm} of 3000 steps warm, {others} with another velocity");
+        assert!(others == 0 || law == Law::Complementarity, "{law:?}: {others} of 3000 steps differ");
+        assert!(warm > 2000, "{law:?}: {warm} of 3000 steps warm");
+    }
+}
+
 /// Every random problem is solved, whatever its rank or scale, and energy never rises.
 #[test]
-fn a_hundred_thousand_random_problems_are_solved() {
+fn random_problems_are_solved() {
     let seed = std::env::var("SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1995);
     println!("seed {seed}");
     let mut failed = 0;
@@ -353,7 +393,7 @@ fn a_hundred_thousand_random_problems_are_solved() {
             let (problem, spread) = random_problem(&mut random, law);
             let report = solver.solve(&problem, law, &mut Memory::default());
             fallbacks[usize::from(spread > 3)] += usize::from(report.fallback);
-            if !(report.own <= 1e-10) { unsolved += 1; println!("UNS {law:?} n {} spread {spread} mu {} {report:?}", problem.contacts, problem.friction[0]); if std::env::var("DUMP").is_ok() && problem.contacts <= 4 { println!("DUMP {law:?} {:?} {:?} {:?} {:?} {:?}", problem.contacts, problem.delassus, problem.drift, problem.friction, problem.approach); } }
+            unsolved += usize::from(report.own.is_nan() || report.own > 1e-10);
             worst = worst.max(report.own);
             gain = gain.max(report.energy_gain / step_scale(&problem, &solver).powi(2));
             pivots.push(report.pivots);
@@ -362,9 +402,11 @@ fn a_hundred_thousand_random_problems_are_solved() {
         let at = |p: f64| pivots[(p * (pivots.len() - 1) as f64) as usize];
         println!(
             "{law:?}: residual {worst:.1e}, energy gain {gain:.1e}, fallbacks {fallbacks:?} (mass ratio to 1e3, 1e6), unsolved {unsolved}, pivots median {} p99.9 {} max {}",
-            at(0.5), at(0.999), at(1.0),
+            at(0.5),
+            at(0.999),
+            at(1.0),
         );
-        println!("{gain}");
+        assert!(gain <= 1e-12, "{law:?}: energy rose");
         failed += unsolved;
     }
     assert_eq!(failed, 0);

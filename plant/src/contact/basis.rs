@@ -10,13 +10,13 @@
 //! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
 //! | energy QP | its basic rays | the same |
 
-use super::{energy_qp::ray, scaled::Scaled};
+use super::{active_set::RAYS, energy_qp::ray, scaled::Scaled};
 use messages::scene::Law;
 
-/// Pivots below this mean that the basis does not fit this problem.
-const SINGULAR: f64 = 1e-13;
 /// Refinements at most.
 const REFINEMENTS: usize = 3;
+/// A pivot this small, the unit diagonal being 1, belongs to a column that depends on those before it.
+const DEPENDENT: f64 = 1e-14;
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
@@ -30,15 +30,19 @@ struct Column {
 pub(super) struct Block {
     columns: Vec<Column>,
     matrix: Vec<f64>,
+    read_row: Vec<f64>,
     order: Vec<usize>,
     right: Vec<f64>,
     solution: Vec<f64>,
+    amounts: Vec<f64>,
 }
 
 impl Block {
-    /// Writes impulse and velocity, scaled, of the basis. False when its block is singular.
+    /// Writes impulse and velocity, scaled, of the basis. False when it holds what is no number.
     pub fn solve(&mut self, scaled: &Scaled, law: Law, basis: &[u8], f: &mut Vec<f64>, v: &mut Vec<f64>) -> bool {
         self.columns(scaled, law, basis);
+        self.amounts.clear();
+        self.amounts.resize(self.columns.len(), 0.0);
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         v.clone_from(&scaled.drift);
@@ -52,6 +56,7 @@ impl Block {
             self.right.clear();
             self.right.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
             self.substitute();
+            self.amounts.iter_mut().zip(&self.solution).for_each(|(sum, y)| *sum += y);
             for (c, y) in self.columns.iter().zip(&self.solution) {
                 f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
             }
@@ -64,13 +69,18 @@ impl Block {
         true
     }
 
+    /// y: how much of each column the impulse holds.
+    pub fn amounts(&self) -> &[f64] {
+        &self.amounts
+    }
+
     fn columns(&mut self, scaled: &Scaled, law: Law, basis: &[u8]) {
         let (d, stride) = (scaled.facets(), scaled.stride());
         self.columns.clear();
         for (i, &bits) in basis.iter().enumerate() {
             let first = i * stride;
             let mut column = |push, read| self.columns.push(Column { first, push, read });
-            if law == Law::EnergyQp {
+            if law == Law::EnergyQp || bits & RAYS != 0 {
                 (0..d).filter(|j| bits >> j & 1 == 1).for_each(|j| column(ray(scaled, i, j), ray(scaled, i, j)));
                 continue;
             }
@@ -106,25 +116,23 @@ impl Block {
 
     /// E A G = P^-1 L U in place.
     fn factor(&mut self, scaled: &Scaled) -> bool {
-        let (p, m, stride) = (self.columns.len(), scaled.drift.len(), scaled.stride());
+        let (p, stride) = (self.columns.len(), scaled.stride());
         self.matrix.clear();
         for row in &self.columns {
-            for column in &self.columns {
-                let mut sum = 0.0;
-                for (k, weight) in row.read[..stride].iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                    let a = &scaled.delassus[(row.first + k) * m + column.first..];
-                    sum += weight * in_contact(&column.push, &a[..stride]);
-                }
-                self.matrix.push(sum);
-            }
+            scaled.combine(row.first, &row.read[..stride], &mut self.read_row);
+            self.matrix.extend(self.columns.iter().map(|c| in_contact(&c.push, &self.read_row[c.first..])));
         }
         self.order.clear();
         self.order.extend(0..p);
         for k in 0..p {
             let size = |r: usize| self.matrix[r * p + k].abs();
             let best = (k + 1..p).fold(k, |best, r| if size(r) > size(best) { r } else { best });
-            if !(size(best) > SINGULAR) {
+            if size(best).is_nan() {
                 return false;
+            }
+            if size(best) <= DEPENDENT {
+                self.matrix[k * p + k] = f64::INFINITY; // its unknown stays zero
+                continue;
             }
             if best != k {
                 self.order.swap(k, best);
@@ -155,7 +163,11 @@ impl Block {
     }
 }
 
-/// Product over the rows of one contact; the shorter length counts.
-fn in_contact(e: &[f64; 3], rows: &[f64]) -> f64 {
-    e.iter().zip(rows).map(|(e, x)| e * x).sum()
+/// Product over the rows of one contact, the first of `rows`; a row that a contact has not is zero in e.
+pub(super) fn in_contact(e: &[f64; 3], rows: &[f64]) -> f64 {
+    match rows {
+        [a, b, c, ..] => e[0] * a + e[1] * b + e[2] * c,
+        [a, b] => e[0] * a + e[1] * b,
+        _ => 0.0,
+    }
 }

@@ -1,23 +1,30 @@
 //! The quadratic program (14)-(16) as printed, by principal pivoting.
 //!
-//! Each planar cone |f_F| <= mu f_N is spanned by its edge rays (1, +-mu): f = sum y_j (1, mu d_j), y >= 0. Then (14) is
-//! min 1/2 y^T Q y + q^T y with Q = R^T A R positive semidefinite, and its conditions are `0 <= y _|_ Q y + q >= 0`.
+//! Each cone is spanned by its edge rays (1, ±mu d): f = Σ y_j (1, mu d_j), y >= 0. Then (14) is min ½ yᵀQy + qᵀy with
+//! Q = RᵀAR positive semidefinite, and its conditions are `0 <= y ⟂ w = Q y + q >= 0`.
 //!
-//! The method drives the most negative w = Q y + q to zero by growing its y; a basic y that would become negative on the
-//! way leaves first. Every pivot is on the diagonal, and a w that is still negative is independent of what is basic
-//! already, so redundant contacts (singular Q) meet no zero pivot.
+//! The ray with the most negative w joins the basic ones; a basic y that would become negative on the way to the new
+//! optimum leaves first. A ray whose w is still negative is independent of the basic ones, so redundant contacts
+//! (singular Q) do no harm. Every basis is solved afresh, for in a tableau the small pivots of nearly redundant contacts,
+//! two flat feet on one robot, would magnify rounding from one exchange to the next.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS.
 
-use super::{dictionary::Dictionary, scaled::Scaled};
+use super::basis::{Block, in_contact};
+use super::scaled::Scaled;
+use messages::scene::Law;
+
+/// A negative w this small, relative to the step's scale, is rounding.
+const ROUNDING: f64 = 1e-12;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnergyQp {
-    dictionary: Dictionary,
-    rays: Vec<[f64; 3]>,
-    basic: Vec<bool>,
+    /// y of each ray, zero where it is not basic.
+    amount: Vec<f64>,
+    /// Rays that could not join since the energy last fell.
+    barred: Vec<bool>,
 }
 
 /// Ray j of contact i in scaled rows.
@@ -29,62 +36,93 @@ pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
 }
 
 impl EnergyQp {
-    /// Solves and writes the basis, one bit per basic ray. Returns the number of pivots, or `None` beyond 50 per ray.
-    pub fn pivot(&mut self, scaled: &Scaled, zero: f64, basis: &mut [u8]) -> Option<u32> {
-        self.assemble(scaled);
-        let pivots = self.run(zero)?;
-        for (bits, basic) in basis.iter_mut().zip(self.basic.chunks_exact(scaled.facets())) {
-            *bits = (0..basic.len()).filter(|&j| basic[j]).map(|j| 1 << j).sum();
+    /// Solves; writes impulse, velocity and basis, one bit per basic ray. Returns the number of pivots, or `None` beyond
+    /// 20 per ray. Starts from nothing, or, when asked `again` with the last basis, from the last solution.
+    pub fn pivot(
+        &mut self,
+        scaled: &Scaled,
+        block: &mut Block,
+        basis: &mut [u8],
+        f: &mut Vec<f64>,
+        v: &mut Vec<f64>,
+        again: bool,
+    ) -> Option<u32> {
+        let d = scaled.facets();
+        let rays = scaled.contacts * d;
+        if self.amount.len() != rays || !again {
+            basis.fill(0);
+            self.amount.clear();
+            self.amount.resize(rays, 0.0);
         }
-        Some(pivots)
-    }
-
-    fn assemble(&mut self, scaled: &Scaled) {
-        let (d, stride, m) = (scaled.facets(), scaled.stride(), scaled.drift.len());
-        let n = scaled.contacts * d;
-        self.rays.clear();
-        self.rays.extend((0..n).map(|r| ray(scaled, r / d, r % d)));
-        self.basic.clear();
-        self.basic.resize(n, false);
-        self.dictionary.reset(n, n + 1);
-        for r in 0..n {
-            let (first, read) = (r / d * stride, &self.rays[r]);
-            let entries = self.dictionary.row_mut(r);
-            for (k, weight) in read[..stride].iter().enumerate() {
-                let row = &scaled.delassus[(first + k) * m..][..m];
-                for (c, push) in self.rays.iter().enumerate() {
-                    let a = &row[c / d * stride..][..stride];
-                    entries[c] += weight * a.iter().zip(push).map(|(a, p)| a * p).sum::<f64>();
-                }
-                entries[n] += weight * scaled.drift[first + k];
-            }
-        }
-    }
-
-    fn run(&mut self, zero: f64) -> Option<u32> {
-        let EnergyQp { dictionary, basic, .. } = self;
-        let n = dictionary.rows;
-        let mut pivots = 0;
-        let scale = (0..n).map(|r| dictionary.constant(r).abs()).fold(0.0, f64::max);
-        loop {
-            let negative = (0..n).filter(|&r| !basic[r] && dictionary.constant(r) < -zero * scale);
-            let Some(driven) = negative.min_by(|&a, &b| dictionary.constant(a).total_cmp(&dictionary.constant(b))) else {
-                return Some(pivots);
+        self.barred.clear();
+        self.barred.resize(rays, false);
+        self.descend(scaled, block, basis, f, v);
+        for pivots in 0..20 * rays as u32 {
+            let Some(joins) = self.most_negative(scaled, basis, f, v) else {
+                return block.solve(scaled, Law::EnergyQp, basis, f, v).then_some(pivots);
             };
-            while !basic[driven] {
-                // Growth of the driven y at which each basic y, or the driven w itself, reaches zero.
-                let reach = |r: usize| dictionary.constant(r) / -dictionary.at(r, driven);
-                let blocks = |&r: &usize| basic[r] && dictionary.at(r, driven) < -zero;
-                let goal = if dictionary.at(driven, driven) > zero { reach(driven) } else { f64::INFINITY };
-                let first = (0..n).filter(blocks).min_by(|&a, &b| reach(a).total_cmp(&reach(b)));
-                let row = first.filter(|&r| reach(r) < goal).unwrap_or(driven);
-                if pivots >= 50 * n as u32 || (row == driven && goal == f64::INFINITY) {
-                    return None;
-                }
-                dictionary.exchange(row, row);
-                basic[row] = !basic[row];
-                pivots += 1;
+            basis[joins / d] |= 1 << (joins % d);
+            let moved = self.descend(scaled, block, basis, f, v);
+            if moved && basis[joins / d] >> (joins % d) & 1 == 1 {
+                self.barred.fill(false);
+            } else {
+                self.barred[joins] = true;
+                basis[joins / d] &= !(1 << (joins % d));
+                self.amount[joins] = 0.0;
+                block.solve(scaled, Law::EnergyQp, basis, f, v);
             }
         }
+        None
+    }
+
+    /// The ray outside the basis along which the energy falls most.
+    fn most_negative(&self, scaled: &Scaled, basis: &[u8], f: &[f64], v: &[f64]) -> Option<usize> {
+        let (d, stride) = (scaled.facets(), scaled.stride());
+        let least = ROUNDING * f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+        (0..self.amount.len())
+            .filter(|&r| basis[r / d] >> (r % d) & 1 == 0 && !self.barred[r])
+            .map(|r| {
+                let ray = ray(scaled, r / d, r % d);
+                let length = ray.iter().map(|x| x * x).sum::<f64>().sqrt();
+                (r, in_contact(&ray, &v[r / d * stride..]) / length)
+            })
+            .filter(|(_, w)| *w < -least)
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .map(|(r, _)| r)
+    }
+
+    /// Goes to the optimum over the basic rays, dropping those that become negative on the way. False if there is none.
+    fn descend(
+        &mut self,
+        scaled: &Scaled,
+        block: &mut Block,
+        basis: &mut [u8],
+        f: &mut Vec<f64>,
+        v: &mut Vec<f64>,
+    ) -> bool {
+        let d = scaled.facets();
+        for _ in 0..self.amount.len() {
+            if !block.solve(scaled, Law::EnergyQp, basis, f, v) {
+                return false;
+            }
+            let basic = (0..self.amount.len()).filter(|&r| basis[r / d] >> (r % d) & 1 == 1);
+            let goals = basic.zip(block.amounts().iter().copied());
+            let reach =
+                |(r, goal): (usize, f64)| if goal > 0.0 { 1.0 } else { self.amount[r] / (self.amount[r] - goal) };
+            let share = goals.clone().map(reach).fold(1.0, f64::min);
+            let share = if share.is_nan() { 0.0 } else { share };
+            for (r, goal) in goals.collect::<Vec<_>>() {
+                let moved = self.amount[r] + share * (goal - self.amount[r]);
+                let leaves = goal <= 0.0 && !(moved > 1e-14 * self.amount[r].max(goal.abs()));
+                self.amount[r] = if leaves { 0.0 } else { moved };
+                if leaves {
+                    basis[r / d] &= !(1 << (r % d));
+                }
+            }
+            if share == 1.0 {
+                return true;
+            }
+        }
+        false
     }
 }

@@ -17,7 +17,8 @@
 //! A ray would need an impulse in the cone with A f = 0 and f·b + (lift) < 0; but A f = 0 means K f = 0, and b is in the
 //! range of K^T, so f·b = 0: there is none.
 
-use super::{lemke::Lemke, scaled::Scaled};
+use super::lemke::{Care, Lemke};
+use super::scaled::Scaled;
 
 /// Assembly of the problem and the reading of its solution.
 #[derive(Clone, Debug, Default)]
@@ -35,10 +36,10 @@ pub(super) struct Facets {
 impl Facets {
     /// Solves and writes the basis, one bit per basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed.
     /// Returns the number of pivots, or `None` when there is no solution to be found.
-    pub fn pivot(&mut self, scaled: &Scaled, zero: f64, basis: &mut [u8]) -> Option<u32> {
+    pub fn pivot(&mut self, scaled: &Scaled, care: Care, basis: &mut [u8]) -> Option<u32> {
         self.directions(scaled);
         self.assemble(scaled);
-        let pivots = self.lemke.run(zero)?;
+        let pivots = self.lemke.run(care)?;
         let size = scaled.facets() + 2;
         for (i, bits) in basis.iter_mut().enumerate() {
             // Basic at the start are the facet of the slide and s, of the other pairs the velocities.
@@ -85,22 +86,21 @@ impl Facets {
     /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
     fn assemble(&mut self, scaled: &Scaled) {
         let Facets { lemke, start, push, read, combined } = self;
-        let (d, stride, m) = (scaled.facets(), scaled.stride(), scaled.drift.len());
+        let (d, stride) = (scaled.facets(), scaled.stride());
         let (size, n) = (d + 2, push.len());
         lemke.reset(n);
         for (r, e) in read.iter().enumerate() {
             let first = r / size * stride;
-            combined.clear();
-            combined.resize(m, 0.0);
+            let e = &e[..stride];
             let entries = lemke.dictionary.row_mut(r);
-            for (k, weight) in e.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                let row = &scaled.delassus[(first + k) * m..][..m];
-                combined.iter_mut().zip(row).for_each(|(sum, a)| *sum += weight * a);
-                entries[n + 1] += weight * scaled.drift[first + k] / scaled.size;
-            }
-            for (columns, (a, push)) in entries.chunks_exact_mut(size).zip(combined.chunks_exact(stride).zip(push.chunks_exact(size))) {
+            let b = e.iter().zip(&scaled.drift[first..]).map(|(e, b)| e * b).sum::<f64>();
+            entries[n + 1] = b / scaled.size;
+            scaled.combine(first, e, combined);
+            let contacts = entries.chunks_exact_mut(size).zip(push.chunks_exact(size));
+            for ((columns, push), a) in contacts.zip(combined.chunks_exact(stride)) {
+                let a = [a[0], a[1], if stride == 3 { a[2] } else { 0.0 }];
                 for (entry, e) in columns.iter_mut().zip(push) {
-                    *entry = a.iter().zip(e).map(|(a, e)| a * e).sum();
+                    *entry = a[0] * e[0] + a[1] * e[1] + a[2] * e[2];
                 }
             }
         }

@@ -10,19 +10,36 @@
 
 use super::dictionary::Dictionary;
 
-/// Ratios closer than this are ties; q is about 1. Wide enough that the rounding of redundant rows does not choose.
-const TIE: f64 = 1e-9;
+/// What counts as rounding on the way.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Care {
+    /// Entries below this are no pivots: in the scaled problem an honest one is about 1.
+    pub zero: f64,
+    /// Rows that come this close to zero together are ties; q is at most about 1.
+    pub tie: f64,
+    /// Whether the dictionary is made afresh after each pivot.
+    pub afresh: bool,
+}
+
+/// Rounding is about 1e-15 but grows from pivot to pivot: wide enough that in redundant rows it does not choose. What
+/// that costs is made good when the impulse is computed afresh from the final basis.
+pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, afresh: false };
+/// Sees directions in which the feet hold each other by 1e-12 of what they weigh, at a hundred times the cost.
+pub(super) const CAREFUL: Care = Care { zero: 1e-13, tie: 1e-14, afresh: true };
 
 /// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lemke {
     /// n rows; columns: the n partners, t, constants.
     pub dictionary: Dictionary,
+    original: Dictionary,
     basic: Vec<usize>,
     nonbasic: Vec<usize>,
     /// Row of a basic variable, or n + column of a nonbasic one.
     place: Vec<usize>,
     ties: Vec<usize>,
+    entering: Vec<usize>,
+    leaving: Vec<usize>,
 }
 
 impl Lemke {
@@ -37,10 +54,12 @@ impl Lemke {
         self.place[n + i] < n
     }
 
-    /// Runs to a complementary basis and returns the number of pivots, or `None` on a ray or after 50 n pivots. Entries
-    /// below `zero` are no pivots: in the scaled problem an honest one is about 1, rounding about 1e-15 but growing.
-    pub fn run(&mut self, zero: f64) -> Option<u32> {
+    /// Runs to a complementary basis and returns the number of pivots, or `None` on a ray or after 50 n pivots.
+    pub fn run(&mut self, care: Care) -> Option<u32> {
         let n = self.dictionary.rows;
+        if care.afresh {
+            self.original.clone_from(&self.dictionary);
+        }
         self.basic.clear();
         self.basic.extend(0..n);
         self.nonbasic.clear();
@@ -56,9 +75,46 @@ impl Lemke {
                 return Some(pivots);
             }
             column = self.place[(left + n) % (2 * n)] - n;
-            row = self.leaving(column, zero)?;
+            if care.afresh {
+                self.refresh();
+                column = self.place[(left + n) % (2 * n)] - n;
+            }
+            row = self.leaving(column, care)?;
         }
         None
+    }
+
+    /// Makes the dictionary of the present basis from the original one, the largest pivots first.
+    fn refresh(&mut self) {
+        let n = self.dictionary.rows;
+        self.dictionary.clone_from(&self.original);
+        self.entering.clear();
+        self.entering.extend(self.basic.iter().filter(|&&variable| variable >= n).map(|variable| variable - n));
+        self.leaving.clear();
+        self.leaving.extend((0..n).filter(|&variable| self.place[variable] >= n));
+        self.basic.clear();
+        self.basic.extend(0..n);
+        self.nonbasic.clear();
+        self.nonbasic.extend(n..=2 * n);
+        while !self.entering.is_empty() {
+            let (mut best, mut size) = ((0, 0), -1.0);
+            for (i, &row) in self.leaving.iter().enumerate() {
+                for (j, &column) in self.entering.iter().enumerate() {
+                    if self.dictionary.at(row, column).abs() > size {
+                        (best, size) = ((i, j), self.dictionary.at(row, column).abs());
+                    }
+                }
+            }
+            let (row, column) = (self.leaving.swap_remove(best.0), self.entering.swap_remove(best.1));
+            self.dictionary.exchange(row, column);
+            std::mem::swap(&mut self.basic[row], &mut self.nonbasic[column]);
+        }
+        for (row, &variable) in self.basic.iter().enumerate() {
+            self.place[variable] = row;
+        }
+        for (column, &variable) in self.nonbasic.iter().enumerate() {
+            self.place[variable] = n + column;
+        }
     }
 
     /// Row that t must lift most; of equal ones the last, whose perturbation is smallest.
@@ -78,14 +134,14 @@ impl Lemke {
     }
 
     /// Lexicographic ratio test: the row that reaches zero first while the variable of `column` grows.
-    fn leaving(&mut self, column: usize, zero: f64) -> Option<usize> {
+    fn leaving(&mut self, column: usize, care: Care) -> Option<usize> {
         let n = self.dictionary.rows;
         let Lemke { dictionary, place, ties, .. } = self;
         let slope = |r: usize| -dictionary.at(r, column);
         let ratio = |r: usize| dictionary.constant(r).max(0.0) / slope(r);
-        let least = (0..n).filter(|&r| slope(r) > zero).map(ratio).fold(f64::INFINITY, f64::min);
+        let least = (0..n).filter(|&r| slope(r) > care.zero).map(ratio).fold(f64::INFINITY, f64::min);
         ties.clear();
-        ties.extend((0..n).filter(|&r| slope(r) > zero && dictionary.constant(r) - least * slope(r) <= TIE));
+        ties.extend((0..n).filter(|&r| slope(r) > care.zero && dictionary.constant(r) - least * slope(r) <= care.tie));
         if let Some(&end) = ties.iter().find(|&&r| place[2 * n] == r) {
             return Some(end);
         }
@@ -96,7 +152,7 @@ impl Lemke {
             // Coefficient of this power of eps in row r: the perturbed variable itself, or minus its column.
             let power = |r: usize| if at >= n { -dictionary.at(r, at - n) } else { f64::from(at == r) };
             let least = ties.iter().map(|&r| power(r) / slope(r)).fold(f64::INFINITY, f64::min);
-            ties.retain(|&r| power(r) - least * slope(r) <= TIE);
+            ties.retain(|&r| power(r) - least * slope(r) <= care.tie);
         }
         ties.iter().copied().max_by(|&a, &b| slope(a).total_cmp(&slope(b)))
     }

@@ -56,11 +56,11 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
 fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     let [n, a, b] = [x[0], x[1].abs(), x[2].abs()];
     let [h1, h2] = half;
-    let (l1, l2) = (h1.hypot(1.0), h2.hypot(1.0));
+    let (l1, l2) = ((1.0 + h1 * h1).sqrt(), (1.0 + h2 * h2).sqrt());
     // Lengths of the projections on the two edges.
     let (t1, t2) = ((n + a * h1) / l1, (n + b * h2) / l2);
     let nearest = if h2 == 0.0 {
-        if a <= h1 * n { [n, a, 0.0] } else { [t1.max(0.0) / l1, t1.max(0.0) / l1 * h1, 0.0] }
+        if n >= 0.0 && a <= h1 * n { [n, a, 0.0] } else { [t1.max(0.0) / l1, t1.max(0.0) / l1 * h1, 0.0] }
     } else {
         let excess = a / h1 + b / h2 - n;
         let step = excess.max(0.0) / (1.0 + (h1 * h1).recip() + (h2 * h2).recip());
@@ -76,13 +76,19 @@ fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     [nearest[0], nearest[1].copysign(x[1]), nearest[2].copysign(x[2])]
 }
 
+/// mu |v_F| of contact i in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
+pub(super) fn slip(scaled: &Scaled, i: usize, v: &[f64]) -> f64 {
+    let ratio = &scaled.ratio[i * scaled.stride()..];
+    (1..scaled.stride()).fold(0.0, |slip: f64, k| slip.max(scaled.friction[i] / ratio[k] * v[k].abs()))
+}
+
 /// Greatest |f_N v_N|, (19), relative to the square of the step's scale.
 pub(super) fn signorini(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
     let work = f.iter().zip(v).step_by(scaled.stride()).fold(0.0, |work: f64, (f, v)| work.max((f * v).abs()));
     relative(work, scale(scaled, f).powi(2))
 }
 
-/// Greatest angle between f_F and -v_F of a contact that slips [rad]; zero when none does.
+/// Greatest angle between f_F and -v_F of a contact that slips \[rad\]; zero when none does.
 pub(super) fn slip_misalignment(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
     let stride = scaled.stride();
     let least = NO_DIRECTION * scale(scaled, f);

@@ -8,6 +8,13 @@ use messages::scene::Law;
 /// has squared rounding on its diagonal, so an honest zero is near 1e-32.
 const IMMOVABLE: f64 = 1e-20;
 
+/// What is added to the unit diagonal: contacts yield by this much.
+///
+/// Two flat feet on one robot hold each other along directions that H sees at 1e-12 or not at all. There the impulse is
+/// the quotient of two roundings, and pivoting loses its way. With this the problem has one solution, that of least norm
+/// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
+pub(super) const YIELD: f64 = 2e-11;
+
 /// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
 /// impulse.
 #[derive(Clone, Debug, Default)]
@@ -60,6 +67,7 @@ impl Scaled {
         for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
             self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
         }
+        self.delassus.iter_mut().step_by(m + 1).for_each(|a| *a += YIELD);
         self.drift.clear();
         self.drift.extend(problem.drift.iter().zip(&self.inverse).map(|(b, s)| b * s));
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
@@ -87,6 +95,16 @@ impl Scaled {
         self.root.clone_from(&original.root);
         self.friction.clone_from(&original.friction);
         self.ratio.clone_from(&original.ratio);
+    }
+
+    /// Row of A~ that the weights make of the rows of one contact, the first being `first`.
+    pub fn combine(&self, first: usize, weights: &[f64], sum: &mut Vec<f64>) {
+        let m = self.drift.len();
+        sum.clear();
+        sum.resize(m, 0.0);
+        for (k, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            sum.iter_mut().zip(&self.delassus[(first + k) * m..][..m]).for_each(|(sum, a)| *sum += weight * a);
+        }
     }
 
     /// v~ = A~ f~ + b~.

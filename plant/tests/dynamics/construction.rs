@@ -106,7 +106,7 @@ fn joints_keep_the_order_of_the_list_however_it_is_sorted() {
     let mut reversed = scene.clone();
     reversed.bodies.reverse();
     let angles: Vec<f64> = (0..8).map(|k| 0.1 * (k + 1) as f64).collect();
-    let mut case = |scene: &Scene, joints: Vec<f64>| {
+    let case = |scene: &Scene, joints: Vec<f64>| {
         let mut initial = scene.initial.clone();
         initial.joint_rates = joints.iter().map(|q| 2.0 * q).collect();
         initial.joints = joints;
@@ -162,4 +162,22 @@ fn an_axis_of_any_length_is_a_direction() {
     joint(&mut scene, 2).axis = [0.0, -7.0, 0.0];
     let state = random_state(&mut fastrand::Rng::with_seed(32), &unit);
     assert_eq!(Case::new(&unit, &state).b, Case::new(&model(&scene), &state).b);
+}
+
+#[test]
+fn one_body_is_robot_enough() {
+    for base in BASES {
+        let mut scene = bare_table_1(base);
+        scene.bodies = vec![scene.bodies[4].clone()];
+        let model = model(&scene);
+        let case = Case::new(&model, &State::zero(&model));
+        let falling = case.forward(&vec![0.0; model.dofs()]);
+        let expected: &[f64] = match base {
+            Base::Fixed => &[],
+            Base::Planar => &[0.0, -9.81, 0.0],
+            Base::Virtual | Base::Quaternion => &[0.0, 0.0, -9.81, 0.0, 0.0, 0.0],
+        };
+        assert!(falling.iter().zip(expected).all(|(found, expected)| (found - expected).abs() < 1e-14), "{falling:?}");
+        assert_eq!(falling.len(), expected.len());
+    }
 }

@@ -90,11 +90,8 @@ fn equations_9_and_10_need_the_force_of_the_ground_on_the_link_and_its_moment() 
     for data in &floating() {
         let case = Case::new(&model, &state_of(&model, data));
         for corner in &model.corners {
-            let force = dynamics::Force {
-                link: corner.link,
-                arm: case.pose.arm(corner.link, &corner.at),
-                force: Vector3::z(),
-            };
+            let force =
+                dynamics::Force { link: corner.link, arm: case.pose.arm(corner.link, &corner.at), force: Vector3::z() };
             let given = Given { rate: &rest, acceleration: &rest, gravity: Vector3::zeros(), forces: &[force] };
             // with u = -K f, K is the row of the Jacobian that the reference data confirms
             let k: Vec<f64> = case.jacobian(corner.link, &corner.at).row(2).iter().copied().collect();

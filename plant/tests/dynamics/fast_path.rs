@@ -61,7 +61,8 @@ fn half_solved_columns_give_the_delassus_matrix() {
         let mut factor = Factor::new(model);
         factor.factorize(model, &case.h).expect("a positive H");
         let corners = &model.corners;
-        let jacobians: Vec<DMatrix<f64>> = corners.iter().map(|corner| case.jacobian(corner.link, &corner.at)).collect();
+        let jacobians: Vec<DMatrix<f64>> =
+            corners.iter().map(|corner| case.jacobian(corner.link, &corner.at)).collect();
         let half = |c: usize, axis: usize| {
             let mut y: Vec<f64> = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]).collect();
             factor.half_solve(model, corners[c].link, &mut y);
@@ -95,7 +96,8 @@ fn an_indefinite_inertia_is_refused_and_named() {
 #[test]
 fn different_branches_share_only_the_base() {
     let model = model(&bare_table_1(Base::Virtual));
-    let feet = [model.link_of("left foot", "test"), model.link_of("right foot", "test")].map(|link| link.expect("a foot"));
+    let feet =
+        [model.link_of("left foot", "test"), model.link_of("right foot", "test")].map(|link| link.expect("a foot"));
     assert_eq!(model.shared(feet[0], feet[1]), 6);
     assert_eq!(model.path(feet[0]), [0, 1, 2, 3, 4, 5, 6, 7, 8, 9]);
     assert_eq!(model.path(feet[1]), [0, 1, 2, 3, 4, 5, 10, 11, 12, 13]);

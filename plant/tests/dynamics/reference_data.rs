@@ -74,12 +74,7 @@ fn the_floating_robot_moves_as_other_engines_say() {
 
         let acceleration = signed(&data["acc"]);
         let effort = signed(&data["tau_id"]);
-        let given = Given {
-            rate: &case.state.xdot,
-            acceleration: &acceleration,
-            gravity: model.gravity,
-            forces: &[],
-        };
+        let given = Given { rate: &case.state.xdot, acceleration: &acceleration, gravity: model.gravity, forces: &[] };
         close("inverse dynamics", &dynamics::inverse(&model, &case.pose, &given), &effort, TOLERANCE);
         let fast = case.inertia() * DVector::from_vec(acceleration) + DVector::from_vec(case.b.clone());
         close("H acc + b", fast.as_slice(), &effort, TOLERANCE);

@@ -130,11 +130,10 @@ pub fn for_each_case(seed: u64, count: usize, mut claim: impl FnMut(&mut fastran
     let mut rng = fastrand::Rng::with_seed(seed);
     for base in BASES {
         for _ in 0..count {
-            for scene in [Scene { plant: random_tree(&mut rng, base).plant, ..Scene::default() }, random_tree(&mut rng, base)] {
-                let mut scene = scene;
-                if scene.bodies.iter().all(|body| body.name != scene.plant.payload_body) {
-                    scene.plant.payload_body = "left foot".into();
-                }
+            let tree = random_tree(&mut rng, base);
+            let mut biped = Scene { plant: tree.plant.clone(), ..Scene::default() };
+            biped.plant.payload_body = "left foot".into();
+            for scene in [biped, tree] {
                 let model = model(&scene);
                 let state = random_state(&mut rng, &model);
                 claim(&mut rng, Case::new(&model, &state));

@@ -141,7 +141,12 @@ fn a_fixed_base_is_a_free_one_that_is_held() {
         let model = model(&scene);
         Case::new(&model, &State::initial(&model, &scene.initial).expect("a good state"))
     });
-    close("H of the joints", fixed.inertia().as_slice(), free.inertia().view((6, 6), (11, 11)).into_owned().as_slice(), 1e-12);
+    close(
+        "H of the joints",
+        fixed.inertia().as_slice(),
+        free.inertia().view((6, 6), (11, 11)).into_owned().as_slice(),
+        1e-12,
+    );
     close("b of the joints", &fixed.b, &free.b[6..], 1e-12);
 }
 

@@ -1,0 +1,151 @@
+//! Guess what each contact does, solve, correct the guess: the way to the basis that a walking robot's step needs.
+//!
+//! Every contact is open, sticks, slides against one facet, or slides between two facets. For a guess the impulse follows
+//! from one linear system ([`Block`]); then each contact whose impulse or velocity contradicts the guess changes:
+//!
+//! | guess | contradicted by | becomes |
+//! |---|---|---|
+//! | open | v_N < 0 (18) | sticks |
+//! | any other | f_N < 0 (17) | open |
+//! | sticks | |f_F| > mu f_N (20) | slides against the facet that carries most |
+//! | slides | slip along its friction (21) | sticks |
+//! | slides against one facet | faster slip along the other tangent | slides between both |
+//! | slides between two | one of them pulls | slides against the other |
+//!
+//! This is Newton's method on the natural map, whose pieces are linear. It ends after two or three rounds where a step
+//! resembles the last, and has no proof that it ends at all; [`super::lemke`] has, and comes next.
+
+use super::basis::Block;
+use super::scaled::Scaled;
+use messages::scene::Law;
+
+/// Rounds in which all contradicted guesses change at once; then one at a time, so that they cannot swap for ever.
+const BOLD: usize = 8;
+/// Rounds at most.
+const ROUNDS: usize = 20;
+/// Contradictions smaller than this, relative to the step's scale, are rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Corrects `basis` until nothing contradicts it; the number of rounds, or `None`. Leaves impulse and velocity in `f`, `v`.
+pub(super) fn settle(
+    scaled: &Scaled,
+    law: Law,
+    block: &mut Block,
+    basis: &mut [u8],
+    f: &mut Vec<f64>,
+    v: &mut Vec<f64>,
+) -> Option<u32> {
+    for round in 0..ROUNDS {
+        if !block.solve(scaled, law, basis, f, v) {
+            return None;
+        }
+        let least = ROUNDING * f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+        let mut changed = false;
+        for (i, bits) in basis.iter_mut().enumerate() {
+            let better = Guess::read(*bits, scaled.facets()).corrected(scaled, i, f, v, least).write(scaled.facets());
+            if better != *bits {
+                *bits = better;
+                changed = true;
+                if round >= BOLD {
+                    break;
+                }
+            }
+        }
+        if !changed {
+            return Some(round as u32);
+        }
+    }
+    None
+}
+
+/// Marks a contact whose bits are the rays that span its impulse, as in the energy program, not a [`Guess`].
+pub(super) const RAYS: u8 = 0x80;
+
+/// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.
+pub(super) fn slide(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) {
+    let (d, stride) = (scaled.facets(), scaled.stride());
+    let least = 1e-9 * f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+    for (i, bits) in basis.iter_mut().enumerate() {
+        let slips = (1..stride).any(|k| v[i * stride + k].abs() > least);
+        if slips {
+            *bits = Guess::read(*bits, d).write(d);
+        }
+    }
+}
+
+/// What a contact does.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Guess {
+    Open,
+    Sticks,
+    Slides(usize),
+    SlidesBetween(usize, usize),
+}
+
+impl Guess {
+    /// From the bits of a basis: 0 the normal, 1 + j facet j, d + 1 the slip speed.
+    fn read(bits: u8, d: usize) -> Guess {
+        if bits & RAYS != 0 {
+            let mut active = (0..d).filter(|j| bits >> j & 1 == 1);
+            return match (active.next(), active.next(), active.next()) {
+                (None, ..) => Guess::Open,
+                (Some(j), None, _) => Guess::Slides(j),
+                (Some(j), Some(k), None) if j / 2 != k / 2 => Guess::SlidesBetween(j, k),
+                _ => Guess::Sticks,
+            };
+        }
+        let mut active = (0..d).filter(|j| bits >> (1 + j) & 1 == 1);
+        let slips = bits >> (d + 1) & 1 == 1;
+        match (bits & 1 == 1, slips, active.next(), active.next()) {
+            (false, ..) => Guess::Open,
+            (true, true, Some(j), Some(k)) if j / 2 != k / 2 => Guess::SlidesBetween(j, k),
+            (true, true, Some(j), None) => Guess::Slides(j),
+            (true, ..) => Guess::Sticks,
+        }
+    }
+
+    fn write(self, d: usize) -> u8 {
+        let slip = 1 | 1 << (d + 1);
+        match self {
+            Guess::Open => 0,
+            Guess::Sticks => (0..d).step_by(2).fold(1, |bits, j| bits | 1 << (1 + j)),
+            Guess::Slides(j) => slip | 1 << (1 + j),
+            Guess::SlidesBetween(j, k) => slip | 1 << (1 + j) | 1 << (1 + k),
+        }
+    }
+
+    /// The guess that impulse and velocity of contact `i` speak for.
+    fn corrected(self, scaled: &Scaled, i: usize, f: &[f64], v: &[f64], least: f64) -> Guess {
+        let stride = scaled.stride();
+        let rows = i * stride..(i + 1) * stride;
+        let (f, v, ratio) = (&f[rows.clone()], &v[rows.clone()], &scaled.ratio[rows]);
+        let share = |k: usize| ratio[k] * f[k].abs();
+        let push = |j: usize| Scaled::facet(j).1 * f[Scaled::facet(j).0];
+        // Slip against facet j: positive if the friction of that facet brakes it.
+        let slip = |j: usize| -Scaled::facet(j).1 * v[Scaled::facet(j).0] / ratio[Scaled::facet(j).0];
+        let fastest = |other: usize| {
+            let tangent = (1..stride).find(|&k| k != Scaled::facet(other).0)?;
+            let against = 2 * (tangent - 1) + usize::from(v[tangent] < 0.0);
+            (slip(against) > slip(other) + least).then_some(against)
+        };
+        match self {
+            Guess::Open if v[0] < -least => Guess::Sticks,
+            Guess::Open => Guess::Open,
+            _ if f[0] < -least => Guess::Open,
+            Guess::Sticks => {
+                let most = (2..stride).fold(1, |most, k| if share(k) > share(most) { k } else { most });
+                let carried: f64 = (1..stride).map(share).sum();
+                if carried > scaled.friction[i] * f[0] + least {
+                    Guess::Slides(2 * (most - 1) + usize::from(f[most] > 0.0))
+                } else {
+                    Guess::Sticks
+                }
+            }
+            Guess::Slides(j) | Guess::SlidesBetween(j, _) if slip(j) < -least => Guess::Sticks,
+            Guess::Slides(j) => fastest(j).map_or(self, |k| Guess::SlidesBetween(j.min(k), j.max(k))),
+            Guess::SlidesBetween(j, k) if push(j) < -least => Guess::Slides(k),
+            Guess::SlidesBetween(j, k) if push(k) < -least => Guess::Slides(j),
+            Guess::SlidesBetween(..) => self,
+        }
+    }
+}

@@ -1,0 +1,253 @@
+//! The solver: the remembered basis, then pivoting, then a regularised problem; each judged by its residual alone.
+
+use super::basis::Block;
+use super::energy_qp::EnergyQp;
+use super::facets::Facets;
+use super::lemke::{CAREFUL, Care, QUICK};
+use super::residual::{self, Yardstick};
+use super::scaled::{self, Scaled, YIELD};
+use super::{Memory, Problem, Report, active_set};
+use messages::scene::Law;
+
+/// A residual up to this is solved: about what rounding leaves at a mass ratio of 1e6.
+const SOLVED: f64 = 4e-11;
+/// A remembered basis has to be this good. It is stricter, so that being warm is not seen in the velocity.
+const SOLVED_WARM: f64 = 4e-11;
+/// Rounds of the shifted energy program.
+const SHIFTS: usize = 3000;
+/// The fallback's rounds: regularisation rho. First the problem itself.
+const ROUNDS: [f64; 8] = [0.0, 1e-8, 1e-8, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8];
+
+/// Solver of contact problems: workspace and last solution. It may be dropped between steps without changing results.
+#[derive(Clone, Debug, Default)]
+pub struct Solver {
+    /// Contact impulse f [N·s].
+    pub impulse: Vec<f64>,
+    /// Contact velocity v = A f + b [m/s].
+    pub velocity: Vec<f64>,
+    scaled: Scaled,
+    proximal: Scaled,
+    facets: Facets,
+    energy_qp: EnergyQp,
+    block: Block,
+    basis: Vec<u8>,
+    rays: Vec<u8>,
+    f: Vec<f64>,
+    v: Vec<f64>,
+    best: Vec<f64>,
+    /// Residual of `best`.
+    least: f64,
+}
+
+impl Solver {
+    /// Solves the problem under the law and writes [`Solver::impulse`] and [`Solver::velocity`].
+    ///
+    /// First the basis in `memory` is tried, then pivoting from the start, then, flagged, a regularised problem. Nothing
+    /// is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the same
+    /// warm or cold; f may differ by what A does not see. (The energy minimum always has one. Coulomb's law has several in
+    /// jammed arrangements at high friction; then either is valid.)
+    pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
+        self.scaled.set(problem, law);
+        self.least = f64::INFINITY;
+        self.best.clear();
+        self.best.resize(self.scaled.drift.len(), 0.0);
+        self.basis.clear();
+        self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
+        let mut report = Report { warm: self.try_basis(law) <= SOLVED_WARM, ..Report::default() };
+        if !report.warm {
+            let solved = match law {
+                Law::EnergyQp => self.minimise(law, &mut report.pivots),
+                Law::Complementarity => {
+                    self.pivot(law, QUICK, &mut report.pivots)
+                        || self.slide(law, &mut report.pivots)
+                        || self.pivot(law, CAREFUL, &mut report.pivots)
+                }
+                Law::Aligned => {
+                    self.settle(law, &mut report.pivots)
+                        || self.slide(law, &mut report.pivots)
+                        || self.pivot(law, CAREFUL, &mut report.pivots)
+                }
+            };
+            if !solved {
+                report.fallback = true;
+                report.pivots += self.fall_back(law);
+            }
+        }
+        problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
+        self.without_yield();
+        self.unscale(problem);
+        self.measure(problem, law, &mut report);
+        report
+    }
+
+    /// Takes the contacts' yielding out of the velocity: residuals are those of the problem as it was given.
+    fn without_yield(&mut self) {
+        self.v.iter_mut().zip(&self.f).for_each(|(v, f)| *v -= YIELD * f);
+    }
+
+    /// Residuals of a given impulse, as a yardstick for any other solver.
+    pub fn measure_impulse(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
+        self.scaled.set(problem, law);
+        self.f.clear();
+        self.f.extend(impulse.iter().zip(&self.scaled.root).map(|(f, r)| f * r));
+        self.scaled.velocity(&self.f, &mut self.v);
+        self.without_yield();
+        self.unscale(problem);
+        let mut report = Report::default();
+        self.measure(problem, law, &mut report);
+        report
+    }
+
+    /// Impulse and velocity of the basis; its residual, infinite when the basis is singular.
+    fn try_basis(&mut self, law: Law) -> f64 {
+        if !self.block.solve(&self.scaled, law, &self.basis, &mut self.f, &mut self.v) {
+            return f64::INFINITY;
+        }
+        residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
+    }
+
+    /// Whether the basis is the solution.
+    fn holds(&mut self, law: Law) -> bool {
+        self.try_basis(law) <= SOLVED
+    }
+
+    /// Principal pivoting on the energy program.
+    fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let Solver { scaled, energy_qp, block, basis, f, v, .. } = self;
+        let Some(count) = energy_qp.pivot(scaled, block, basis, f, v, false) else { return false };
+        *pivots += count;
+        self.holds(law)
+    }
+
+    /// Lemke's pivoting on the complementarity problem.
+    fn pivot(&mut self, law: Law, care: Care, pivots: &mut u32) -> bool {
+        let Some(count) = self.facets.pivot(&self.scaled, care, &mut self.basis) else { return false };
+        *pivots += count;
+        self.holds(law)
+    }
+
+    /// Corrects the present basis contact by contact.
+    fn settle(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let Solver { scaled, block, basis, f, v, .. } = self;
+        let Some(rounds) = active_set::settle(scaled, law, block, basis, f, v) else { return false };
+        *pivots += rounds;
+        residual::natural_map(scaled, f, v, yardstick(law)) <= SOLVED
+    }
+
+    /// The energy program (14)-(16), with mu |v_F| of its last solution added to each v_N until nothing changes.
+    ///
+    /// Its optimum has v_N >= mu |v_F|: that is Coulomb's law where nothing slides, and the shift makes it so where
+    /// something does (De Saxcé; Acary & Cadoux). Long before the shift has settled the optimum says what slides where,
+    /// and the block has the solution.
+    fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let stride = self.scaled.stride();
+        self.proximal.clone_from(&self.scaled);
+        for round in 0..SHIFTS {
+            let Solver { proximal, energy_qp, block, f, v, basis, rays, .. } = self;
+            if round > 0 {
+                basis.clone_from(rays);
+            }
+            let Some(count) = energy_qp.pivot(proximal, block, basis, f, v, round > 0) else { return false };
+            *pivots += count;
+            rays.clone_from(basis);
+            for (i, v) in v.chunks_exact_mut(stride).enumerate() {
+                let normal = i * stride;
+                let shift = proximal.drift[normal] - self.scaled.drift[normal];
+                v[0] -= shift;
+                let slip = residual::slip(&self.scaled, i, v);
+                proximal.drift[normal] = self.scaled.drift[normal] + slip;
+            }
+            basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
+            if residual::natural_map(&self.scaled, f, v, yardstick(law)) <= SOLVED {
+                return true;
+            }
+            self.note(law);
+            let Solver { f, v, basis, .. } = self;
+            active_set::slide(&self.scaled, f, v, basis);
+            if self.holds(law) || round < 4 && self.settle(law, pivots) {
+                return true;
+            }
+        }
+        false
+    }
+
+    /// Remembers the impulse if its residual is the least so far.
+    fn note(&mut self, law: Law) {
+        let error = residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
+        if error < self.least {
+            self.least = error;
+            self.best.clone_from(&self.f);
+        }
+    }
+
+    /// Proximal rounds: f' solves the problem with A + rho I and b - rho f, which is nowhere
+    /// singular and has the same fixed point. Each basis is first tried on the true problem. Keeps the impulse with the
+    /// least residual; returns the pivots.
+    fn fall_back(&mut self, law: Law) -> u32 {
+        let mut pivots = 0;
+        self.f.clear();
+        self.f.resize(self.scaled.drift.len(), 0.0);
+        for rho in ROUNDS {
+            self.proximal.regularise(&self.scaled, rho, &self.f);
+            pivots += match law {
+                Law::EnergyQp => self.energy_qp.pivot(
+                    &self.proximal,
+                    &mut self.block,
+                    &mut self.basis,
+                    &mut self.f,
+                    &mut self.v,
+                    false,
+                ),
+                Law::Complementarity | Law::Aligned => self.facets.pivot(&self.proximal, CAREFUL, &mut self.basis),
+            }
+            .unwrap_or(0);
+            for exact in [true, false] {
+                let problem = if exact { &self.scaled } else { &self.proximal };
+                if self.block.solve(problem, law, &self.basis, &mut self.f, &mut self.v) {
+                    self.scaled.velocity(&self.f, &mut self.v);
+                    self.note(law);
+                }
+                if self.least <= SOLVED {
+                    self.f.clone_from(&self.best);
+                    self.scaled.velocity(&self.f, &mut self.v);
+                    return pivots;
+                }
+            }
+        }
+        self.f.clone_from(&self.best);
+        self.scaled.velocity(&self.f, &mut self.v);
+        pivots
+    }
+
+    /// From energy units back to N·s and m/s.
+    fn unscale(&mut self, problem: &Problem) {
+        let m = problem.rows();
+        self.impulse.clear();
+        self.impulse.extend(self.f.iter().zip(&self.scaled.root).map(|(f, &r)| if r > 0.0 { f / r } else { 0.0 }));
+        self.velocity.clear();
+        let rows = problem.delassus.chunks_exact(m.max(1)).zip(&problem.drift);
+        self.velocity.extend(rows.map(|(row, b)| b + scaled::dot(row, &self.impulse)));
+    }
+
+    fn measure(&self, problem: &Problem, law: Law, report: &mut Report) {
+        let Solver { scaled, f, v, .. } = self;
+        report.natural_map = residual::natural_map(scaled, f, v, Yardstick::Coulomb);
+        report.own = match yardstick(law) {
+            Yardstick::Coulomb => report.natural_map,
+            own => residual::natural_map(scaled, f, v, own),
+        };
+        report.signorini = residual::signorini(scaled, f, v);
+        report.slip_misalignment = residual::slip_misalignment(scaled, f, v);
+        // f·v - f·A f/2 with A f = v - b.
+        let work = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| f * (v + b));
+        report.energy_gain = 0.5 * work.sum::<f64>();
+    }
+}
+
+/// Optimality that the law's own solution has.
+fn yardstick(law: Law) -> Yardstick {
+    match law {
+        Law::EnergyQp => Yardstick::EnergyMinimum,
+        Law::Complementarity | Law::Aligned => Yardstick::Coulomb,
+    }
+}

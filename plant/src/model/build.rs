@@ -1,0 +1,243 @@
+//! From a scene to a model: the tree in order, each body's mass, payload and gravity, every value checked.
+
+use super::{Corner, Link, Model, Motion, unknown};
+use crate::error::PlantError;
+use crate::kinematics::{self, Pose};
+use crate::state::{self, State};
+use messages::robot::{Body, JointKind};
+use messages::scene::{Base, Scene};
+use nalgebra::{Matrix3, Vector3};
+
+impl Model {
+    /// Builds the model of a scene's bodies, base, payload and gravity.
+    ///
+    /// Gravity is tilted by the incline so that downhill is +x: g (sin a, 0, -cos a).
+    ///
+    /// # Errors
+    /// One sentence on a body, tree, payload or initial pose that cannot be simulated.
+    pub fn new(scene: &Scene) -> Result<Model, PlantError> {
+        let bodies = &scene.bodies;
+        let (links, body_link) = links(scene)?;
+        let (path, path_start) = paths(&links);
+        let tilt = scene.plant.incline_deg.to_radians();
+        let jointed = |&(body, _): &(&Body, &usize)| body.joint.is_some();
+        let mut model = Model {
+            base: scene.plant.base,
+            gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * not_negative(scene.plant.gravity, "gravity")?,
+            mount_rotation: Matrix3::identity(),
+            mount_position: Vector3::zeros(),
+            base_link: virtual_links(scene.plant.base).len(),
+            joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
+            corners: corners(bodies, &body_link)?,
+            body_name: bodies.iter().map(|body| body.name.clone()).collect(),
+            branch_end: branch_ends(&links),
+            links,
+            body_link,
+            path,
+            path_start,
+        };
+        model.mount(scene)?;
+        Ok(model)
+    }
+
+    /// Puts link 0 where the scene's initial pose wants it and the base's coordinates cannot take it.
+    fn mount(&mut self, scene: &Scene) -> Result<(), PlantError> {
+        let position = finite(scene.initial.position, || "the initial position".into())?;
+        match self.base {
+            Base::Fixed => {
+                self.mount_rotation = state::orientation(&scene.initial)?;
+                self.mount_position = position;
+                if let Some(clearance) = scene.initial.clearance {
+                    let mut pose = Pose::new(self);
+                    kinematics::pose(self, &State::initial(self, &scene.initial)?, &mut pose);
+                    self.mount_position.z += state::lift(self, &pose, clearance)?;
+                }
+            }
+            Base::Planar => self.mount_position.y = position.y,
+            Base::Virtual | Base::Quaternion => {}
+        }
+        Ok(())
+    }
+}
+
+/// The links, parents first, and the link of each body.
+fn links(scene: &Scene) -> Result<(Vec<Link>, Vec<usize>), PlantError> {
+    let bodies = &scene.bodies;
+    let mut links = vec![virtual_link(0, Motion::Prismatic, Vector3::zeros())];
+    links.extend(virtual_links(scene.plant.base));
+    let base_link = links.len() - 1;
+    let mut body_link = vec![base_link; bodies.len()];
+    for (index, parent) in depth_first(bodies)? {
+        let body = &bodies[index];
+        if let Some(joint) = &body.joint {
+            let motion = match joint.kind {
+                JointKind::Revolute => Motion::Revolute,
+                JointKind::Prismatic => Motion::Prismatic,
+            };
+            body_link[index] = links.len();
+            links.push(Link {
+                at: finite(joint.at, || format!("the joint of body `{}`", body.name))?,
+                drive_inertia: not_negative(scene.plant.drive_inertia, "the drive inertia")?,
+                damping: not_negative(scene.plant.joint_damping, "the joint damping")?,
+                ..virtual_link(body_link[parent], motion, unit(joint.axis, &body.name)?)
+            });
+        }
+        fill(&mut links[body_link[index]], body)?;
+    }
+    load(&mut links, scene, &body_link, base_link)?;
+    Ok((links, body_link))
+}
+
+fn corners(bodies: &[Body], body_link: &[usize]) -> Result<Vec<Corner>, PlantError> {
+    let mut corners = vec![];
+    for (body, &link) in bodies.iter().zip(body_link) {
+        for &at in &body.contacts {
+            let at = finite(at, || format!("a contact point of body `{}`", body.name))?;
+            corners.push(Corner { link, at });
+        }
+    }
+    Ok(corners)
+}
+
+/// All paths one after the other, and where each begins.
+fn paths(links: &[Link]) -> (Vec<usize>, Vec<usize>) {
+    let (mut path, mut start) = (vec![], vec![0]);
+    for (i, link) in links.iter().enumerate() {
+        if i > 0 {
+            path.extend_from_within(start[link.parent]..start[link.parent + 1]);
+            path.push(i - 1);
+        }
+        start.push(path.len());
+    }
+    (path, start)
+}
+
+/// One past the last degree of freedom that each one moves.
+fn branch_ends(links: &[Link]) -> Vec<usize> {
+    let mut ends: Vec<usize> = (1..links.len()).collect();
+    for i in (1..links.len()).rev() {
+        if let Some(above) = links[i].parent.checked_sub(1) {
+            ends[above] = ends[above].max(ends[i - 1]);
+        }
+    }
+    ends
+}
+
+/// Bodies with their parents' indices, each parent before its children and each branch in one piece.
+fn depth_first(bodies: &[Body]) -> Result<Vec<(usize, usize)>, PlantError> {
+    let names: Vec<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
+    let find = |name: &str| names.iter().position(|known| *known == name);
+    let mut parent = vec![0; bodies.len()];
+    for (i, body) in bodies.iter().enumerate() {
+        if find(&body.name) != Some(i) {
+            return Err(PlantError::Duplicate { name: body.name.clone() });
+        }
+        if let Some(joint) = &body.joint {
+            let what = format!("the joint of body `{}`", body.name);
+            parent[i] = find(&joint.parent).ok_or_else(|| unknown(&what, &joint.parent, &names.join(", ")))?;
+        }
+    }
+    let bases: Vec<usize> = (0..bodies.len()).filter(|&i| bodies[i].joint.is_none()).collect();
+    let &[base] = &bases[..] else {
+        return Err(PlantError::Base { names: bases.iter().map(|&i| bodies[i].name.clone()).collect() });
+    };
+    let (mut order, mut stack, mut seen) = (vec![], vec![base], vec![false; bodies.len()]);
+    while let Some(i) = stack.pop() {
+        seen[i] = true;
+        order.push((i, parent[i]));
+        stack.extend((0..bodies.len()).rev().filter(|&child| bodies[child].joint.is_some() && parent[child] == i));
+    }
+    match seen.iter().position(|&seen| !seen) {
+        Some(lost) => Err(PlantError::Cycle { body: bodies[lost].name.clone() }),
+        None => Ok(order),
+    }
+}
+
+fn virtual_link(parent: usize, motion: Motion, axis: Vector3<f64>) -> Link {
+    Link {
+        parent,
+        carrier: parent,
+        motion,
+        axis,
+        along: (0..3).find(|&k| axis[k].abs() == 1.0),
+        at: Vector3::zeros(),
+        mass: 0.0,
+        com: Vector3::zeros(),
+        moments: Vector3::zeros(),
+        reduced_mass: 0.0,
+        payload_arm: Vector3::zeros(),
+        drive_inertia: 0.0,
+        damping: 0.0,
+    }
+}
+
+/// The links of Fig. 1 that stand for the base's coordinates.
+fn virtual_links(base: Base) -> Vec<Link> {
+    use Motion::{Prismatic, Revolute, Spin};
+    let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
+    let motions = match base {
+        Base::Fixed => vec![],
+        Base::Planar => vec![(Prismatic, x), (Prismatic, z), (Revolute, y)],
+        Base::Virtual => {
+            vec![(Prismatic, x), (Prismatic, y), (Prismatic, z), (Revolute, z), (Revolute, y), (Revolute, x)]
+        }
+        Base::Quaternion => vec![(Prismatic, x), (Prismatic, y), (Prismatic, z), (Spin, x), (Spin, y), (Spin, z)],
+    };
+    let link = |(parent, (motion, axis))| Link {
+        carrier: if motion == Spin { 3 } else { parent },
+        ..virtual_link(parent, motion, axis)
+    };
+    motions.into_iter().enumerate().map(link).collect()
+}
+
+/// Gives a link the mass of its body.
+fn fill(link: &mut Link, body: &Body) -> Result<(), PlantError> {
+    let of = |what: &str| format!("the {what} of body `{}`", body.name);
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    let moments = body.moments();
+    if !positive(body.mass) {
+        return Err(PlantError::value(of("mass"), body.mass, "greater than 0 kg"));
+    }
+    if !moments.into_iter().all(positive) {
+        return Err(PlantError::value(of("inertia"), moments, "three moments greater than 0 kg·m²"));
+    }
+    link.mass = body.mass;
+    link.com = finite(body.com, || of("centre of mass"))?;
+    link.moments = moments.into();
+    Ok(())
+}
+
+/// Adds the scene's payload, a point mass, to the link of its body.
+fn load(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link: usize) -> Result<(), PlantError> {
+    let plant = &scene.plant;
+    let mass = not_negative(plant.payload_kg, "the payload")?;
+    let offset = finite(plant.payload_offset, || "the offset of the payload".into())?;
+    let names: Vec<&str> = scene.bodies.iter().map(|body| body.name.as_str()).collect();
+    let link = match names.iter().position(|name| *name == plant.payload_body) {
+        Some(index) => body_link[index],
+        None if plant.payload_body.is_empty() => base_link,
+        None => return Err(unknown("the payload", &plant.payload_body, &names.join(", "))),
+    };
+    let link = &mut links[link];
+    let total = link.mass + mass;
+    link.reduced_mass = link.mass * mass / total;
+    link.payload_arm = offset - link.com;
+    link.com += link.payload_arm * (mass / total);
+    link.mass = total;
+    Ok(())
+}
+
+fn unit(axis: [f64; 3], body: &str) -> Result<Vector3<f64>, PlantError> {
+    let rule = || PlantError::value(format!("the joint axis of body `{body}`"), axis, "a direction, not zero");
+    Vector3::from(axis).try_normalize(1e-12).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
+}
+
+pub(crate) fn finite(value: [f64; 3], what: impl Fn() -> String) -> Result<Vector3<f64>, PlantError> {
+    let good = value.iter().all(|component| component.is_finite());
+    if good { Ok(value.into()) } else { Err(PlantError::value(what(), value, "finite")) }
+}
+
+fn not_negative(value: f64, what: &str) -> Result<f64, PlantError> {
+    let good = value >= 0.0 && value.is_finite();
+    if good { Ok(value) } else { Err(PlantError::value(what, value, "finite and not negative")) }
+}

@@ -1,0 +1,49 @@
+//! Claim: once built, a step and a tick take no memory from the heap.
+
+mod common;
+
+use allocation_counter::measure;
+use common::scene;
+use controller::Controller;
+use messages::scene::Scene;
+use plant::Plant;
+
+/// Allocations of plant and controller while the robot walks, from `warm` to `end` control periods.
+fn allocations(scene: &Scene, warm: u32, end: u32) -> [u64; 2] {
+    let mut plant = Plant::new(scene).expect("a good scene");
+    let mut controller = Controller::new(scene).expect("a good scene");
+    let mut encoders = plant.encoders();
+    let mut counts = [0; 2];
+    for period in 0..end {
+        let mut torques = Default::default();
+        let tick = measure(|| torques = controller.tick(&encoders).expect("a tick"));
+        let step = measure(|| encoders = plant.advance(&torques).expect("a step"));
+        if period >= warm {
+            counts[0] += step.count_total;
+            counts[1] += tick.count_total;
+        }
+    }
+    assert!(controller.telemetry().steps > 8, "it must walk while we count");
+    counts
+}
+
+#[test]
+fn steps_and_ticks_allocate_nothing_while_it_walks() {
+    let mut all = vec![];
+    for law in ["plant.law=EnergyQp", "plant.law=Complementarity", "plant.law=Aligned"] {
+        for rule in ["controller.sagittal=foot-placement", "controller.sagittal=energy"] {
+            let counts = allocations(&scene("walk", &[law, rule]), 2000, 5000);
+            println!("{law} {rule}: {counts:?} allocations of plant and controller in 3 s");
+            all.push(counts);
+        }
+    }
+    assert!(all.iter().all(|counts| *counts == [0, 0]), "{all:?}");
+}
+
+#[test]
+fn the_counter_counts() {
+    assert_eq!(measure(|| drop(std::hint::black_box(Vec::<u8>::with_capacity(10)))).count_total, 1);
+    // The bounded QP is the one documented exception: its solver allocates.
+    let [_, controller] = allocations(&scene("walk", &["controller.rate_limit=11"]), 4000, 5000);
+    assert!(controller > 0, "{controller}");
+}

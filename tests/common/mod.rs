@@ -1,0 +1,100 @@
+//! Runs of the program, and what their summaries must show.
+
+#![allow(dead_code, reason = "each test file uses a part of this")]
+
+use messages::scene::Scene;
+use serde_json::Value;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
+
+/// The summary of one run.
+pub struct Summary {
+    name: String,
+    json: Value,
+}
+
+/// A file or folder of its own in the system's place for such.
+pub fn fresh_path(name: &str) -> PathBuf {
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let count = COUNT.fetch_add(1, Relaxed);
+    std::env::temp_dir().join(format!("biped-test-{}-{count}-{name}", std::process::id()))
+}
+
+/// Runs a scene in one process, `settings` replacing values of it.
+pub fn run(scene: &str, settings: &[&str]) -> Summary {
+    run_as(scene, settings, &["--in-process"])
+}
+
+/// Runs a scene in two processes.
+pub fn run_two(scene: &str, settings: &[&str]) -> Summary {
+    run_as(scene, settings, &[])
+}
+
+fn run_as(scene: &str, settings: &[&str], flags: &[&str]) -> Summary {
+    let (name, folder) = (format!("{scene} {}", settings.join(" ")), fresh_path("run"));
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["run", scene, "--quiet"])
+        .args(flags)
+        .args(settings.iter().flat_map(|setting| ["--set", setting]))
+        .arg("--out")
+        .arg(&folder)
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    let text = std::fs::read_to_string(folder.join("summary.json"));
+    let text = text.unwrap_or_else(|_| panic!("{name}: no summary, {}: {errors}", output.status));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    let summary = Summary { name, json: serde_json::from_str(&text).expect("JSON") };
+    let code = if summary.fell() { 7 } else { 0 };
+    assert_eq!(output.status.code(), Some(code), "{}: {errors}", summary.name);
+    summary
+}
+
+/// Runs many cases of a scene at once.
+pub fn run_all(scene: &str, cases: &[&[&str]]) -> Vec<Summary> {
+    std::thread::scope(|scope| {
+        let runs: Vec<_> = cases.iter().map(|settings| scope.spawn(|| run(scene, settings))).collect();
+        runs.into_iter().map(|run| run.join().expect("a run that ends in order")).collect()
+    })
+}
+
+impl Summary {
+    /// Whether the robot fell.
+    pub fn fell(&self) -> bool {
+        self.json["fell"].as_bool().expect("yes or no")
+    }
+
+    /// A number; a list gives its greatest.
+    pub fn number(&self, key: &str) -> f64 {
+        let one = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
+        match &self.json[key] {
+            Value::Array(list) => list.iter().map(one).fold(f64::NEG_INFINITY, f64::max),
+            value => one(value),
+        }
+    }
+
+    /// Hash of every state.
+    pub fn hash(&self) -> &str {
+        self.json["trajectory_hash"].as_str().expect("a hash")
+    }
+
+    /// That the robot stayed up and each number lies in its range. A number that was not measured lies in none.
+    pub fn shows(&self, claims: &[(&str, RangeInclusive<f64>)]) {
+        let fall = self.number("fall_time_s");
+        assert!(!self.fell(), "{}: fell at {fall:.2} s", self.name);
+        let broken = claims.iter().filter(|(key, range)| !range.contains(&self.number(key)));
+        let broken: Vec<_> =
+            broken.map(|(key, range)| format!("{key} = {:e}, not {range:?}", self.number(key))).collect();
+        assert!(broken.is_empty(), "{}: {}", self.name, broken.join("; "));
+    }
+}
+
+/// One of the scenes that come with the program, with values replaced.
+pub fn scene(name: &str, settings: &[&str]) -> Scene {
+    let path = format!("{}/launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
+    messages::load::load(&path, &settings, &[]).expect("a good scene")
+}

@@ -1,0 +1,128 @@
+//! Claims about the three contact laws, against the closed forms of a sliding point.
+
+mod common;
+
+use common::{run, scene};
+use messages::robot::Body;
+use messages::scene::{Initial, Law, Scene};
+use messages::wire::Torques;
+use plant::Plant;
+use plant::kinematics::{self, Pose};
+
+const G: f64 = 9.81;
+const MU: f64 = 0.5;
+const H: f64 = 1e-3;
+
+/// The printed QP makes a slipping contact leave at v_N = mu |v_F|: thrown up once, the cube rises 8.15 mm.
+///
+/// The first step ends with v_F = (v - mu g h)/(1 + mu^2); from then on the cube flies, g h slower at each step.
+#[test]
+fn the_printed_qp_throws_a_slider_off_the_ground() {
+    let limit = (MU / (1.0 + MU * MU)).powi(2) / (2.0 * G);
+    assert!((limit - 8.15e-3).abs() < 0.01e-3);
+    for h in [1e-3, 5e-4, 1.25e-4] {
+        let thrown = MU * (1.0 - MU * G * h) / (1.0 + MU * MU);
+        let flight = (0..).map(|k| thrown - f64::from(k) * G * h).take_while(|v| *v > 0.0);
+        let hop: f64 = flight.map(|v| v * h).sum();
+        // Control and recording see every step.
+        let settings = [&format!("plant.dt={h}"), &format!("rate={}", 1.0 / h), "initial.velocity=[1.0, 0.0, 0.0]"];
+        let seen = run("slide", &[&settings[..], &["plant.law=EnergyQp"]].concat()).number("hop_max_m");
+        println!("h = {h}: hop {:.5} mm, {:.5} mm by theory", 1e3 * seen, 1e3 * hop);
+        assert!((seen - hop).abs() < 1e-9, "h = {h}: hop {seen} m, not {hop} m");
+        assert!(h > 2e-4 || (seen / limit - 1.0).abs() < 0.01, "{seen} m does not tend to {limit} m");
+    }
+}
+
+#[test]
+fn the_paper_s_conditions_keep_a_slider_down_and_stop_it_where_coulomb_does() {
+    for law in ["plant.law=Complementarity", "plant.law=Aligned"] {
+        for (setting, v) in [("initial.velocity=[1.0, 0.0, 0.0]", 1.0), ("initial.velocity=[2.0, 0.0, 0.0]", 2.0_f64)] {
+            let stop = v * v / (2.0 * MU * G);
+            // A step is an Euler step: it ends with the speed of its end, v h/2 short of the integral.
+            run("slide", &[setting, law]).shows(&[
+                ("hop_max_m", -1.0..=1e-9),
+                ("penetration_max_m", 0.0..=1e-9),
+                ("distance_m", stop - v * H..=stop + 1e-9),
+                ("lateral_max_m", 0.0..=1e-9),
+                ("com_speed_end_mps", 0.0..=1e-12),
+                ("slip_misalignment_max_deg", 0.0..=1e-6),
+            ]);
+        }
+    }
+}
+
+/// A point mass: no rotation blurs what the law does.
+fn point(law: Law, velocity: [f64; 3]) -> Plant {
+    let body = Body {
+        name: "point".into(),
+        mass: 2.0,
+        size: [0.1; 3],
+        com: [0.0; 3],
+        inertia: None,
+        joint: None,
+        contacts: vec![[0.0; 3]],
+    };
+    let mut scene = Scene {
+        bodies: vec![body],
+        initial: Initial { clearance: Some(0.0), velocity, ..Initial::default() },
+        ..Scene::default()
+    };
+    (scene.plant.law, scene.plant.friction, scene.plant.dt) = (law, MU, H);
+    Plant::new(&scene).expect("a point can be simulated")
+}
+
+/// KKT conditions of (14)-(16) for one slipping point: v_F = (v - mu g h)/(1 + mu^2) and v_N = mu v_F; those of
+/// (17)-(22): v_F = v - mu g h and v_N = 0.
+#[test]
+fn one_step_of_a_point_is_as_the_multipliers_say() {
+    for v in [0.1, 1.0, 3.0] {
+        for law in Law::ALL {
+            let mut plant = point(law, [v, 0.0, 0.0]);
+            plant.step().expect("one step");
+            let (v_f, v_n) = (plant.state().xdot[0], plant.state().xdot[2]);
+            let slip = v - MU * G * H;
+            let (want_f, want_n) = match law {
+                Law::EnergyQp => (slip / (1.0 + MU * MU), MU * slip / (1.0 + MU * MU)),
+                Law::Complementarity | Law::Aligned => (slip, 0.0),
+            };
+            assert!((v_f - want_f).abs() < 1e-12 && (v_n - want_n).abs() < 1e-12, "{law:?}: {v_f} {v_n} from {v}");
+        }
+    }
+}
+
+/// On a slope gentler than friction the point stays, pushed across the slope as well: what resists one tangent only
+/// creeps along the other.
+#[test]
+fn the_default_law_resists_both_tangents() {
+    let creep = |law: &str| {
+        let settings = [law, "plant.incline_deg=10", "initial.velocity=[0.0, 0.0, 0.0]"];
+        let summary = run("slide", &settings);
+        summary.shows(&[("fallbacks", 0.0..=0.0)]);
+        summary.number("distance_m").hypot(summary.number("lateral_max_m"))
+    };
+    assert!(creep("plant.law=Aligned") < 1e-9, "{} m in 1 s", creep("plant.law=Aligned"));
+    // Steeper than friction, it slides as it must: tan 30 deg > 0.5.
+    let slide = run("slide", &["plant.incline_deg=30", "initial.velocity=[0.0, 0.0, 0.0]"]).number("distance_m");
+    let angle = 30f64.to_radians();
+    let fall = 0.5 * G * (angle.sin() - MU * angle.cos());
+    assert!((slide - fall).abs() < G * H, "{slide} m, {fall} m by theory");
+}
+
+#[test]
+fn what_falls_flat_stays_where_it_lands() {
+    let mut plant = Plant::new(&scene("drop", &[])).expect("the scene drop");
+    let mut pose = Pose::new(plant.model());
+    let (mut landed, mut end) = (false, [f64::NAN; 2]);
+    for period in 0..1000 {
+        plant.advance(&Torques::default()).expect("a step");
+        kinematics::pose(plant.model(), plant.state(), &mut pose);
+        let heights = plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at).z);
+        end = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
+        landed |= end[0] < 1e-9;
+        if landed {
+            let rise = plant.state().xdot[2];
+            assert!(rise < 1e-9 && end[1] < 1e-9, "after {period} ms: {end:?} m, rising at {rise} m/s");
+        }
+    }
+    assert!(landed && end[0].abs() < 1e-9 && end[1].abs() < 1e-9, "it ends with its corners at {end:?} m");
+}

@@ -1,0 +1,37 @@
+//! Claims about repetition: the same scene gives the same bits, in one process or in two, to its end or to its fall.
+
+mod common;
+
+use common::{run, run_two};
+
+fn same_bits(scene: &str, settings: &[&str]) {
+    let first = run_two(scene, settings);
+    for other in [run_two(scene, settings), run(scene, settings)] {
+        assert_eq!(other.hash(), first.hash(), "{scene} {settings:?}");
+        for key in ["duration_s", "distance_m", "lateral_max_m", "peak_force_n", "hop_max_m", "natural_map_max"] {
+            assert_eq!(other.number(key).to_bits(), first.number(key).to_bits(), "{scene} {settings:?}: {key}");
+        }
+    }
+}
+
+#[test]
+fn without_a_controller_too_two_processes_give_the_bits_of_one() {
+    same_bits("slide", &[]);
+    same_bits("drop", &["initial.orientation_deg=[20.0, 10.0, 0.0]"]);
+}
+
+#[test]
+fn chance_is_repeated_with_its_seed() {
+    let late = ["duration=3", "plant.stale_probability=0.3", "plant.encoder_bits=14"];
+    same_bits("walk", &late);
+    let seeds = ["plant.seed=1", "plant.seed=2"].map(|seed| run("walk", &[&late[..], &[seed]].concat()));
+    assert_ne!(seeds[0].hash(), seeds[1].hash());
+}
+
+/// Two processes notice the fall at different times; both records end at the same one.
+#[test]
+fn a_fall_ends_the_record_at_the_same_bit() {
+    let push = ["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3", "duration=10"];
+    assert!(run("stand", &push).fell());
+    same_bits("stand", &push);
+}
