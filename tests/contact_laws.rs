@@ -1,5 +1,7 @@
 //! Claims about the three contact laws, against the closed forms of a sliding point.
 
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
 mod common;
 
 use common::{run, scene};
@@ -72,7 +74,7 @@ fn point(law: Law, velocity: [f64; 3]) -> Plant {
 }
 
 /// KKT conditions of (14)-(16) for one slipping point: v_F = (v - mu g h)/(1 + mu^2) and v_N = mu v_F; those of
-/// (17)-(22): v_F = v - mu g h and v_N = 0.
+/// (17)-(22): v_F = v - mu g h and v_N = 0. To 1e-10, as far as a step's problem counts as solved.
 #[test]
 fn one_step_of_a_point_is_as_the_multipliers_say() {
     for v in [0.1, 1.0, 3.0] {
@@ -85,7 +87,7 @@ fn one_step_of_a_point_is_as_the_multipliers_say() {
                 Law::EnergyQp => (slip / (1.0 + MU * MU), MU * slip / (1.0 + MU * MU)),
                 Law::Complementarity | Law::Aligned => (slip, 0.0),
             };
-            assert!((v_f - want_f).abs() < 1e-12 && (v_n - want_n).abs() < 1e-12, "{law:?}: {v_f} {v_n} from {v}");
+            assert!((v_f - want_f).abs() < 1e-10 && (v_n - want_n).abs() < 1e-10, "{law:?}: {v_f} {v_n} from {v}");
         }
     }
 }
@@ -106,6 +108,16 @@ fn the_default_law_resists_both_tangents() {
     let angle = 30f64.to_radians();
     let fall = 0.5 * G * (angle.sin() - MU * angle.cos());
     assert!((slide - fall).abs() < G * H, "{slide} m, {fall} m by theory");
+}
+
+/// The paper's single slip direction leaves a stuck foot free across it, so feet creep and the walk drifts sideways;
+/// with both tangents resisted it sways by the width of a step and no more.
+#[test]
+fn one_slip_direction_lets_the_walk_drift() {
+    let aside = |law: &str| run("walk", &["duration=110", law]).number("lateral_max_m");
+    let [one, both] = ["plant.law=Complementarity", "plant.law=Aligned"].map(aside);
+    println!("{one} m aside with one slip direction, {both} m with both");
+    assert!(both < 0.02 && one > 0.1, "{one} m with one direction, {both} m with both");
 }
 
 #[test]

@@ -1,6 +1,8 @@
 //! Claims that tie controller and plant: both see the same robot, one from its supporting foot, the other from the
 //! world.
 
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
 use controller::support::{Chain, Joints, TaskVector, mirror};
 use messages::scene::Scene;
 use messages::wire::JOINTS;

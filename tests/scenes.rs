@@ -1,5 +1,7 @@
 //! Claims about a user's own scenes: other bodies, other bases, no controller.
 
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
 mod common;
 
 use common::{Summary, fresh_path, run, run_two};

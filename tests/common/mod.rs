@@ -1,5 +1,6 @@
 //! Runs of the program, and what their summaries must show.
 
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
 use messages::scene::Scene;

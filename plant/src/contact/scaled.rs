@@ -8,12 +8,12 @@ use messages::scene::Law;
 /// has squared rounding on its diagonal, so an honest zero is near 1e-32.
 const IMMOVABLE: f64 = 1e-20;
 
-/// What is added to the unit diagonal: contacts yield by this much.
+/// What [`Scaled::soften`] adds to the unit diagonal: contacts yield by this much.
 ///
 /// Two flat feet on one robot hold each other along directions that H sees at 1e-12 or not at all. There the impulse is
 /// the quotient of two roundings, and pivoting loses its way. With this the problem has one solution, that of least norm
 /// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
-pub(super) const YIELD: f64 = 2e-11;
+const YIELD: f64 = 2e-11;
 
 /// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
 /// impulse.
@@ -34,6 +34,7 @@ pub(super) struct Scaled {
     /// Largest scaled drift.
     pub size: f64,
     inverse: Vec<f64>,
+    softened: bool,
 }
 
 impl Scaled {
@@ -54,6 +55,7 @@ impl Scaled {
 
     pub fn set(&mut self, problem: &Problem, law: Law) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
+        self.softened = false;
         let (m, stride) = (problem.rows(), self.stride());
         let greatest = (0..m).map(|k| problem.delassus[k * m + k]).fold(0.0, f64::max);
         self.root.clear();
@@ -67,7 +69,6 @@ impl Scaled {
         for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
             self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
         }
-        self.delassus.iter_mut().step_by(m + 1).for_each(|a| *a += YIELD);
         self.drift.clear();
         self.drift.extend(problem.drift.iter().zip(&self.inverse).map(|(b, s)| b * s));
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
@@ -82,6 +83,27 @@ impl Scaled {
                     self.ratio[k] = self.root[normal] * self.inverse[k];
                 }
             }
+        }
+    }
+
+    /// Lets the contacts yield a little: see [`YIELD`].
+    pub fn soften(&mut self) {
+        self.softened = true;
+        let next = self.drift.len() + 1;
+        self.delassus.iter_mut().step_by(next).for_each(|a| *a += YIELD);
+    }
+
+    /// Takes [`Scaled::soften`] back.
+    pub fn stiffen(&mut self) {
+        self.softened = false;
+        let next = self.drift.len() + 1;
+        self.delassus.iter_mut().step_by(next).for_each(|a| *a -= YIELD);
+    }
+
+    /// Velocity without the yielding: residuals are those of the problem as it was given.
+    pub fn harden(&self, impulse: &[f64], velocity: &mut [f64]) {
+        if self.softened {
+            velocity.iter_mut().zip(impulse).for_each(|(v, f)| *v -= YIELD * f);
         }
     }
 

@@ -5,7 +5,7 @@ use super::energy_qp::EnergyQp;
 use super::facets::Facets;
 use super::lemke::{CAREFUL, Care, QUICK};
 use super::residual::{self, Yardstick};
-use super::scaled::{self, Scaled, YIELD};
+use super::scaled::{self, Scaled};
 use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
 
@@ -15,8 +15,21 @@ const SOLVED: f64 = 4e-11;
 const SOLVED_WARM: f64 = 4e-11;
 /// Rounds of the shifted energy program.
 const SHIFTS: usize = 3000;
-/// The fallback's rounds: regularisation rho. First the problem itself.
-const ROUNDS: [f64; 8] = [0.0, 1e-8, 1e-8, 1e-6, 1e-6, 1e-8, 1e-8, 1e-8];
+/// The fallback's rounds: regularisation rho, and what counts as zero. First the problem itself with other tolerances.
+const ROUNDS: [(f64, f64); 12] = [
+    (0.0, 1e-12),
+    (0.0, 1e-7),
+    (1e-8, 1e-9),
+    (1e-8, 1e-12),
+    (1e-6, 1e-9),
+    (1e-6, 1e-12),
+    (1e-4, 1e-9),
+    (1e-8, 1e-9),
+    (1e-6, 1e-9),
+    (1e-4, 1e-9),
+    (1e-8, 1e-9),
+    (1e-8, 1e-9),
+];
 
 /// Solver of contact problems: workspace and last solution. It may be dropped between steps without changing results.
 #[derive(Clone, Debug, Default)]
@@ -55,34 +68,39 @@ impl Solver {
         self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
         let mut report = Report { warm: self.try_basis(law) <= SOLVED_WARM, ..Report::default() };
         if !report.warm {
-            let solved = match law {
-                Law::EnergyQp => self.minimise(law, &mut report.pivots),
-                Law::Complementarity => {
-                    self.pivot(law, QUICK, &mut report.pivots)
-                        || self.slide(law, &mut report.pivots)
-                        || self.pivot(law, CAREFUL, &mut report.pivots)
-                }
-                Law::Aligned => {
-                    self.settle(law, &mut report.pivots)
-                        || self.slide(law, &mut report.pivots)
-                        || self.pivot(law, CAREFUL, &mut report.pivots)
-                }
-            };
+            let solved = self.find(law, &mut report.pivots);
             if !solved {
                 report.fallback = true;
                 report.pivots += self.fall_back(law);
             }
         }
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
-        self.without_yield();
         self.unscale(problem);
         self.measure(problem, law, &mut report);
         report
     }
 
-    /// Takes the contacts' yielding out of the velocity: residuals are those of the problem as it was given.
-    fn without_yield(&mut self) {
-        self.v.iter_mut().zip(&self.f).for_each(|(v, f)| *v -= YIELD * f);
+    /// Finds the solution, the way that most steps take first; false if every way failed.
+    fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let found = match law {
+            Law::EnergyQp => self.minimise(law, pivots),
+            Law::Complementarity => self.pivot(law, QUICK, pivots),
+            Law::Aligned => self.settle(law, pivots),
+        };
+        found || self.with_yield(law, pivots) || (law == Law::Aligned && self.pivot(law, QUICK, pivots))
+    }
+
+    /// The ways that see the finest directions, for contacts that yield.
+    fn with_yield(&mut self, law: Law, pivots: &mut u32) -> bool {
+        self.scaled.soften();
+        let found = match law {
+            Law::EnergyQp => self.minimise(law, pivots),
+            Law::Complementarity | Law::Aligned => self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots),
+        };
+        if !found {
+            self.scaled.stiffen();
+        }
+        found
     }
 
     /// Residuals of a given impulse, as a yardstick for any other solver.
@@ -91,7 +109,6 @@ impl Solver {
         self.f.clear();
         self.f.extend(impulse.iter().zip(&self.scaled.root).map(|(f, r)| f * r));
         self.scaled.velocity(&self.f, &mut self.v);
-        self.without_yield();
         self.unscale(problem);
         let mut report = Report::default();
         self.measure(problem, law, &mut report);
@@ -103,6 +120,7 @@ impl Solver {
         if !self.block.solve(&self.scaled, law, &self.basis, &mut self.f, &mut self.v) {
             return f64::INFINITY;
         }
+        self.scaled.harden(&self.f, &mut self.v);
         residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
     }
 
@@ -131,6 +149,7 @@ impl Solver {
         let Solver { scaled, block, basis, f, v, .. } = self;
         let Some(rounds) = active_set::settle(scaled, law, block, basis, f, v) else { return false };
         *pivots += rounds;
+        scaled.harden(f, v);
         residual::natural_map(scaled, f, v, yardstick(law)) <= SOLVED
     }
 
@@ -158,6 +177,7 @@ impl Solver {
                 proximal.drift[normal] = self.scaled.drift[normal] + slip;
             }
             basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
+            self.scaled.harden(f, v);
             if residual::natural_map(&self.scaled, f, v, yardstick(law)) <= SOLVED {
                 return true;
             }
@@ -187,7 +207,7 @@ impl Solver {
         let mut pivots = 0;
         self.f.clear();
         self.f.resize(self.scaled.drift.len(), 0.0);
-        for rho in ROUNDS {
+        for (rho, zero) in ROUNDS {
             self.proximal.regularise(&self.scaled, rho, &self.f);
             pivots += match law {
                 Law::EnergyQp => self.energy_qp.pivot(
@@ -198,7 +218,7 @@ impl Solver {
                     &mut self.v,
                     false,
                 ),
-                Law::Complementarity | Law::Aligned => self.facets.pivot(&self.proximal, CAREFUL, &mut self.basis),
+                Law::Complementarity | Law::Aligned => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis),
             }
             .unwrap_or(0);
             for exact in [true, false] {
