@@ -14,6 +14,8 @@ const NEARLY: f64 = 0.99;
 #[derive(Clone, Debug)]
 pub struct ContactMap {
     half: Vec<f64>,
+    /// Y of unit impulses along x, y and z at one contact.
+    axes: Vec<f64>,
     column: Vec<f64>,
     stride: usize,
     /// Unit tangents of each contact.
@@ -27,6 +29,7 @@ impl ContactMap {
         let rows = 3 * model.corners.len();
         ContactMap {
             half: vec![0.0; rows * stride],
+            axes: vec![0.0; 3 * stride],
             column: vec![0.0; stride],
             stride,
             tangents: Vec::with_capacity(model.corners.len()),
@@ -55,11 +58,13 @@ impl ContactMap {
         for (i, touch) in touches.iter().enumerate() {
             let path = model.path(touch.link);
             let mut drift = Vector3::zeros();
-            for (axis, value) in drift.iter_mut().enumerate() {
+            for (axis, half) in self.axes.chunks_exact_mut(self.stride).enumerate() {
+                let half = &mut half[..path.len()];
                 let mut direction = Vector3::zeros();
                 direction[axis] = 1.0;
-                contact_column(model, pose, touch.link, &touch.arm, &direction, &mut self.column);
-                *value = self.column.iter().zip(path).map(|(k, &dof)| k * free[dof]).sum();
+                contact_column(model, pose, touch.link, &touch.arm, &direction, half);
+                drift[axis] = half.iter().zip(path).map(|(k, &dof)| k * free[dof]).sum();
+                factor.half_solve(model, touch.link, half);
             }
             let slip = drift.xy().norm();
             let along = if slip > 0.0 { Vector3::new(drift.x / slip, drift.y / slip, 0.0) } else { Vector3::x() };
@@ -67,10 +72,16 @@ impl ContactMap {
             let across = Vector3::new(-along.y, along.x, 0.0);
             self.tangents.push([along, across]);
             problem.id[i] = touch.id;
-            for (k, direction) in [Vector3::z(), along, across][..rows].iter().enumerate() {
-                let y = &mut self.half[(i * rows + k) * self.stride..][..path.len()];
-                contact_column(model, pose, touch.link, &touch.arm, direction, y);
-                factor.half_solve(model, touch.link, y);
+            let (x, rest) = self.axes.split_at(self.stride);
+            let (y, z) = rest.split_at(self.stride);
+            for (k, row) in self.half[i * rows * self.stride..].chunks_exact_mut(self.stride).take(rows).enumerate() {
+                match k {
+                    0 => row.copy_from_slice(z),
+                    _ => {
+                        let t = self.tangents[i][k - 1];
+                        row.iter_mut().zip(x.iter().zip(y)).for_each(|(out, (x, y))| *out = t.x * x + t.y * y);
+                    }
+                }
             }
             let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
             problem.drift[i * rows..(i + 1) * rows].copy_from_slice(&drift[..rows]);

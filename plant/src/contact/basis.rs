@@ -35,6 +35,7 @@ pub(super) struct Block {
     right: Vec<f64>,
     solution: Vec<f64>,
     amounts: Vec<f64>,
+    dependent: bool,
 }
 
 impl Block {
@@ -52,6 +53,7 @@ impl Block {
         if !self.factor(scaled) {
             return false;
         }
+        let mut before = f64::INFINITY;
         for _ in 0..=REFINEMENTS {
             self.right.clear();
             self.right.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
@@ -62,11 +64,19 @@ impl Block {
             }
             scaled.velocity(f, v);
             let size = f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
-            if self.columns.iter().all(|c| in_contact(&c.read, &v[c.first..]).abs() <= 4.0 * f64::EPSILON * size) {
+            let left = self.columns.iter().map(|c| in_contact(&c.read, &v[c.first..]).abs()).fold(0.0, f64::max);
+            // What no longer shrinks is in rows that depend on others.
+            if left <= 16.0 * f64::EPSILON * size || left > 0.1 * before {
                 break;
             }
+            before = left;
         }
         true
+    }
+
+    /// Whether some columns of the last basis depended on others, so that the impulse is one of many.
+    pub fn is_dependent(&self) -> bool {
+        self.dependent
     }
 
     /// y: how much of each column the impulse holds.
@@ -122,6 +132,7 @@ impl Block {
             scaled.combine(row.first, &row.read[..stride], &mut self.read_row);
             self.matrix.extend(self.columns.iter().map(|c| in_contact(&c.push, &self.read_row[c.first..])));
         }
+        self.dependent = false;
         self.order.clear();
         self.order.extend(0..p);
         for k in 0..p {
@@ -132,6 +143,7 @@ impl Block {
             }
             if size(best) <= DEPENDENT {
                 self.matrix[k * p + k] = f64::INFINITY; // its unknown stays zero
+                self.dependent = true;
                 continue;
             }
             if best != k {

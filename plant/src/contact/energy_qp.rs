@@ -25,6 +25,8 @@ pub(super) struct EnergyQp {
     amount: Vec<f64>,
     /// Rays that could not join since the energy last fell.
     barred: Vec<bool>,
+    /// Basic rays, each with its y at the optimum over them.
+    goals: Vec<(usize, f64)>,
 }
 
 /// Ray j of contact i in scaled rows.
@@ -113,7 +115,7 @@ impl EnergyQp {
             let share = if share.is_nan() { 0.0 } else { share };
             for (r, goal) in goals.collect::<Vec<_>>() {
                 let moved = self.amount[r] + share * (goal - self.amount[r]);
-                let leaves = goal <= 0.0 && !(moved > 1e-14 * self.amount[r].max(goal.abs()));
+                let leaves = goal <= 0.0 && moved <= 1e-14 * self.amount[r].max(goal.abs());
                 self.amount[r] = if leaves { 0.0 } else { moved };
                 if leaves {
                     basis[r / d] &= !(1 << (r % d));

@@ -11,8 +11,6 @@ use messages::scene::Law;
 
 /// A residual up to this is solved: about what rounding leaves at a mass ratio of 1e6.
 const SOLVED: f64 = 4e-11;
-/// A remembered basis has to be this good. It is stricter, so that being warm is not seen in the velocity.
-const SOLVED_WARM: f64 = 4e-11;
 /// Rounds of the shifted energy program.
 const SHIFTS: usize = 3000;
 /// The fallback's rounds: regularisation rho, and what counts as zero. First the problem itself with other tolerances.
@@ -66,7 +64,8 @@ impl Solver {
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.basis.clear();
         self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
-        let mut report = Report { warm: self.try_basis(law) <= SOLVED_WARM, ..Report::default() };
+        let warm = self.holds(law) || self.holds_softly(law);
+        let mut report = Report { warm, ..Report::default() };
         if !report.warm {
             let solved = self.find(law, &mut report.pivots);
             if !solved {
@@ -95,7 +94,9 @@ impl Solver {
         self.scaled.soften();
         let found = match law {
             Law::EnergyQp => self.minimise(law, pivots),
-            Law::Complementarity | Law::Aligned => self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots),
+            Law::Complementarity | Law::Aligned => {
+                self.settle(law, pivots) || self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots)
+            }
         };
         if !found {
             self.scaled.stiffen();
@@ -127,6 +128,16 @@ impl Solver {
     /// Whether the basis is the solution.
     fn holds(&mut self, law: Law) -> bool {
         self.try_basis(law) <= SOLVED
+    }
+
+    /// Whether it is, for contacts that yield.
+    fn holds_softly(&mut self, law: Law) -> bool {
+        self.scaled.soften();
+        let holds = self.holds(law);
+        if !holds {
+            self.scaled.stiffen();
+        }
+        holds
     }
 
     /// Principal pivoting on the energy program.
@@ -184,7 +195,7 @@ impl Solver {
             self.note(law);
             let Solver { f, v, basis, .. } = self;
             active_set::slide(&self.scaled, f, v, basis);
-            if self.holds(law) || round < 4 && self.settle(law, pivots) {
+            if self.holds(law) || round == 0 && self.settle(law, pivots) {
                 return true;
             }
         }
@@ -218,7 +229,9 @@ impl Solver {
                     &mut self.v,
                     false,
                 ),
-                Law::Complementarity | Law::Aligned => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis),
+                Law::Complementarity | Law::Aligned => {
+                    self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis)
+                }
             }
             .unwrap_or(0);
             for exact in [true, false] {
