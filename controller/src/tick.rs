@@ -74,17 +74,17 @@ impl Controller {
     pub fn tick(&mut self, encoders: &Encoders) -> Result<Torques, ControllerError> {
         let Controller { model, state, telemetry } = self;
         model.encoder.read(&mut state.encoder, encoders);
-        let mut task = model.chain.task(&state.to_support(&state.encoder.angle)); // (25)-(27)
+        let mut task = model.chain.task(&state.in_support_order(&state.encoder.angle)); // (25)-(27)
         let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task));
         if model.gait.exchange_due(&gait) {
             model.gait.exchange(&mut gait, &task);
             model.servo.exchange(&mut state.servo);
             state.right = !state.right;
-            task = model.chain.task(&state.to_support(&state.encoder.angle));
+            task = model.chain.task(&state.in_support_order(&state.encoder.angle));
         }
         let plan = model.gait.plan(&mut gait, &task); // (30)-(43)
         state.gait = Some(gait);
-        let rate = state.to_support(&state.encoder.rate);
+        let rate = state.in_support_order(&state.encoder.rate);
         model.servo.observe(&mut state.servo, &rate);
         let feed_forward = model.feed_forward(state, &task, &plan);
         let reference = model
@@ -92,8 +92,8 @@ impl Controller {
             .ok_or(ControllerError::Singular { time: gait.time })?;
         let limit = model.torque_limits(&gait, &plan);
         let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limit); // (24)
-        *telemetry = model.tell(state, &gait, &task, &state.to_support(&surface));
-        Ok(Torques { torque: state.to_support(&torque).into() })
+        *telemetry = model.tell(state, &gait, &task, &state.in_support_order(&surface));
+        Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
 
     /// What the controller thought in the last tick.
@@ -109,7 +109,7 @@ impl Controller {
 
 impl State {
     /// Wire order to support order and back.
-    fn to_support(&self, q: &Joints) -> Joints {
+    fn in_support_order(self, q: &Joints) -> Joints {
         if self.right { mirror(q) } else { *q }
     }
 }
@@ -135,7 +135,7 @@ impl Model {
             return stance;
         }
         // Seen from the other foot, axis 2 points the other way.
-        let other = self.chain.task(&mirror(&state.to_support(&state.encoder.angle)));
+        let other = self.chain.task(&mirror(&state.in_support_order(&state.encoder.angle)));
         let mut shared = plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2));
         let unbalanced = 1.0 - (1.0 - plan.load) * self.chain.leg_width() / task.x[1];
         shared[0] = unbalanced * stance[0];

@@ -1,5 +1,7 @@
 //! Claims about the resolved motion rate (28)-(29).
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
 use controller::rate::{bias, resolve, resolve_bounded};
 use controller::support::{Chain, Joints, TaskVector};
 use messages::robot::table_1;

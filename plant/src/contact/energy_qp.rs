@@ -108,12 +108,14 @@ impl EnergyQp {
                 return false;
             }
             let basic = (0..self.amount.len()).filter(|&r| basis[r / d] >> (r % d) & 1 == 1);
-            let goals = basic.zip(block.amounts().iter().copied());
-            let reach =
-                |(r, goal): (usize, f64)| if goal > 0.0 { 1.0 } else { self.amount[r] / (self.amount[r] - goal) };
-            let share = goals.clone().map(reach).fold(1.0, f64::min);
+            self.goals.clear();
+            self.goals.extend(basic.zip(block.amounts().iter().copied()));
+            let reach = |&(r, goal): &(usize, f64)| {
+                if goal > 0.0 { 1.0 } else { self.amount[r] / (self.amount[r] - goal) }
+            };
+            let share = self.goals.iter().map(reach).fold(1.0, f64::min);
             let share = if share.is_nan() { 0.0 } else { share };
-            for (r, goal) in goals.collect::<Vec<_>>() {
+            for &(r, goal) in &self.goals {
                 let moved = self.amount[r] + share * (goal - self.amount[r]);
                 let leaves = goal <= 0.0 && moved <= 1e-14 * self.amount[r].max(goal.abs());
                 self.amount[r] = if leaves { 0.0 } else { moved };
