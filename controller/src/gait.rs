@@ -79,6 +79,8 @@ pub struct Reference {
     pub acceleration: [f64; 2],
     /// Share of the weight on the supporting foot [0…1].
     pub load: f64,
+    /// Zero-moment point along axis 2 that the plan asks for, x_2 − ẍ_2/ω_2² [m].
+    pub zmp: f64,
     /// Time until the next exchange, if stepping [s].
     pub time_left: Option<f64>,
 }
@@ -198,9 +200,15 @@ impl GaitModel {
         }
     }
 
-    /// Both feet down and still.
+    /// Where the weight has to be carried along axis 2 [m].
+    fn zmp(&self, state: &GaitState) -> f64 {
+        state.com[1].x - state.com[1].a / self.omega[1].powi(2) // (32)
+    }
+
+    /// Both feet down and still, or moving as planned.
     fn hold(&self, state: &mut GaitState, task: &Task) -> Reference {
-        self.follow(state, task, 0.0, [0.0; 2], 1.0 - state.com[1].x / self.width)
+        let load = 1.0 - self.zmp(state) / self.width;
+        self.follow(state, task, 0.0, [0.0; 2], load.clamp(0.0, 1.0))
     }
 
     /// Both feet down, the centre of gravity on its way to `target` [m] since the phase began.
@@ -317,7 +325,7 @@ impl GaitModel {
             let held = !stepping && (3..6).contains(&k); // a foot on the ground stays where it is
             if held { 0.0 } else { gain[k] * (command[k] - task.x[k]) + rate[k] } // (30)
         });
-        Reference { xdot, acceleration: [sagittal.a, lateral.a], load, time_left: None }
+        Reference { xdot, acceleration: [sagittal.a, lateral.a], load, zmp: self.zmp(state), time_left: None }
     }
 
     /// E_1, E_2 of the plan by (33) [m²/s²].

@@ -120,7 +120,7 @@ impl Model {
     ///
     /// With both feet down the loads alone balance the robot sideways; ankles that rolled as if each foot stood alone
     /// would press the feet apart up to the limit of friction. So the swing foot's ankle does not roll, and the stance
-    /// foot's carries only what the loads leave over, M g (x_2 − (1 − load) W_2).
+    /// foot's carries only what the loads leave over, M g (x_zmp − (1 − load) W_2).
     fn feed_forward(&self, state: &State, task: &Task, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();
@@ -137,8 +137,8 @@ impl Model {
         // Seen from the other foot, axis 2 points the other way.
         let other = self.chain.task(&mirror(&state.in_support_order(&state.encoder.angle)));
         let mut shared = plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2));
-        let unbalanced = 1.0 - (1.0 - plan.load) * self.chain.leg_width() / task.x[1];
-        shared[0] = unbalanced * stance[0];
+        let off_balance = plan.zmp - (1.0 - plan.load) * self.chain.leg_width();
+        shared[0] = -self.chain.total_mass * self.gravity * off_balance;
         shared[JOINTS - 1] = 0.0;
         shared
     }

@@ -31,10 +31,10 @@ impl Record {
     /// Notes how a contact problem was solved.
     pub fn note(&mut self, report: &Report) {
         let worst = &mut self.worst;
-        worst.natural_map = worst.natural_map.max(report.natural_map);
-        worst.signorini = worst.signorini.max(report.signorini);
-        worst.slip_misalignment = worst.slip_misalignment.max(report.slip_misalignment);
-        worst.energy_gain = worst.energy_gain.max(report.energy_gain);
+        worst.natural_map = greater(report.natural_map, worst.natural_map);
+        worst.signorini = greater(report.signorini, worst.signorini);
+        worst.slip_misalignment = greater(report.slip_misalignment, worst.slip_misalignment);
+        worst.energy_gain = greater(report.energy_gain, worst.energy_gain);
         worst.pivots = worst.pivots.max(report.pivots);
         self.fallbacks += u64::from(report.fallback);
     }
@@ -82,4 +82,9 @@ impl Record {
         }
         truth
     }
+}
+
+/// The greater of two numbers, or the one that is none: `f64::max` would hide it.
+fn greater(a: f64, b: f64) -> f64 {
+    if b.is_nan() || b >= a { b } else { a }
 }

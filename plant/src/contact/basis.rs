@@ -63,6 +63,9 @@ impl Block {
                 f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
             }
             scaled.velocity(f, v);
+            if law != Law::EnergyQp {
+                scaled.harden(f, v); // the refinement undoes the yielding wherever A allows
+            }
             let size = f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
             let left = self.columns.iter().map(|c| in_contact(&c.read, &v[c.first..]).abs()).fold(0.0, f64::max);
             // What no longer shrinks is in rows that depend on others.

@@ -18,6 +18,13 @@ impl Dictionary {
         self.pivot_row.resize(width, 0.0);
     }
 
+    /// Becomes the same dictionary, in the buffers it has.
+    pub fn copy(&mut self, original: &Dictionary) {
+        (self.rows, self.width) = (original.rows, original.width);
+        self.entry.clone_from(&original.entry);
+        self.pivot_row.clone_from(&original.pivot_row);
+    }
+
     pub fn at(&self, row: usize, column: usize) -> f64 {
         self.entry[row * self.width + column]
     }

@@ -58,7 +58,7 @@ impl Lemke {
     pub fn run(&mut self, care: Care) -> Option<u32> {
         let n = self.dictionary.rows;
         if care.afresh {
-            self.original.clone_from(&self.dictionary);
+            self.original.copy(&self.dictionary);
         }
         self.basic.clear();
         self.basic.extend(0..n);
@@ -87,7 +87,7 @@ impl Lemke {
     /// Makes the dictionary of the present basis from the original one, the largest pivots first.
     fn refresh(&mut self) {
         let n = self.dictionary.rows;
-        self.dictionary.clone_from(&self.original);
+        self.dictionary.copy(&self.original);
         self.entering.clear();
         self.entering.extend(self.basic.iter().filter(|&&variable| variable >= n).map(|variable| variable - n));
         self.leaving.clear();

@@ -107,16 +107,22 @@ impl Scaled {
         }
     }
 
-    /// The problem of one proximal round: A + rho I, b - rho f.
-    pub fn regularise(&mut self, original: &Scaled, rho: f64, f: &[f64]) {
+    /// Becomes the same problem, in the buffers it has.
+    pub fn copy(&mut self, original: &Scaled) {
         (self.contacts, self.tangents, self.size) = (original.contacts, original.tangents, original.size);
+        self.softened = original.softened;
         self.delassus.clone_from(&original.delassus);
-        self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
-        self.drift.clear();
-        self.drift.extend(original.drift.iter().zip(f).map(|(b, f)| b - rho * f));
+        self.drift.clone_from(&original.drift);
         self.root.clone_from(&original.root);
         self.friction.clone_from(&original.friction);
         self.ratio.clone_from(&original.ratio);
+    }
+
+    /// Becomes the problem of one proximal round: A + rho I, b - rho f.
+    pub fn regularise(&mut self, original: &Scaled, rho: f64, f: &[f64]) {
+        self.copy(original);
+        self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
+        self.drift.iter_mut().zip(f).for_each(|(b, f)| *b -= rho * f);
     }
 
     /// Row of A~ that the weights make of the rows of one contact, the first being `first`.

@@ -121,7 +121,9 @@ impl Solver {
         if !self.block.solve(&self.scaled, law, &self.basis, &mut self.f, &mut self.v) {
             return f64::INFINITY;
         }
-        self.scaled.harden(&self.f, &mut self.v);
+        if law == Law::EnergyQp {
+            self.scaled.harden(&self.f, &mut self.v);
+        }
         residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
     }
 
@@ -160,7 +162,6 @@ impl Solver {
         let Solver { scaled, block, basis, f, v, .. } = self;
         let Some(rounds) = active_set::settle(scaled, law, block, basis, f, v) else { return false };
         *pivots += rounds;
-        scaled.harden(f, v);
         residual::natural_map(scaled, f, v, yardstick(law)) <= SOLVED
     }
 
@@ -171,7 +172,7 @@ impl Solver {
     /// and the block has the solution.
     fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
         let stride = self.scaled.stride();
-        self.proximal.clone_from(&self.scaled);
+        self.proximal.copy(&self.scaled);
         for round in 0..SHIFTS {
             let Solver { proximal, energy_qp, block, f, v, basis, rays, .. } = self;
             if round > 0 {
