@@ -69,7 +69,7 @@ impl Block {
             let size = f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
             let left = self.columns.iter().map(|c| in_contact(&c.read, &v[c.first..]).abs()).fold(0.0, f64::max);
             // What no longer shrinks is in rows that depend on others.
-            if left <= 16.0 * f64::EPSILON * size || left > 0.1 * before {
+            if left <= 4.0 * f64::EPSILON * size || left > 0.1 * before {
                 break;
             }
             before = left;
