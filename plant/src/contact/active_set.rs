@@ -20,9 +20,9 @@ use super::scaled::Scaled;
 use messages::scene::Law;
 
 /// Rounds in which all contradicted guesses change at once; then one at a time, so that they cannot swap for ever.
-const BOLD: usize = 6;
+const BOLD: usize = 4;
 /// Rounds at most.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 8;
 /// Contradictions smaller than this, relative to the step's scale, are rounding.
 const ROUNDING: f64 = 1e-13;
 

@@ -39,7 +39,7 @@ pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
 
 impl EnergyQp {
     /// Solves; writes impulse, velocity and basis, one bit per basic ray. Returns the number of pivots, or `None` beyond
-    /// 20 per ray. Starts from nothing, or, when asked `again` with the last basis, from the last solution.
+    /// 20 per ray. Starts from the given basis, when asked `again` also from the last solution.
     pub fn pivot(
         &mut self,
         scaled: &Scaled,
@@ -52,7 +52,6 @@ impl EnergyQp {
         let d = scaled.facets();
         let rays = scaled.contacts * d;
         if self.amount.len() != rays || !again {
-            basis.fill(0);
             self.amount.clear();
             self.amount.resize(rays, 0.0);
         }

@@ -11,6 +11,8 @@ use messages::scene::Law;
 
 /// A residual up to this is solved: about what rounding leaves at a mass ratio of 1e6.
 const SOLVED: f64 = 4e-11;
+/// Contacts of one foot: so few settle even from a poor guess.
+const FEW: usize = 4;
 /// Rounds of the shifted energy program.
 const SHIFTS: usize = 3000;
 /// The fallback's rounds: regularisation rho, and what counts as zero. First the problem itself with other tolerances.
@@ -84,7 +86,7 @@ impl Solver {
         let found = match law {
             Law::EnergyQp => self.minimise(law, pivots),
             Law::Complementarity => self.pivot(law, QUICK, pivots),
-            Law::Aligned => self.settle(law, pivots),
+            Law::Aligned => !self.on_rays() && self.settle(law, pivots),
         };
         found || self.with_yield(law, pivots) || (law == Law::Aligned && self.pivot(law, QUICK, pivots))
     }
@@ -95,7 +97,9 @@ impl Solver {
         let found = match law {
             Law::EnergyQp => self.minimise(law, pivots),
             Law::Complementarity | Law::Aligned => {
-                self.settle(law, pivots) || self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots)
+                let few = self.scaled.contacts <= FEW;
+                let settled = (few || !self.on_rays()) && self.settle(law, pivots);
+                settled || self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots)
             }
         };
         if !found {
@@ -144,6 +148,7 @@ impl Solver {
 
     /// Principal pivoting on the energy program.
     fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
+        self.basis.fill(0);
         let Solver { scaled, energy_qp, block, basis, f, v, .. } = self;
         let Some(count) = energy_qp.pivot(scaled, block, basis, f, v, false) else { return false };
         *pivots += count;
@@ -155,6 +160,11 @@ impl Solver {
         let Some(count) = self.facets.pivot(&self.scaled, care, &mut self.basis) else { return false };
         *pivots += count;
         self.holds(law)
+    }
+
+    /// Whether the basis comes from the energy program, where [`Solver::slide`] goes on from it.
+    fn on_rays(&self) -> bool {
+        self.basis.iter().any(|bits| bits & active_set::RAYS != 0)
     }
 
     /// Corrects the present basis contact by contact.
@@ -173,6 +183,9 @@ impl Solver {
     fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
         let stride = self.scaled.stride();
         self.proximal.copy(&self.scaled);
+        for bits in &mut self.basis {
+            *bits = if *bits & active_set::RAYS == 0 { 0 } else { *bits ^ active_set::RAYS };
+        }
         for round in 0..SHIFTS {
             let Solver { proximal, energy_qp, block, f, v, basis, rays, .. } = self;
             if round > 0 {
