@@ -1,4 +1,4 @@
-//! The solver: the remembered basis, then pivoting, then a regularised problem; each judged by its residual alone.
+//! The solver: from the cheapest way to a complementary basis to the surest, each judged by its residual alone.
 
 use super::basis::Block;
 use super::energy_qp::EnergyQp;
@@ -9,7 +9,7 @@ use super::scaled::{self, Scaled};
 use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
 
-/// A residual up to this is solved: about what rounding leaves at a mass ratio of 1e6.
+/// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
 const SOLVED: f64 = 4e-11;
 /// Contacts of one foot: so few settle even from a poor guess.
 const FEW: usize = 4;
@@ -31,7 +31,8 @@ const ROUNDS: [(f64, f64); 12] = [
     (1e-8, 1e-9),
 ];
 
-/// Solver of contact problems: workspace and last solution. It may be dropped between steps without changing results.
+/// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
+/// changing results.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
     /// Contact impulse f [N·s].
@@ -55,10 +56,17 @@ pub struct Solver {
 impl Solver {
     /// Solves the problem under the law and writes [`Solver::impulse`] and [`Solver::velocity`].
     ///
-    /// First the basis in `memory` is tried, then pivoting from the start, then, flagged, a regularised problem. Nothing
-    /// is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the same
-    /// warm or cold; f may differ by what A does not see. (The energy minimum always has one. Coulomb's law has several in
-    /// jammed arrangements at high friction; then either is valid.)
+    /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
+    ///
+    /// 1. the basis in `memory`, as it is;
+    /// 2. the law's own method: principal pivoting, Lemke's, or the last basis corrected contact by contact;
+    /// 3. for Coulomb's law, with contacts that yield by rounding (`scaled::YIELD`): corrected once more, by the shifted
+    ///    energy program, or by Lemke's method with a dictionary made afresh at each pivot;
+    /// 4. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
+    ///
+    /// Nothing is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the
+    /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
+    /// Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
         self.scaled.set(problem, law);
         self.least = f64::INFINITY;
@@ -225,9 +233,9 @@ impl Solver {
         }
     }
 
-    /// Proximal rounds: f' solves the problem with A + rho I and b - rho f, which is nowhere
-    /// singular and has the same fixed point. Each basis is first tried on the true problem. Keeps the impulse with the
-    /// least residual; returns the pivots.
+    /// Proximal rounds: f' solves the problem with A + rho I and b - rho f, which is nowhere singular and has the same
+    /// fixed point. Each basis is first tried on the true problem. Ends with the impulse whose residual is the least of
+    /// all; returns the pivots.
     fn fall_back(&mut self, law: Law) -> u32 {
         let mut pivots = 0;
         self.f.clear();
