@@ -10,6 +10,7 @@
 //! controller is refused. Whoever comes first makes the topics, with the [`Contract`] as attributes, and whoever brings
 //! another contract is refused with both values.
 
+use crate::clock::now_ns;
 use crate::scene::Scene;
 use crate::session::{Membership, Session};
 use crate::wire::{Command, FNV_START, SCHEMA_HASH, Sensors, Stamped, Truth, fnv1a};
@@ -41,6 +42,8 @@ const TRUTH_BUFFER: usize = 4096;
 const RECORDER_PATIENCE: Duration = Duration::from_secs(3);
 /// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
 const SPIN: Duration = Duration::from_micros(50);
+/// For so long after its own last message a reader is surely still spinning [ns].
+const AWAKE_NS: u64 = SPIN.as_nanos() as u64 / 2;
 /// A sleeping reader looks around this often, so that a stop request or a restarted peer is noticed.
 const SLICE: Duration = Duration::from_millis(10);
 /// Time to keep trying while another process is just making or removing the same topic.
@@ -171,7 +174,7 @@ impl PlantPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.send(sensors)
+        self.sensors.send(sensors, self.command.heard_ns)
     }
 
     /// Seals and sends truth to whoever records.
@@ -239,7 +242,7 @@ impl ControllerPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn send(&self, command: Command) -> Result<(), PortError> {
-        self.command.send(command)
+        self.command.send(command, self.sensors.heard_ns)
     }
 
     /// Waits a little for sensors, as [`PlantPort::wait`].
@@ -431,9 +434,13 @@ impl<M: Stamped> Outlet<M> {
         Ok(Outlet { writer, bell })
     }
 
-    fn send(&self, message: M) -> Result<(), PortError> {
+    /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
+    /// this one since. A ring is a system call and costs more than a tick.
+    fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
         self.writer.send_copy(message.sealed()).map_err(|e| broken("writing", e))?;
-        self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+        if now_ns().saturating_sub(heard_ns) >= AWAKE_NS {
+            self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+        }
         Ok(())
     }
 
@@ -451,20 +458,25 @@ struct Inlet<M: Stamped> {
     reader: Reader<M>,
     bell: Listener<ipc::Service>,
     unsound: u64,
+    /// When the writer sent what was read last, by its monotonic clock, which is ours [ns].
+    heard_ns: u64,
 }
 
 impl<M: Stamped> Inlet<M> {
     fn open(place: &Place, name: &str) -> Result<Inlet<M>, PortError> {
         let reader = Reader::open(&place.link::<M>(name)?, 1)?;
         let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Inlet { reader, bell, unsound: 0 })
+        Ok(Inlet { reader, bell, unsound: 0, heard_ns: 0 })
     }
 
     fn newest(&mut self) -> Result<Option<M>, PortError> {
         let mut newest = None;
         while let Some(message) = self.reader.next()? {
             match message.is_sound() {
-                true => newest = Some(message),
+                true => {
+                    self.heard_ns = message.stamp().mono_ns;
+                    newest = Some(message);
+                }
                 false => self.unsound += 1,
             }
         }
