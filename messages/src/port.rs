@@ -487,8 +487,8 @@ impl<M: Stamped> Inlet<M> {
     fn wait(&mut self) -> Result<Option<M>, PortError> {
         let start = Instant::now();
         loop {
+            let waited = start.elapsed(); // before the look: what comes after it is rung for, once we may sleep
             let message = self.newest()?;
-            let waited = start.elapsed();
             if message.is_some() || waited >= SLICE {
                 return Ok(message);
             }

@@ -13,7 +13,7 @@
 //!   subtracted. The moment of f_EXT is missing there; here it is included, or K would lack the feet's lever arms.
 //! - (11) subtracts D_i qd_i, which in (1) would be a damping that drives. Here it is added, and so is J_r qdd_i.
 //!
-//! Each of these is shown in tests/dynamics.rs against data of other engines.
+//! Each of these is shown in tests/dynamics/errata.rs against data of other engines.
 
 use crate::kinematics::Pose;
 use crate::model::{Model, Motion};
