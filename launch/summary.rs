@@ -39,7 +39,7 @@ pub struct Summary {
     pub peak_power_w: [f64; 8],
     /// Greatest tilt of the foot that carries more [deg].
     pub foot_tilt_max_deg: f64,
-    /// Least distance of the zero-moment point inside the sole's edge while one foot carries everything [m].
+    /// Least distance of the zero-moment point inside the sole's edge while one foot has carried everything for 40 ms [m].
     pub zmp_margin_m: f64,
     /// Greatest Signorini residual, relative to the step's scale.
     pub signorini_max: f64,

@@ -4,6 +4,9 @@ use super::robot::Robot;
 use super::sample::Sample;
 use messages::wire::{JOINTS, Truth};
 
+/// Time in which a landing foot comes to rest on its whole sole [s].
+const LANDED: f64 = 0.04;
+
 /// Extremes so far. A NaN among the inputs makes the extreme NaN: a broken residual is never hidden.
 pub struct Extremes {
     /// Time of the fall [s].
@@ -14,8 +17,11 @@ pub struct Extremes {
     pub power: [f64; JOINTS],
     /// Greatest tilt of the foot that carries more [rad].
     pub foot_tilt: f64,
-    /// Least distance of the zero-moment point inside the edge of the only foot that carries [m].
+    /// Least distance of the zero-moment point inside the edge of the only foot that carries, from [`LANDED`] after it
+    /// began to carry alone: a sole that has just come down may still stand on one edge [m].
     pub zmp_margin: f64,
+    /// When the foot that carries now began to do so alone [s].
+    alone_since: Option<f64>,
     /// Greatest Signorini residual, relative to each step's scale.
     pub signorini: f64,
     /// Greatest natural-map residual, likewise.
@@ -51,6 +57,7 @@ impl Default for Extremes {
             power: [0.0; JOINTS],
             foot_tilt: f64::NEG_INFINITY,
             zmp_margin: f64::INFINITY,
+            alone_since: None,
             signorini: 0.0,
             natural_map: 0.0,
             energy_gain: f64::NEG_INFINITY,
@@ -81,8 +88,14 @@ impl Extremes {
         if let Some((foot, soles)) = sample.loaded_foot().zip(sample.soles) {
             raise(&mut self.foot_tilt, soles[foot].tilt);
         }
-        if let Some(sole) = sample.single_support() {
-            self.zmp_margin = self.zmp_margin.min(sole.zmp_margin);
+        match sample.single_support() {
+            Some(sole) => {
+                let since = *self.alone_since.get_or_insert(sample.time);
+                if sample.time - since >= LANDED {
+                    self.zmp_margin = self.zmp_margin.min(sole.zmp_margin);
+                }
+            }
+            None => self.alone_since = None,
         }
         self.touched |= sample.load > 0.0;
         if self.touched {
