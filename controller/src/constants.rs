@@ -5,10 +5,10 @@
 
 use crate::error::ControllerError;
 use crate::rate;
-use crate::support::{Chain, Joints, TaskVector};
+use crate::support::{Chain, Joints, Posture, TaskVector};
 use messages::scene::{ControllerScene, PlantScene};
 use messages::wire::JOINTS;
-use nalgebra::{SMatrix, Vector3};
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 /// Constants of one robot at one height of its centre of gravity.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ impl Constants {
 }
 
 /// Angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not get there.
-pub fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
+fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
     let mut s = *guess;
     for _ in 0..50 {
         let task = chain.task(&s);
@@ -67,7 +67,7 @@ pub fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joi
         if miss.amax() < 1e-12 && task.swing_pitch.abs() < 1e-9 {
             return Some(s);
         }
-        s += rate::resolve(&task.jacobian, &miss, &rate::bias(task.swing_pitch / 40.0))?;
+        s += rate::resolve(&task.jacobian, &miss, &rate::bias(task.swing_pitch / rate::LEVEL_GAIN))?;
     }
     None
 }
@@ -83,8 +83,8 @@ fn zmp_shift(chain: &Chain, s: &Joints, k: usize, weight: f64) -> [f64; 2] {
     let at = chain.place(s);
     let mut moment = Vector3::zeros();
     for i in 0..=JOINTS {
-        let (linear, angular) = link_motion(chain, s, i);
-        let tensor = at.rotation[i] * nalgebra::Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose();
+        let (linear, angular) = link_motion(&at, i);
+        let tensor = link_tensor(chain, &at, i);
         moment += at.com[i].cross(&(chain.mass[i] * linear * qddot)) + tensor * (angular * qddot);
     }
     [-moment.y / weight, -moment.x / weight] // axis 2 points to negative y
@@ -93,8 +93,7 @@ fn zmp_shift(chain: &Chain, s: &Joints, k: usize, weight: f64) -> [f64; 2] {
 type LinkJacobian = SMatrix<f64, 3, JOINTS>;
 
 /// Jacobians of link `i`'s centre of mass and of its rotation.
-fn link_motion(chain: &Chain, s: &Joints, i: usize) -> (LinkJacobian, LinkJacobian) {
-    let at = chain.place(s);
+fn link_motion(at: &Posture, i: usize) -> (LinkJacobian, LinkJacobian) {
     let (mut linear, mut angular) = (LinkJacobian::zeros(), LinkJacobian::zeros());
     for j in 0..i {
         linear.set_column(j, &at.axis[j].cross(&(at.com[i] - at.joint[j])));
@@ -103,13 +102,18 @@ fn link_motion(chain: &Chain, s: &Joints, i: usize) -> (LinkJacobian, LinkJacobi
     (linear, angular)
 }
 
+/// Inertia of link `i` about its centre of mass, in the axes of S [kg·m²].
+fn link_tensor(chain: &Chain, at: &Posture, i: usize) -> Matrix3<f64> {
+    at.rotation[i] * Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose()
+}
+
 /// J_n = 2/((M + J_r 1)⁻¹)_ii, M being the inertia matrix of the joints with the supporting foot held.
 fn nominal_inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> Joints {
     let at = chain.place(s);
     let mut inertia = SMatrix::<f64, JOINTS, JOINTS>::identity() * drive_inertia;
     for i in 0..=JOINTS {
-        let (linear, angular) = link_motion(chain, s, i);
-        let tensor = at.rotation[i] * nalgebra::Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose();
+        let (linear, angular) = link_motion(&at, i);
+        let tensor = link_tensor(chain, &at, i);
         inertia += chain.mass[i] * linear.tr_mul(&linear) + angular.tr_mul(&(tensor * angular));
     }
     match inertia.cholesky() {

@@ -17,7 +17,7 @@ use nalgebra::SMatrix;
 /// Weight w of the level swing foot [-].
 const LEVEL_WEIGHT: f64 = 100.0;
 /// Rate k at which its pitch decays [1/s].
-const LEVEL_GAIN: f64 = 40.0;
+pub(crate) const LEVEL_GAIN: f64 = 40.0;
 
 /// s: the joints whose angles add up to the swing foot's pitch.
 fn pitch_sum() -> Joints {

@@ -1,6 +1,6 @@
 //! The tick: from encoder counts to joint torques, top to bottom of the paper's section 3.
 
-use crate::constants::{Constants, posture};
+use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Phase, Reference};
@@ -99,11 +99,6 @@ impl Controller {
     /// What the controller thought in the last tick.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
-    }
-
-    /// The robot's constants in this scene: ω, J_n and so on.
-    pub fn constants(&self) -> &Constants {
-        &self.model.constants
     }
 }
 
@@ -219,21 +214,4 @@ const SWING_SHARE: [f64; 2] = [0.46, 0.31];
 /// The bent-kneed posture from which the search for others starts [rad, support order].
 fn crouch() -> Joints {
     Joints::from([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])
-}
-
-/// Joint angles with the centre of gravity midway between the feet at the scene's height, trunk upright [rad, wire
-/// order]: a posture to start from.
-///
-/// # Errors
-/// As [`Controller::new`].
-pub fn standing_posture(scene: &Scene) -> Result<Joints, ControllerError> {
-    let settings = scene.controller.as_ref().ok_or(ControllerError::NoController)?;
-    let chain = Chain::new(&scene.bodies)?;
-    let width = chain.leg_width();
-    let target = [0.0, 0.5 * width, settings.com_height, 0.0, width, 0.0, 0.0].into();
-    posture(&chain, &target, &crouch()).ok_or(ControllerError::Height {
-        height: settings.com_height,
-        low: 0.0,
-        high: chain.task(&Joints::zeros()).x[2],
-    })
 }

@@ -5,7 +5,7 @@
 //! ```
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Report, Solver, tangents};
+use crate::contact::{Memory, Problem, Solver, tangents};
 use crate::delassus::ContactMap;
 use crate::detect::{Touch, touching};
 use crate::drive::Drives;
@@ -69,7 +69,6 @@ struct Workspace {
     map: ContactMap,
     problem: Problem,
     solver: Solver,
-    report: Option<Report>,
 }
 
 impl Plant {
@@ -169,12 +168,11 @@ impl Plant {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     fn solve_contacts(&mut self) {
-        let Workspace { pose, factor, free, effort, touches, map, problem, solver, report, .. } = &mut self.work;
-        *report = None;
+        let Workspace { pose, factor, free, effort, touches, map, problem, solver, .. } = &mut self.work;
         if !touches.is_empty() {
-            let solved = solver.solve(problem, self.settings.law, &mut self.memory);
-            debug_assert!(solved.energy_gain < 1e-9, "plastic contact raised the energy: {solved:?}");
-            self.record.note(report.insert(solved));
+            let report = solver.solve(problem, self.settings.law, &mut self.memory);
+            debug_assert!(report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
+            self.record.note(&report);
             effort.fill(0.0);
             map.push(&self.model, pose, touches, &solver.impulse, effort);
             factor.solve(&self.model, effort);
@@ -213,16 +211,6 @@ impl Plant {
     /// Simulated time [ns].
     pub fn time_ns(&self) -> u64 {
         (self.steps as f64 * self.settings.h * 1e9).round() as u64
-    }
-
-    /// The contact problem of the last step, to study laws on.
-    pub fn contact_problem(&self) -> &Problem {
-        &self.work.problem
-    }
-
-    /// How it was solved; `None` if nothing touched.
-    pub fn contact_report(&self) -> Option<&Report> {
-        self.work.report.as_ref()
     }
 
     /// The robot as the dynamics see it.
@@ -272,7 +260,6 @@ impl Workspace {
             map: ContactMap::new(model),
             problem: Problem::default(),
             solver: Solver::default(),
-            report: None,
         }
     }
 }

@@ -13,9 +13,10 @@
 //! | slides between two | one of them pulls | slides against the other |
 //!
 //! This is Newton's method on the natural map, whose pieces are linear. It ends after two or three rounds where a step
-//! resembles the last, and has no proof that it ends at all; [`super::lemke`] has, and comes next.
+//! resembles the last, and has no proof that it ends at all; [`super::lemke`] has, and stands behind it.
 
 use super::basis::Block;
+use super::residual;
 use super::scaled::Scaled;
 use messages::scene::Law;
 
@@ -25,6 +26,8 @@ const BOLD: usize = 4;
 const ROUNDS: usize = 8;
 /// Contradictions smaller than this, relative to the step's scale, are rounding.
 const ROUNDING: f64 = 1e-13;
+/// At the optimum of the energy program a contact slips if it is faster than this, likewise.
+const SLIPS: f64 = 1e-9;
 
 /// Corrects `basis` until nothing contradicts it; the number of rounds, or `None`. Leaves impulse and velocity in `f`, `v`.
 pub(super) fn settle(
@@ -42,7 +45,7 @@ pub(super) fn settle(
         if block.is_dependent() {
             return None; // contacts that yield share the load; rigid ones would take it in the order of their rows
         }
-        let least = ROUNDING * f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+        let least = ROUNDING * residual::scale(scaled, f);
         let mut changed = false;
         for (i, bits) in basis.iter_mut().enumerate() {
             let better = Guess::read(*bits, scaled.facets()).corrected(scaled, i, f, v, least).write(scaled.facets());
@@ -67,7 +70,7 @@ pub(super) const RAYS: u8 = 0x80;
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.
 pub(super) fn slide(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) {
     let (d, stride) = (scaled.facets(), scaled.stride());
-    let least = 1e-9 * f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+    let least = SLIPS * residual::scale(scaled, f);
     for (i, bits) in basis.iter_mut().enumerate() {
         let slips = (1..stride).any(|k| v[i * stride + k].abs() > least);
         if slips {

@@ -10,7 +10,7 @@
 //! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
 //! | energy QP | its basic rays | the same |
 
-use super::{active_set::RAYS, energy_qp::ray, scaled::Scaled};
+use super::{active_set::RAYS, energy_qp::ray, residual, scaled::Scaled};
 use messages::scene::Law;
 
 /// Refinements at most.
@@ -66,7 +66,7 @@ impl Block {
             if law != Law::EnergyQp {
                 scaled.harden(f, v); // the refinement undoes the yielding wherever A allows
             }
-            let size = f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+            let size = residual::scale(scaled, f);
             let left = self.columns.iter().map(|c| in_contact(&c.read, &v[c.first..]).abs()).fold(0.0, f64::max);
             // What no longer shrinks is in rows that depend on others.
             if left <= 4.0 * f64::EPSILON * size || left > 0.1 * before {

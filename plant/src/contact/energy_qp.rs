@@ -12,6 +12,7 @@
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS.
 
 use super::basis::{Block, in_contact};
+use super::residual;
 use super::scaled::Scaled;
 use messages::scene::Law;
 
@@ -79,7 +80,7 @@ impl EnergyQp {
     /// The ray outside the basis along which the energy falls most.
     fn most_negative(&self, scaled: &Scaled, basis: &[u8], f: &[f64], v: &[f64]) -> Option<usize> {
         let (d, stride) = (scaled.facets(), scaled.stride());
-        let least = ROUNDING * f.iter().fold(scaled.size, |size, f| size.max(f.abs()));
+        let least = ROUNDING * residual::scale(scaled, f);
         (0..self.amount.len())
             .filter(|&r| basis[r / d] >> (r % d) & 1 == 0 && !self.barred[r])
             .map(|r| {

@@ -38,7 +38,7 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
             x[k] = f[k] - v[k];
         }
         if yardstick == Yardstick::Coulomb {
-            x[0] -= (1..stride).fold(0.0, |slip: f64, k| slip.max(half[k - 1] * v[k].abs()));
+            x[0] -= slip(scaled, i, v);
         }
         let nearest = project(x, half);
         for k in 0..stride {

@@ -211,10 +211,11 @@ impl Solver {
             }
             basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
             self.scaled.harden(f, v);
-            if residual::natural_map(&self.scaled, f, v, yardstick(law)) <= SOLVED {
+            let error = residual::natural_map(&self.scaled, f, v, yardstick(law));
+            if error <= SOLVED {
                 return true;
             }
-            self.note(law);
+            self.note(error);
             let Solver { f, v, basis, .. } = self;
             active_set::slide(&self.scaled, f, v, basis);
             if self.holds(law) || round == 0 && self.settle(law, pivots) {
@@ -225,8 +226,7 @@ impl Solver {
     }
 
     /// Remembers the impulse if its residual is the least so far.
-    fn note(&mut self, law: Law) {
-        let error = residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
+    fn note(&mut self, error: f64) {
         if error < self.least {
             self.least = error;
             self.best.clone_from(&self.f);
@@ -260,7 +260,7 @@ impl Solver {
                 let problem = if exact { &self.scaled } else { &self.proximal };
                 if self.block.solve(problem, law, &self.basis, &mut self.f, &mut self.v) {
                     self.scaled.velocity(&self.f, &mut self.v);
-                    self.note(law);
+                    self.note(residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law)));
                 }
                 if self.least <= SOLVED {
                     self.f.clone_from(&self.best);
