@@ -1,0 +1,148 @@
+#!/usr/bin/env python3
+"""Runs other engines on the ten comparison scenes and writes what they err by and what they cost.
+
+    python3 run.py --out FILE [--quick] [--engines mujoco drake] [--venv FOLDER]
+
+Engines are installed by name, with the versions below, into a virtual environment of their own. One that does not
+install, or crashes, is named with its reason and left out; the others go on.
+"""
+
+import argparse
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+PACKAGES = {
+    "mujoco": ["mujoco-core==4.0.0"],
+}
+COLUMNS = ["view", "scene", "engine", "method", "dt", "metric", "error", "cpu_s_per_sim_s", "us_per_step"]
+NUMPY = "numpy==2.4.6"
+CRASHES = 5  # an engine that crashed this often is left alone
+
+
+def main():
+    """Installs, measures, writes, prints a table."""
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+    arguments.add_argument("--out", type=Path, required=True, help="CSV to write")
+    arguments.add_argument("--quick", action="store_true", help="mujoco only, 3 scenes, 2 step lengths")
+    arguments.add_argument("--engines", nargs="+", choices=PACKAGES, default=list(PACKAGES), help="default: all")
+    arguments.add_argument("--venv", type=Path, default=cache / "biped-peers", help="default: %(default)s")
+    arguments = arguments.parse_args()
+    engines = ["mujoco"] if arguments.quick else arguments.engines
+    python = environment(arguments.venv)
+    engines = [engine for engine in engines if python and installed(python, engine)]
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
+        parts = list(pool.map(lambda engine: run(python, engine, Path(folder), arguments.quick), engines))
+        rows = [row for part in parts if part.exists() for row in csv.reader(part.open())]
+    if not rows:
+        sys.exit("no engine could be measured")
+    arguments.out.parent.mkdir(parents=True, exist_ok=True)
+    with arguments.out.open("w", newline="") as file:
+        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
+    print_tables(rows)
+    print(f"{len(rows)} rows in {arguments.out}")
+
+
+def environment(folder):
+    """Interpreter of the virtual environment, made if need be; None if that cannot be."""
+    python = folder / "bin" / "python"
+    if not python.exists():
+        say(f"making a virtual environment in {folder}")
+        made = subprocess.run([sys.executable, "-m", "venv", folder], capture_output=True, text=True)
+        if made.returncode:
+            say(f"no virtual environment: {last_line(made.stdout + made.stderr)}")
+            return None
+    return python
+
+
+def installed(python, engine):
+    """Whether the engine's packages are there, or could be installed."""
+    wanted = [NUMPY, *PACKAGES[engine]]
+    stamp = python.parent.parent / f"{engine}.installed"
+    if stamp.exists() and stamp.read_text() == " ".join(wanted):
+        return True
+    say(f"installing {' '.join(wanted)}")
+    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", *wanted]
+    result = subprocess.run(pip, capture_output=True, text=True)
+    if result.returncode:
+        say(f"{engine} left out, it does not install: {last_line(result.stderr)}")
+        return False
+    stamp.write_text(" ".join(wanted))
+    return True
+
+
+def run(python, engine, folder, quick):
+    """Measures one engine in a process of its own, past crashes; the file of its rows."""
+    part, job, crashes = folder / f"{engine}.csv", -1, 0
+    settings = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PYTHONDONTWRITEBYTECODE")
+    while True:
+        command = [python, "-u", HERE / "measure.py", f"{engine}_scenes", part, "--from", str(job + 1)]
+        complaints = tempfile.TemporaryFile("w+")
+        process = subprocess.Popen(
+            [*command, *(["--quick"] if quick else [])],
+            env=os.environ | dict.fromkeys(settings, "1"),
+            cwd=folder,  # engines leave logs where they run
+            stdout=subprocess.PIPE,
+            stderr=complaints,
+            text=True,
+        )
+        doing, shown = "starting", time.monotonic()
+        for line in process.stdout:
+            if line.startswith("job "):
+                number, doing = line[4:].strip().split(": ", 1)
+                job = int(number)
+                if time.monotonic() - shown < 5:
+                    continue
+                shown, line = time.monotonic(), doing
+            say(f"{engine}: {line.strip()}")
+        code = process.wait()
+        if code == 0:
+            return part
+        complaints.seek(0)
+        say(f"{engine}: crashed (exit {code}) at {doing}; left out: {last_line(complaints.read())}")
+        crashes += 1
+        if job < 0 or crashes == CRASHES:
+            return part
+
+
+def print_tables(rows):
+    """Errors at 1 ms, and time per step."""
+    rows = [dict(zip(COLUMNS, row)) for row in rows]
+    errors = {}
+    for row in rows:
+        if row["view"] == "precision" and float(row["dt"]) == 1e-3:
+            errors.setdefault((row["engine"], row["method"]), {})[row["scene"], row["metric"]] = float(row["error"])
+    columns = list(dict.fromkeys(key for line in errors.values() for key in line))
+    print(f"\n{'errors at 1 ms':32}" + "".join(f"{scene:>10}" for scene, _ in columns))
+    print(" " * 32 + "".join(f"{metric[:9]:>10}" for _, metric in columns))
+    for (engine, method), line in errors.items():
+        print(f"{engine + ' ' + method:32}" + "".join(f"{line.get(key, float('nan')):10.1e}" for key in columns))
+    times = {}
+    for row in rows:
+        if row["view"] == "step":
+            times.setdefault((row["engine"], row["method"]), {})[row["scene"]] = float(row["us_per_step"])
+    print(f"\n{'us per step at 1 ms':32}{'free':>10}{'slide':>10}{'stand0':>10}")
+    for (engine, method), line in times.items():
+        cells = (line.get(scene, float("nan")) for scene in ("free", "slide", "stand0"))
+        print(f"{engine + ' ' + method:32}" + "".join(f"{us:10.2f}" for us in cells))
+
+
+def last_line(text):
+    """The line of a log that says most."""
+    return next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "no reason given")
+
+
+def say(text):
+    """Progress, at once."""
+    print(text, flush=True)
+
+
+if __name__ == "__main__":
+    main()
