@@ -6,13 +6,15 @@ use messages::load::{self, BuiltIn};
 use serde_json::Value;
 
 /// The scenes that come with the program.
-pub const SCENES: [BuiltIn; 6] = [
+pub const SCENES: [BuiltIn; 8] = [
     ("walk", include_str!("scenes/walk.toml")),
     ("stamp", include_str!("scenes/stamp.toml")),
     ("walk-literal", include_str!("scenes/walk-literal.toml")),
     ("stand", include_str!("scenes/stand.toml")),
     ("drop", include_str!("scenes/drop.toml")),
     ("slide", include_str!("scenes/slide.toml")),
+    ("roll", include_str!("scenes/roll.toml")),
+    ("zeno", include_str!("scenes/zeno.toml")),
 ];
 
 /// Prints name and description of every built-in scene.

@@ -55,15 +55,7 @@ fn the_paper_s_conditions_keep_a_slider_down_and_stop_it_where_coulomb_does() {
 
 /// A point mass: no rotation blurs what the law does.
 fn point(law: Law, velocity: [f64; 3]) -> Plant {
-    let body = Body {
-        name: "point".into(),
-        mass: 2.0,
-        size: [0.1; 3],
-        com: [0.0; 3],
-        inertia: None,
-        joint: None,
-        contacts: vec![[0.0; 3]],
-    };
+    let body = Body { name: "point".into(), mass: 2.0, size: [0.1; 3], contacts: vec![[0.0; 3]], ..Body::default() };
     let mut scene = Scene {
         bodies: vec![body],
         initial: Initial { clearance: Some(0.0), velocity, ..Initial::default() },

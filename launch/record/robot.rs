@@ -1,6 +1,6 @@
 //! Where the bodies of a scene are and how they move, from the pose in a [`Truth`].
 
-use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, TRUNK};
+use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::scene::Scene;
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
@@ -9,8 +9,8 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion
 pub struct Robot {
     /// Bodies as in the scene.
     pub bodies: Vec<Body>,
-    /// Contact points in wire order: body and place in its frame [m].
-    pub contacts: Vec<(usize, Point3<f64>)>,
+    /// Contact points and balls in wire order, each with its body.
+    pub contacts: Vec<(usize, Sphere)>,
     /// Left and right foot, if the robot has both.
     pub feet: Option<[Foot; 2]>,
     /// The body that falls: the trunk if one has that name, else the base.
@@ -57,7 +57,7 @@ impl Robot {
         let base = bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
         let or_base = |name: &str| find(name).unwrap_or(base);
         let contacts = (bodies.iter().enumerate())
-            .flat_map(|(i, body)| body.contacts.iter().map(move |&point| (i, point.into())))
+            .flat_map(|(i, body)| body.touchable().map(move |ball| (i, ball)))
             .take(CONTACTS)
             .collect();
         let mut lumps: Vec<_> = (bodies.iter().enumerate()).map(|(i, body)| (i, body.com.into(), body.mass)).collect();

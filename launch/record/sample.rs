@@ -2,7 +2,7 @@
 
 use super::robot::{Foot, Placed, Robot};
 use messages::wire::{CONTACTS, Truth};
-use nalgebra::{Vector2, Vector3};
+use nalgebra::{Point3, Vector2, Vector3};
 
 /// Everything derived from one sample; world frame W.
 #[derive(Clone, Debug)]
@@ -47,8 +47,8 @@ impl Sample {
     pub fn new(robot: &Robot, truth: &Truth, placed: &[Placed]) -> Self {
         let (com, com_velocity) = robot.com(placed);
         let (mut load, mut moment, mut clearance) = (0.0, Vector2::zeros(), f64::INFINITY);
-        for (&(body, place), force) in robot.contacts.iter().zip(normal_forces(truth)) {
-            let point = placed[body].pose * place;
+        for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
+            let point = placed[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
             load += force;
             moment += force * point.xy().coords;
             clearance = clearance.min(point.z);
@@ -63,7 +63,7 @@ impl Sample {
             zmp,
             load,
             clearance,
-            trunk_height: trunk.map_or(f64::NAN, |(pose, body)| (pose * nalgebra::Point3::from(body.com)).z),
+            trunk_height: trunk.map_or(f64::NAN, |(pose, body)| (pose * Point3::from(body.com)).z),
             trunk_tilt: trunk.map_or(f64::NAN, |(pose, _)| tilt(pose.rotation * Vector3::z())),
         }
     }

@@ -221,6 +221,8 @@ impl Check<'_> {
         let tilt = plant.incline_deg;
         self.require(tilt.abs() < 90.0, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;
         self.not_negative("plant.friction", plant.friction)?;
+        let bounce = plant.restitution;
+        self.require((0.0..=1.0).contains(&bounce), "plant.restitution", bounce, "it must lie between 0 and 1")?;
         self.not_negative("plant.drive_inertia", plant.drive_inertia)?;
         self.not_negative("plant.joint_damping", plant.joint_damping)?;
         self.not_negative("plant.torque_limit", plant.torque_limit)?;
@@ -264,15 +266,24 @@ impl Check<'_> {
                 let length = joint.axis.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let rule = "an axis must be a unit vector";
                 self.require((length - 1.0).abs() < 1e-9, &key("joint.axis"), format!("{:?}", joint.axis), rule)?;
+                self.not_negative(&key("joint.stiffness"), joint.stiffness)?;
+                self.not_negative(&key("joint.damping"), joint.damping)?;
+            }
+            body.spheres.iter().try_for_each(|ball| self.positive(&key("spheres.radius"), ball.radius))?;
+            if let Some(tiles) = body.tiles {
+                self.positive(&key("tiles.pitch"), tiles.pitch)?;
+                let rule = "tiles must be longer than 0 and no longer than their pitch";
+                let fits = tiles.length > 0.0 && tiles.length <= tiles.pitch;
+                self.require(fits, &key("tiles.length"), tiles.length, rule)?;
             }
         }
         self.tree(bodies)?;
         let joints = bodies.iter().filter(|body| body.joint.is_some()).count();
         let rule = format!("the messages carry at most {JOINTS} of them");
         self.require(joints <= JOINTS, "number of joints", joints, rule)?;
-        let contacts = bodies.iter().map(|body| body.contacts.len()).sum::<usize>();
+        let contacts = bodies.iter().map(|body| body.touchable().count()).sum::<usize>();
         let rule = format!("the messages carry at most {CONTACTS} of them");
-        self.require(contacts <= CONTACTS, "number of contact points", contacts, rule)
+        self.require(contacts <= CONTACTS, "number of contact points and balls", contacts, rule)
     }
 
     /// One base, and every body hangs from it.
@@ -299,9 +310,9 @@ impl Check<'_> {
             let rule = format!("it must be empty or have one value for each of the {joints} joints");
             self.require(list.is_empty() || list.len() == joints, key, format!("{list:?}"), rule)?;
         }
-        let contacts = scene.bodies.iter().any(|body| !body.contacts.is_empty());
+        let contacts = scene.bodies.iter().any(|body| body.touchable().next().is_some());
         let clearance = scene.initial.clearance;
-        let rule = "it needs a body with contact points";
+        let rule = "it needs a body with contact points or balls";
         self.require(clearance.is_none() || contacts, "initial.clearance", clearance.unwrap_or(0.0), rule)?;
         self.not_negative("initial.clearance", clearance.unwrap_or(0.0))
     }
@@ -419,6 +430,11 @@ mod tests {
         refused(&["rate=0"], &["rate", "greater than 0"]);
         refused(&["bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&["plant.friction=-0.1"], &["plant.friction", "negative"]);
+        refused(&["plant.restitution=1.1"], &["plant.restitution", "between 0 and 1"]);
+        refused(&["bodies.left foot.joint.stiffness=-1"], &["bodies.left foot.joint.stiffness", "negative"]);
+        refused(&["bodies.left foot.joint.damping=-1"], &["bodies.left foot.joint.damping", "negative"]);
+        refused(&["bodies.trunk.spheres=[{at = [0.0, 0.0, 0.0], radius = 0.0}]"], &["bodies.trunk.spheres.radius"]);
+        refused(&["bodies.trunk.tiles={first = 0.0, pitch = 1.0, length = 2.0}"], &["bodies.trunk.tiles.length"]);
         refused(&["plant.stale_probability=1.5"], &["between 0 and 1"]);
         refused(&["plant.encoder_bits=7"], &["plant.encoder_bits", "8 to 30"]);
         refused(&["plant.payload_body=head"], &["plant.payload_body", "trunk"]);

@@ -7,32 +7,72 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
 /// Motion that a joint allows, along or about its axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum JointKind {
     /// Turns about the axis; angle in rad.
+    #[default]
     Revolute,
     /// Slides along the axis; travel in m.
     Prismatic,
 }
 
 /// The joint between a body and its parent.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
     /// Name of the body that this joint moves against.
     pub parent: String,
     /// Revolute (default) or prismatic.
-    #[serde(default = "revolute")]
+    #[serde(default)]
     pub kind: JointKind,
     /// Axis of motion of this body relative to its parent, in the common frame at zero angles [-].
     pub axis: [f64; 3],
     /// Where the joint sits in the parent's frame; the body's own origin is there at zero travel [m].
     pub at: [f64; 3],
+    /// Stiffness of a spring that pulls to `rest` [N·m/rad or N/m].
+    #[serde(default)]
+    pub stiffness: f64,
+    /// Damping beside the spring, added to `plant.joint_damping` [N·m·s/rad or N·s/m].
+    #[serde(default)]
+    pub damping: f64,
+    /// Travel at which the spring is slack [rad or m].
+    #[serde(default)]
+    pub rest: f64,
+}
+
+/// A ball fixed to a body. It touches the ground with its lowest point, so it rolls.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Sphere {
+    /// Its centre in the body's frame [m].
+    pub at: [f64; 3],
+    /// Its radius [m].
+    pub radius: f64,
+}
+
+/// Ground that is there only in places: tiles across x, between them holes that a swinging foot dips into.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Tiles {
+    /// Middle of one of them, x in W [m].
+    pub first: f64,
+    /// Distance between their middles [m].
+    pub pitch: f64,
+    /// Length of each [m].
+    pub length: f64,
+}
+
+impl Tiles {
+    /// Whether there is ground at x [m].
+    pub fn carry(&self, x: f64) -> bool {
+        let from_middle = x - self.first;
+        (from_middle - self.pitch * (from_middle / self.pitch).round()).abs() <= 0.5 * self.length
+    }
 }
 
 /// One rigid body.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Body {
     /// Unique name.
@@ -53,6 +93,12 @@ pub struct Body {
     /// Points that may touch the ground, in the body's frame [m].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<[f64; 3]>,
+    /// Balls that may touch the ground; each rolls on its lowest point.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub spheres: Vec<Sphere>,
+    /// Where there is ground for this body's points and balls; absent: everywhere.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub tiles: Option<Tiles>,
 }
 
 impl Body {
@@ -61,10 +107,12 @@ impl Body {
         let [a, b, c] = self.size.map(|side| side * side);
         self.inertia.unwrap_or([b + c, a + c, a + b].map(|sum| self.mass * sum / 12.0))
     }
-}
 
-fn revolute() -> JointKind {
-    JointKind::Revolute
+    /// All that may touch the ground, in the order of the messages: the points, as balls of no radius, then the balls.
+    pub fn touchable(&self) -> impl Iterator<Item = Sphere> + '_ {
+        let points = self.contacts.iter().map(|&at| Sphere { at, radius: 0.0 });
+        points.chain(self.spheres.iter().copied())
+    }
 }
 
 /// Name of the left foot in [`table_1`].
@@ -94,15 +142,7 @@ pub fn table_1() -> Vec<Body> {
         ankle("left ankle", "left shank", pitch_back),
         bone("left shank", "left thigh", pitch_back, [0.0, 0.0, -0.2]),
         bone("left thigh", TRUNK, pitch_back, [0.0, 0.05, -0.15]),
-        Body {
-            name: TRUNK.into(),
-            mass: 3.0,
-            size: [0.1, 0.1, 0.3],
-            com: [0.0; 3],
-            inertia: None,
-            joint: None,
-            contacts: vec![],
-        },
+        Body { name: TRUNK.into(), mass: 3.0, size: [0.1, 0.1, 0.3], ..Body::default() },
         bone("right thigh", TRUNK, pitch, [0.0, -0.05, -0.15]),
         bone("right shank", "right thigh", pitch, [0.0, 0.0, -0.2]),
         ankle("right ankle", "right shank", pitch),
@@ -111,8 +151,8 @@ pub fn table_1() -> Vec<Body> {
 }
 
 fn link(name: &str, mass: f64, size: [f64; 3], com: [f64; 3], parent: &str, axis: [f64; 3], at: [f64; 3]) -> Body {
-    let joint = Joint { parent: parent.into(), kind: JointKind::Revolute, axis, at };
-    Body { name: name.into(), mass, size, com, inertia: None, joint: Some(joint), contacts: vec![] }
+    let joint = Joint { parent: parent.into(), axis, at, ..Joint::default() };
+    Body { name: name.into(), mass, size, com, joint: Some(joint), ..Body::default() }
 }
 
 /// Corners of a sole: front left, front right, back left, back right, in the foot's frame [m].

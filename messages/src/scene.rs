@@ -45,6 +45,8 @@ pub struct PlantScene {
     pub incline_deg: f64,
     /// Coulomb friction coefficient of the ground [-].
     pub friction: f64,
+    /// Newton's coefficient of restitution: what lands at v_N leaves with at least -e v_N; 0: contact is plastic [-].
+    pub restitution: f64,
     /// Drive inertia reflected at each joint, J_r [kg·m²].
     pub drive_inertia: f64,
     /// Viscous damping of each joint, D [N·m·s/rad].
@@ -240,6 +242,7 @@ impl Default for PlantScene {
             gravity: 9.81,
             incline_deg: 0.0,
             friction: 0.7,
+            restitution: 0.0,
             drive_inertia: 0.1,
             joint_damping: 0.0,
             torque_limit: 40.0,

@@ -49,7 +49,8 @@ pub struct Problem {
     pub drift: Vec<f64>,
     /// Coulomb friction coefficient of each contact [-].
     pub friction: Vec<f64>,
-    /// Speed at which each contact would close its gap within the step, max(gap, 0)/h [m/s].
+    /// Speed at which each contact would close its gap within the step, max(gap, 0)/h; if it bounces, e v_N of the
+    /// velocity before, which is negative [m/s].
     pub approach: Vec<f64>,
 }
 
@@ -88,9 +89,10 @@ pub fn tangents(law: Law) -> usize {
 ///
 /// The paper's conditions speak of velocity alone, so a contact with a gap is stopped above the ground. `Aligned` lets it
 /// close its gap and no more: `0 <= f_N _|_ v_N + gap/h >= 0` lands exactly on the ground. At rest both are the same.
+/// Where restitution throws a contact back, it is negative under every law.
 fn lift(problem: &Problem, law: Law, i: usize) -> f64 {
     match law {
-        Law::EnergyQp | Law::Complementarity => 0.0,
+        Law::EnergyQp | Law::Complementarity => problem.approach[i].min(0.0),
         Law::Aligned => problem.approach[i],
     }
 }

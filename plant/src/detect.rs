@@ -28,13 +28,13 @@ const SURPRISE: f64 = 0.5;
 pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, touches: &mut Vec<Touch>) {
     touches.clear();
     for (id, corner) in model.corners.iter().enumerate() {
-        let arm = pose.arm(corner.link, &corner.at);
+        let arm = pose.lowest(corner);
         let gap = pose.reference.z + arm.z;
         let reach = match law {
             Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
             Law::Aligned => h * (SURPRISE + 2.0 * pose.links[corner.link].velocity.at(&arm).norm()),
         };
-        if gap <= reach {
+        if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
             touches.push(Touch { id, link: corner.link, arm, gap });
         }
     }

@@ -1,6 +1,6 @@
 //! Where everything is: poses and velocities of links, points, Jacobian columns, and sums over the robot.
 
-use crate::model::{Link, Model, Motion};
+use crate::model::{Corner, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
 use nalgebra::{Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
@@ -49,6 +49,14 @@ impl Pose {
     pub fn arm(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
         let link = &self.links[link];
         link.origin + link.rotation * at
+    }
+
+    /// Where a corner would touch the ground, from O: itself, or the lowest point of its ball [m].
+    #[inline]
+    pub fn lowest(&self, corner: &Corner) -> Vector3<f64> {
+        let mut arm = self.arm(corner.link, &corner.at);
+        arm.z -= corner.radius;
+        arm
     }
 
     /// Velocity in W of a point given in a link's frame [m/s].

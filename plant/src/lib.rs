@@ -9,6 +9,7 @@
 //! | H and b, fast | [`composite`] |
 //! | H = LᵀL | [`factor`] |
 //! | one step, the story | [`step`] |
+//! | springs and dampers on joints | [`springs`] |
 //! | which points can touch | [`detect`] |
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
@@ -29,6 +30,7 @@ pub mod kinematics;
 pub mod model;
 pub mod process;
 pub mod spatial;
+pub mod springs;
 pub mod state;
 pub mod step;
 pub mod truth;

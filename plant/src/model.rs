@@ -18,6 +18,7 @@ mod build;
 pub(crate) use build::finite;
 
 use crate::error::PlantError;
+use messages::robot::Tiles;
 use messages::scene::Base;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
@@ -64,13 +65,38 @@ pub struct Link {
     pub damping: f64,
 }
 
-/// A point that may touch the ground.
+/// A point that may touch the ground, or a ball that does so with its lowest point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Corner {
     /// Link that carries it.
     pub link: usize,
-    /// Where, in the link's frame [m].
+    /// Where it or its centre is, in the link's frame [m].
     pub at: Vector3<f64>,
+    /// Radius; zero for a point [m].
+    pub radius: f64,
+    /// Where there is ground for it, if not everywhere.
+    pub tiles: Option<Tiles>,
+}
+
+impl Corner {
+    /// Whether there is ground under it when it is at x [m].
+    #[inline]
+    pub fn has_ground(&self, x: f64) -> bool {
+        self.tiles.is_none_or(|tiles| tiles.carry(x))
+    }
+}
+
+/// A spring and damper on a joint, with torque k (q0 - q) - d q'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spring {
+    /// Degree of freedom of the joint.
+    pub dof: usize,
+    /// k [N·m/rad or N/m].
+    pub stiffness: f64,
+    /// d, the D of (1) for this joint [N·m·s/rad or N·s/m].
+    pub damping: f64,
+    /// q0 [rad or m].
+    pub rest: f64,
 }
 
 /// The robot and its gravity: everything constant that the dynamics need.
@@ -94,8 +120,10 @@ pub struct Model {
     pub body_name: Vec<String>,
     /// Degree of freedom of each joint, in the order of the scene's bodies that carry joints (wire order).
     pub joint_dof: Vec<usize>,
-    /// Contact points, in the order of the scene's bodies.
+    /// Contact points and balls, in the order of the scene's bodies.
     pub corners: Vec<Corner>,
+    /// Springs and dampers that the scene's joints ask for; empty for bare joints.
+    pub springs: Vec<Spring>,
     /// Degrees of freedom between W and each link, base first, one list after the other.
     path: Vec<usize>,
     /// Where the list of each link begins, and the end of the last.

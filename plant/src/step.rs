@@ -13,6 +13,7 @@ use crate::error::PlantError;
 use crate::factor::{Factor, PathMatrix};
 use crate::kinematics::{self, Pose, contact_column};
 use crate::model::Model;
+use crate::springs;
 use crate::state::State;
 use crate::truth::Record;
 use messages::scene::{Law, Method, PlantScene, Scene};
@@ -43,6 +44,7 @@ struct Settings {
     law: Law,
     method: Method,
     friction: f64,
+    restitution: f64,
     push: Option<Push>,
 }
 
@@ -126,6 +128,7 @@ impl Plant {
         let Workspace { pose, composite, inertia, factor, free, .. } = &mut self.work;
         composite.inertia(&self.model, pose, inertia);
         composite.bias(&self.model, pose, &self.state.xdot, free);
+        springs::implicit(&self.model, &self.state, self.settings.h, inertia, free);
         factor.factorize(&self.model, inertia)
     }
 
@@ -156,13 +159,30 @@ impl Plant {
 
     /// What touches, and the problem (14) that it poses.
     fn find_contacts(&mut self) {
-        let Settings { h, law, friction, .. } = self.settings;
+        let Settings { h, law, friction, restitution, .. } = self.settings;
         let Workspace { pose, factor, free, touches, map, problem, .. } = &mut self.work;
         touching(&self.model, pose, law, h, touches);
         map.assemble(&self.model, pose, factor, touches, free, tangents(law), problem);
         problem.friction.fill(friction);
         for (approach, touch) in problem.approach.iter_mut().zip(touches) {
             *approach = touch.gap.max(0.0) / h;
+        }
+        if restitution > 0.0 {
+            self.bounce();
+        }
+    }
+
+    /// Newton's law of impact: what would land within the step and was falling at v_N leaves at -e v_N or more.
+    fn bounce(&mut self) {
+        let Workspace { pose, touches, problem, .. } = &mut self.work;
+        let rows = 1 + problem.tangents;
+        for ((approach, free), touch) in
+            problem.approach.iter_mut().zip(problem.drift.iter().step_by(rows)).zip(touches)
+        {
+            let before = pose.links[touch.link].velocity.at(&touch.arm).z;
+            if before < 0.0 && free + *approach < 0.0 {
+                *approach = self.settings.restitution * before;
+            }
         }
     }
 
@@ -171,7 +191,8 @@ impl Plant {
         let Workspace { pose, factor, free, effort, touches, map, problem, solver, .. } = &mut self.work;
         if !touches.is_empty() {
             let report = solver.solve(problem, self.settings.law, &mut self.memory);
-            debug_assert!(report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
+            let plastic = self.settings.restitution == 0.0;
+            debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.record.note(&report);
             effort.fill(0.0);
             map.push(&self.model, pose, touches, &solver.impulse, effort);
@@ -241,6 +262,7 @@ impl Settings {
             law: plant.law,
             method: plant.method,
             friction: plant.friction,
+            restitution: plant.restitution,
             push: (impulse != Vector3::zeros()).then_some(push),
         })
     }

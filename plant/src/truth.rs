@@ -2,7 +2,7 @@
 
 use crate::contact::Report;
 use crate::kinematics::Pose;
-use crate::model::{Corner, Model};
+use crate::model::Model;
 use crate::state::State;
 use messages::wire::{CONTACTS, FNV_START, JOINTS, Torques, Truth};
 use nalgebra::Vector3;
@@ -57,8 +57,9 @@ impl Record {
     pub fn truth(&self, model: &Model, state: &State, pose: &Pose, torques: &Torques, period: f64) -> Truth {
         let base = &pose.links[model.base_link];
         let position = pose.point(model.base_link, &Vector3::zeros());
-        let height = |corner: &Corner| pose.point(corner.link, &corner.at).z;
-        let lowest = model.corners.iter().map(height).fold(f64::INFINITY, f64::min);
+        let over_ground = model.corners.iter().map(|corner| (corner, pose.reference + pose.lowest(corner)));
+        let heights = over_ground.filter(|(corner, point)| corner.has_ground(point.x)).map(|(_, point)| point.z);
+        let lowest = heights.fold(f64::INFINITY, f64::min);
         let mut truth = Truth {
             base_position: position.into(),
             base_orientation: pose.orientation(model.base_link),

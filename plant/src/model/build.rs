@@ -1,6 +1,6 @@
 //! From a scene to a model: the tree in order, each body's mass, payload and gravity, every value checked.
 
-use super::{Corner, Link, Model, Motion, unknown};
+use super::{Corner, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::state::{self, State};
@@ -29,6 +29,7 @@ impl Model {
             base_link: virtual_links(scene.plant.base).len(),
             joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
             corners: corners(bodies, &body_link)?,
+            springs: springs(bodies, &body_link, &links)?,
             body_name: bodies.iter().map(|body| body.name.clone()).collect(),
             branch_end: branch_ends(&links),
             links,
@@ -78,7 +79,7 @@ fn links(scene: &Scene) -> Result<(Vec<Link>, Vec<usize>), PlantError> {
             links.push(Link {
                 at: finite(joint.at, || format!("the joint of body `{}`", body.name))?,
                 drive_inertia: not_negative(scene.plant.drive_inertia, "the drive inertia")?,
-                damping: not_negative(scene.plant.joint_damping, "the joint damping")?,
+                damping: not_negative(scene.plant.joint_damping + joint.damping, "the joint damping")?,
                 ..virtual_link(body_link[parent], motion, unit(joint.axis, &body.name)?)
             });
         }
@@ -91,12 +92,27 @@ fn links(scene: &Scene) -> Result<(Vec<Link>, Vec<usize>), PlantError> {
 fn corners(bodies: &[Body], body_link: &[usize]) -> Result<Vec<Corner>, PlantError> {
     let mut corners = vec![];
     for (body, &link) in bodies.iter().zip(body_link) {
-        for &at in &body.contacts {
-            let at = finite(at, || format!("a contact point of body `{}`", body.name))?;
-            corners.push(Corner { link, at });
+        for ball in body.touchable() {
+            let at = finite(ball.at, || format!("a contact point of body `{}`", body.name))?;
+            let radius = not_negative(ball.radius, "the radius of a ball")?;
+            corners.push(Corner { link, at, radius, tiles: body.tiles });
         }
     }
     Ok(corners)
+}
+
+/// One for each joint with a spring or damper of its own.
+fn springs(bodies: &[Body], body_link: &[usize], links: &[Link]) -> Result<Vec<Spring>, PlantError> {
+    let mut springs = vec![];
+    for (body, &link) in bodies.iter().zip(body_link) {
+        let Some(joint) = body.joint.as_ref().filter(|joint| joint.stiffness != 0.0 || joint.damping != 0.0) else {
+            continue;
+        };
+        let stiffness = not_negative(joint.stiffness, "the joint stiffness")?;
+        let rest = finite([joint.rest; 3], || format!("the rest angle of body `{}`", body.name))?.x;
+        springs.push(Spring { dof: link - 1, stiffness, damping: links[link].damping, rest });
+    }
+    Ok(springs)
 }
 
 /// All paths one after the other, and where each begins.

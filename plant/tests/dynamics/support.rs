@@ -90,14 +90,15 @@ pub fn random_tree(rng: &mut fastrand::Rng, base: Base) -> Scene {
             mass: 0.5 + rng.f64(),
             size: [0.1 + 0.2 * rng.f64(), 0.1 + 0.2 * rng.f64(), 0.1 + 0.2 * rng.f64()],
             com: vector(rng, 0.1),
-            inertia: None,
             joint: (i > 0).then(|| Joint {
                 parent: format!("body {}", rng.usize(..i)),
                 kind: if rng.f64() < 0.3 { JointKind::Prismatic } else { JointKind::Revolute },
                 axis: vector(rng, 3.0),
                 at: vector(rng, 0.3),
+                ..Joint::default()
             }),
             contacts: vec![vector(rng, 0.2), vector(rng, 0.2)],
+            ..Body::default()
         })
         .collect();
     rng.shuffle(&mut bodies);

@@ -1,0 +1,63 @@
+//! A scene of the program's, run step by step, and what to look at.
+
+use messages::scene::Scene;
+use nalgebra::Vector3;
+use plant::Plant;
+use plant::kinematics::{self, Pose, Totals};
+
+/// Free fall [m/s²].
+pub const G: f64 = 9.81;
+
+/// One of the scenes that come with the program, with values replaced.
+pub fn scene(name: &str, settings: &[&str]) -> Scene {
+    let path = format!("{}/launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
+    messages::load::load(&path, &settings, &[]).expect("a good scene")
+}
+
+/// The scene's plant at time zero.
+pub fn plant(name: &str, settings: &[&str]) -> Plant {
+    Plant::new(&scene(name, settings)).expect("a scene that can be simulated")
+}
+
+/// The next step.
+pub fn step(plant: &mut Plant) {
+    plant.step().expect("a step");
+}
+
+/// Runs until the simulated time [s].
+pub fn run(plant: &mut Plant, until: f64) {
+    while (plant.time_ns() as f64) < until * 1e9 - 0.5 {
+        step(plant);
+    }
+}
+
+/// Pose of the present state.
+pub fn pose(plant: &Plant) -> Pose {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    pose
+}
+
+/// Momentum and energy.
+pub fn totals(plant: &Plant) -> Totals {
+    kinematics::totals(plant.model(), plant.state(), &pose(plant))
+}
+
+/// Height of the lowest point that can touch [m].
+pub fn clearance(plant: &Plant) -> f64 {
+    let pose = pose(plant);
+    let heights = plant.model().corners.iter().map(|corner| pose.reference.z + pose.lowest(corner).z);
+    heights.fold(f64::INFINITY, f64::min)
+}
+
+/// Angular velocity of the base in W [rad/s].
+pub fn spin(plant: &Plant) -> Vector3<f64> {
+    pose(plant).links[plant.model().base_link].velocity.angular
+}
+
+/// That a value is what it must be.
+#[track_caller]
+pub fn assert_near(what: &str, value: f64, exact: f64, tolerance: f64) {
+    assert!((value - exact).abs() <= tolerance, "{what}: {value:e}, not {exact:e}, off by {:e}", value - exact);
+}
