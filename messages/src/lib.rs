@@ -8,6 +8,7 @@
 //! | the link between two processes | [`port`], [`session`], [`clock`] |
 
 pub mod clock;
+mod law;
 pub mod load;
 pub mod port;
 pub mod robot;

@@ -223,6 +223,8 @@ impl Check<'_> {
         self.not_negative("plant.friction", plant.friction)?;
         let bounce = plant.restitution;
         self.require((0.0..=1.0).contains(&bounce), "plant.restitution", bounce, "it must lie between 0 and 1")?;
+        self.positive("plant.contact_stiffness", plant.contact_stiffness)?;
+        self.not_negative("plant.contact_damping_ratio", plant.contact_damping_ratio)?;
         self.not_negative("plant.drive_inertia", plant.drive_inertia)?;
         self.not_negative("plant.joint_damping", plant.joint_damping)?;
         self.not_negative("plant.torque_limit", plant.torque_limit)?;

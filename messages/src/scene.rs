@@ -2,6 +2,7 @@
 //!
 //! Every field's comment is what `biped list --keys` prints, so it says meaning and unit.
 
+pub use crate::law::{Iteration, Law};
 use crate::robot::{self, Body};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,10 @@ pub struct PlantScene {
     pub friction: f64,
     /// Newton's coefficient of restitution: what lands at v_N leaves with at least -e v_N; 0: contact is plastic [-].
     pub restitution: f64,
+    /// Stiffness of a contact point under the law `SpringDamper` [N/m].
+    pub contact_stiffness: f64,
+    /// Damping of a contact point under the law `SpringDamper`, 1 being critical [-].
+    pub contact_damping_ratio: f64,
     /// Drive inertia reflected at each joint, J_r [kg·m²].
     pub drive_inertia: f64,
     /// Viscous damping of each joint, D [N·m·s/rad].
@@ -165,22 +170,6 @@ pub enum Base {
     Quaternion,
 }
 
-/// Contact laws: what an impulse has to satisfy.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
-pub enum Law {
-    /// The energy minimum (14)-(16) as printed, by principal pivoting. Not Coulomb's law: what slides is thrown up.
-    EnergyQp,
-    /// The conditions (17)-(22) with the paper's one slip direction, by Lemke's method.
-    Complementarity,
-    /// (17)-(22) with both tangents resisted, the first along the slip; the default.
-    Aligned,
-}
-
-impl Law {
-    /// Every law, in the order of the paper's story.
-    pub const ALL: [Law; 3] = [Law::EnergyQp, Law::Complementarity, Law::Aligned];
-}
-
 /// Integration methods.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Method {
@@ -243,6 +232,8 @@ impl Default for PlantScene {
             incline_deg: 0.0,
             friction: 0.7,
             restitution: 0.0,
+            contact_stiffness: 1e5,
+            contact_damping_ratio: 0.5,
             drive_inertia: 0.1,
             joint_damping: 0.0,
             torque_limit: 40.0,

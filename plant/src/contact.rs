@@ -20,8 +20,10 @@ mod energy_qp;
 mod facets;
 mod lemke;
 mod residual;
+mod round;
 mod scaled;
 mod solver;
+mod spring_damper;
 
 pub use solver::Solver;
 
@@ -52,6 +54,23 @@ pub struct Problem {
     /// Speed at which each contact would close its gap within the step, max(gap, 0)/h; if it bounces, e v_N of the
     /// velocity before, which is negative [m/s].
     pub approach: Vec<f64>,
+    /// Height of each contact above the ground, negative inside it; for `SpringDamper` [m].
+    pub gap: Vec<f64>,
+    /// Contact velocity before the step, rows as of `drift`; likewise [m/s].
+    pub before: Vec<f64>,
+    /// The spring of each contact, likewise.
+    pub spring: Spring,
+}
+
+/// What `SpringDamper` needs to know besides the state of a contact.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spring {
+    /// k [N/m].
+    pub stiffness: f64,
+    /// zeta, 1 being critical for the contact point by itself [-].
+    pub damping_ratio: f64,
+    /// Step over which the force acts [s].
+    pub h: f64,
 }
 
 impl Problem {
@@ -67,6 +86,8 @@ impl Problem {
         zeros(&mut self.drift, m);
         zeros(&mut self.friction, contacts);
         zeros(&mut self.approach, contacts);
+        zeros(&mut self.gap, contacts);
+        zeros(&mut self.before, m);
         self.id.clear();
         self.id.extend(0..contacts);
     }
@@ -81,19 +102,33 @@ impl Problem {
 pub fn tangents(law: Law) -> usize {
     match law {
         Law::EnergyQp | Law::Complementarity => 1,
-        Law::Aligned => 2,
+        _ => 2,
     }
+}
+
+/// Whether the first tangent is the direction of the free slip. If not, the tangents are the world's x and y: a round
+/// cone looks the same along any, and an impulse remembered along them means the same in the next step.
+pub fn follows_slip(law: Law) -> bool {
+    matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
+}
+
+/// Whether the law's impulse can never raise the energy.
+///
+/// A spring gives back what it was compressed with by somebody else, and sweeps that stop early leave a bound of friction
+/// behind that is no longer that of their normal impulse.
+pub fn is_plastic(law: Law) -> bool {
+    !matches!(law, Law::SpringDamper | Law::Sweep(_))
 }
 
 /// Speed at which contact i may still approach the ground [m/s]: what is added to v_N in (18) and (19).
 ///
-/// The paper's conditions speak of velocity alone, so a contact with a gap is stopped above the ground. `Aligned` lets it
-/// close its gap and no more: `0 <= f_N _|_ v_N + gap/h >= 0` lands exactly on the ground. At rest both are the same.
+/// The paper's conditions speak of velocity alone, so a contact with a gap is stopped above the ground. The other laws let
+/// it close its gap and no more: `0 <= f_N _|_ v_N + gap/h >= 0` lands exactly on the ground. At rest both are the same.
 /// Where restitution throws a contact back, it is negative under every law.
 fn lift(problem: &Problem, law: Law, i: usize) -> f64 {
     match law {
         Law::EnergyQp | Law::Complementarity => problem.approach[i].min(0.0),
-        Law::Aligned => problem.approach[i],
+        _ => problem.approach[i],
     }
 }
 

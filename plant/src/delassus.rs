@@ -1,10 +1,11 @@
 //! The contact problem of a step, (12)-(14): K, A = KᵀH⁻¹K and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
 
-use crate::contact::Problem;
+use crate::contact::{Problem, follows_slip, tangents};
 use crate::detect::Touch;
 use crate::factor::Factor;
 use crate::kinematics::{Pose, contact_column};
 use crate::model::Model;
+use messages::scene::Law;
 use nalgebra::Vector3;
 
 /// Cosine of the angle, 8°, within which contacts share one direction of slip.
@@ -37,7 +38,7 @@ impl ContactMap {
     }
 
     /// Writes the problem of the touching contacts. `free` is the velocity that the step would end with if nothing
-    /// touched, ẋ₋ + H⁻¹Δf_b; `tangents` is 1 or 2.
+    /// touched, ẋ₋ + H⁻¹Δf_b.
     ///
     /// The first tangent of a contact is its direction of free slip, so that friction can oppose it exactly. The paper
     /// takes the velocity before the step; a contact at rest has none, and would creep down any slope.
@@ -49,9 +50,10 @@ impl ContactMap {
         factor: &Factor,
         touches: &[Touch],
         free: &[f64],
-        tangents: usize,
+        law: Law,
         problem: &mut Problem,
     ) {
+        let tangents = tangents(law);
         problem.reset(touches.len(), tangents);
         self.tangents.clear();
         let rows = 1 + tangents;
@@ -67,8 +69,12 @@ impl ContactMap {
                 factor.half_solve(model, touch.link, half);
             }
             let slip = drift.xy().norm();
-            let along = if slip > 0.0 { Vector3::new(drift.x / slip, drift.y / slip, 0.0) } else { Vector3::x() };
-            let along = self.near_before(i, along);
+            let along = if slip > 0.0 && follows_slip(law) {
+                Vector3::new(drift.x / slip, drift.y / slip, 0.0)
+            } else {
+                Vector3::x()
+            };
+            let along = self.near_before(i, along); // the same for fixed axes
             let across = Vector3::new(-along.y, along.x, 0.0);
             self.tangents.push([along, across]);
             problem.id[i] = touch.id;

@@ -24,15 +24,17 @@ const SURPRISE: f64 = 0.5;
 /// Lists the points that may touch within a step of `h` [s], in the order of the model.
 ///
 /// The printed laws stop whatever touches at any height, so for them touching means a gap no larger than two steps of
-/// free fall open, 2gh². `Aligned` lets a point close its gap first, so every point that could is listed.
+/// free fall open, 2gh². The other laws let a point close its gap first, so every point that could is listed. A spring
+/// pushes what it is compressed by now.
 pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, touches: &mut Vec<Touch>) {
     touches.clear();
     for (id, corner) in model.corners.iter().enumerate() {
         let arm = pose.lowest(corner);
         let gap = pose.reference.z + arm.z;
         let reach = match law {
+            Law::SpringDamper => 0.0,
             Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
-            Law::Aligned => h * (SURPRISE + 2.0 * pose.links[corner.link].velocity.at(&arm).norm()),
+            _ => h * (SURPRISE + 2.0 * pose.links[corner.link].velocity.at(&arm).norm()),
         };
         if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
             touches.push(Touch { id, link: corner.link, arm, gap });

@@ -5,7 +5,7 @@
 //! ```
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Solver, tangents};
+use crate::contact::{Memory, Problem, Solver, Spring, is_plastic};
 use crate::delassus::ContactMap;
 use crate::detect::{Touch, touching};
 use crate::drive::Drives;
@@ -45,6 +45,7 @@ struct Settings {
     method: Method,
     friction: f64,
     restitution: f64,
+    spring: Spring,
     push: Option<Push>,
 }
 
@@ -162,10 +163,18 @@ impl Plant {
         let Settings { h, law, friction, restitution, .. } = self.settings;
         let Workspace { pose, factor, free, touches, map, problem, .. } = &mut self.work;
         touching(&self.model, pose, law, h, touches);
-        map.assemble(&self.model, pose, factor, touches, free, tangents(law), problem);
+        map.assemble(&self.model, pose, factor, touches, free, law, problem);
         problem.friction.fill(friction);
-        for (approach, touch) in problem.approach.iter_mut().zip(touches) {
+        for (approach, touch) in problem.approach.iter_mut().zip(&*touches) {
             *approach = touch.gap.max(0.0) / h;
+        }
+        if law == Law::SpringDamper {
+            problem.spring = self.settings.spring;
+            problem.gap.iter_mut().zip(&*touches).for_each(|(gap, touch)| *gap = touch.gap);
+            for (before, touch) in problem.before.chunks_exact_mut(3).zip(&*touches) {
+                let v = pose.links[touch.link].velocity.at(&touch.arm);
+                before.copy_from_slice(&[v.z, v.x, v.y]);
+            }
         }
         if restitution > 0.0 {
             self.bounce();
@@ -191,7 +200,7 @@ impl Plant {
         let Workspace { pose, factor, free, effort, touches, map, problem, solver, .. } = &mut self.work;
         if !touches.is_empty() {
             let report = solver.solve(problem, self.settings.law, &mut self.memory);
-            let plastic = self.settings.restitution == 0.0;
+            let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.record.note(&report);
             effort.fill(0.0);
@@ -263,6 +272,11 @@ impl Settings {
             method: plant.method,
             friction: plant.friction,
             restitution: plant.restitution,
+            spring: Spring {
+                stiffness: plant.contact_stiffness,
+                damping_ratio: plant.contact_damping_ratio,
+                h: plant.dt,
+            },
             push: (impulse != Vector3::zeros()).then_some(push),
         })
     }

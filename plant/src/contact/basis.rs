@@ -10,7 +10,8 @@
 //! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
 //! | energy QP | its basic rays | the same |
 
-use super::{active_set::RAYS, energy_qp::ray, residual, scaled::Scaled};
+use super::energy_qp::{minimises_energy, ray};
+use super::{active_set::RAYS, residual, scaled::Scaled};
 use messages::scene::Law;
 
 /// Refinements at most.
@@ -63,7 +64,7 @@ impl Block {
                 f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
             }
             scaled.velocity(f, v);
-            if law != Law::EnergyQp {
+            if !minimises_energy(law) {
                 scaled.harden(f, v); // the refinement undoes the yielding wherever A allows
             }
             let size = residual::scale(scaled, f);
@@ -93,7 +94,7 @@ impl Block {
         for (i, &bits) in basis.iter().enumerate() {
             let first = i * stride;
             let mut column = |push, read| self.columns.push(Column { first, push, read });
-            if law == Law::EnergyQp || bits & RAYS != 0 {
+            if minimises_energy(law) || bits & RAYS != 0 {
                 (0..d).filter(|j| bits >> j & 1 == 1).for_each(|j| column(ray(scaled, i, j), ray(scaled, i, j)));
                 continue;
             }

@@ -30,6 +30,11 @@ pub(super) struct EnergyQp {
     goals: Vec<(usize, f64)>,
 }
 
+/// Whether a law is this program.
+pub(super) fn minimises_energy(law: Law) -> bool {
+    matches!(law, Law::EnergyQp | Law::EnergyQpGap)
+}
+
 /// Ray j of contact i in scaled rows.
 pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
     let (k, sign) = Scaled::facet(j);

@@ -3,7 +3,7 @@
 use super::scaled::Scaled;
 
 /// An impulse or slip this small beside the step's scale has no direction.
-const NO_DIRECTION: f64 = 1e-6;
+pub(super) const NO_DIRECTION: f64 = 1e-6;
 
 /// Whose optimality the natural map measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -113,6 +113,6 @@ pub(super) fn slip_misalignment(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
 }
 
 /// A ratio that is zero, not NaN, for nothing of nothing.
-fn relative(x: f64, scale: f64) -> f64 {
+pub(super) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
 }

@@ -1,12 +1,13 @@
 //! The solver: from the cheapest way to a complementary basis to the surest, each judged by its residual alone.
 
 use super::basis::Block;
-use super::energy_qp::EnergyQp;
+use super::energy_qp::{EnergyQp, minimises_energy};
 use super::facets::Facets;
 use super::lemke::{CAREFUL, Care, QUICK};
 use super::residual::{self, Yardstick};
+use super::round::{Round, Rule};
 use super::scaled::{self, Scaled};
-use super::{Memory, Problem, Report, active_set};
+use super::{Memory, Problem, Report, active_set, spring_damper};
 use messages::scene::Law;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
@@ -40,6 +41,7 @@ pub struct Solver {
     /// Contact velocity v = A f + b [m/s].
     pub velocity: Vec<f64>,
     scaled: Scaled,
+    round: Round,
     proximal: Scaled,
     facets: Facets,
     energy_qp: EnergyQp,
@@ -68,6 +70,9 @@ impl Solver {
     /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
     /// Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
+        if !has_basis(law) {
+            return self.solve_round(problem, law, memory);
+        }
         self.scaled.set(problem, law);
         self.least = f64::INFINITY;
         self.best.clear();
@@ -89,12 +94,42 @@ impl Solver {
         report
     }
 
+    /// The laws without a basis: forces by formula, round cones, iterations.
+    fn solve_round(&mut self, problem: &Problem, law: Law, _memory: &mut Memory) -> Report {
+        let mut report = Report::default();
+        match law {
+            Law::SpringDamper => spring_damper::push(problem, &mut self.impulse),
+            _ => {
+                self.impulse.clear();
+                self.impulse.resize(problem.rows(), 0.0);
+                report.fallback = true;
+            }
+        }
+        self.measure_round(problem, law, &mut report);
+        report
+    }
+
+    /// Velocity after the step, and the residuals, of the present impulse.
+    fn measure_round(&mut self, problem: &Problem, law: Law, report: &mut Report) {
+        self.round.set(problem, law);
+        self.round.read(&self.impulse, &mut self.f);
+        self.round.velocity(&self.f, &mut self.v);
+        self.round.measure(Rule::Coulomb, &self.f, &self.v, report);
+        if law == Law::SpringDamper {
+            report.own = 0.0 * report.natural_map; // a formula has no residual, unless it is no number
+        }
+        self.velocity.clear();
+        let rows = problem.delassus.chunks_exact(problem.rows().max(1)).zip(&problem.drift);
+        self.velocity.extend(rows.map(|(row, b)| b + scaled::dot(row, &self.impulse)));
+        report.energy_gain = self.energy_gain(problem);
+    }
+
     /// Finds the solution, the way that most steps take first; false if every way failed.
     fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
         let found = match law {
-            Law::EnergyQp => self.minimise(law, pivots),
+            Law::EnergyQp | Law::EnergyQpGap => self.minimise(law, pivots),
             Law::Complementarity => self.pivot(law, QUICK, pivots),
-            Law::Aligned => !self.on_rays() && self.settle(law, pivots),
+            _ => !self.on_rays() && self.settle(law, pivots),
         };
         found || self.with_yield(law, pivots) || (law == Law::Aligned && self.pivot(law, QUICK, pivots))
     }
@@ -103,8 +138,8 @@ impl Solver {
     fn with_yield(&mut self, law: Law, pivots: &mut u32) -> bool {
         self.scaled.soften();
         let found = match law {
-            Law::EnergyQp => self.minimise(law, pivots),
-            Law::Complementarity | Law::Aligned => {
+            Law::EnergyQp | Law::EnergyQpGap => self.minimise(law, pivots),
+            _ => {
                 let few = self.scaled.contacts <= FEW;
                 let settled = (few || !self.on_rays()) && self.settle(law, pivots);
                 settled || self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots)
@@ -118,6 +153,13 @@ impl Solver {
 
     /// Residuals of a given impulse, as a yardstick for any other solver.
     pub fn measure_impulse(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
+        if !has_basis(law) {
+            let mut report = Report::default();
+            self.impulse.clear();
+            self.impulse.extend_from_slice(impulse);
+            self.measure_round(problem, law, &mut report);
+            return report;
+        }
         self.scaled.set(problem, law);
         self.f.clear();
         self.f.extend(impulse.iter().zip(&self.scaled.root).map(|(f, r)| f * r));
@@ -133,7 +175,7 @@ impl Solver {
         if !self.block.solve(&self.scaled, law, &self.basis, &mut self.f, &mut self.v) {
             return f64::INFINITY;
         }
-        if law == Law::EnergyQp {
+        if minimises_energy(law) {
             self.scaled.harden(&self.f, &mut self.v);
         }
         residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
@@ -243,7 +285,7 @@ impl Solver {
         for (rho, zero) in ROUNDS {
             self.proximal.regularise(&self.scaled, rho, &self.f);
             pivots += match law {
-                Law::EnergyQp => self.energy_qp.pivot(
+                Law::EnergyQp | Law::EnergyQpGap => self.energy_qp.pivot(
                     &self.proximal,
                     &mut self.block,
                     &mut self.basis,
@@ -251,9 +293,7 @@ impl Solver {
                     &mut self.v,
                     false,
                 ),
-                Law::Complementarity | Law::Aligned => {
-                    self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis)
-                }
+                _ => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis),
             }
             .unwrap_or(0);
             for exact in [true, false] {
@@ -293,16 +333,25 @@ impl Solver {
         };
         report.signorini = residual::signorini(scaled, f, v);
         report.slip_misalignment = residual::slip_misalignment(scaled, f, v);
-        // f·v - f·A f/2 with A f = v - b.
-        let work = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| f * (v + b));
-        report.energy_gain = 0.5 * work.sum::<f64>();
+        report.energy_gain = self.energy_gain(problem);
     }
+
+    /// f·v - f·A f/2 with A f = v - b \[J\].
+    fn energy_gain(&self, problem: &Problem) -> f64 {
+        let work = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| f * (v + b));
+        0.5 * work.sum::<f64>()
+    }
+}
+
+/// Whether the law's solution is a basis: rays or facets along the problem's own tangents.
+fn has_basis(law: Law) -> bool {
+    matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
 }
 
 /// Optimality that the law's own solution has.
 fn yardstick(law: Law) -> Yardstick {
     match law {
-        Law::EnergyQp => Yardstick::EnergyMinimum,
-        Law::Complementarity | Law::Aligned => Yardstick::Coulomb,
+        Law::EnergyQp | Law::EnergyQpGap => Yardstick::EnergyMinimum,
+        _ => Yardstick::Coulomb,
     }
 }

@@ -1,0 +1,216 @@
+//! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
+
+use super::residual::relative;
+use super::scaled::dot;
+use super::{Problem, Report, lift};
+use messages::scene::Law;
+
+/// A diagonal entry this small beside the largest is a direction in which the contact cannot move.
+const IMMOVABLE: f64 = 1e-20;
+
+/// What the impulse of a contact has to obey: f = P_K(f - v^) with a cone K and a corrected velocity v^.
+#[derive(Clone, Copy, Debug)]
+#[allow(dead_code)]
+pub(super) enum Rule<'a> {
+    /// Coulomb's law, (17)-(22): v^_N = v_N + mu |v_F|, K the round cone (De Saxcé & Feng 1998).
+    Coulomb,
+    /// The minimum of (14) over the round cone: v^_N = v_N plus a given shift (none if empty).
+    Energy(&'a [f64]),
+    /// f_N >= 0, |f_F| no more than given for each contact: v^ = v (Tresca).
+    Bound(&'a [f64]),
+    /// Coulomb's law with friction in the polygon of this many corners (cos, sin)(2 pi j/d), v^_N = v_N + mu times the
+    /// greatest slip against one of them (Stewart & Trinkle 1996).
+    Polygon(usize),
+}
+
+/// `v = A f + b`, three rows per contact (of one tangent the last is empty): f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].
+#[derive(Clone, Debug, Default)]
+pub(super) struct Round {
+    pub contacts: usize,
+    /// A~, 3 contacts square.
+    pub delassus: Vec<f64>,
+    /// b~, the allowed approach added to the normal rows; zero in directions that cannot move.
+    pub drift: Vec<f64>,
+    /// mu of each contact.
+    pub friction: Vec<f64>,
+    /// s of each contact.
+    pub scale: Vec<f64>,
+    /// Largest scaled drift.
+    pub size: f64,
+}
+
+impl Round {
+    /// Scales a problem; `lift` is what the law adds to v_N.
+    pub fn set(&mut self, problem: &Problem, law: Law) {
+        self.contacts = problem.contacts;
+        let (n, m, stride) = (3 * problem.contacts, problem.rows(), 1 + problem.tangents);
+        let greatest = (0..m).map(|k| problem.delassus[k * m + k]).fold(0.0, f64::max);
+        let least = IMMOVABLE * greatest;
+        let diagonal = |k: usize| problem.delassus[k * m + k];
+        self.friction.clone_from(&problem.friction);
+        self.scale.clear();
+        self.scale.extend((0..problem.contacts).map(|i| {
+            let rows = i * stride..(i + 1) * stride;
+            let tangents = rows.clone().skip(1).map(diagonal).fold(0.0, f64::max);
+            let own = if diagonal(rows.start) > least { diagonal(rows.start) } else { tangents };
+            if own > least || own.is_nan() { own.sqrt() } else { 1.0 }
+        }));
+        self.delassus.clear();
+        self.delassus.resize(n * n, 0.0);
+        self.drift.clear();
+        self.drift.resize(n, 0.0);
+        for k in (0..m).filter(|&k| diagonal(k) > least || diagonal(k).is_nan()) {
+            let (i, row) = (k / stride, k / stride * 3 + k % stride);
+            let extra = if k % stride == 0 { lift(problem, law, i) } else { 0.0 };
+            self.drift[row] = (problem.drift[k] + extra) / self.scale[i];
+            for l in (0..m).filter(|&l| diagonal(l) > least || diagonal(l).is_nan()) {
+                let column = l / stride * 3 + l % stride;
+                let a = problem.delassus[k * m + l] / (self.scale[i] * self.scale[l / stride]);
+                self.delassus[row * n + column] = a;
+            }
+        }
+        self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
+    }
+
+    /// v~ = A~ f~ + b~.
+    pub fn velocity(&self, f: &[f64], v: &mut Vec<f64>) {
+        v.clear();
+        v.extend(self.delassus.chunks_exact(f.len().max(1)).zip(&self.drift).map(|(row, b)| b + dot(row, f)));
+    }
+
+    /// Scales an impulse of the problem.
+    pub fn read(&self, impulse: &[f64], f: &mut Vec<f64>) {
+        let stride = impulse.len() / self.contacts.max(1);
+        f.clear();
+        f.resize(3 * self.contacts, 0.0);
+        for (i, part) in impulse.chunks_exact(stride.max(1)).enumerate() {
+            f[3 * i..].iter_mut().zip(part).for_each(|(f, part)| *f = part * self.scale[i]);
+        }
+    }
+
+    /// Writes an impulse back in N·s.
+    #[allow(dead_code)]
+    pub fn write(&self, problem: &Problem, f: &[f64], impulse: &mut Vec<f64>) {
+        impulse.clear();
+        for (f, scale) in f.chunks_exact(3).zip(&self.scale) {
+            impulse.extend(f.iter().take(1 + problem.tangents).map(|f| f / scale));
+        }
+    }
+
+    /// Natural map ||f - P_K(f - v^)||, the greatest entry, relative to the step's scale max(||f||, ||b||).
+    pub fn natural_map(&self, rule: Rule<'_>, f: &[f64], v: &[f64]) -> f64 {
+        let mut worst = 0.0_f64;
+        for i in 0..self.contacts {
+            let (f, v, mu) = (part(f, i), part(v, i), self.friction[i]);
+            let shift = match rule {
+                Rule::Coulomb => mu * v[1].hypot(v[2]),
+                Rule::Energy(shift) => shift.get(i).copied().unwrap_or(0.0),
+                Rule::Bound(_) => 0.0,
+                Rule::Polygon(d) => mu * greatest_slip(d, v),
+            };
+            let x = [f[0] - v[0] - shift, f[1] - v[1], f[2] - v[2]];
+            let nearest = match rule {
+                Rule::Coulomb | Rule::Energy(_) => project(x, mu),
+                Rule::Bound(bound) => bounded(x, bound[i]),
+                Rule::Polygon(d) => project_pyramid(x, mu, d),
+            };
+            for k in 0..3 {
+                // Neither the projection nor f64::max may hide a NaN.
+                let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
+                worst = if worst.is_nan() || error <= worst { worst } else { error };
+            }
+        }
+        relative(worst, self.reach(f))
+    }
+
+    /// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
+    pub fn reach(&self, f: &[f64]) -> f64 {
+        f.iter().fold(self.size, |size, f| size.max(f.abs()))
+    }
+
+    /// Fills the report's residuals: Coulomb's for a round cone, and the law's own.
+    pub fn measure(&self, own: Rule<'_>, f: &[f64], v: &[f64], report: &mut Report) {
+        report.natural_map = self.natural_map(Rule::Coulomb, f, v);
+        report.own = self.natural_map(own, f, v);
+        let scale = self.reach(f);
+        let work = f.iter().zip(v).step_by(3).fold(0.0, |work: f64, (f, v)| work.max((f * v).abs()));
+        report.signorini = relative(work, scale * scale);
+        report.slip_misalignment =
+            (0..self.contacts).map(|i| misalignment(part(f, i), part(v, i), scale)).fold(0.0, f64::max);
+    }
+}
+
+/// The three rows of contact i.
+pub(super) fn part(x: &[f64], i: usize) -> [f64; 3] {
+    [x[3 * i], x[3 * i + 1], x[3 * i + 2]]
+}
+
+/// Angle between f_F and -v_F if both have a direction \[rad\].
+fn misalignment(f: [f64; 3], v: [f64; 3], scale: f64) -> f64 {
+    let least = super::residual::NO_DIRECTION * scale;
+    if f[1].hypot(f[2]) <= least || v[1].hypot(v[2]) <= least {
+        return 0.0;
+    }
+    (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))
+}
+
+/// Nearest point of the cone |x_F| <= mu x_N.
+pub(super) fn project(x: [f64; 3], mu: f64) -> [f64; 3] {
+    let r = x[1].hypot(x[2]);
+    if r <= mu * x[0] {
+        return x;
+    }
+    let edge = ((x[0] + mu * r) / (1.0 + mu * mu)).max(0.0);
+    let along = if r > 0.0 { mu * edge / r } else { 0.0 };
+    [edge, along * x[1], along * x[2]]
+}
+
+/// Nearest point of f_N >= 0, |f_F| <= bound.
+fn bounded(x: [f64; 3], bound: f64) -> [f64; 3] {
+    let r = x[1].hypot(x[2]);
+    let share = if r > bound { bound / r } else { 1.0 };
+    [x[0].max(0.0), share * x[1], share * x[2]]
+}
+
+/// Corner j of the polygon of friction.
+pub(super) fn corner(d: usize, j: usize) -> [f64; 2] {
+    // Exact along the axes.
+    match 4 * j % (4 * d) / d {
+        0 if j.is_multiple_of(d) => [1.0, 0.0],
+        1 if (4 * j).is_multiple_of(d) => [0.0, 1.0],
+        2 if (4 * j).is_multiple_of(d) => [-1.0, 0.0],
+        3 if (4 * j).is_multiple_of(d) => [0.0, -1.0],
+        _ => {
+            let (sin, cos) = (std::f64::consts::TAU * j as f64 / d as f64).sin_cos();
+            [cos, sin]
+        }
+    }
+}
+
+/// Greatest speed against a corner of the polygon.
+fn greatest_slip(d: usize, v: [f64; 3]) -> f64 {
+    (0..d).map(|j| corner(d, j)).map(|[c, s]| -(c * v[1] + s * v[2])).fold(0.0, f64::max)
+}
+
+/// Nearest point of the pyramid whose edges are (1, mu corner).
+fn project_pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
+    // In the sector around the middle of a side, x = (n, across, along) with 0 at that middle.
+    let sector = std::f64::consts::TAU / d as f64;
+    let middle = ((x[2].atan2(x[1]) / sector).floor() + 0.5) * sector;
+    let (sin, cos) = middle.sin_cos();
+    let (across, along) = (cos * x[1] + sin * x[2], cos * x[2] - sin * x[1]);
+    let (depth, half) = ((sector / 2.0).cos() * mu, (sector / 2.0).sin() * mu);
+    if across <= depth * x[0] {
+        return x;
+    }
+    // The face across = depth n, and if that is beyond its edges, the nearer edge along = ±half n.
+    let edge = ((x[0] + depth * across) / (1.0 + depth * depth)).max(0.0);
+    let nearest = if along.abs() <= half * edge {
+        [edge, depth * edge, along]
+    } else {
+        let edge = (x[0] + depth * across + half * along.abs()) / (1.0 + mu * mu);
+        let edge = edge.max(0.0);
+        [edge, depth * edge, (half * edge).copysign(along)]
+    };
+    [nearest[0], cos * nearest[1] - sin * nearest[2], sin * nearest[1] + cos * nearest[2]]
+}

@@ -1,0 +1,30 @@
+//! Springs and dampers in place of a law: f_N = h max(0, -k gap - c v_N), f_F = -mu f_N v_F/max(|v_F|, v_s).
+//!
+//! Gap and velocity are those before the step. With semi-implicit Euler a mass m on such a spring is stable if and only if
+//! omega h < 2 (sqrt(1 + zeta^2) - zeta), omega^2 = k/m, c = 2 zeta sqrt(k m): the roots of
+//! z^2 - (2 - omega^2 h^2 - 2 zeta omega h) z + (1 - 2 zeta omega h) stay in the unit circle. Here m is what the contact
+//! point weighs by itself, 1/A_NN. Below v_s friction is viscous, so whatever stands on a slope creeps.
+
+use super::Problem;
+
+/// Slip speed v_s from which on friction is full [m/s].
+const SLIP: f64 = 1e-2;
+
+/// Writes the impulse [N·s].
+pub(super) fn push(problem: &Problem, impulse: &mut Vec<f64>) {
+    let (m, stride) = (problem.rows(), 1 + problem.tangents);
+    let spring = problem.spring;
+    impulse.clear();
+    for i in 0..problem.contacts {
+        let (row, v) = (i * stride, &problem.before[i * stride..][..stride]);
+        let mobility = problem.delassus[row * m + row];
+        let damping =
+            if mobility > 0.0 { 2.0 * spring.damping_ratio * (spring.stiffness / mobility).sqrt() } else { 0.0 };
+        let force = if problem.gap[i] < 0.0 { -spring.stiffness * problem.gap[i] - damping * v[0] } else { 0.0 };
+        let normal = spring.h * force.max(0.0) + 0.0 * force; // max hides a NaN
+        let slip = v[1..].iter().fold(0.0, |slip: f64, v| slip.hypot(*v));
+        let share = problem.friction[i] * normal / slip.max(SLIP);
+        impulse.push(normal);
+        impulse.extend(v[1..].iter().map(|v| -share * v));
+    }
+}
