@@ -73,7 +73,7 @@ struct SceneArgs {
 
 impl SceneArgs {
     fn load(&self) -> Result<Scene, Failure> {
-        Ok(load(&self.scene, &self.settings, &list::SCENES)?)
+        Ok(load(&self.scene, &self.settings, list::SCENES)?)
     }
 }
 

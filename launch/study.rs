@@ -94,7 +94,7 @@ fn write(folder: &Path, study: Study, markdown: &str, csv: &str) -> io::Result<(
 }
 
 fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
-    let scene = load(case.scene, &case.settings, &SCENES)?;
+    let scene = load(case.scene, &case.settings, SCENES)?;
     let (mut recorder, start) = (Recorder::new(&scene), Instant::now());
     let result = in_process(&scene, |truth| {
         recorder.push(truth);
@@ -304,7 +304,7 @@ mod tests {
         for study in Study::value_variants() {
             let cases = cases(*study);
             for (i, case) in cases.iter().enumerate() {
-                assert!(load(case.scene, &case.settings, &SCENES).is_ok(), "{study:?}: {}", case.name);
+                assert!(load(case.scene, &case.settings, SCENES).is_ok(), "{study:?}: {}", case.name);
                 assert!(cases[..i].iter().all(|other| other.name != case.name), "{study:?}: {} twice", case.name);
             }
         }

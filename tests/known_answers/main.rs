@@ -2,6 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod comparison;
 mod joints;
 mod rolling;
 mod support;

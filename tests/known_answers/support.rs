@@ -10,9 +10,11 @@ pub const G: f64 = 9.81;
 
 /// One of the scenes that come with the program, with values replaced.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
-    let path = format!("{}/launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let folder = format!("{}/launch/scenes", env!("CARGO_MANIFEST_DIR"));
+    let places = [format!("{folder}/{name}.toml"), format!("{folder}/known/{name}.toml")];
+    let path = places.iter().find(|path| std::path::Path::new(path).exists()).expect("a scene of this name");
     let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
-    messages::load::load(&path, &settings, &[]).expect("a good scene")
+    messages::load::load(path, &settings, &[]).expect("a good scene")
 }
 
 /// The scene's plant at time zero.
