@@ -137,6 +137,8 @@ fn lift(problem: &Problem, law: Law, i: usize) -> f64 {
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Memory {
     basis: Vec<u8>,
+    /// The last solution needed contacts that yield: the next one tries them first.
+    yields: bool,
 }
 
 impl Memory {

@@ -1,39 +1,52 @@
 //! The contact problem of a step, (12)-(14): K, A = KᵀH⁻¹K and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
+//!
+//! The contacts of one link are moved by the same degrees of freedom, so their columns of K stand side by side, one row
+//! per degree of freedom of the link's path, and go through the factor L of H together: Y = L⁻ᵀK, A = YᵀY, and after the
+//! solution H⁻¹KΔf = L⁻¹(YΔf).
 
 use crate::contact::{Problem, follows_slip, tangents};
 use crate::detect::Touch;
-use crate::factor::Factor;
-use crate::kinematics::{Pose, contact_column};
+use crate::factor::{BLOCK, Factor};
+use crate::kinematics::Pose;
 use crate::model::Model;
+use crate::spatial::Spatial;
 use messages::scene::Law;
 use nalgebra::Vector3;
+use std::ops::Range;
 
 /// Cosine of the angle, 8°, within which contacts share one direction of slip.
 const NEARLY: f64 = 0.99;
 
-/// K and Y = L⁻ᵀK, one row per contact row: entries on the path to the contact's link, base first, the rest unused.
+/// Y = L⁻ᵀK of the touching contacts, link by link.
 #[derive(Clone, Debug)]
 pub struct ContactMap {
-    half: Vec<f64>,
-    /// Y of unit impulses along x, y and z at one contact.
-    axes: Vec<f64>,
-    column: Vec<f64>,
-    stride: usize,
+    groups: Vec<Group>,
+    /// Y of each group, row by row; what fills up the last block of a row is zero.
+    blocks: Vec<[f64; BLOCK]>,
     /// Unit tangents of each contact.
     tangents: Vec<[Vector3<f64>; 2]>,
+}
+
+/// The contacts of one link.
+#[derive(Clone, Debug)]
+struct Group {
+    link: usize,
+    /// Their rows in the problem, which are their columns in K.
+    columns: Range<usize>,
+    /// First of their blocks.
+    start: usize,
+    /// Blocks of a row.
+    width: usize,
 }
 
 impl ContactMap {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
-        let stride = model.dofs();
-        let rows = 3 * model.corners.len();
+        let corners = model.corners.len();
         ContactMap {
-            half: vec![0.0; rows * stride],
-            axes: vec![0.0; 3 * stride],
-            column: vec![0.0; stride],
-            stride,
-            tangents: Vec::with_capacity(model.corners.len()),
+            groups: Vec::with_capacity(corners),
+            blocks: Vec::with_capacity(corners * model.dofs()),
+            tangents: Vec::with_capacity(corners),
         }
     }
 
@@ -55,85 +68,98 @@ impl ContactMap {
     ) {
         let tangents = tangents(law);
         problem.reset(touches.len(), tangents);
+        self.groups.clear();
+        self.blocks.clear();
         self.tangents.clear();
-        let rows = 1 + tangents;
-        for (i, touch) in touches.iter().enumerate() {
-            let path = model.path(touch.link);
-            let mut drift = Vector3::zeros();
-            for (axis, half) in self.axes.chunks_exact_mut(self.stride).enumerate() {
-                let half = &mut half[..path.len()];
-                let mut direction = Vector3::zeros();
-                direction[axis] = 1.0;
-                contact_column(model, pose, touch.link, &touch.arm, &direction, half);
-                drift[axis] = half.iter().zip(path).map(|(k, &dof)| k * free[dof]).sum();
-                factor.half_solve(model, touch.link, half);
+        for touches in touches.chunk_by(|a, b| a.link == b.link) {
+            let (link, rows) = (touches[0].link, 1 + tangents);
+            let path = model.path(link);
+            let twist = path.iter().fold(Spatial::default(), |sum, &dof| sum + pose.links[dof + 1].column * free[dof]);
+            let first = self.tangents.len();
+            for touch in touches {
+                problem.id[self.tangents.len()] = touch.id;
+                let drift = twist.at(&touch.arm);
+                let [along, across] = self.tangents_of(&drift, law);
+                let at = self.tangents.len() * rows;
+                self.tangents.push([along, across]);
+                let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
+                problem.drift[at..at + rows].copy_from_slice(&drift[..rows]);
             }
-            let slip = drift.xy().norm();
-            let along = if slip > 0.0 && follows_slip(law) {
-                Vector3::new(drift.x / slip, drift.y / slip, 0.0)
-            } else {
-                Vector3::x()
-            };
-            let along = self.near_before(i, along); // the same for fixed axes
-            let across = Vector3::new(-along.y, along.x, 0.0);
-            self.tangents.push([along, across]);
-            problem.id[i] = touch.id;
-            let (x, rest) = self.axes.split_at(self.stride);
-            let (y, z) = rest.split_at(self.stride);
-            for (k, row) in self.half[i * rows * self.stride..].chunks_exact_mut(self.stride).take(rows).enumerate() {
-                match k {
-                    0 => row.copy_from_slice(z),
-                    _ => {
-                        let t = self.tangents[i][k - 1];
-                        row.iter_mut().zip(x.iter().zip(y)).for_each(|(out, (x, y))| *out = t.x * x + t.y * y);
-                    }
+            let columns = first * rows..self.tangents.len() * rows;
+            let (start, width) = (self.blocks.len(), columns.len().div_ceil(BLOCK));
+            self.blocks.resize(start + path.len() * width, [0.0; BLOCK]);
+            for (&dof, row) in path.iter().zip(self.blocks[start..].chunks_exact_mut(width)) {
+                let column = &pose.links[dof + 1].column;
+                let contacts = touches.iter().zip(&self.tangents[first..]);
+                for ((touch, tangents), k) in contacts.zip(row.as_flattened_mut().chunks_exact_mut(rows)) {
+                    let velocity = column.at(&touch.arm); // per unit rate: by virtual work, K's entry
+                    k[0] = velocity.z;
+                    k[1..].iter_mut().zip(tangents).for_each(|(k, t)| *k = velocity.x * t.x + velocity.y * t.y);
                 }
             }
-            let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
-            problem.drift[i * rows..(i + 1) * rows].copy_from_slice(&drift[..rows]);
+            factor.half_solve(model, link, width, &mut self.blocks[start..]);
+            self.groups.push(Group { link, columns, start, width });
         }
-        self.multiply(model, touches, problem);
+        self.multiply(model, problem);
     }
 
-    /// The tangent of the contact before, if this one's is nearly parallel to it.
+    /// Along the free slip and across it; along the axes of W for a law whose tangents do not follow the slip.
     ///
     /// The corners of a foot slip alike. Friction cones that differ by a hair would let them chase each other along
-    /// directions in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin.
-    fn near_before(&self, i: usize, along: Vector3<f64>) -> Vector3<f64> {
-        match i.checked_sub(1).map(|before| self.tangents[before][0]) {
-            Some(before) if before.dot(&along).abs() > NEARLY => before * before.dot(&along).signum(),
-            _ => along,
-        }
+    /// directions in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin; so a
+    /// contact takes over the tangent of the one before, if its own is nearly parallel.
+    fn tangents_of(&self, drift: &Vector3<f64>, law: Law) -> [Vector3<f64>; 2] {
+        let slip = drift.xy().norm();
+        let follows = slip > 0.0 && follows_slip(law);
+        let own = if follows { Vector3::new(drift.x / slip, drift.y / slip, 0.0) } else { Vector3::x() };
+        let along = match self.tangents.last() {
+            Some([before, _]) if before.dot(&own).abs() > NEARLY => before * before.dot(&own).signum(),
+            _ => own,
+        };
+        [along, Vector3::new(-along.y, along.x, 0.0)]
     }
 
-    /// A = YᵀY: two contacts meet in the degrees of freedom that their links share.
-    fn multiply(&self, model: &Model, touches: &[Touch], problem: &mut Problem) {
-        let (rows, size) = (1 + problem.tangents, problem.rows());
-        for (i, a) in touches.iter().enumerate() {
-            for (j, b) in touches.iter().enumerate().take(i + 1) {
+    /// A = YᵀY: two links meet in the degrees of freedom that they share.
+    fn multiply(&self, model: &Model, problem: &mut Problem) {
+        let size = problem.rows();
+        for (i, a) in self.groups.iter().enumerate() {
+            for b in &self.groups[..=i] {
                 let shared = model.shared(a.link, b.link);
-                for k in i * rows..(i + 1) * rows {
-                    let y_k = &self.half[k * self.stride..][..shared];
-                    for l in j * rows..((j + 1) * rows).min(k + 1) {
-                        let y_l = &self.half[l * self.stride..][..shared];
-                        let product = y_k.iter().zip(y_l).map(|(a, b)| a * b).sum();
-                        problem.delassus[k * size + l] = product;
-                        problem.delassus[l * size + k] = product;
+                for block in 0..b.width {
+                    let width = BLOCK.min(b.columns.len() - block * BLOCK);
+                    let diagonal = if a.start == b.start { block * BLOCK } else { 0 };
+                    for k in diagonal..a.columns.len() {
+                        let mut sum = [0.0; BLOCK];
+                        for (y_a, y_b) in self.rows(a).zip(self.rows(b)).take(shared) {
+                            let factor = y_a.as_flattened()[k];
+                            sum = std::array::from_fn(|c| sum[c] + factor * y_b[block][c]);
+                        }
+                        let (row, column) = (a.columns.start + k, b.columns.start + block * BLOCK);
+                        problem.delassus[row * size + column..][..width].copy_from_slice(&sum[..width]);
+                        for (c, entry) in sum[..width].iter().enumerate() {
+                            problem.delassus[(column + c) * size + row] = *entry;
+                        }
                     }
                 }
             }
         }
     }
 
-    /// K Δf, added to `effort`: what the contact impulses do to each degree of freedom [N·s, N·m·s].
-    pub fn push(&mut self, model: &Model, pose: &Pose, touches: &[Touch], impulse: &[f64], effort: &mut [f64]) {
-        for (i, touch) in touches.iter().enumerate() {
-            let force = self.force(i, impulse, touches.len());
-            contact_column(model, pose, touch.link, &touch.arm, &force, &mut self.column);
-            for (k, &dof) in self.column.iter().zip(model.path(touch.link)) {
-                effort[dof] += k;
+    /// Rows of Y of a group, base first.
+    fn rows(&self, group: &Group) -> impl Iterator<Item = &[[f64; BLOCK]]> {
+        self.blocks[group.start..].chunks_exact(group.width)
+    }
+
+    /// H⁻¹KΔf: the change of velocity that the contact impulses make.
+    pub fn respond(&self, model: &Model, factor: &Factor, impulse: &[f64], change: &mut [f64]) {
+        change.fill(0.0);
+        for group in &self.groups {
+            let impulse = &impulse[group.columns.clone()];
+            for (y, &dof) in self.rows(group).zip(model.path(group.link)) {
+                change[dof] += y.as_flattened().iter().zip(impulse).map(|(y, f)| y * f).sum::<f64>();
             }
         }
+        factor.second_half_solve(model, change);
     }
 
     /// Impulse on the i-th of `contacts` contacts as a vector in W [N·s].

@@ -22,7 +22,7 @@ pub struct PathMatrix {
 }
 
 /// Numbers that are worked on at once.
-const BLOCK: usize = 4;
+pub const BLOCK: usize = 4;
 
 impl PathMatrix {
     /// Zeros for a model.
@@ -138,6 +138,13 @@ impl Factor {
             }
             v[i] = y * self.reciprocal[i];
         }
+        self.second_half_solve(model, v);
+    }
+
+    /// v = L⁻¹ v.
+    pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
+        let width = self.l.stride * BLOCK;
+        let numbers = self.l.blocks.as_flattened();
         for i in 0..model.dofs() {
             let place = self.l.length[i] - 1;
             let x = v[i] * self.reciprocal[i];
@@ -148,16 +155,20 @@ impl Factor {
         }
     }
 
-    /// y = L⁻ᵀ k, for a column k that is zero off the path to `link` and holds one entry per degree of freedom of it.
+    /// Y = L⁻ᵀK, for columns of K that are zero off the path to `link`: one row per degree of freedom of the path, base
+    /// first, of `width` blocks.
     ///
-    /// The result has the same pattern, so that the Delassus matrix KᵀH⁻¹K = YᵀY has the entries
-    /// Σ y_a y_b over the first [`Model::shared`] places.
-    pub fn half_solve(&self, model: &Model, link: usize, k: &mut [f64]) {
+    /// The result has the same pattern, so that in the Delassus matrix KᵀH⁻¹K = YᵀY two links meet in the first
+    /// [`Model::shared`] rows.
+    pub fn half_solve(&self, model: &Model, link: usize, width: usize, rows: &mut [[f64; BLOCK]]) {
         for (depth, &i) in model.path(link).iter().enumerate().rev() {
-            k[depth] *= self.reciprocal[i];
-            let y = k[depth];
-            for (entry, l) in k[..depth].iter_mut().zip(self.l.row(i)) {
-                *entry -= l * y;
+            let (before, rest) = rows.split_at_mut(depth * width);
+            let row = &mut rest[..width];
+            row.as_flattened_mut().iter_mut().for_each(|y| *y *= self.reciprocal[i]);
+            for (entries, l) in before.chunks_exact_mut(width).zip(self.l.row(i)) {
+                for (entry, y) in entries.iter_mut().zip(row.iter()) {
+                    *entry = std::array::from_fn(|c| entry[c] - l * y[c]);
+                }
             }
         }
     }

@@ -65,8 +65,8 @@ struct Workspace {
     factor: Factor,
     /// b, then Δf_b, then H⁻¹Δf_b, then ẋ₋ + H⁻¹Δf_b.
     free: Vec<f64>,
-    /// KΔf, then H⁻¹KΔf.
-    effort: Vec<f64>,
+    /// H⁻¹KΔf.
+    change: Vec<f64>,
     column: Vec<f64>,
     touches: Vec<Touch>,
     map: ContactMap,
@@ -197,19 +197,17 @@ impl Plant {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     fn solve_contacts(&mut self) {
-        let Workspace { pose, factor, free, effort, touches, map, problem, solver, .. } = &mut self.work;
+        let Workspace { factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
         if !touches.is_empty() {
             let report = solver.solve(problem, self.settings.law, &mut self.memory);
             let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.record.note(&report);
-            effort.fill(0.0);
-            map.push(&self.model, pose, touches, &solver.impulse, effort);
-            factor.solve(&self.model, effort);
+            map.respond(&self.model, factor, &solver.impulse, change);
             for (i, touch) in touches.iter().enumerate() {
                 self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
             }
-            free.iter_mut().zip(effort.iter()).for_each(|(velocity, change)| *velocity += change);
+            free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
         self.state.xdot.copy_from_slice(free);
     }
@@ -290,7 +288,7 @@ impl Workspace {
             inertia: PathMatrix::new(model),
             factor: Factor::new(model),
             free: vec![0.0; model.dofs()],
-            effort: vec![0.0; model.dofs()],
+            change: vec![0.0; model.dofs()],
             column: vec![0.0; model.dofs()],
             touches: Vec::with_capacity(model.corners.len()),
             map: ContactMap::new(model),

@@ -19,6 +19,9 @@ const REFINEMENTS: usize = 3;
 /// A pivot this small, the unit diagonal being 1, belongs to a column that depends on those before it.
 const DEPENDENT: f64 = 1e-14;
 
+/// Numbers that are worked on at once.
+const LANES: usize = 4;
+
 #[derive(Clone, Copy, Debug)]
 struct Column {
     first: usize,
@@ -30,7 +33,10 @@ struct Column {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     columns: Vec<Column>,
-    matrix: Vec<f64>,
+    /// Rows in whole blocks, which are worked on at once.
+    matrix: Vec<[f64; LANES]>,
+    /// Blocks of a row.
+    width: usize,
     read_row: Vec<f64>,
     order: Vec<usize>,
     right: Vec<f64>,
@@ -130,49 +136,73 @@ impl Block {
 
     /// E A G = P^-1 L U in place.
     fn factor(&mut self, scaled: &Scaled) -> bool {
-        let (p, stride) = (self.columns.len(), scaled.stride());
+        let (p, m) = (self.columns.len(), scaled.drift.len());
+        self.width = p.div_ceil(LANES);
         self.matrix.clear();
-        for row in &self.columns {
-            scaled.combine(row.first, &row.read[..stride], &mut self.read_row);
-            self.matrix.extend(self.columns.iter().map(|c| in_contact(&c.push, &self.read_row[c.first..])));
+        self.matrix.resize(p * self.width, [0.0; LANES]);
+        for (row, entries) in self.columns.iter().zip(self.matrix.chunks_exact_mut(self.width)) {
+            let read = match row.read {
+                [1.0, 0.0, 0.0] => &scaled.delassus[row.first * m..][..m],
+                [0.0, 1.0, 0.0] => &scaled.delassus[(row.first + 1) * m..][..m],
+                [0.0, 0.0, 1.0] => &scaled.delassus[(row.first + 2) * m..][..m],
+                _ => {
+                    scaled.combine(row.first, &row.read[..scaled.stride()], &mut self.read_row);
+                    &self.read_row
+                }
+            };
+            let columns = self.columns.iter().zip(entries.as_flattened_mut());
+            columns.for_each(|(c, entry)| *entry = in_contact(&c.push, &read[c.first..]));
         }
         self.dependent = false;
         self.order.clear();
         self.order.extend(0..p);
         for k in 0..p {
-            let size = |r: usize| self.matrix[r * p + k].abs();
+            let size = |r: usize| self.matrix[r * self.width + k / LANES][k % LANES].abs();
             let best = (k + 1..p).fold(k, |best, r| if size(r) > size(best) { r } else { best });
             if size(best).is_nan() {
                 return false;
             }
             if size(best) <= DEPENDENT {
-                self.matrix[k * p + k] = f64::INFINITY; // its unknown stays zero
+                self.matrix[k * self.width + k / LANES][k % LANES] = f64::INFINITY; // its unknown stays zero
                 self.dependent = true;
                 continue;
             }
             if best != k {
                 self.order.swap(k, best);
-                (0..p).for_each(|c| self.matrix.swap(k * p + c, best * p + c));
+                (0..self.width).for_each(|c| self.matrix.swap(k * self.width + c, best * self.width + c));
             }
-            let (upper, lower) = self.matrix.split_at_mut((k + 1) * p);
-            let pivot = &upper[k * p..];
-            for row in lower.chunks_exact_mut(p) {
-                let factor = row[k] / pivot[k];
-                row[k] = factor;
-                row[k + 1..].iter_mut().zip(&pivot[k + 1..]).for_each(|(x, u)| *x -= factor * u);
-            }
+            self.eliminate(k);
         }
         true
     }
 
+    /// Takes row k from those below, whole blocks at a time; the factors stay where they made zeros.
+    fn eliminate(&mut self, k: usize) {
+        let (block, lane) = (k / LANES, k % LANES);
+        let (upper, lower) = self.matrix.split_at_mut((k + 1) * self.width);
+        let pivot = &upper[k * self.width + block..];
+        let reciprocal = 1.0 / pivot[0][lane];
+        for row in lower.chunks_exact_mut(self.width) {
+            let row = &mut row[block..];
+            let (kept, factor) = (row[0], row[0][lane] * reciprocal);
+            for (entries, u) in row.iter_mut().zip(pivot) {
+                *entries = std::array::from_fn(|c| entries[c] - factor * u[c]);
+            }
+            row[0][..lane].copy_from_slice(&kept[..lane]);
+            row[0][lane] = factor;
+        }
+    }
+
     fn substitute(&mut self) {
         let p = self.columns.len();
+        let row = |k: usize| &self.matrix[k * self.width..][..self.width].as_flattened()[..p];
         self.solution.clear();
-        for (k, row) in self.matrix.chunks_exact(p).enumerate() {
-            let known: f64 = row.iter().zip(&self.solution).map(|(l, y)| l * y).sum();
+        for k in 0..p {
+            let known: f64 = row(k).iter().zip(&self.solution).map(|(l, y)| l * y).sum();
             self.solution.push(self.right[self.order[k]] - known);
         }
-        for (k, row) in self.matrix.chunks_exact(p).enumerate().rev() {
+        for k in (0..p).rev() {
+            let row = row(k);
             let known: f64 = row[k + 1..].iter().zip(&self.solution[k + 1..]).map(|(u, y)| u * y).sum();
             self.solution[k] = (self.solution[k] - known) / row[k];
         }

@@ -93,6 +93,11 @@ impl Scaled {
         self.delassus.iter_mut().step_by(next).for_each(|a| *a += YIELD);
     }
 
+    /// Whether they do at present.
+    pub fn yields(&self) -> bool {
+        self.softened
+    }
+
     /// Takes [`Scaled::soften`] back.
     pub fn stiffen(&mut self) {
         self.softened = false;

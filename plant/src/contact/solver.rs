@@ -79,7 +79,7 @@ impl Solver {
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.basis.clear();
         self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
-        let warm = self.holds(law) || self.holds_softly(law);
+        let warm = [memory.yields, !memory.yields].iter().any(|&yields| self.holds(law, yields));
         let mut report = Report { warm, ..Report::default() };
         if !report.warm {
             let solved = self.find(law, &mut report.pivots);
@@ -89,6 +89,7 @@ impl Solver {
             }
         }
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
+        memory.yields = self.scaled.yields();
         self.unscale(problem);
         self.measure(problem, law, &mut report);
         report
@@ -181,19 +182,21 @@ impl Solver {
         residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
     }
 
-    /// Whether the basis is the solution.
-    fn holds(&mut self, law: Law) -> bool {
-        self.try_basis(law) <= SOLVED
-    }
-
-    /// Whether it is, for contacts that yield.
-    fn holds_softly(&mut self, law: Law) -> bool {
-        self.scaled.soften();
-        let holds = self.holds(law);
-        if !holds {
+    /// Whether the basis in memory is the solution, of contacts that yield or do not.
+    fn holds(&mut self, law: Law, yields: bool) -> bool {
+        if yields {
+            self.scaled.soften();
+        }
+        let holds = self.is_solved(law);
+        if yields && !holds {
             self.scaled.stiffen();
         }
         holds
+    }
+
+    /// Whether the present basis is the solution.
+    fn is_solved(&mut self, law: Law) -> bool {
+        self.try_basis(law) <= SOLVED
     }
 
     /// Principal pivoting on the energy program.
@@ -202,14 +205,14 @@ impl Solver {
         let Solver { scaled, energy_qp, block, basis, f, v, .. } = self;
         let Some(count) = energy_qp.pivot(scaled, block, basis, f, v, false) else { return false };
         *pivots += count;
-        self.holds(law)
+        self.is_solved(law)
     }
 
     /// Lemke's pivoting on the complementarity problem.
     fn pivot(&mut self, law: Law, care: Care, pivots: &mut u32) -> bool {
         let Some(count) = self.facets.pivot(&self.scaled, care, &mut self.basis) else { return false };
         *pivots += count;
-        self.holds(law)
+        self.is_solved(law)
     }
 
     /// Whether the basis comes from the energy program, where [`Solver::slide`] goes on from it.
@@ -260,7 +263,7 @@ impl Solver {
             self.note(error);
             let Solver { f, v, basis, .. } = self;
             active_set::slide(&self.scaled, f, v, basis);
-            if self.holds(law) || round == 0 && self.settle(law, pivots) {
+            if self.is_solved(law) || round == 0 && self.settle(law, pivots) {
                 return true;
             }
         }

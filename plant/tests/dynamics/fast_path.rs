@@ -5,7 +5,7 @@ use messages::scene::Base;
 use nalgebra::{DMatrix, DVector};
 use plant::PlantError;
 use plant::dynamics::{self, Force};
-use plant::factor::{Factor, PathMatrix};
+use plant::factor::{BLOCK, Factor, PathMatrix};
 use plant::kinematics::contact_column;
 use plant::state::State;
 
@@ -64,9 +64,10 @@ fn half_solved_columns_give_the_delassus_matrix() {
         let jacobians: Vec<DMatrix<f64>> =
             corners.iter().map(|corner| case.jacobian(corner.link, &corner.at)).collect();
         let half = |c: usize, axis: usize| {
-            let mut y: Vec<f64> = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]).collect();
-            factor.half_solve(model, corners[c].link, &mut y);
-            y
+            let column = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]);
+            let mut y: Vec<[f64; BLOCK]> = column.map(|k| [k, 0.0, 0.0, 0.0]).collect();
+            factor.half_solve(model, corners[c].link, 1, &mut y);
+            y.iter().map(|row| row[0]).collect::<Vec<f64>>()
         };
         let cholesky = case.inertia().cholesky().expect("a positive H");
         for (a, b) in [(0, 0), (0, 1), (0, 4), (3, 7), (5, 2)] {
