@@ -1,0 +1,54 @@
+//! What plant and controller must agree on before they speak.
+
+use crate::scene::Scene;
+use crate::wire::{FNV_START, SCHEMA_HASH, fnv1a};
+
+/// Who sets the pace.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pace {
+    /// The plant waits for each answer: as fast as possible, and every run the same.
+    Lockstep,
+    /// The clock does: each control period takes as long as in reality.
+    RealTime,
+}
+
+impl Pace {
+    fn name(self) -> &'static str {
+        match self {
+            Pace::Lockstep => "lockstep",
+            Pace::RealTime => "realtime",
+        }
+    }
+}
+
+/// What both sides must agree on before they speak.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Contract {
+    /// Hash of the wire format, [`SCHEMA_HASH`].
+    pub schema: u64,
+    /// Hash of the scene's plant and bodies.
+    pub model: u64,
+    /// Control rate [Hz].
+    pub rate: f64,
+    /// Lockstep or real time.
+    pub pace: Pace,
+}
+
+impl Contract {
+    /// The contract of a scene.
+    pub fn of(scene: &Scene, pace: Pace) -> Contract {
+        // Debug prints every field, and floats so that they read back exactly.
+        let text = format!("{:?}{:?}", scene.plant, scene.bodies);
+        Contract { schema: SCHEMA_HASH, model: fnv1a(FNV_START, text.as_bytes()), rate: scene.rate, pace }
+    }
+
+    /// The parts by name, as text.
+    pub(super) fn attributes(&self) -> [(&'static str, String); 4] {
+        [
+            ("wire schema", format!("{:016x}", self.schema)),
+            ("model", format!("{:016x}", self.model)),
+            ("rate", format!("{} Hz", self.rate)),
+            ("pace", self.pace.name().into()),
+        ]
+    }
+}

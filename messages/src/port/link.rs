@@ -1,0 +1,125 @@
+//! The two ends of a topic: written at once, waited for by spinning first and sleeping then.
+
+use super::error::{PortError, broken};
+use super::place::{Place, Topic};
+use crate::clock::now_ns;
+use crate::wire::Stamped;
+use iceoryx2::port::listener::{Listener, ListenerWaitError};
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
+use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::update_connections::UpdateConnections;
+use iceoryx2::prelude::*;
+use std::time::{Duration, Instant};
+
+/// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
+const SPIN: Duration = Duration::from_micros(50);
+/// For so long after its own last message a reader is surely still spinning [ns].
+const AWAKE_NS: u64 = SPIN.as_nanos() as u64 / 2;
+/// A sleeping reader looks around this often, so that a stop request or a restarted peer is noticed.
+const SLICE: Duration = Duration::from_millis(10);
+/// Writing end of a topic with a wake-up.
+#[derive(Debug)]
+pub(super) struct Outlet<M: Stamped> {
+    writer: Publisher<ipc::Service, M, ()>,
+    bell: Notifier<ipc::Service>,
+}
+
+impl<M: Stamped> Outlet<M> {
+    pub fn open(place: &Place, name: &str, role: &'static str) -> Result<Outlet<M>, PortError> {
+        let topic = place.link::<M>(name)?;
+        let writer = topic.publisher_builder().max_loaned_samples(1).create().map_err(|error| match error {
+            PublisherCreateError::ExceedsMaxSupportedPublishers => {
+                PortError::Taken { session: place.session().into(), role }
+            }
+            error => broken("writing", error),
+        })?;
+        let bell = place.event(name)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
+        Ok(Outlet { writer, bell })
+    }
+
+    /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
+    /// this one since. A ring is a system call and costs more than a tick.
+    pub fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
+        self.writer.send_copy(message.sealed()).map_err(|e| broken("writing", e))?;
+        if now_ns().saturating_sub(heard_ns) >= AWAKE_NS {
+            self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+        }
+        Ok(())
+    }
+
+    /// Gives the last message to a reader that has come since, and wakes it.
+    pub fn catch_up(&self) -> Result<(), PortError> {
+        self.writer.update_connections().map_err(|e| broken("connecting", e))?;
+        self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+        Ok(())
+    }
+}
+
+/// Reading end of a topic with a wake-up.
+#[derive(Debug)]
+pub(super) struct Inlet<M: Stamped> {
+    reader: Reader<M>,
+    bell: Listener<ipc::Service>,
+    /// Messages dropped because magic, schema hash or check sum were wrong.
+    pub unsound: u64,
+    /// When the writer sent what was read last, by its monotonic clock, which is ours [ns].
+    pub heard_ns: u64,
+}
+
+impl<M: Stamped> Inlet<M> {
+    pub fn open(place: &Place, name: &str) -> Result<Inlet<M>, PortError> {
+        let reader = Reader::open(&place.link::<M>(name)?, 1)?;
+        let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
+        Ok(Inlet { reader, bell, unsound: 0, heard_ns: 0 })
+    }
+
+    pub fn newest(&mut self) -> Result<Option<M>, PortError> {
+        let mut newest = None;
+        while let Some(message) = self.reader.next()? {
+            match message.is_sound() {
+                true => {
+                    self.heard_ns = message.stamp().mono_ns;
+                    newest = Some(message);
+                }
+                false => self.unsound += 1,
+            }
+        }
+        Ok(newest)
+    }
+
+    /// Spins first and sleeps then; gives up after a slice.
+    pub fn wait(&mut self) -> Result<Option<M>, PortError> {
+        let start = Instant::now();
+        loop {
+            let waited = start.elapsed(); // before the look: what comes after it is rung for, once we may sleep
+            let message = self.newest()?;
+            if message.is_some() || waited >= SLICE {
+                return Ok(message);
+            }
+            if waited < SPIN {
+                std::hint::spin_loop();
+                continue;
+            }
+            match self.bell.timed_wait(|_| (), SLICE - waited) {
+                Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
+                Err(error) => return Err(broken("the wake-up", error)),
+            }
+        }
+    }
+}
+
+/// Reading end of a topic.
+#[derive(Debug)]
+pub(super) struct Reader<M: Stamped>(Subscriber<ipc::Service, M, ()>);
+
+impl<M: Stamped> Reader<M> {
+    pub fn open(topic: &Topic<M>, buffer: usize) -> Result<Reader<M>, PortError> {
+        topic.subscriber_builder().buffer_size(buffer).create().map(Reader).map_err(|e| broken("reading", e))
+    }
+
+    /// A copy of the next message; its slot is free again at once.
+    pub fn next(&self) -> Result<Option<M>, PortError> {
+        Ok(self.0.receive().map_err(|e| broken("reading", e))?.map(|sample| *sample))
+    }
+}

@@ -1,0 +1,153 @@
+//! One process's place in a session: its node, and the topics as the contract wants them.
+
+use super::contract::Contract;
+use super::error::{PortError, broken};
+use crate::session::{Membership, Session};
+use crate::wire::{Stamped, Truth};
+use iceoryx2::prelude::*;
+use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
+use iceoryx2::service::builder::publish_subscribe::{
+    PublishSubscribeOpenError as Open, PublishSubscribeOpenOrCreateError,
+};
+use iceoryx2::service::port_factory::{event, publish_subscribe};
+use std::time::{Duration, Instant};
+
+/// Readers of truth: the recorder and one more.
+const RECORDERS: usize = 2;
+/// Readers of a link: its other end, and room for onlookers.
+const LINK_READERS: usize = 4;
+/// Messages of truth that a recorder may lag behind.
+pub(super) const TRUTH_BUFFER: usize = 4096;
+/// Time to keep trying while another process is just making or removing the same topic.
+const OPENING: Duration = Duration::from_secs(2);
+
+const TRUTH: &str = "biped/truth";
+
+pub(super) type Topic<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
+
+/// One process's place in a session: the node, and what it may open.
+#[derive(Debug)]
+pub(super) struct Place {
+    // Before the membership, whose end clears away what the node leaves: fields are dropped in order.
+    node: Node<ipc::Service>,
+    contract: Contract,
+    membership: Membership,
+}
+
+impl Place {
+    pub fn open(session: &Session, contract: &Contract) -> Result<Place, PortError> {
+        // What goes wrong is told in our own words; IOX2_LOG_LEVEL shows iceoryx2's as well.
+        set_log_level_from_env_or(LogLevel::Fatal);
+        let footprint = (RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
+        session.demand(4 * footprint)?;
+        let membership = session.enter()?;
+        let mut config = Config::default();
+        let root = session.root().into_os_string().into_encoded_bytes();
+        config.global.prefix = FileName::new(session.prefix().as_bytes()).map_err(|e| broken("naming", e))?;
+        config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| broken("naming", e))?);
+        // The default handler would swallow Ctrl-C; the program has its own.
+        let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
+        let node = builder.create().map_err(|e| broken("joining the session", e))?;
+        Ok(Place { node, contract: *contract, membership })
+    }
+
+    fn topic<M: Stamped>(&self, name: &str, shape: Shape) -> Result<Topic<M>, PortError> {
+        let service = service_name(name)?;
+        let builder = || self.node.service_builder(&service).publish_subscribe::<M>();
+        let required = self.required()?;
+        let open = || {
+            builder()
+                .max_publishers(1)
+                .max_subscribers(shape.readers)
+                .history_size(shape.history)
+                .subscriber_max_buffer_size(shape.buffer)
+                .subscriber_max_borrowed_samples(1)
+                .enable_safe_overflow(shape.overwrite)
+                .open_or_create_with_attributes(&required)
+        };
+        let error = match patiently(open, incompatible) {
+            Ok(topic) => return Ok(topic),
+            Err(error) => error,
+        };
+        match builder().open() {
+            Ok(found) if error == Open::IncompatibleAttributes.into() => Err(self.disagreement(found.attributes())),
+            _ if incompatible(&error) || error == Open::ServiceInCorruptedState.into() => {
+                Err(PortError::Foreign { session: self.membership.session().into(), reason: format!("{error:?}") })
+            }
+            _ => Err(broken("opening a topic", error)),
+        }
+    }
+
+    pub fn truth(&self) -> Result<Topic<Truth>, PortError> {
+        self.topic(TRUTH, Shape { readers: RECORDERS, buffer: TRUTH_BUFFER, history: 0, overwrite: false })
+    }
+
+    pub fn link<M: Stamped>(&self, name: &str) -> Result<Topic<M>, PortError> {
+        self.topic(name, Shape { readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
+    }
+
+    pub fn event(&self, name: &str) -> Result<event::PortFactory<ipc::Service>, PortError> {
+        let service = service_name(name)?;
+        patiently(|| self.node.service_builder(&service).event().open_or_create(), |_| false)
+            .map_err(|e| broken("the wake-up", e))
+    }
+
+    fn required(&self) -> Result<AttributeVerifier, PortError> {
+        self.contract.attributes().iter().try_fold(AttributeVerifier::new(), |verifier, (key, value)| {
+            let (key, value) = (AttributeKey::try_from(*key), AttributeValue::try_from(value.as_str()));
+            let (key, value) = (key.map_err(|e| broken("naming", e))?, value.map_err(|e| broken("naming", e))?);
+            verifier.require(&key, &value).map_err(|e| broken("naming", e))
+        })
+    }
+
+    /// The name of the session.
+    pub fn session(&self) -> &str {
+        self.membership.session()
+    }
+
+    /// The first part of the contract that the session's makers have otherwise.
+    fn disagreement(&self, found: &AttributeSet) -> PortError {
+        let session = self.membership.session().to_string();
+        for (what, ours) in self.contract.attributes() {
+            let key = AttributeKey::try_from(what).ok();
+            let theirs = key.and_then(|key| found.key_value(&key, 0).map(|value| value.to_string()));
+            let theirs = theirs.unwrap_or_else(|| "unknown".into());
+            if theirs != ours {
+                return PortError::Incompatible { session, what, theirs, ours };
+            }
+        }
+        PortError::Foreign { session, reason: "attributes differ".into() }
+    }
+}
+
+/// Quality of service of a topic.
+struct Shape {
+    readers: usize,
+    buffer: usize,
+    history: usize,
+    overwrite: bool,
+}
+
+fn service_name(name: &str) -> Result<ServiceName, PortError> {
+    name.try_into().map_err(|e| broken("naming", e))
+}
+
+/// Whether an existing topic is of another make, which waiting does not change.
+fn incompatible(error: &PublishSubscribeOpenOrCreateError) -> bool {
+    use Open::*;
+    let kinds = [IncompatibleAttributes, IncompatibleTypes, VersionMismatch, IncompatibleOverflowBehavior];
+    kinds.iter().any(|&kind| *error == kind.into())
+}
+
+/// Retries for a while what is not final: another process may be making or removing the same thing at this moment.
+fn patiently<T, E>(mut open: impl FnMut() -> Result<T, E>, is_final: impl Fn(&E) -> bool) -> Result<T, E> {
+    let start = Instant::now();
+    loop {
+        match open() {
+            Err(error) if !is_final(&error) && start.elapsed() < OPENING => {
+                std::thread::sleep(Duration::from_millis(2));
+            }
+            result => return result,
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! The topic that recorders listen to: in lockstep nothing is lost, in real time the plant never waits.
+
+use super::contract::Pace;
+use super::error::{PortError, broken};
+use super::place::Place;
+use crate::wire::{Stamped, Truth};
+use iceoryx2::port::publisher::Publisher;
+use iceoryx2::port::{BackpressureAction, BackpressureInfo};
+use iceoryx2::prelude::*;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
+use std::time::Duration;
+
+/// Patience of a lockstep plant with a recorder whose buffer is full.
+const RECORDER_PATIENCE: Duration = Duration::from_secs(3);
+/// Writing end of the truth.
+#[derive(Debug)]
+pub(super) struct TruthOutlet {
+    writer: Publisher<ipc::Service, Truth, ()>,
+    lost: Arc<AtomicU64>,
+}
+
+impl TruthOutlet {
+    pub fn open(place: &Place, pace: Pace) -> Result<TruthOutlet, PortError> {
+        let lost = Arc::new(AtomicU64::new(0));
+        let (counter, gave_up) = (lost.clone(), AtomicBool::new(false));
+        // Called while a recorder's buffer is full. One that has once been given up is not waited for again.
+        let when_full = move |full: &BackpressureInfo| {
+            if pace == Pace::Lockstep && full.elapsed_time < RECORDER_PATIENCE && !gave_up.load(Relaxed) {
+                return BackpressureAction::Retry;
+            }
+            if pace == Pace::Lockstep && !gave_up.swap(true, Relaxed) {
+                eprintln!("the recorder has not read for {} s: going on without it", RECORDER_PATIENCE.as_secs());
+            }
+            counter.fetch_add(1, Relaxed);
+            BackpressureAction::DiscardData
+        };
+        let topic = place.truth()?;
+        let builder = topic.publisher_builder().max_loaned_samples(1).set_backpressure_handler(when_full);
+        let writer = builder.create().map_err(|e| broken("writing", e))?;
+        Ok(TruthOutlet { writer, lost })
+    }
+
+    /// Messages that a recorder did not get.
+    pub fn lost(&self) -> u64 {
+        self.lost.load(Relaxed)
+    }
+
+    pub fn send(&self, truth: Truth) -> Result<(), PortError> {
+        self.writer.send_copy(truth.sealed()).map_err(|e| broken("writing", e))?;
+        Ok(())
+    }
+}
