@@ -15,15 +15,21 @@
 
 mod active_set;
 mod basis;
+mod cone_qp;
+mod cones;
 mod dictionary;
 mod energy_qp;
 mod facets;
+mod fixed_point;
 mod lemke;
+mod newton;
+mod project;
 mod residual;
 mod round;
 mod scaled;
 mod solver;
 mod spring_damper;
+mod sweep;
 
 pub use solver::Solver;
 
@@ -132,13 +138,14 @@ fn lift(problem: &Problem, law: Law, i: usize) -> f64 {
     }
 }
 
-/// Bases of the last step, by contact identity. Part of the state of a simulation: where A is singular, f (not v) depends
-/// on it.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+/// Bases, or impulses, of the last step by contact identity. Part of the state of a simulation: where A is singular, f (not
+/// v) depends on it.
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
     basis: Vec<u8>,
     /// The last solution needed contacts that yield: the next one tries them first.
     yields: bool,
+    impulse: Vec<[f64; 3]>,
 }
 
 impl Memory {
@@ -151,6 +158,21 @@ impl Memory {
             self.basis.resize(id + 1, 0);
         }
         self.basis[id] = bits;
+    }
+
+    /// Impulse of the last step [N·s]; zero of what did not touch.
+    fn impulse(&self, id: usize) -> [f64; 3] {
+        self.impulse.get(id).copied().unwrap_or_default()
+    }
+
+    fn keep(&mut self, problem: &Problem, impulse: &[f64]) {
+        self.impulse.fill([0.0; 3]);
+        for (&id, part) in problem.id.iter().zip(impulse.chunks_exact(1 + problem.tangents)) {
+            if self.impulse.len() <= id {
+                self.impulse.resize(id + 1, [0.0; 3]);
+            }
+            self.impulse[id][..part.len()].copy_from_slice(part);
+        }
     }
 }
 

@@ -8,8 +8,9 @@
 //! 0 <= s       _|_  mu f_N - sum beta >= 0    (20)
 //! ```
 //!
-//! Two facets are the paper's one slip direction, four resist both tangents. In scaled rows (`Scaled`) s has the scale of
-//! the normal row, so each beta_j comes with a weight c_j: `d_j v_F + c_j s` and `mu f_N - sum c_j beta_j = w_s`.
+//! Two facets are the paper's one slip direction, four resist both tangents, more come near a round cone from within. In
+//! scaled rows (`Scaled`) s has the scale of the normal row, so each beta_j comes with a weight c_j: `d_j v_F + c_j s` and
+//! `mu f_N - sum c_j beta_j = w_s`.
 //!
 //! Lemke does not start at zero but where each contact slides the way it would freely go: the facet that opposes it, say
 //! j, carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots a
@@ -18,12 +19,17 @@
 //! range of K^T, so f·b = 0: there is none.
 
 use super::lemke::{Care, Lemke};
+use super::project::corner;
 use super::scaled::Scaled;
 
 /// Assembly of the problem and the reading of its solution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
     lemke: Lemke,
+    /// d_j of every contact in its scaled rows, and its weight c_j.
+    facet: Vec<([f64; 3], f64)>,
+    /// d.
+    count: usize,
     /// Facet j of each contact, along which it slides at the start.
     start: Vec<usize>,
     /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
@@ -37,10 +43,18 @@ impl Facets {
     /// Solves and writes the basis, one bit per basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed.
     /// Returns the number of pivots, or `None` when there is no solution to be found.
     pub fn pivot(&mut self, scaled: &Scaled, care: Care, basis: &mut [u8]) -> Option<u32> {
-        self.directions(scaled);
-        self.assemble(scaled);
-        let pivots = self.lemke.run(care)?;
-        let size = scaled.facets() + 2;
+        self.count = scaled.facets();
+        self.facet.clear();
+        for ratio in scaled.ratio.chunks_exact(scaled.stride()) {
+            self.facet.extend((0..self.count).map(|j| {
+                let (row, sign) = Scaled::facet(j);
+                let mut unit = [0.0; 3];
+                unit[row] = sign;
+                (unit, ratio[row])
+            }));
+        }
+        let pivots = self.run(scaled, care)?;
+        let size = self.count + 2;
         for (i, bits) in basis.iter_mut().enumerate() {
             // Basic at the start are the facet of the slide and s, of the other pairs the velocities.
             let at_start = |local| local == 1 + self.start[i] || local == size - 1;
@@ -50,33 +64,63 @@ impl Facets {
         Some(pivots)
     }
 
+    /// Solves with `d` directions around each contact, whose rows are scaled alike, and writes the impulse to within the
+    /// rounding of the pivots. Likewise the number of pivots.
+    pub fn around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>) -> Option<u32> {
+        self.count = d;
+        self.facet.clear();
+        for _ in 0..scaled.contacts {
+            self.facet.extend((0..d).map(|j| {
+                let [x, y] = corner(d, j);
+                ([0.0, x, y], 1.0)
+            }));
+        }
+        let pivots = self.run(scaled, care)?;
+        f.clear();
+        f.resize(scaled.drift.len(), 0.0);
+        for (pair, push) in self.push.iter().enumerate() {
+            let amount = self.lemke.partner(pair) * scaled.size;
+            let first = pair / (d + 2) * 3;
+            f[first..].iter_mut().zip(push).for_each(|(f, push)| *f += amount * push);
+        }
+        Some(pivots)
+    }
+
+    fn run(&mut self, scaled: &Scaled, care: Care) -> Option<u32> {
+        self.directions(scaled);
+        self.assemble(scaled);
+        self.lemke.run(care)
+    }
+
     /// Chooses the facets of the start and from them what each variable pushes and reads.
     fn directions(&mut self, scaled: &Scaled) {
-        let (d, stride) = (scaled.facets(), scaled.stride());
+        let (d, stride) = (self.count, scaled.stride());
         self.start.clear();
         self.push.clear();
         self.read.clear();
-        for i in 0..scaled.contacts {
-            let ratio = &scaled.ratio[i * stride..][..stride];
-            let slip = |k: usize| scaled.drift[i * stride + k] / ratio[k];
-            let along = (2..stride).fold(1, |best, k| if slip(k).abs() > slip(best).abs() { k } else { best });
-            let j = 2 * (along - 1) + usize::from(slip(along) < 0.0);
-            let sign = Scaled::facet(j).1;
+        for (i, facet) in self.facet.chunks_exact(d).enumerate() {
+            // The facet against which the contact freely slips fastest.
+            let slip = |j: usize| {
+                let (unit, weight) = &facet[j];
+                -(1..stride).map(|k| unit[k] * scaled.drift[i * stride + k]).sum::<f64>() / weight
+            };
+            let j = (1..d).fold(0, |best, j| if slip(j) > slip(best) { j } else { best });
+            let (against, weight) = facet[j];
             self.start.push(j);
             for local in 0..d + 2 {
                 let mut e = [0.0; 3];
                 if local == 0 {
                     e[0] = 1.0;
                 } else if local == d + 1 {
-                    e[along] = -sign / ratio[along];
+                    e = against.map(|x| -x / weight);
                 } else if local != 1 + j {
-                    let (k, other) = Scaled::facet(local - 1);
-                    e[k] = other;
-                    e[along] -= sign * ratio[k] / ratio[along];
+                    let (unit, other) = facet[local - 1];
+                    e = [0, 1, 2].map(|k| unit[k] - against[k] * other / weight);
                 }
                 self.read.push(e);
                 if local == 0 {
-                    e[along] = sign * scaled.friction[i] / ratio[along];
+                    e = against.map(|x| x * scaled.friction[i] / weight);
+                    e[0] = 1.0;
                 }
                 self.push.push(e);
             }
@@ -85,8 +129,8 @@ impl Facets {
 
     /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
     fn assemble(&mut self, scaled: &Scaled) {
-        let Facets { lemke, start, push, read, combined } = self;
-        let (d, stride) = (scaled.facets(), scaled.stride());
+        let Facets { lemke, facet, count, start, push, read, combined } = self;
+        let (d, stride) = (*count, scaled.stride());
         let (size, n) = (d + 2, push.len());
         lemke.reset(n);
         for (r, e) in read.iter().enumerate() {
@@ -105,7 +149,7 @@ impl Facets {
             }
         }
         for (i, &j) in start.iter().enumerate() {
-            let ratio = |k: usize| scaled.ratio[i * stride + Scaled::facet(k).0];
+            let ratio = |k: usize| facet[i * d + k].1;
             let first = i * size;
             let mut couple = |row: usize, column: usize, x: f64| lemke.dictionary.row_mut(first + row)[column] += x;
             couple(0, n, 1.0);

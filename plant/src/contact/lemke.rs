@@ -54,6 +54,13 @@ impl Lemke {
         self.place[n + i] < n
     }
 
+    /// Value of that partner in the solution.
+    pub fn partner(&self, i: usize) -> f64 {
+        let n = self.dictionary.rows;
+        let place = self.place[n + i];
+        if place < n { self.dictionary.constant(place) } else { 0.0 }
+    }
+
     /// Runs to a complementary basis and returns the number of pivots, or `None` on a ray or after 50 n pivots.
     pub fn run(&mut self, care: Care) -> Option<u32> {
         let n = self.dictionary.rows;

@@ -1,7 +1,8 @@
 //! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
 
+use super::project::{bounded, cone, greatest_slip, pyramid};
 use super::residual::relative;
-use super::scaled::dot;
+use super::scaled::{Scaled, dot};
 use super::{Problem, Report, lift};
 use messages::scene::Law;
 
@@ -10,7 +11,6 @@ const IMMOVABLE: f64 = 1e-20;
 
 /// What the impulse of a contact has to obey: f = P_K(f - v^) with a cone K and a corrected velocity v^.
 #[derive(Clone, Copy, Debug)]
-#[allow(dead_code)]
 pub(super) enum Rule<'a> {
     /// Coulomb's law, (17)-(22): v^_N = v_N + mu |v_F|, K the round cone (De Saxcé & Feng 1998).
     Coulomb,
@@ -72,6 +72,16 @@ impl Round {
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
     }
 
+    /// Copies itself for [`super::facets`], of which the rows of a contact need not be scaled alike.
+    pub fn copy_to(&self, scaled: &mut Scaled) {
+        (scaled.contacts, scaled.tangents, scaled.size) = (self.contacts, 2, self.size);
+        scaled.delassus.clone_from(&self.delassus);
+        scaled.drift.clone_from(&self.drift);
+        scaled.friction.clone_from(&self.friction);
+        scaled.ratio.clear();
+        scaled.ratio.resize(self.drift.len(), 1.0);
+    }
+
     /// v~ = A~ f~ + b~.
     pub fn velocity(&self, f: &[f64], v: &mut Vec<f64>) {
         v.clear();
@@ -89,7 +99,6 @@ impl Round {
     }
 
     /// Writes an impulse back in N·s.
-    #[allow(dead_code)]
     pub fn write(&self, problem: &Problem, f: &[f64], impulse: &mut Vec<f64>) {
         impulse.clear();
         for (f, scale) in f.chunks_exact(3).zip(&self.scale) {
@@ -110,9 +119,9 @@ impl Round {
             };
             let x = [f[0] - v[0] - shift, f[1] - v[1], f[2] - v[2]];
             let nearest = match rule {
-                Rule::Coulomb | Rule::Energy(_) => project(x, mu),
+                Rule::Coulomb | Rule::Energy(_) => cone(x, mu),
                 Rule::Bound(bound) => bounded(x, bound[i]),
-                Rule::Polygon(d) => project_pyramid(x, mu, d),
+                Rule::Polygon(d) => pyramid(x, mu, d),
             };
             for k in 0..3 {
                 // Neither the projection nor f64::max may hide a NaN.
@@ -121,6 +130,14 @@ impl Round {
             }
         }
         relative(worst, self.reach(f))
+    }
+
+    /// Step rho of a tangent impulse against a slip, the inverse of the greater tangent diagonal.
+    pub fn tangent_step(&self, i: usize) -> f64 {
+        let n = 3 * self.contacts;
+        let diagonal = |k: usize| self.delassus[k * n + k];
+        let greater = diagonal(3 * i + 1).max(diagonal(3 * i + 2));
+        if greater > 0.0 { 1.0 / greater } else { 1.0 }
     }
 
     /// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
@@ -152,65 +169,4 @@ fn misalignment(f: [f64; 3], v: [f64; 3], scale: f64) -> f64 {
         return 0.0;
     }
     (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))
-}
-
-/// Nearest point of the cone |x_F| <= mu x_N.
-pub(super) fn project(x: [f64; 3], mu: f64) -> [f64; 3] {
-    let r = x[1].hypot(x[2]);
-    if r <= mu * x[0] {
-        return x;
-    }
-    let edge = ((x[0] + mu * r) / (1.0 + mu * mu)).max(0.0);
-    let along = if r > 0.0 { mu * edge / r } else { 0.0 };
-    [edge, along * x[1], along * x[2]]
-}
-
-/// Nearest point of f_N >= 0, |f_F| <= bound.
-fn bounded(x: [f64; 3], bound: f64) -> [f64; 3] {
-    let r = x[1].hypot(x[2]);
-    let share = if r > bound { bound / r } else { 1.0 };
-    [x[0].max(0.0), share * x[1], share * x[2]]
-}
-
-/// Corner j of the polygon of friction.
-pub(super) fn corner(d: usize, j: usize) -> [f64; 2] {
-    // Exact along the axes.
-    match 4 * j % (4 * d) / d {
-        0 if j.is_multiple_of(d) => [1.0, 0.0],
-        1 if (4 * j).is_multiple_of(d) => [0.0, 1.0],
-        2 if (4 * j).is_multiple_of(d) => [-1.0, 0.0],
-        3 if (4 * j).is_multiple_of(d) => [0.0, -1.0],
-        _ => {
-            let (sin, cos) = (std::f64::consts::TAU * j as f64 / d as f64).sin_cos();
-            [cos, sin]
-        }
-    }
-}
-
-/// Greatest speed against a corner of the polygon.
-fn greatest_slip(d: usize, v: [f64; 3]) -> f64 {
-    (0..d).map(|j| corner(d, j)).map(|[c, s]| -(c * v[1] + s * v[2])).fold(0.0, f64::max)
-}
-
-/// Nearest point of the pyramid whose edges are (1, mu corner).
-fn project_pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
-    // In the sector around the middle of a side, x = (n, across, along) with 0 at that middle.
-    let sector = std::f64::consts::TAU / d as f64;
-    let middle = ((x[2].atan2(x[1]) / sector).floor() + 0.5) * sector;
-    let (sin, cos) = middle.sin_cos();
-    let (across, along) = (cos * x[1] + sin * x[2], cos * x[2] - sin * x[1]);
-    let (depth, half) = ((sector / 2.0).cos() * mu, (sector / 2.0).sin() * mu);
-    if across <= depth * x[0] {
-        return x;
-    }
-    // The face across = depth n, and if that is beyond its edges, the nearer edge along = ±half n.
-    let edge = ((x[0] + depth * across) / (1.0 + depth * depth)).max(0.0);
-    let nearest = if along.abs() <= half * edge {
-        [edge, depth * edge, along]
-    } else {
-        let edge = (x[0] + depth * across + half * along.abs()) / (1.0 + mu * mu);
-        let edge = edge.max(0.0);
-        [edge, depth * edge, (half * edge).copysign(along)]
-    };
-    [nearest[0], cos * nearest[1] - sin * nearest[2], sin * nearest[1] + cos * nearest[2]]
 }

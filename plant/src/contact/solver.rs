@@ -1,13 +1,13 @@
 //! The solver: from the cheapest way to a complementary basis to the surest, each judged by its residual alone.
 
 use super::basis::Block;
+use super::cones::Cones;
 use super::energy_qp::{EnergyQp, minimises_energy};
 use super::facets::Facets;
 use super::lemke::{CAREFUL, Care, QUICK};
 use super::residual::{self, Yardstick};
-use super::round::{Round, Rule};
 use super::scaled::{self, Scaled};
-use super::{Memory, Problem, Report, active_set, spring_damper};
+use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
@@ -41,7 +41,7 @@ pub struct Solver {
     /// Contact velocity v = A f + b [m/s].
     pub velocity: Vec<f64>,
     scaled: Scaled,
-    round: Round,
+    cones: Cones,
     proximal: Scaled,
     facets: Facets,
     energy_qp: EnergyQp,
@@ -71,7 +71,7 @@ impl Solver {
     /// Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
         if !has_basis(law) {
-            return self.solve_round(problem, law, memory);
+            return self.solve_cones(problem, law, memory);
         }
         self.scaled.set(problem, law);
         self.least = f64::INFINITY;
@@ -95,34 +95,12 @@ impl Solver {
         report
     }
 
-    /// The laws without a basis: forces by formula, round cones, iterations.
-    fn solve_round(&mut self, problem: &Problem, law: Law, _memory: &mut Memory) -> Report {
-        let mut report = Report::default();
-        match law {
-            Law::SpringDamper => spring_damper::push(problem, &mut self.impulse),
-            _ => {
-                self.impulse.clear();
-                self.impulse.resize(problem.rows(), 0.0);
-                report.fallback = true;
-            }
-        }
-        self.measure_round(problem, law, &mut report);
-        report
-    }
-
-    /// Velocity after the step, and the residuals, of the present impulse.
-    fn measure_round(&mut self, problem: &Problem, law: Law, report: &mut Report) {
-        self.round.set(problem, law);
-        self.round.read(&self.impulse, &mut self.f);
-        self.round.velocity(&self.f, &mut self.v);
-        self.round.measure(Rule::Coulomb, &self.f, &self.v, report);
-        if law == Law::SpringDamper {
-            report.own = 0.0 * report.natural_map; // a formula has no residual, unless it is no number
-        }
-        self.velocity.clear();
-        let rows = problem.delassus.chunks_exact(problem.rows().max(1)).zip(&problem.drift);
-        self.velocity.extend(rows.map(|(row, b)| b + scaled::dot(row, &self.impulse)));
+    /// The laws without a basis: forces by formula, round cones, pyramids, iterations.
+    fn solve_cones(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
+        let mut report = self.cones.solve(problem, law, memory, &mut self.impulse);
+        self.find_velocity(problem);
         report.energy_gain = self.energy_gain(problem);
+        report
     }
 
     /// Finds the solution, the way that most steps take first; false if every way failed.
@@ -155,10 +133,11 @@ impl Solver {
     /// Residuals of a given impulse, as a yardstick for any other solver.
     pub fn measure_impulse(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
         if !has_basis(law) {
-            let mut report = Report::default();
+            let mut report = self.cones.measure(problem, law, impulse);
             self.impulse.clear();
             self.impulse.extend_from_slice(impulse);
-            self.measure_round(problem, law, &mut report);
+            self.find_velocity(problem);
+            report.energy_gain = self.energy_gain(problem);
             return report;
         }
         self.scaled.set(problem, law);
@@ -319,11 +298,15 @@ impl Solver {
 
     /// From energy units back to N·s and m/s.
     fn unscale(&mut self, problem: &Problem) {
-        let m = problem.rows();
         self.impulse.clear();
         self.impulse.extend(self.f.iter().zip(&self.scaled.root).map(|(f, &r)| if r > 0.0 { f / r } else { 0.0 }));
+        self.find_velocity(problem);
+    }
+
+    /// v = A f + b of the present impulse.
+    fn find_velocity(&mut self, problem: &Problem) {
         self.velocity.clear();
-        let rows = problem.delassus.chunks_exact(m.max(1)).zip(&problem.drift);
+        let rows = problem.delassus.chunks_exact(problem.rows().max(1)).zip(&problem.drift);
         self.velocity.extend(rows.map(|(row, b)| b + scaled::dot(row, &self.impulse)));
     }
 

@@ -1,0 +1,213 @@
+//! Laws of round cones and pyramids, from the cheapest start to the surest.
+
+use super::cone_qp::ConeQp;
+use super::facets::Facets;
+use super::fixed_point;
+use super::lemke::{Care, QUICK};
+use super::newton::Newton;
+use super::round::{Round, Rule};
+use super::scaled::Scaled;
+use super::sweep::sweep;
+use super::{Memory, Problem, Report, spring_damper};
+use messages::scene::{Iteration, Law};
+
+/// A residual up to this is solved.
+pub(super) const SOLVED: f64 = 4e-11;
+/// Sweeps before each new start of Newton's method.
+const BURSTS: [u32; 4] = [3, 12, 50, 200];
+
+/// Starts by pivoting: what contacts yield by, and what counts as zero.
+const PIVOTING: [(f64, Care); 5] =
+    [(0.0, QUICK), (0.0, Care { zero: 1e-12, tie: 1e-12, afresh: false }), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
+
+/// Workspace and last solution of the laws that have no basis along the problem's tangents.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Cones {
+    pub round: Round,
+    pub f: Vec<f64>,
+    pub v: Vec<f64>,
+    newton: Newton,
+    cone_qp: ConeQp,
+    facets: Facets,
+    scaled: Scaled,
+    proximal: Scaled,
+    swept: Vec<f64>,
+    best: Vec<f64>,
+    /// Friction bound or shift of v_N that the present iterate is solved with.
+    pub held: Vec<f64>,
+}
+
+impl Cones {
+    /// Solves; writes the impulse [N·s].
+    pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
+        let mut report = Report::default();
+        self.round.set(problem, law);
+        impulse.clear();
+        problem.id.iter().for_each(|&id| impulse.extend_from_slice(&memory.impulse(id)[..1 + problem.tangents]));
+        self.round.read(impulse, &mut self.f);
+        let solved = match law {
+            Law::SpringDamper => {
+                spring_damper::push(problem, impulse);
+                self.round.read(impulse, &mut self.f);
+                true
+            }
+            Law::Sweep(count) => {
+                (0..count).for_each(|_| sweep(&self.round, Rule::Coulomb, &mut self.f));
+                report.pivots = count.into();
+                true
+            }
+            Law::Lagged => {
+                self.held.clear();
+                self.hold(Iteration::Tresca, 1.0);
+                self.with_held(|cones, held| cones.minimise(Rule::Bound(held), &mut report.pivots))
+            }
+            Law::ConeQp => {
+                let energy = Rule::Energy(&[]);
+                self.certify(energy, &mut report.pivots) || self.minimise(energy, &mut report.pivots)
+            }
+            Law::FixedPoint(iteration) => fixed_point::iterate(self, iteration, &mut report.pivots),
+            _ => self.coulomb(rule(law), &mut report.pivots),
+        };
+        report.fallback = !solved;
+        self.round.velocity(&self.f, &mut self.v);
+        self.round.measure(rule(law), &self.f, &self.v, &mut report);
+        match law {
+            Law::SpringDamper => report.own = 0.0 * report.natural_map, // a formula has no residual but NaN
+            Law::Lagged => report.own = self.round.natural_map(Rule::Bound(&self.held), &self.f, &self.v),
+            _ => {}
+        }
+        report.warm = solved && report.pivots == 0;
+        self.round.write(problem, &self.f, impulse);
+        memory.keep(problem, impulse);
+        report
+    }
+
+    /// Residuals of a given impulse.
+    pub fn measure(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
+        let mut report = Report::default();
+        self.round.set(problem, law);
+        self.round.read(impulse, &mut self.f);
+        self.round.velocity(&self.f, &mut self.v);
+        self.round.measure(rule(law), &self.f, &self.v, &mut report);
+        report
+    }
+
+    /// Takes this share of the bound, or of the shift, that the present impulse gives, the rest from before.
+    pub fn hold(&mut self, iteration: Iteration, share: f64) {
+        let first = self.held.is_empty();
+        self.held.resize(self.round.contacts, 0.0);
+        let at_rest = self.f.iter().all(|f| *f == 0.0);
+        for (i, held) in self.held.iter_mut().enumerate() {
+            let mu = self.round.friction[i];
+            let new = match iteration {
+                Iteration::Tresca => mu * self.f[3 * i].max(0.0),
+                Iteration::Aclm if at_rest => 0.0,
+                Iteration::Aclm => mu * self.v[3 * i + 1].hypot(self.v[3 * i + 2]),
+            };
+            *held = if first { new } else { *held + share * (new - *held) };
+        }
+    }
+
+    /// Lends `held` to a rule.
+    pub fn with_held<T>(&mut self, work: impl FnOnce(&mut Cones, &[f64]) -> T) -> T {
+        let held = std::mem::take(&mut self.held);
+        let result = work(self, &held);
+        self.held = held;
+        result
+    }
+
+    /// Coulomb's law from the remembered impulse, from sweeps, from Lemke's method with as many facets, and as a fixed point
+    /// of energy minima.
+    fn coulomb(&mut self, rule: Rule<'_>, steps: &mut u32) -> bool {
+        if self.settle(rule, steps) {
+            return true;
+        }
+        let mut least = self.residual(rule);
+        let mut kept = self.f.clone();
+        let ways = PIVOTING.map(Some).into_iter().chain([None]);
+        for way in ways {
+            match way {
+                Some((rho, care)) => self.pivot(rule, rho, care, steps),
+                None => _ = fixed_point::iterate(self, Iteration::Aclm, steps),
+            }
+            let error = self.newton.polish(&self.round, rule, &mut self.f, &mut self.v, steps);
+            if error < least {
+                least = error;
+                kept.clone_from(&self.f);
+            }
+            if least <= SOLVED {
+                break;
+            }
+        }
+        self.f = kept;
+        least <= SOLVED
+    }
+
+    /// A start by Lemke's method: of contacts that yield by `rho` around the present impulse.
+    fn pivot(&mut self, rule: Rule<'_>, rho: f64, care: Care, steps: &mut u32) {
+        let d = if let Rule::Polygon(d) = rule { d } else { 8 };
+        self.round.copy_to(&mut self.scaled);
+        self.proximal.regularise(&self.scaled, rho, &self.f);
+        self.swept.clone_from(&self.f);
+        *steps += self.facets.around(&self.proximal, d, care, &mut self.swept).unwrap_or(0);
+        self.f.clone_from(&self.swept);
+    }
+
+    /// Minimum of a convex rule: Newton's method, and behind it the interior-point method.
+    pub fn minimise(&mut self, rule: Rule<'_>, steps: &mut u32) -> bool {
+        if self.settle(rule, steps) || self.certify(rule, steps) {
+            return true;
+        }
+        let (error, kept) = (self.residual(rule), self.f.clone());
+        self.f.fill(0.0);
+        if !self.settle(rule, steps) && self.residual(rule) > error {
+            self.f = kept;
+        }
+        self.residual(rule) <= SOLVED
+    }
+
+    /// The interior-point method, and the last digits by Newton's.
+    fn certify(&mut self, rule: Rule<'_>, steps: &mut u32) -> bool {
+        *steps += self.cone_qp.solve(&self.round, rule, &mut self.f);
+        self.newton.polish(&self.round, rule, &mut self.f, &mut self.v, steps) <= SOLVED
+    }
+
+    /// Newton's method from `f`, then from ever more sweeps; leaves the best.
+    fn settle(&mut self, rule: Rule<'_>, steps: &mut u32) -> bool {
+        self.swept.clone_from(&self.f);
+        let mut least = self.newton.polish(&self.round, rule, &mut self.f, &mut self.v, steps);
+        if least <= SOLVED || !self.round.size.is_finite() {
+            return least <= SOLVED;
+        }
+        for count in BURSTS {
+            (0..count).for_each(|_| sweep(&self.round, rule, &mut self.swept));
+            self.best.clone_from(&self.f);
+            self.f.clone_from(&self.swept);
+            let error = self.newton.polish(&self.round, rule, &mut self.f, &mut self.v, steps);
+            if error <= SOLVED {
+                return true;
+            }
+            if error < least {
+                least = error;
+            } else {
+                self.f.clone_from(&self.best);
+            }
+        }
+        false
+    }
+
+    /// Natural map of the present impulse.
+    pub fn residual(&mut self, rule: Rule<'_>) -> f64 {
+        self.round.velocity(&self.f, &mut self.v);
+        self.round.natural_map(rule, &self.f, &self.v)
+    }
+}
+
+/// The rule that a law's own residual is measured by.
+pub(super) fn rule(law: Law) -> Rule<'static> {
+    match law {
+        Law::ConeQp => Rule::Energy(&[]),
+        Law::Facets(d) => Rule::Polygon(d.into()),
+        _ => Rule::Coulomb,
+    }
+}
