@@ -5,12 +5,14 @@
 //! |---|---|
 //! | the main job | [`run`] |
 //! | tables of many runs | [`study`] |
+//! | speed against accuracy | [`chart`] |
 //! | starting, watching and ending processes | [`children`] |
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
+mod chart;
 mod children;
 mod csv;
 mod exit;
@@ -49,6 +51,8 @@ enum Command {
     Run(run::RunArgs),
     /// Run the cases of a table, in parallel, and write it
     Study(study::StudyArgs),
+    /// Chart speed against accuracy: every law, integrator and model size, beside other engines
+    Chart(chart::ChartArgs),
     /// Be the plant of a session
     Plant(RoleArgs),
     /// Be the controller of a session
@@ -126,6 +130,7 @@ fn main() -> ExitCode {
     let result = match Cli::parse().command {
         Some(Command::Run(args)) => run::run(&args, &stop),
         Some(Command::Study(args)) => study::run(&args, &stop),
+        Some(Command::Chart(args)) => chart::run(&args, &stop),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
         Some(Command::List { keys: false }) => list::scenes(),

@@ -5,7 +5,7 @@ mod draw;
 mod frames;
 mod lateral;
 mod loads;
-mod plot;
+pub mod plot;
 mod portrait;
 mod timing;
 mod torques;
@@ -112,7 +112,7 @@ fn page(figures: &[Figure], summary: &Summary, description: &str, scene: &str) -
 }
 
 /// The drawing in the colours of the page, light or dark.
-fn inline(svg: &str) -> String {
+pub fn inline(svg: &str) -> String {
     svg.replace("#1F2328", "currentColor").replace("#E1E5EA", "var(--grid)").replace("#FFFFFF", "var(--card)")
 }
 

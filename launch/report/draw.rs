@@ -110,9 +110,19 @@ fn draw_mark(chart: &mut Chart, mark: &Mark) -> Outcome {
                 plane.draw(&Circle::new(point, px(*radius), colour.filled()))?;
             }
         }
+        Shape::Rings(points, radius) => {
+            for &point in points.iter().filter(|point| is_finite(point)) {
+                plane.draw(&Circle::new(point, px(*radius), WHITE.filled()))?;
+                plane.draw(&Circle::new(point, px(*radius), colour.stroke_width(px(1.3).unsigned_abs())))?;
+            }
+        }
         Shape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
         Shape::Text(at, text) => {
             let style = font(12.0, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
+            plane.draw(&Text::new(text.clone(), *at, style))?;
+        }
+        Shape::Note(at, text) => {
+            let style = font(12.0, mark.colour).pos(Pos::new(HPos::Left, VPos::Center));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
     }
@@ -138,9 +148,11 @@ fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
             Shape::Area(_) => {
                 root.draw(&Rectangle::new([(px(x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))], colour.filled()))?
             }
-            Shape::Dots(..) => root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.filled()))?,
+            Shape::Dots(..) | Shape::Rings(..) => {
+                root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.filled()))?
+            }
             Shape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
-            Shape::Line(..) | Shape::Text(..) => root.draw(&line(0.0, 18.0))?,
+            Shape::Line(..) | Shape::Text(..) | Shape::Note(..) => root.draw(&line(0.0, 18.0))?,
         }
         let style = font(13.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
         root.draw(&Text::new(label, (px(x + 24.0), px(y)), style))?;

@@ -68,8 +68,10 @@ pub(super) enum Shape {
     Line(Vec<(f64, f64)>, f64),
     Dashes(Vec<(f64, f64)>),
     Dots(Vec<(f64, f64)>, f64),
+    Rings(Vec<(f64, f64)>, f64),
     Area(Vec<(f64, f64)>),
     Text((f64, f64), String),
+    Note((f64, f64), String),
 }
 
 impl Axis {
@@ -114,6 +116,11 @@ impl Mark {
         Self::new(Shape::Dots(points, radius), colour)
     }
 
+    /// Hollow dots of a radius [px].
+    pub fn rings(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
+        Self::new(Shape::Rings(points, radius), colour)
+    }
+
     /// A filled polygon.
     pub fn area(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
         Self::new(Shape::Area(points), colour)
@@ -122,6 +129,11 @@ impl Mark {
     /// Small text, centred above a place.
     pub fn text(at: (f64, f64), text: String) -> Self {
         Self::new(Shape::Text(at, text), INK)
+    }
+
+    /// Small text that begins at a place, in a colour.
+    pub fn note(at: (f64, f64), text: String, colour: RGBColor) -> Self {
+        Self::new(Shape::Note(at, text), colour)
     }
 
     /// See-through.

@@ -1,0 +1,153 @@
+//! `biped chart`: speed against accuracy of every contact law, integrator and model size, and where each of them fails.
+//!
+//! | view | what | where |
+//! |---|---|---|
+//! | (i) | error against CPU time per simulated second | [`precision`] |
+//! | (ii) | CPU time per step of 1 ms | [`steps`] |
+//! | (iii) | where methods fail, and from where on | [`failures`], [`thresholds`] |
+//! | (iv) | size of the model against cost | [`models`] |
+//!
+//! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
+//! drawn ([`draw`], [`page`]) is drawn from these rows alone.
+
+mod cases;
+mod csv;
+mod draw;
+mod exact;
+mod failures;
+mod metrics;
+mod models;
+mod page;
+mod peers;
+mod precision;
+mod steps;
+mod thresholds;
+mod trial;
+
+use crate::exit::{Exit, Failure};
+use crate::report::write_whole;
+use crate::say;
+use clap::Args;
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use std::io::IsTerminal;
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Arguments of `biped chart`.
+#[derive(Args)]
+pub struct ChartArgs {
+    /// Write the table, the drawings and the page into this folder
+    #[arg(long, value_name = "DIR", default_value = "out/chart")]
+    out: PathBuf,
+    /// Coarse steps and few of them: everything is drawn, within a minute
+    #[arg(long)]
+    quick: bool,
+    /// Measure other engines too; they are installed into a virtual environment of Python
+    #[arg(long)]
+    peers: bool,
+    /// Only these comparison scenes, separated by commas
+    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
+    scenes: Vec<String>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Measures everything and draws it.
+///
+/// # Errors
+/// Ctrl-C, an unknown scene, or a folder that cannot be written.
+pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let chosen = cases::chosen(&args.scenes)?;
+    let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
+    std::fs::create_dir_all(&args.out).map_err(unwritable)?;
+    let watch = Watch::new(args.quiet, stop);
+    let trials = precision::trials(&chosen, args.quick, &watch)?;
+    let mut rows: Vec<_> = trials.iter().flat_map(precision::Trial::rows).collect();
+    rows.extend(steps::rows(args.quick, &watch)?);
+    rows.extend(failures::rows(&trials, &watch)?);
+    rows.extend(thresholds::rows(&watch)?);
+    rows.extend(models::rows(&watch)?);
+    let remark = match args.peers {
+        true => "",
+        false => "Other simulators are not drawn: biped chart --peers measures them too.",
+    };
+    if args.peers {
+        rows.extend(peers::rows(&args.out, args.quick, &watch)?);
+    }
+    watch.bar.finish_and_clear();
+    page::write(&args.out, &chosen, &rows, remark).map_err(unwritable)?;
+    write_whole(&args.out.join("chart.csv"), &csv::table(&rows)).map_err(unwritable)?;
+    say(format!(
+        "{} measurements in {}, drawn in chart.html beside it\n",
+        rows.len(),
+        args.out.join("chart.csv").display()
+    ));
+    Ok(())
+}
+
+/// What is being done.
+#[derive(Clone, Copy, Debug)]
+enum Job {
+    Watching,
+    Timing,
+    Failing,
+    Bisecting,
+    Sizing,
+}
+
+/// Progress, and the wish to stop.
+struct Watch<'a> {
+    bar: ProgressBar,
+    lines: bool,
+    told: Mutex<Instant>,
+    stop: &'a AtomicBool,
+}
+
+impl<'a> Watch<'a> {
+    fn new(quiet: bool, stop: &'a AtomicBool) -> Watch<'a> {
+        let terminal = std::io::stderr().is_terminal();
+        let target = if terminal && !quiet { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(0), target);
+        if let Ok(style) = ProgressStyle::with_template("[{bar:24}] {pos} of {len} runs, {elapsed}, {msg}") {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        Watch { bar, lines: !terminal && !quiet, told: Mutex::new(Instant::now()), stop }
+    }
+
+    /// So many runs more are to come.
+    fn expect(&self, runs: usize) {
+        self.bar.inc_length(runs as u64);
+    }
+
+    /// One run begins.
+    fn step(&self, job: Job) -> Result<(), Failure> {
+        self.bar.inc(1);
+        self.bar.set_message(format!("{job:?}").to_lowercase());
+        if let Ok(mut told) = self.told.lock()
+            && self.lines
+            && told.elapsed() > Duration::from_secs(5)
+        {
+            *told = Instant::now();
+            eprintln!("{} of {} runs, {job:?}", self.bar.position(), self.bar.length().unwrap_or(0));
+        }
+        match self.is_stopped() {
+            true => Err(Failure::new(Exit::Interrupted, "interrupted")),
+            false => Ok(()),
+        }
+    }
+
+    /// Says a line beside the bar.
+    fn tell(&self, line: &str) {
+        match self.lines {
+            true => eprintln!("{line}"),
+            false => self.bar.println(line),
+        }
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.stop.load(Relaxed)
+    }
+}

@@ -1,0 +1,161 @@
+//! What is compared: the scenes with their exact answers, the ways to simulate them, and the steps to do it with.
+
+use super::metrics::{HOP, PENETRATION};
+use crate::exit::{Exit, Failure};
+use crate::list::SCENES;
+use messages::load::{load, validate};
+use messages::scene::{Law, Method, Scene};
+use serde::Serialize;
+
+/// A comparison scene.
+#[derive(Clone, Copy, Debug)]
+pub struct Case {
+    /// Name of the scene.
+    pub name: &'static str,
+    /// Heading.
+    pub title: &'static str,
+    /// The error that it is about, for an axis.
+    pub words: &'static str,
+    /// What is asked of it.
+    pub question: Question,
+    /// Steps that the finest run may take.
+    pub patience: f64,
+}
+
+/// What is asked of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Question {
+    /// Does free flight keep its energy?
+    Flight,
+    /// Where does what slides flat end up?
+    Slide,
+    /// How far does what slips slide down?
+    Descend,
+    /// Does what sticks stay?
+    Stick,
+    /// Does what falls stop at the ground?
+    Drop,
+    /// Do the feet stay?
+    Stand,
+    /// How high does the block rock after its impact?
+    Rock,
+    /// How fast does the wheel roll?
+    Wheel,
+}
+
+impl Question {
+    /// Metrics that answer it, the same for every engine; the greatest of them is drawn.
+    pub fn metrics(self) -> &'static [&'static str] {
+        match self {
+            Question::Flight => &["energy"],
+            Question::Slide => &["stop", "straight"],
+            Question::Descend => &["distance"],
+            Question::Stick | Question::Stand => &["creep_m_per_s"],
+            Question::Drop => &[PENETRATION, HOP],
+            Question::Rock => &["apex"],
+            Question::Wheel => &["speed"],
+        }
+    }
+
+    /// Whether the body lies flat on the ground, and its centre of mass moves by a formula.
+    pub fn is_flat(self) -> bool {
+        matches!(self, Question::Slide | Question::Descend | Question::Stick | Question::Drop)
+    }
+}
+
+const fn case(name: &'static str, title: &'static str, words: &'static str, question: Question, patience: f64) -> Case {
+    Case { name, title, words, question, patience }
+}
+
+/// The ten comparison scenes.
+pub const CASES: [Case; 10] = [
+    case("free", "free: a biped in flight", "drift of the kinetic energy [-]", Question::Flight, 5e4),
+    case("slide", "slide: along x", "error of the stopping point [-]", Question::Slide, 1e5),
+    case("slide30", "slide30: across the axes", "error of the stopping point [-]", Question::Slide, 1e5),
+    case("incline", "incline: down 20°", "error of the distance [-]", Question::Descend, 1e5),
+    case("stick", "stick: half a degree inside the cone", "creep [m/s]", Question::Stick, 1e5),
+    case("drop", "drop: a foot falls flat", "penetration or hop [m]", Question::Drop, 1e5),
+    case("stand0", "stand0: a biped on level ground", "creep of the feet [m/s]", Question::Stand, 2e4),
+    case("stand10", "stand10: a biped on 10°", "creep of the feet [m/s]", Question::Stand, 2e4),
+    case("rock", "rock: a block on its edges", "error of the apex [-]", Question::Rock, 1e5),
+    case("wheel", "wheel: without a rim, down 8°", "error of the speed [-]", Question::Wheel, 1e5),
+];
+
+/// A contact law with an integrator.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Way {
+    /// The law.
+    pub law: Law,
+    /// The integrator.
+    pub method: Method,
+}
+
+/// The law under which integrators are compared.
+pub const LAW: Law = Law::Aligned;
+/// The integrator with which laws are compared.
+pub const METHOD: Method = Method::SemiImplicitEuler;
+
+/// Integrators that are compared.
+pub const METHODS: [Method; 1] = [Method::SemiImplicitEuler];
+
+impl Way {
+    /// As tables have it: `Aligned/MoreauJean`.
+    pub fn name(self) -> String {
+        format!("{}/{}", word(&self.law), word(&self.method))
+    }
+
+    /// Whether it finds its answer by many small iterations, and so gets a tenth of the steps.
+    fn is_slow(self) -> bool {
+        ["ConeQp", "FixedPoint", "Sweep(50)"].iter().any(|slow| word(&self.law).starts_with(slow))
+    }
+}
+
+/// A setting as a scene has it.
+pub fn word(value: &impl Serialize) -> String {
+    let json = serde_json::to_value(value).unwrap_or_default();
+    json.as_str().map_or(json.to_string(), String::from)
+}
+
+/// Every integrator under one law, and every law with one integrator; in flight there is no law.
+pub fn ways(case: &Case) -> Vec<Way> {
+    let mut ways: Vec<_> = METHODS.iter().map(|&method| Way { law: LAW, method }).collect();
+    if case.question != Question::Flight {
+        ways.extend(Law::ALL.iter().filter(|&&law| law != LAW).map(|&law| Way { law, method: METHOD }));
+    }
+    ways
+}
+
+/// Steps h for a case, coarse to fine [s].
+pub fn steps(case: &Case, way: Way, duration: f64, quick: bool) -> Vec<f64> {
+    if quick {
+        return vec![5e-3, 1e-3];
+    }
+    let patience = if way.is_slow() { 0.1 * case.patience } else { case.patience };
+    let grid = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
+    grid.into_iter().filter(|h| duration / h <= 1.001 * patience).collect()
+}
+
+/// The cases called `names`; all of them for none.
+///
+/// # Errors
+/// One sentence on a name that is no comparison scene.
+pub fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
+    let known = || CASES.map(|case| case.name).join(", ");
+    if let Some(name) = names.iter().find(|name| CASES.iter().all(|case| case.name != **name)) {
+        let message = format!("--scenes: there is no comparison scene `{name}`; there are {}", known());
+        return Err(Failure::new(Exit::Usage, message));
+    }
+    Ok(CASES.into_iter().filter(|case| names.is_empty() || names.iter().any(|name| name == case.name)).collect())
+}
+
+/// The scene, simulated this way with this step: one step to a control period.
+///
+/// # Errors
+/// A scene that is refused.
+pub fn scene(name: &str, way: Way, h: f64, settings: &[String]) -> Result<Scene, Failure> {
+    let mut scene = load(name, settings, SCENES)?;
+    (scene.plant.law, scene.plant.method) = (way.law, way.method);
+    (scene.plant.dt, scene.rate) = (h, 1.0 / h);
+    validate(&scene, name)?;
+    Ok(scene)
+}

@@ -1,0 +1,177 @@
+//! How far a run is from the truth: first the error that the scene is about, then what every run reports.
+
+use super::cases::Question;
+use super::exact::{Wheel, gravity, landing, rocking_ratio, sliding};
+use super::trial::{Log, Sight};
+use messages::scene::Scene;
+use nalgebra::Vector3;
+
+/// Weight of a velocity error beside a position error, tau of the error in the mean [s].
+const TAU: f64 = 0.1;
+/// Steps of the wheel over which its speed is averaged.
+const ROUNDS: usize = 5;
+
+/// A quantity and its value.
+pub type Metric = (&'static str, f64);
+
+/// Every metric of a run, those that the scene is about first.
+pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
+    let mut list: Vec<_> = question.metrics().iter().copied().zip(own(question, scene, log)).collect();
+    match question {
+        Question::Flight => return [list, vec![("angular momentum", momentum_drift(&log.sights))]].concat(),
+        Question::Wheel => list.push(("ratio", spin_ratio(scene, &log.sights))),
+        _ => {}
+    }
+    if question.is_flat() {
+        list.push(("mean_m", mean_error(scene, &log.sights)));
+        list.push(("impulse", impulse_error(scene, &log.sights)));
+    }
+    if question != Question::Drop {
+        list.push((HOP, hop(question, &log.sights)));
+        list.push((PENETRATION, (-least(&log.sights).1).max(0.0)));
+    }
+    list.push((SIGNORINI, log.signorini));
+    list.push(("natural map", log.natural_map));
+    list.push(("energy_gain_j", log.energy_gain));
+    list
+}
+
+/// How high above the ground something rises that should touch it [m].
+pub const HOP: &str = "hop_m";
+/// How deep something sinks into the ground [m].
+pub const PENETRATION: &str = "penetration_m";
+/// Residual of (19).
+pub const SIGNORINI: &str = "signorini";
+
+/// The errors that the scene is about, in the order of [`Question::metrics`].
+fn own(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
+    let sights = &log.sights;
+    match question {
+        Question::Flight => {
+            let energies = || sights.iter().map(|sight| sight.totals.kinetic);
+            let first = energies().next().unwrap_or(f64::NAN);
+            [energies().fold(0.0, |worst: f64, energy| worst.max((energy / first - 1.0).abs())), 0.0]
+        }
+        Question::Slide | Question::Descend => {
+            let wanted = across(&sliding(scene, scene.duration)[0]);
+            let (way, ahead) = (across(&travel(sights)), wanted.normalize());
+            [(way.dot(&ahead) / wanted.norm() - 1.0).abs(), way.cross(&ahead).norm() / wanted.norm()]
+        }
+        Question::Stick | Question::Stand => [creep(&log.halves) / (0.5 * scene.duration), 0.0],
+        Question::Drop => {
+            let (deepest, least) = least(sights);
+            [(-least).max(0.0), sights[deepest..].iter().fold(0.0, |hop: f64, sight| hop.max(sight.low))]
+        }
+        Question::Rock => [rocking_error(scene, sights), 0.0],
+        Question::Wheel => [(wheel_speed(sights) / Wheel::of(scene).speed() - 1.0).abs(), 0.0],
+    }
+}
+
+/// How far the contact point went that went farthest in the second half of the run [m].
+fn creep([middle, end]: &[Vec<Vector3<f64>>; 2]) -> f64 {
+    middle.iter().zip(end).fold(0.0, |worst: f64, (middle, end)| worst.max((end - middle).norm()))
+}
+
+fn travel(sights: &[Sight]) -> Vector3<f64> {
+    match sights {
+        [first, .., last] => last.totals.com - first.totals.com,
+        _ => Vector3::zeros(),
+    }
+}
+
+fn across(vector: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(vector.x, vector.y, 0.0)
+}
+
+/// When the lowest point of the run was deepest, as an index, and how high it was then [m].
+fn least(sights: &[Sight]) -> (usize, f64) {
+    let deeper =
+        |least: (usize, f64), (i, sight): (usize, &Sight)| if sight.low < least.1 { (i, sight.low) } else { least };
+    sights.iter().enumerate().fold((0, f64::INFINITY), deeper)
+}
+
+/// Greatest change of the angular momentum, relative.
+fn momentum_drift(sights: &[Sight]) -> f64 {
+    let first = sights.first().map_or(Vector3::zeros(), |sight| sight.totals.angular);
+    sights.iter().fold(0.0, |worst: f64, sight| worst.max((sight.totals.angular - first).norm())) / first.norm()
+}
+
+/// (1/T)∫ ‖(x - x*, tau (v - v*))‖ dt of the centre of mass [m].
+fn mean_error(scene: &Scene, sights: &[Sight]) -> f64 {
+    let start = sights.first().map_or(Vector3::zeros(), |sight| sight.totals.com);
+    let error = |sight: &Sight| {
+        let [travel, velocity] = sliding(scene, sight.time);
+        (sight.totals.com - start - travel).norm().hypot(TAU * (sight.totals.com_velocity - velocity).norm())
+    };
+    sights.iter().map(error).sum::<f64>() / sights.len() as f64
+}
+
+/// sup |∫f_N - ∫f_N*| / (m g T): the ground carries the weight from the landing on, and all momentum of the fall.
+fn impulse_error(scene: &Scene, sights: &[Sight]) -> f64 {
+    let ([_, into], fall) = (gravity(scene), landing(scene));
+    let weight = sights.first().map_or(f64::NAN, |sight| sight.totals.mass) * into;
+    let due = |time: f64| if time > fall { weight * time } else { 0.0 };
+    let after = |sight: &&Sight| fall == 0.0 || (sight.time - fall).abs() > 0.05;
+    let worst = sights.iter().filter(after).map(|sight| (sight.load - due(sight.time)).abs()).fold(0.0, f64::max);
+    worst / (weight * scene.duration)
+}
+
+/// How high rises what should touch the ground [m]: any point of a flat body, the lowest point of the others.
+fn hop(question: Question, sights: &[Sight]) -> f64 {
+    let height = |sight: &Sight| if question.is_flat() { sight.high } else { sight.low };
+    sights.iter().fold(0.0, |hop: f64, sight| hop.max(height(sight)))
+}
+
+/// Error of the angle to which a rocking block rises on its other edge: by Housner's ratio of the spins at the impact.
+fn rocking_error(scene: &Scene, sights: &[Sight]) -> f64 {
+    let [width, _, height] = scene.bodies[0].size;
+    let (tipping, ratio) = (width.atan2(height), rocking_ratio(width, height));
+    let start = sights.first().map_or(f64::NAN, |sight| sight.tilt);
+    let potential = (tipping - start.abs()).cos() - tipping.cos();
+    let wanted = tipping - (tipping.cos() + ratio * ratio * potential).acos();
+    let side = -start.signum();
+    let Some(impact) = sights.iter().position(|sight| side * sight.tilt > 0.0) else { return 1.0 };
+    let parts = || sights[impact..].windows(3);
+    let apex = parts().find(|part| side * part[1].tilt >= side * part[2].tilt);
+    let apex = apex.map_or(0.0, |part| peak([part[0].tilt, part[1].tilt, part[2].tilt].map(|tilt| side * tilt)));
+    (apex / wanted - 1.0).abs()
+}
+
+/// Top of the parabola through three equidistant values, the middle one being the greatest.
+fn peak([a, b, c]: [f64; 3]) -> f64 {
+    let bend = a - 2.0 * b + c;
+    if bend < 0.0 { b - (a - c).powi(2) / (8.0 * bend) } else { b }
+}
+
+/// Times and places of the hub where it stands above a tip: smooth instants, so that interpolation finds them well.
+fn upright(sights: &[Sight]) -> Vec<[f64; 2]> {
+    let passes = sights.windows(2).filter(|pair| pair[0].ahead > 0.0 && pair[1].ahead <= 0.0);
+    let pass = |pair: &[Sight]| {
+        let part = pair[0].ahead / (pair[0].ahead - pair[1].ahead);
+        let between = |of: fn(&Sight) -> f64| of(&pair[0]) + part * (of(&pair[1]) - of(&pair[0]));
+        [between(|sight| sight.time), between(|sight| sight.totals.com.x)]
+    };
+    passes.map(pass).collect()
+}
+
+/// Mean speed of the last rounds of the wheel [m/s].
+fn wheel_speed(sights: &[Sight]) -> f64 {
+    let passes = upright(sights);
+    let from = passes.len().saturating_sub(ROUNDS + 1);
+    match &passes[from..] {
+        [first, .., last] => (last[1] - first[1]) / (last[0] - first[0]),
+        _ => 0.0,
+    }
+}
+
+/// Error of the ratio of spins at the last impact, both extrapolated to the middle of the step that it fell in.
+fn spin_ratio(scene: &Scene, sights: &[Sight]) -> f64 {
+    let wanted = Wheel::of(scene).ratio();
+    let mut impacts = sights.windows(4).filter(|part| part[2].spin < 0.9 * part[1].spin);
+    let ratio = |part: &[Sight]| {
+        let before = 1.5 * part[1].spin - 0.5 * part[0].spin;
+        let after = 1.5 * part[2].spin - 0.5 * part[3].spin;
+        (after / before / wanted - 1.0).abs()
+    };
+    impacts.next_back().map_or(1.0, ratio)
+}

@@ -1,0 +1,38 @@
+//! Other simulators on the same scenes, by scripts of their own, in the same session on the same machine.
+
+use super::Watch;
+use super::csv::{Row, parse};
+use crate::exit::{Exit, Failure};
+use std::io::{BufRead, BufReader};
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+/// The script, in the folder that this was built from.
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/launch/chart/peers/run.py");
+
+/// Runs the script and reads the rows that it left in `folder`.
+///
+/// # Errors
+/// Ctrl-C, no Python, a script that fails, or a table that is none.
+pub fn rows(folder: &Path, quick: bool, watch: &Watch) -> Result<Vec<Row>, Failure> {
+    let table = folder.join("peers.csv");
+    let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
+    let mut command = Command::new("python3");
+    command.arg(SCRIPT).arg("--out").arg(&table).args(quick.then_some("--quick")).stdout(Stdio::piped());
+    let mut script = command.spawn().map_err(|error| fault(format!("python3 does not start: {error}")))?;
+    for line in script.stdout.take().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
+        watch.tell(&line);
+        if watch.is_stopped() {
+            let _ = script.kill();
+        }
+    }
+    let status = script.wait().map_err(|error| fault(error.to_string()))?;
+    if watch.is_stopped() {
+        return Err(Failure::new(Exit::Interrupted, "interrupted"));
+    }
+    if !status.success() {
+        return Err(fault(format!("{SCRIPT} ended with {status}")));
+    }
+    let text = std::fs::read_to_string(&table).map_err(|error| fault(format!("{}: {error}", table.display())))?;
+    parse(&text).map_err(|error| fault(format!("{}: {error}", table.display())))
+}

@@ -1,0 +1,151 @@
+//! One run of a scene, twice: once watched, for its accuracy, and once as fast as it goes, for its cost.
+
+use messages::scene::Scene;
+use messages::wire::Torques;
+use nalgebra::Vector3;
+use nix::time::{ClockId, clock_gettime};
+use plant::kinematics::{self, Pose, Totals};
+use plant::{Plant, PlantError};
+
+/// What is seen of the robot after a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sight {
+    /// Simulated time [s].
+    pub time: f64,
+    /// Sums over the whole robot.
+    pub totals: Totals,
+    /// Height of the lowest contact point [m].
+    pub low: f64,
+    /// Height of the highest contact point [m].
+    pub high: f64,
+    /// How far ahead of the base's origin the lowest contact point is [m].
+    pub ahead: f64,
+    /// Horizontal speed of that point [m/s].
+    pub slip: f64,
+    /// Angle about y between the base's axis z and that of W [rad].
+    pub tilt: f64,
+    /// Rate about y of the base [rad/s].
+    pub spin: f64,
+    /// Normal impulse of the ground since the start [N·s].
+    pub load: f64,
+}
+
+/// A run as it was watched.
+#[derive(Clone, Debug, Default)]
+pub struct Log {
+    /// The start and every step after it.
+    pub sights: Vec<Sight>,
+    /// Contact points in the middle and at the end of the run [m].
+    pub halves: [Vec<Vector3<f64>>; 2],
+    /// Worst residual |f_N v_N| of a step.
+    pub signorini: f64,
+    /// Worst natural map of a step.
+    pub natural_map: f64,
+    /// Greatest energy that the contacts of a step gave [J].
+    pub energy_gain: f64,
+    /// Steps that needed the solver's fallback.
+    pub fallbacks: u64,
+    /// Hash of every state.
+    pub hash: u64,
+}
+
+/// How a run ended.
+#[derive(Clone, Debug)]
+pub enum Outcome {
+    /// It reached its end.
+    Done(Log),
+    /// The scene cannot be simulated this way.
+    Refused,
+    /// It broke off.
+    Broken(PlantError),
+}
+
+/// Runs a scene whose control periods are driven by `torques`, without torques once they are used up.
+pub fn watch(scene: &Scene, torques: &[Torques]) -> Outcome {
+    let Ok(mut plant) = Plant::new(scene) else { return Outcome::Refused };
+    let mut pose = Pose::new(plant.model());
+    let mut log = Log::default();
+    log.sights.reserve(periods(scene) + 1);
+    log.see(&plant, &mut pose, 0.0);
+    for period in 0..periods(scene) {
+        if let Err(error) = plant.advance(torques.get(period).unwrap_or(&Torques::default())) {
+            return Outcome::Broken(error);
+        }
+        log.see(&plant, &mut pose, 1.0 / scene.rate);
+        if period + 1 == periods(scene) / 2 {
+            log.halves[0] = points(&plant, &pose);
+        }
+    }
+    log.halves[1] = points(&plant, &pose);
+    Outcome::Done(log)
+}
+
+/// CPU time of the same run [s], the least of several if it is short, and the hash of its states: no record is kept.
+///
+/// # Errors
+/// If the run breaks off.
+pub fn time(scene: &Scene, torques: &[Torques]) -> Result<(f64, u64), PlantError> {
+    let (mut least, mut spent, mut hash) = (f64::INFINITY, 0.0, 0);
+    let mut runs = 0;
+    while runs == 0 || (runs < 3 && spent < 0.3) || (runs < 25 && spent < 0.02) {
+        let mut plant = Plant::new(scene)?;
+        let start = cpu_seconds();
+        for period in 0..periods(scene) {
+            plant.advance(torques.get(period).unwrap_or(&Torques::default()))?;
+        }
+        let taken = cpu_seconds() - start;
+        (least, spent, runs) = (least.min(taken), spent + taken, runs + 1);
+        hash = plant.truth().hash;
+    }
+    Ok((least, hash))
+}
+
+/// Control periods of a scene.
+pub fn periods(scene: &Scene) -> usize {
+    (scene.duration * scene.rate).round() as usize
+}
+
+/// CPU time of this thread [s].
+fn cpu_seconds() -> f64 {
+    clock_gettime(ClockId::CLOCK_THREAD_CPUTIME_ID)
+        .map_or(f64::NAN, |time| time.tv_sec() as f64 + 1e-9 * time.tv_nsec() as f64)
+}
+
+/// The contact points [m].
+fn points(plant: &Plant, pose: &Pose) -> Vec<Vector3<f64>> {
+    plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect()
+}
+
+impl Log {
+    fn see(&mut self, plant: &Plant, pose: &mut Pose, period: f64) {
+        let (model, truth) = (plant.model(), plant.truth());
+        kinematics::pose(model, plant.state(), pose);
+        let base = &pose.links[model.base_link];
+        let axis = base.rotation.column(2).into_owned();
+        let mut sight = Sight {
+            time: plant.time_ns() as f64 * 1e-9,
+            totals: kinematics::totals(model, plant.state(), pose),
+            low: f64::INFINITY,
+            high: f64::NEG_INFINITY,
+            tilt: axis.x.atan2(axis.z),
+            spin: base.velocity.angular.y,
+            load: self.sights.last().map_or(0.0, |last| last.load),
+            ..Sight::default()
+        };
+        for corner in &model.corners {
+            let point = pose.point(corner.link, &corner.at);
+            if point.z < sight.low {
+                let velocity = pose.links[corner.link].velocity.at(&pose.arm(corner.link, &corner.at));
+                (sight.low, sight.ahead) = (point.z, point.x - truth.base_position[0]);
+                sight.slip = velocity.x.hypot(velocity.y);
+            }
+            sight.high = sight.high.max(point.z);
+        }
+        sight.load += truth.contact_force.iter().skip(2).step_by(3).sum::<f64>() * period;
+        self.signorini = self.signorini.max(truth.signorini);
+        self.natural_map = self.natural_map.max(truth.natural_map);
+        self.energy_gain = self.energy_gain.max(truth.energy_gain);
+        (self.fallbacks, self.hash) = (truth.fallbacks, truth.hash);
+        self.sights.push(sight);
+    }
+}

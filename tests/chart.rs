@@ -1,0 +1,75 @@
+//! Claims about `biped chart`: it draws every view, its table is what it promises, and a bad wish is one sentence.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod common;
+
+use common::fresh_path;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+const HEADER: &str = "view,scene,engine,method,dt,metric,error,cpu_s_per_sim_s,us_per_step";
+
+fn chart(arguments: &[&str], folder: &Path) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["chart", "--quick", "--quiet"])
+        .args(arguments)
+        .arg("--out")
+        .arg(folder)
+        .stdin(Stdio::null())
+        .output()
+        .expect("the program starts")
+}
+
+/// The table of two scenes, without its times, and the names of all files.
+fn drawn() -> (Vec<String>, Vec<String>) {
+    let folder = fresh_path("chart");
+    let output = chart(&["--scenes", "drop,rock"], &folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let mut names: Vec<_> = std::fs::read_dir(&folder)
+        .expect("a folder")
+        .map(|entry| entry.expect("an entry").file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    let table = std::fs::read_to_string(folder.join("chart.csv")).expect("a table");
+    let page = std::fs::read_to_string(folder.join("chart.html")).expect("a page");
+    assert_eq!(page.matches("<svg").count(), names.iter().filter(|name| name.ends_with(".svg")).count());
+    assert!(!page.contains("{{") && !page.contains("NaN"), "a place was left empty");
+    let outside = page.replace("http://www.w3.org/2000/svg", "");
+    assert!(!["http:", "https:", "src=", "url("].iter().any(|fetch| outside.contains(fetch)));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    let timeless = |line: &str| line.rsplitn(3, ',').last().expect("three commas").to_string();
+    assert_eq!(table.lines().next(), Some(HEADER));
+    (table.lines().skip(1).map(timeless).collect(), names)
+}
+
+#[test]
+fn every_view_is_drawn_and_measured_the_same_twice() {
+    let (first, names) = drawn();
+    for name in ["chart.csv", "chart.html", "failures.svg", "precision-drop.svg", "precision-rock.svg", "step-walk.svg"]
+    {
+        assert!(names.iter().any(|known| known == name), "{name} is missing: {names:?}");
+    }
+    for view in ["precision,drop,", "precision,rock,", "step,walk,", "failure,drop,", "failure,zeno,", "model,base,"] {
+        assert!(first.iter().any(|row| row.starts_with(view)), "no row of {view}");
+    }
+    for (law, method) in first.iter().filter_map(|row| row.split(',').nth(3)?.split_once('/')) {
+        assert!(!law.is_empty() && !method.is_empty());
+    }
+    assert!(first.iter().any(|row| row.contains("μ* [-] exact")));
+    let (second, _) = drawn();
+    let changed: Vec<_> = first.iter().zip(&second).filter(|(one, two)| one != two).take(3).collect();
+    assert!(first.len() == second.len() && changed.is_empty(), "{changed:?}");
+}
+
+#[test]
+fn a_bad_wish_is_refused_in_one_sentence() {
+    let output = chart(&["--scenes", "slide,skate"], &fresh_path("chart"));
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    assert!(words.contains("`skate`") && words.contains("slide30") && words.lines().count() == 1, "{words}");
+    let output = chart(&[], Path::new("/dev/null/chart"));
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{words}");
+    assert!(words.contains("/dev/null/chart cannot be written") && words.lines().count() == 1, "{words}");
+}
