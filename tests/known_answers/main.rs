@@ -3,6 +3,12 @@
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 mod comparison;
+mod energy;
+mod flight;
+mod impact;
 mod joints;
 mod rolling;
+mod sliding;
+mod standing;
 mod support;
+mod symmetry;

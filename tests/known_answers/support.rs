@@ -1,6 +1,7 @@
 //! A scene of the program's, run step by step, and what to look at.
 
 use messages::scene::Scene;
+use messages::wire::Torques;
 use nalgebra::Vector3;
 use plant::Plant;
 use plant::kinematics::{self, Pose, Totals};
@@ -25,6 +26,32 @@ pub fn plant(name: &str, settings: &[&str]) -> Plant {
 /// The next step.
 pub fn step(plant: &mut Plant) {
     plant.step().expect("a step");
+}
+
+/// The next control period, whose mean forces [`load`] tells.
+pub fn advance(plant: &mut Plant) {
+    plant.advance(&Torques::default()).expect("a period");
+}
+
+/// Mean force of the ground on contact point i over the last control period [N].
+pub fn load(plant: &Plant, i: usize) -> Vector3<f64> {
+    Vector3::from_column_slice(&plant.truth().contact_force[3 * i..3 * i + 3])
+}
+
+/// Where the base is [m].
+pub fn position(plant: &Plant) -> Vector3<f64> {
+    pose(plant).point(plant.model().base_link, &Vector3::zeros())
+}
+
+/// The value between `low`, at which `holds` is false, and `high`, at which it is true, where it changes; or the other way.
+pub fn threshold(mut low: f64, mut high: f64, mut holds: impl FnMut(f64) -> bool) -> f64 {
+    let at_low = holds(low);
+    assert_ne!(at_low, holds(high), "nothing changes between {low} and {high}");
+    while high - low > 1e-12 * high {
+        let middle = 0.5 * (low + high);
+        if holds(middle) == at_low { low = middle } else { high = middle }
+    }
+    high
 }
 
 /// Runs until the simulated time [s].

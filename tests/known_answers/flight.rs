@@ -1,0 +1,124 @@
+//! Without contact: scenes 16, 17 and 19.
+
+use crate::support::{assert_near, plant, pose, run, scene, spin, step, totals};
+use messages::scene::Base;
+use nalgebra::{Rotation3, Unit, Vector3};
+use plant::Plant;
+use std::f64::consts::PI;
+
+/// Period of the body's own spin: 4 K(m)/p of the elliptic functions of Euler's top, K by the arithmetic-geometric mean.
+fn period(moments: [f64; 3], spin: [f64; 3]) -> f64 {
+    let mut order = [0, 1, 2];
+    order.sort_by(|&a, &b| moments[b].total_cmp(&moments[a])); // greatest first
+    let [i1, i2, i3] = order.map(|k| moments[k]);
+    let sum = |power: i32| (0..3).map(|k| moments[k].powi(power) * spin[k] * spin[k]).sum::<f64>();
+    let (double_energy, momentum) = (sum(1), sum(2));
+    // the axis about which the momentum circles
+    let (i1, i3) = if momentum > double_energy * i2 { (i1, i3) } else { (i3, i1) };
+    let rate = ((i1 - i2) * (momentum - double_energy * i3) / (i1 * i2 * i3)).sqrt();
+    let modulus = (i2 - i3) * (double_energy * i1 - momentum) / ((i1 - i2) * (momentum - double_energy * i3));
+    let (mut a, mut b) = (1.0, (1.0 - modulus).sqrt());
+    while f64::abs(a - b) > 1e-15 {
+        (a, b) = (0.5 * (a + b), f64::sqrt(a * b));
+    }
+    4.0 * PI / (2.0 * a) / rate
+}
+
+/// Spin of the base in its own axes.
+fn own_spin(plant: &Plant) -> Vector3<f64> {
+    pose(plant).links[plant.model().base_link].rotation.transpose() * spin(plant)
+}
+
+/// Error of the spin after one period of a step that divides it, of energy, and of angular momentum.
+fn tumble(method: &str, steps: u32) -> [f64; 3] {
+    let mut scene = scene("spinning-box", &[&format!("plant.method={method}")]);
+    let exact = period(scene.bodies[0].moments(), scene.initial.angular_velocity);
+    assert_near("period", exact, 3.671_847_302_652, 1e-11);
+    scene.plant.dt = exact / f64::from(steps);
+    let mut plant = Plant::new(&scene).expect("a box");
+    let start = totals(&plant);
+    let mut drift = [0.0_f64; 2];
+    for _ in 0..steps {
+        step(&mut plant);
+        let now = totals(&plant);
+        drift[0] = drift[0].max((now.kinetic / start.kinetic - 1.0).abs());
+        drift[1] = drift[1].max((now.angular - start.angular).norm() / start.angular.norm());
+    }
+    [(own_spin(&plant) - Vector3::new(1.0, 2.0, 3.0)).norm(), drift[0], drift[1]]
+}
+
+#[test]
+fn a_tumbling_box_returns_to_its_spin_after_its_period() {
+    for (method, order) in [("SemiImplicitEuler", 1)] {
+        let [coarse, fine] = [1000, 2000].map(|steps| tumble(method, steps));
+        println!("{method}: {coarse:?}, {fine:?} with half the step");
+        for (coarse, fine) in coarse.iter().zip(fine) {
+            assert!(fine < 1e-12 || *coarse > 0.8 * fine * 2f64.powi(order), "{method} is not of order {order}");
+        }
+    }
+}
+
+/// A cube rolled by `roll` that turns about W's y axis, as a matrix.
+fn turned(roll: f64, angle: f64) -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Unit::new_unchecked(Vector3::y()), angle)
+        * Rotation3::from_axis_angle(&Vector3::x_axis(), roll)
+}
+
+/// Error of the attitude after 3 s, having passed 90° of pitch: by base and distance from the singular place [rad].
+fn gimbal(base: Base, roll: f64, settings: &[&str]) -> Result<f64, plant::PlantError> {
+    let mut scene = scene("gimbal", settings);
+    scene.plant.base = base;
+    scene.initial.orientation_deg = [roll.to_degrees(), 0.0, 0.0];
+    let mut plant = Plant::new(&scene)?;
+    while plant.time_ns() < 3_000_000_000 {
+        plant.step()?;
+    }
+    let rotation = pose(&plant).links[plant.model().base_link].rotation;
+    Ok((rotation - turned(roll, 3.0).matrix()).norm())
+}
+
+#[test]
+fn a_quaternion_turns_through_the_pole_as_if_it_were_nowhere() {
+    for roll in [0.1, 0.01, 0.001, 0.0] {
+        let error = gimbal(Base::Quaternion, roll, &[]).expect("a turn");
+        println!("roll {roll}: {error:e}");
+        assert!(error < 1e-12);
+    }
+}
+
+/// Straight through the pole of the virtual joints H has no inverse: that is an error and no NaN.
+#[test]
+fn virtual_joints_lose_digits_near_the_pole_and_say_so_at_it() {
+    let errors = [0.1, 0.03, 0.01].map(|roll| gimbal(Base::Virtual, roll, &[]).expect("a turn"));
+    println!("{errors:?}");
+    assert!(errors[0] < errors[1] && errors[1] < errors[2]);
+    for roll in [1e-3, 1e-6, 1e-9, 0.0] {
+        match gimbal(Base::Virtual, roll, &[]) {
+            Ok(error) => assert!(error.is_finite()),
+            Err(error) => println!("roll {roll}: {error}"),
+        }
+    }
+    let at_pole = scene("gimbal", &["initial.orientation_deg=[0.0, 90.0, 0.0]"]);
+    let error = Plant::new(&at_pole).err().expect("no way to turn every way").to_string();
+    assert!(error.contains("±90°"), "{error}");
+}
+
+/// The centre of mass of the whole robot falls as a stone, however it tumbles.
+#[test]
+fn a_robot_in_flight_keeps_its_momenta() {
+    let settings = ["plant.gravity=9.81", "initial.position=[0.0, 0.0, 40.0]", "initial.velocity=[1.0, -0.5, 2.0]"];
+    let drift = |h: f64| {
+        let mut plant = plant("free", &[&settings[..], &[&format!("plant.dt={h}")]].concat());
+        let start = totals(&plant);
+        run(&mut plant, 2.0);
+        let now = totals(&plant);
+        let way = start.com + start.com_velocity * 2.0 - Vector3::z() * (0.5 * 9.81 * 4.0);
+        let energy = (now.kinetic + now.potential) - (start.kinetic + start.potential);
+        [(now.com - way).norm(), (now.angular - start.angular).norm() / start.angular.norm(), energy.abs()]
+    };
+    let (coarse, fine) = (drift(1e-3), drift(2.5e-4));
+    println!("way, angular momentum, energy: {coarse:?}, {fine:?} with a quarter of the step");
+    for (coarse, fine) in coarse.iter().zip(fine) {
+        assert!(fine < 0.3 * coarse && *coarse < 0.5);
+    }
+}

@@ -1,0 +1,152 @@
+//! Impacts with a closed form: scenes 5, 6, 7 and 10. One step with next to no gravity is the impact law and nothing else.
+
+use crate::support::{assert_near, load, scene, threshold, totals};
+use messages::scene::{Law, Scene};
+use nalgebra::Vector3;
+use plant::Plant;
+use std::f64::consts::PI;
+
+/// Laws that are Coulomb's in the plane.
+const COULOMB: [Law; 2] = [Law::Complementarity, Law::Aligned];
+
+/// The scene's body upright on the ground and turning at `spin` about the point (x, 0).
+fn turning(name: &str, law: Law, x: f64, height: f64, spin: f64) -> Scene {
+    let mut scene = scene(name, &["plant.gravity=1e-9", "initial.clearance=0.0", &format!("plant.law={law}")]);
+    scene.initial.orientation_deg = [0.0; 3];
+    scene.initial.angular_velocity = [0.0, spin, 0.0];
+    scene.initial.velocity = [spin * height, 0.0, spin * x];
+    scene
+}
+
+/// Velocity of the base after one step: forward, up, turning.
+fn after(scene: &Scene) -> [f64; 3] {
+    let mut plant = Plant::new(scene).expect("a body");
+    plant.step().expect("a step");
+    plant.state().xdot[..].try_into().expect("a planar base")
+}
+
+#[test]
+fn an_impact_leaves_a_rocking_block_housner_s_part_of_its_spin() {
+    let tilt = 0.25_f64.atan();
+    let ratio = 1.0 - 1.5 * tilt.sin().powi(2);
+    assert_near("ratio", ratio, 0.911_764_705_882, 1e-12);
+    for law in COULOMB {
+        let scene = turning("rocking-block", law, 0.05, 0.2, -1.0);
+        let [forward, up, spin] = after(&scene);
+        assert_near("spin", spin, -ratio, 1e-10);
+        assert_near("forward", forward, 0.2 * spin, 1e-10);
+        assert_near("up", up, -0.05 * spin, 1e-10);
+        let mut plant = Plant::new(&scene).expect("a block");
+        let before = totals(&plant).kinetic;
+        plant.step().expect("a step");
+        assert_near("energy ratio", totals(&plant).kinetic / before, 0.831_314_878_893, 1e-10);
+        let least = threshold(0.0, 0.5, |mu| {
+            let mut scene = scene.clone();
+            scene.plant.friction = mu;
+            (after(&scene)[2] + ratio).abs() < 1e-10
+        });
+        assert_near("least friction", least, 2.4 / 13.0, 1e-9);
+    }
+}
+
+/// Wider than its height times √2, both corners stay down.
+#[test]
+fn a_squat_block_stops_at_once() {
+    for law in COULOMB {
+        for speed in after(&turning("squat-block", law, 0.15, 0.1, -1.0)) {
+            assert_near("speed", speed, 0.0, 1e-10);
+        }
+        let widest = threshold(0.11, 0.2, |half| {
+            let mut scene = turning("squat-block", law, half, 0.1, -1.0);
+            scene.bodies[0].size[0] = 2.0 * half;
+            scene.bodies[0].contacts = vec![[half, 0.0, -0.1], [-half, 0.0, -0.1]];
+            after(&scene)[2].abs() < 1e-12
+        });
+        assert_near("half the width", widest, 0.1 * 2f64.sqrt(), 1e-9);
+    }
+}
+
+/// A wheel without a rim keeps (ρ² + cos 2a)/(1 + ρ²) of its spin, a being half the angle between spokes.
+#[test]
+fn an_impact_leaves_a_rimless_wheel_its_part_of_the_spin() {
+    let half = PI / 8.0;
+    for law in COULOMB {
+        for gyration in [1e-6, 0.1, 1.0_f64] {
+            let mut scene = turning("rimless-wheel", law, half.sin(), half.cos(), 1.0);
+            // about the tip behind, which is at -x
+            scene.initial.velocity = [half.cos(), 0.0, -half.sin()];
+            scene.bodies[0].inertia = Some([gyration; 3]);
+            let ratio = (gyration + (2.0 * half).cos()) / (1.0 + gyration);
+            assert_near("spin", after(&scene)[2], ratio, 1e-10);
+            if gyration < 1e-3 {
+                let least = threshold(0.0, 1.0, |mu| {
+                    scene.plant.friction = mu;
+                    (after(&scene)[2] - ratio).abs() < 1e-9
+                });
+                assert_near("least friction", least, half.tan(), 1e-6);
+            }
+        }
+    }
+}
+
+/// Painlevé's rod: the tip that leads into the ground stops dead where μ > (t² + 4)/3t, t = tan θ, however short the step.
+#[test]
+fn a_rod_jams_where_painleve_says() {
+    let (c, s) = (0.2_f64.sqrt(), 0.8_f64.sqrt());
+    let (normal, both, tangent) = (1.0 + 3.0 * c * c, 3.0 * c * s, 1.0 + 3.0 * s * s);
+    let determinant = normal * tangent - both * both;
+    for law in COULOMB {
+        for h in [1e-3, 1e-5, 1e-7, 1e-9] {
+            let rod = |mu: f64| {
+                let settings = [format!("plant.dt={h}"), format!("rate={}", 1.0 / h), format!("plant.friction={mu}")];
+                scene(
+                    "painleve-rod",
+                    &[&settings.each_ref().map(String::as_str)[..], &[&format!("plant.law={law}")]].concat(),
+                )
+            };
+            let mut plant = Plant::new(&rod(1.4)).expect("a rod");
+            plant.advance(&messages::wire::Torques::default()).expect("a step");
+            let force: Vector3<f64> = load(&plant, 0) * h;
+            // both components of the tip's velocity, (-g h, 1), are stopped
+            let fall = 9.81 * h;
+            assert_near("f_N", force.z, (both + tangent * fall) / determinant, 1e-10);
+            assert_near("f_F", force.x, -(normal + both * fall) / determinant, 1e-10);
+            assert_near("f_N in the limit", force.z, 0.3, 10.0 * fall);
+            assert_near("f_F in the limit", force.x, -0.4, 10.0 * fall);
+            assert_near("energy ratio", totals(&plant).kinetic / 0.5, 0.6, 10.0 * fall);
+            // below it slides on
+            assert_near("v", after(&rod(1.3))[0], 1.0, 100.0 * fall);
+        }
+    }
+}
+
+#[test]
+fn the_least_friction_that_jams_a_rod_is_four_thirds() {
+    for law in COULOMB {
+        for tangent in [1.0, 1.5, 2.0, 2.5, 4.0_f64] {
+            let jams = |mu: f64| {
+                let mut scene = scene("painleve-rod", &["plant.dt=1e-10", "rate=1e10", &format!("plant.law={law}")]);
+                scene.plant.friction = mu;
+                let angle = tangent.atan();
+                scene.bodies[0].contacts = vec![[angle.cos(), 0.0, -angle.sin()]];
+                after(&scene)[0] < 0.9
+            };
+            let exact = (tangent * tangent + 4.0) / (3.0 * tangent);
+            assert_near("least friction", threshold(1.0, 2.5, jams), exact, 1e-7);
+            assert!(exact >= 4.0 / 3.0 && (tangent != 2.0 || exact == 4.0 / 3.0));
+        }
+    }
+}
+
+/// The printed program stops it at any friction: its slip throws the tip up.
+#[test]
+fn the_printed_program_fires_the_rod_at_any_friction() {
+    for mu in [0.2, 0.5, 1.0, 1.3] {
+        let settings = [format!("plant.friction={mu}"), "plant.dt=1e-9".into(), "rate=1e9".into()];
+        let scene =
+            scene("painleve-rod", &[&settings.each_ref().map(String::as_str)[..], &["plant.law=EnergyQp"]].concat());
+        let [forward, up, _] = after(&scene);
+        println!("mu {mu}: {forward} m/s, up {up} m/s");
+        assert!(forward < 0.97 && up > 0.01);
+    }
+}

@@ -1,0 +1,112 @@
+//! What slides, sticks, and must not lift: scenes 1, 2, 3 and 20.
+
+use crate::support::{G, advance, assert_near, clearance, load, plant, position, run, step, totals};
+use messages::scene::Law;
+
+/// The laws that are Coulomb's on a straight slip.
+const COULOMB: [Law; 2] = [Law::Complementarity, Law::Aligned];
+
+#[test]
+fn a_block_slides_to_a_stop_with_its_front_loaded_more() {
+    let (mu, weight, h) = (0.5, G, 1e-3);
+    for law in COULOMB {
+        let mut plant = plant("sliding-block", &[&format!("plant.law={law}")]);
+        for k in 1..=300 {
+            advance(&mut plant);
+            let v = f64::max(0.0, 1.0 - mu * G * h * f64::from(k));
+            assert_near("v", totals(&plant).com_velocity.x, v, 1e-13);
+            assert_near("gap", clearance(&plant), 0.0, 1e-14);
+            let [front, back] = [0, 1].map(|i| load(&plant, i).z);
+            assert_near("normal force", front + back, weight, 1e-10);
+            if v > 0.0 {
+                assert_near("front", front, 0.5 * (1.0 + mu * 0.1 / 0.2) * weight, 1e-10);
+                assert_near("back", back, 0.5 * (1.0 - mu * 0.1 / 0.2) * weight, 1e-10);
+            }
+        }
+    }
+}
+
+/// The printed program throws it up. With the gap in it the block glides μ v h above the ground, if it is not thrown up first.
+#[test]
+fn a_sliding_block_leaves_the_ground_under_the_energy_programs() {
+    let mut thrown = plant("sliding-block", &["plant.law=EnergyQp"]);
+    let mut highest = 0.0_f64;
+    for _ in 0..100 {
+        step(&mut thrown);
+        highest = highest.max(clearance(&thrown));
+    }
+    assert_near("hop", highest, hop(1.0, 1e-3), 1e-12);
+    let mut gliding = plant("sliding-block", &["plant.law=EnergyQpGap", "initial.clearance=0.0005"]);
+    for _ in 0..150 {
+        step(&mut gliding);
+        let v = totals(&gliding).com_velocity.x;
+        assert_near("gap", clearance(&gliding), 0.5 * v * 1e-3, 1e-9);
+        assert!(v > 0.0);
+    }
+}
+
+/// Height to which the printed program throws a point from v at μ = 0.5: up at μ v_F, v_F = (v - μ g h)/(1 + μ²).
+fn hop(v: f64, h: f64) -> f64 {
+    let thrown = 0.5 * (v - 0.5 * G * h) / 1.25;
+    (0..).map(|k| (thrown - f64::from(k) * G * h) * h).take_while(|rise| *rise > 0.0).sum()
+}
+
+#[test]
+fn a_fast_cube_neither_lifts_nor_tumbles() {
+    let mut cube = plant("fast-cube", &[]);
+    step(&mut cube);
+    assert_near("v after one step", totals(&cube).com_velocity.x, 5.975_48, 6e-6);
+    for _ in 1..400 {
+        assert_near("gap", clearance(&cube), 0.0, 1e-13);
+        assert_near("spin", totals(&cube).angular.norm(), 0.0, 1e-13);
+        step(&mut cube);
+    }
+    let mut thrown = plant("fast-cube", &["plant.law=EnergyQp"]);
+    let mut highest = 0.0_f64;
+    for _ in 0..400 {
+        step(&mut thrown);
+        highest = highest.max(totals(&thrown).com.z - 0.05);
+    }
+    println!("the printed program lifts it {:.1} mm", 1e3 * highest);
+    assert_near("hop", highest, hop(6.0, 5e-3), 1e-9);
+    assert_near("hop", highest, 0.291, 0.01);
+}
+
+/// Slopes from 3° to 40°, friction .01 rad more or less than they need.
+#[test]
+fn a_block_sticks_for_ever_or_slips_by_the_law_of_falling() {
+    for degrees in 3..=40 {
+        let slope = f64::from(degrees).to_radians();
+        for (spare, law) in [(0.01, Law::Aligned), (-0.01, Law::Aligned), (0.01, Law::Complementarity)] {
+            let mu = (slope + spare).tan();
+            let settings =
+                [format!("plant.incline_deg={degrees}"), format!("plant.friction={mu}"), format!("plant.law={law}")];
+            let mut plant = plant("slope", &settings.each_ref().map(String::as_str));
+            let start = position(&plant);
+            run(&mut plant, 0.5);
+            let gain = if spare > 0.0 { 0.0 } else { G * (slope.sin() - mu * slope.cos()) };
+            assert_near("speed", totals(&plant).com_velocity.x, 0.5 * gain, 1e-12);
+            let way = (position(&plant) - start).norm();
+            assert_near("way", way, 0.5 * gain * 0.5 * (0.5 + 1e-3), 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_block_on_springs_creeps_down_a_slope_that_holds_it() {
+    let mut plant = plant("slope", &["plant.friction=0.374", "plant.law=SpringDamper", "plant.dt=0.0001"]);
+    run(&mut plant, 0.5);
+    let speed = totals(&plant).com_velocity.x;
+    println!("creep {:.0} µm/s", 1e6 * speed);
+    assert!(speed > 50e-6, "{speed}");
+}
+
+#[test]
+fn a_cube_sticks_for_an_hour_inside_its_friction_cone() {
+    let mut plant = plant("stick-hour", &[]);
+    let start = position(&plant);
+    run(&mut plant, 3600.0);
+    let way = (position(&plant) - start).norm();
+    println!("moved {way:e} m in an hour");
+    assert!(way <= 1e-9);
+}
