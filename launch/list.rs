@@ -23,8 +23,27 @@ pub const SCENES: &[BuiltIn] = &[
     ("rock", include_str!("scenes/rock.toml")),
     ("wheel", include_str!("scenes/wheel.toml")),
     // with known answers
+    ("sliding-block", include_str!("scenes/known/sliding-block.toml")),
+    ("fast-cube", include_str!("scenes/known/fast-cube.toml")),
+    ("slope", include_str!("scenes/known/slope.toml")),
     ("roll", include_str!("scenes/known/roll.toml")),
+    ("rocking-block", include_str!("scenes/known/rocking-block.toml")),
+    ("squat-block", include_str!("scenes/known/squat-block.toml")),
+    ("rimless-wheel", include_str!("scenes/known/rimless-wheel.toml")),
+    ("simplest-walker", include_str!("scenes/known/simplest-walker.toml")),
+    ("compass-gait", include_str!("scenes/known/compass-gait.toml")),
+    ("painleve-rod", include_str!("scenes/known/painleve-rod.toml")),
     ("zeno", include_str!("scenes/known/zeno.toml")),
+    ("flat-drop", include_str!("scenes/known/flat-drop.toml")),
+    ("eight-corners", include_str!("scenes/known/eight-corners.toml")),
+    ("pivot", include_str!("scenes/known/pivot.toml")),
+    ("spinning-box", include_str!("scenes/known/spinning-box.toml")),
+    ("gimbal", include_str!("scenes/known/gimbal.toml")),
+    ("spring-ground", include_str!("scenes/known/spring-ground.toml")),
+    ("stick-hour", include_str!("scenes/known/stick-hour.toml")),
+    ("tumbling-foot", include_str!("scenes/known/tumbling-foot.toml")),
+    ("double-pendulum", include_str!("scenes/known/double-pendulum.toml")),
+    ("spinning-foot", include_str!("scenes/known/spinning-foot.toml")),
 ];
 
 /// Prints name and description of every built-in scene.
@@ -33,7 +52,7 @@ pub const SCENES: &[BuiltIn] = &[
 /// If one of them is bad, which a test excludes.
 pub fn scenes() -> Result<(), Failure> {
     for &(name, _) in SCENES {
-        say(format!("{name:<14} {}\n", load::load(name, &[], SCENES)?.description));
+        say(format!("{name:<16} {}\n", load::load(name, &[], SCENES)?.description));
     }
     Ok(())
 }

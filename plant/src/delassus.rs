@@ -16,6 +16,8 @@ use std::ops::Range;
 
 /// Cosine of the angle, 8°, within which contacts share one direction of slip.
 const NEARLY: f64 = 0.99;
+/// Contacts of a link slip alike if their mean slip is more than this part of their mean speed.
+const ALIKE: f64 = 0.5;
 
 /// Y = L⁻ᵀK of the touching contacts, link by link.
 #[derive(Clone, Debug)]
@@ -71,15 +73,17 @@ impl ContactMap {
         self.groups.clear();
         self.blocks.clear();
         self.tangents.clear();
+        let mut common = None;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
             let (link, rows) = (touches[0].link, 1 + tangents);
             let path = model.path(link);
             let twist = path.iter().fold(Spatial::default(), |sum, &dof| sum + pose.links[dof + 1].column * free[dof]);
             let first = self.tangents.len();
+            common = if tangents == 2 { shared_slip(&twist, touches, common) } else { None };
             for touch in touches {
                 problem.id[self.tangents.len()] = touch.id;
                 let drift = twist.at(&touch.arm);
-                let [along, across] = self.tangents_of(&drift, law);
+                let [along, across] = tangents_of(&drift, common, law);
                 let at = self.tangents.len() * rows;
                 self.tangents.push([along, across]);
                 let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
@@ -101,22 +105,6 @@ impl ContactMap {
             self.groups.push(Group { link, columns, start, width });
         }
         self.multiply(model, problem);
-    }
-
-    /// Along the free slip and across it; along the axes of W for a law whose tangents do not follow the slip.
-    ///
-    /// The corners of a foot slip alike. Friction cones that differ by a hair would let them chase each other along
-    /// directions in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin; so a
-    /// contact takes over the tangent of the one before, if its own is nearly parallel.
-    fn tangents_of(&self, drift: &Vector3<f64>, law: Law) -> [Vector3<f64>; 2] {
-        let slip = drift.xy().norm();
-        let follows = slip > 0.0 && follows_slip(law);
-        let own = if follows { Vector3::new(drift.x / slip, drift.y / slip, 0.0) } else { Vector3::x() };
-        let along = match self.tangents.last() {
-            Some([before, _]) if before.dot(&own).abs() > NEARLY => before * before.dot(&own).signum(),
-            _ => own,
-        };
-        [along, Vector3::new(-along.y, along.x, 0.0)]
     }
 
     /// A = YᵀY: two links meet in the degrees of freedom that they share.
@@ -167,5 +155,40 @@ impl ContactMap {
         let rows = impulse.len() / contacts;
         let parts = &impulse[i * rows..(i + 1) * rows];
         parts[1..].iter().zip(&self.tangents[i]).fold(Vector3::z() * parts[0], |sum, (f, t)| sum + t * *f)
+    }
+}
+
+/// Direction of the mean slip of a link's contacts, if they have one in common; that of the link before, if it is nearly
+/// parallel.
+///
+/// The corners of a foot slip alike. Friction cones that differ by a hair would let them chase each other along directions
+/// in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin; so contacts share the
+/// tangent that they nearly have. A mean depends on no order of the contacts, and smoothly on their velocities. With one tangent
+/// there is no across: each contact has its own, as in the paper.
+fn shared_slip(twist: &Spatial, touches: &[Touch], before: Option<Vector3<f64>>) -> Option<Vector3<f64>> {
+    let slips = || touches.iter().map(|touch| twist.at(&touch.arm)).map(|drift| Vector3::new(drift.x, drift.y, 0.0));
+    let (sum, speed) = slips().fold((Vector3::zeros(), 0.0), |(sum, speed), slip| (sum + slip, speed + slip.norm()));
+    let mean = sum.norm();
+    if mean <= ALIKE * speed {
+        return None;
+    }
+    Some(nearly(&(sum / mean), before))
+}
+
+/// Along the free slip and across it; along the axes of W for a law whose tangents do not follow the slip.
+fn tangents_of(drift: &Vector3<f64>, common: Option<Vector3<f64>>, law: Law) -> [Vector3<f64>; 2] {
+    let slip = drift.xy().norm();
+    let along = match slip > 0.0 && follows_slip(law) {
+        true => nearly(&Vector3::new(drift.x / slip, drift.y / slip, 0.0), common),
+        false => Vector3::x(),
+    };
+    [along, Vector3::new(-along.y, along.x, 0.0)]
+}
+
+/// The direction `other`, if there is one on nearly the same line, else `own`.
+fn nearly(own: &Vector3<f64>, other: Option<Vector3<f64>>) -> Vector3<f64> {
+    match other {
+        Some(other) if other.dot(own).abs() > NEARLY => other * other.dot(own).signum(),
+        _ => *own,
     }
 }

@@ -21,7 +21,8 @@ pub struct Touch {
 /// Speed that a point may gain within one step and still not be overlooked [m/s].
 const SURPRISE: f64 = 0.5;
 
-/// Lists the points that may touch within a step of `h` [s], in the order of the model.
+/// Lists the points that may touch within a step of `h` [s]: link by link, the lowest first, so that results do not depend
+/// on the order in which a scene lists them (nor on left and right).
 ///
 /// The printed laws stop whatever touches at any height, so for them touching means a gap no larger than two steps of
 /// free fall open, 2gh². The other laws let a point close its gap first, so every point that could is listed. A spring
@@ -39,5 +40,8 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, touches: &mut Vec<
         if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
             touches.push(Touch { id, link: corner.link, arm, gap });
         }
+    }
+    for touches in touches.chunk_by_mut(|a, b| a.link == b.link) {
+        touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
     }
 }

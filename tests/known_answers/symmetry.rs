@@ -46,12 +46,11 @@ fn a_mirrored_world_moves_as_its_mirror_image_to_the_last_bit() {
     // a mirror turns an axis of turning about, and the body's own y axis
     let map = |s: &[Vector3<f64>; 6]| [flip(&s[0]), flip(&s[1]), -flip(&s[2]), flip(&s[3]), flip(&s[4]), -flip(&s[5])];
     let (worst, same) = difference(&path(&scene, 1500), &path(&mirrored, 1500), map);
-    println!("mirrored: {worst:e}, same bits: {same}");
     assert!(same, "mirrored: off by {worst:e}");
 }
 
 #[test]
-fn contacts_may_be_numbered_in_any_way() {
+fn contacts_may_be_numbered_in_any_way_without_changing_a_bit() {
     let scene = scene("tumbling-foot", &[]);
     let reference = path(&scene, 1500);
     let mut random = fastrand::Rng::with_seed(21);
@@ -59,7 +58,7 @@ fn contacts_may_be_numbered_in_any_way() {
         let mut renumbered = scene.clone();
         random.shuffle(&mut renumbered.bodies[0].contacts);
         let (worst, same) = difference(&reference, &path(&renumbered, 1500), |s| *s);
-        println!("renumbered: {worst:e}, same bits: {same}");
+        assert!(same, "renumbered: off by {worst:e}");
     }
 }
 
@@ -73,4 +72,5 @@ fn a_world_turned_by_37_degrees_moves_as_before() {
     turned.initial.angular_velocity = (turn * Vector3::from(scene.initial.angular_velocity)).into();
     let (worst, _) = difference(&path(&scene, 1500), &path(&turned, 1500), |s| s.map(|v| turn * v));
     println!("turned: {worst:e}");
+    assert!(worst < 1e-12);
 }
