@@ -13,6 +13,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
@@ -20,9 +21,15 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 PACKAGES = {
     "mujoco": ["mujoco-core==4.0.0"],
+    "pinocchio": ["pin==4.1.0"],
+    "pybullet": ["pybullet==3.2.7"],
+    "drake": ["drake==1.51.1"],
+    "dart": ["dartpy==6.20.0"],
+    "rapier": [],  # a crate, built by cargo
 }
 COLUMNS = ["view", "scene", "engine", "method", "dt", "metric", "error", "cpu_s_per_sim_s", "us_per_step"]
 NUMPY = "numpy==2.4.6"
+ONE_INSTALLS = threading.Lock()
 CRASHES = 5  # an engine that crashed this often is left alone
 
 
@@ -36,10 +43,11 @@ def main():
     arguments.add_argument("--venv", type=Path, default=cache / "biped-peers", help="default: %(default)s")
     arguments = arguments.parse_args()
     engines = ["mujoco"] if arguments.quick else arguments.engines
-    python = environment(arguments.venv)
-    engines = [engine for engine in engines if python and installed(python, engine)]
+    python = environment(arguments.venv.absolute())
+    if python is None:
+        sys.exit("nothing can be installed, nothing is measured")
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
-        parts = list(pool.map(lambda engine: run(python, engine, Path(folder), arguments.quick), engines))
+        parts = list(pool.map(lambda engine: measure(python, engine, Path(folder), arguments.quick), engines))
         rows = [row for part in parts if part.exists() for row in csv.reader(part.open())]
     if not rows:
         sys.exit("no engine could be measured")
@@ -62,25 +70,49 @@ def environment(folder):
     return python
 
 
+def measure(python, engine, folder, quick):
+    """Installs and runs one engine; the file of its rows."""
+    part = folder / f"{engine}.csv"
+    if installed(python, engine):
+        run(python, engine, part, quick)
+    return part
+
+
 def installed(python, engine):
-    """Whether the engine's packages are there, or could be installed."""
+    """Whether the engine is there, or could be installed."""
     wanted = [NUMPY, *PACKAGES[engine]]
     stamp = python.parent.parent / f"{engine}.installed"
-    if stamp.exists() and stamp.read_text() == " ".join(wanted):
-        return True
-    say(f"installing {' '.join(wanted)}")
-    pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:", *wanted]
-    result = subprocess.run(pip, capture_output=True, text=True)
-    if result.returncode:
-        say(f"{engine} left out, it does not install: {last_line(result.stderr)}")
+    if not stamp.exists() or stamp.read_text() != " ".join(wanted):
+        pip = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--only-binary", ":all:"]
+        with ONE_INSTALLS:
+            say(f"installing {' '.join(wanted)}")
+            result = subprocess.run([*pip, *wanted], capture_output=True, text=True)
+        if result.returncode:
+            say(f"{engine} left out, it does not install: {last_line(result.stderr)}")
+            return False
+        stamp.write_text(" ".join(wanted))
+    return engine != "rapier" or built(python.parent.parent)
+
+
+def built(folder):
+    """Whether the program that drives rapier could be built, into the folder of the environment."""
+    say("building rapier")
+    cargo = ["cargo", "build", "--release", "--quiet", "--manifest-path", HERE / "rapier" / "Cargo.toml"]
+    target = os.environ | {"CARGO_TARGET_DIR": str(folder / "rapier")}
+    try:
+        result = subprocess.run(cargo, env=target, capture_output=True, text=True)
+    except OSError as error:
+        say(f"rapier left out, cargo does not run: {error}")
         return False
-    stamp.write_text(" ".join(wanted))
-    return True
+    if result.returncode:
+        say(f"rapier left out, it does not build: {last_line(result.stderr)}")
+    os.environ["RAPIER_SCENES"] = str(folder / "rapier" / "release" / "rapier-scenes")
+    return result.returncode == 0
 
 
-def run(python, engine, folder, quick):
-    """Measures one engine in a process of its own, past crashes; the file of its rows."""
-    part, job, crashes = folder / f"{engine}.csv", -1, 0
+def run(python, engine, part, quick):
+    """Measures one engine in a process of its own, past crashes."""
+    job, crashes = -1, 0
     settings = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PYTHONDONTWRITEBYTECODE")
     while True:
         command = [python, "-u", HERE / "measure.py", f"{engine}_scenes", part, "--from", str(job + 1)]
@@ -88,7 +120,7 @@ def run(python, engine, folder, quick):
         process = subprocess.Popen(
             [*command, *(["--quick"] if quick else [])],
             env=os.environ | dict.fromkeys(settings, "1"),
-            cwd=folder,  # engines leave logs where they run
+            cwd=part.parent,  # engines leave logs where they run
             stdout=subprocess.PIPE,
             stderr=complaints,
             text=True,
@@ -101,15 +133,16 @@ def run(python, engine, folder, quick):
                 if time.monotonic() - shown < 5:
                     continue
                 shown, line = time.monotonic(), doing
-            say(f"{engine}: {line.strip()}")
+            if line.startswith(("version ", "left out: ", doing)):  # the rest is an engine's own talk
+                say(f"{engine}: {line.strip()}")
         code = process.wait()
         if code == 0:
-            return part
+            return
         complaints.seek(0)
         say(f"{engine}: crashed (exit {code}) at {doing}; left out: {last_line(complaints.read())}")
         crashes += 1
         if job < 0 or crashes == CRASHES:
-            return part
+            return
 
 
 def print_tables(rows):

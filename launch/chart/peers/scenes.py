@@ -111,8 +111,9 @@ WHEEL_RATIO = (_RHO2 + cos(SPOKE_ANGLE)) / (1 + _RHO2)
 WHEEL_PULL = G / (SPOKE * (1 + _RHO2))  # d(spin^2 / 2) = WHEEL_PULL d(-cos(angle from gravity))
 _BEFORE = sqrt(4 * WHEEL_PULL * sin(SPOKE_ANGLE / 2) * sin(WHEEL_SLOPE) / (1 - WHEEL_RATIO**2))
 WHEEL_SPIN = WHEEL_RATIO * _BEFORE
-_ANGLE = np.linspace(-SPOKE_ANGLE / 2 + WHEEL_SLOPE, SPOKE_ANGLE / 2 + WHEEL_SLOPE, 20001)
-_PERIOD = np.trapezoid(1 / np.sqrt(WHEEL_SPIN**2 + 2 * WHEEL_PULL * (cos(_ANGLE[0]) - np.cos(_ANGLE))), _ANGLE)
+_HALVES = np.linspace(-1, 1, 20001)[1::2] * SPOKE_ANGLE / 2 + WHEEL_SLOPE  # midpoints of the swing, from gravity
+_RATES = np.sqrt(WHEEL_SPIN**2 + 2 * WHEEL_PULL * (cos(WHEEL_SLOPE - SPOKE_ANGLE / 2) - np.cos(_HALVES)))
+_PERIOD = SPOKE_ANGLE * np.mean(1 / _RATES)
 WHEEL_SPEED = 2 * SPOKE * sin(SPOKE_ANGLE / 2) / _PERIOD  # .784571 m/s
 
 _HIP = 0.2 * cos(0.2) * 2 + 0.25  # trunk above the soles with the knees bent by .4

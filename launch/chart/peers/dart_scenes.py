@@ -1,0 +1,97 @@
+"""DART: the ground is a large box, servos are springs and dampers in the joints (implicit).
+
+Time is CPU time of a Python loop over `World.step`, some tenths of a microsecond a step more than DART itself takes.
+"""
+
+import dartpy as dart
+import numpy as np
+
+import scenes as s
+
+ENGINE = "DART"
+VERSION = dart.__version__
+DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
+METHODS = {
+    "Dantzig (default)": None,
+    "NSGS": dart.constraint.NsgsFrictionSolver,
+    "FBF": dart.constraint.FbfFrictionSolver,
+}
+
+
+class Simulation:
+    """One scene under one solver."""
+
+    def __init__(self, scene, method, dt):
+        self.scene, self.method, self.dt = scene, method, dt
+        self.reset()
+
+    def reset(self):
+        """The scene, built anew."""
+        scene = self.scene
+        urdf = s.BIPED_URDF.read_text() if scene.body is None else scene.body.urdf()
+        body = dart.utils.DartLoader().parseSkeletonString(urdf, dart.common.Uri())
+        base = body.getRootJoint()
+        w, x, y, z = scene.quaternion
+        place = dart.math.Isometry3()
+        place.set_rotation(dart.math.Quaternion(w, x, y, z).to_rotation_matrix())
+        place.set_translation(scene.position)
+        base.setTransform(place)
+        base.setLinearVelocity(scene.velocity)
+        base.setAngularVelocity(scene.spin)
+        if scene.body is None:
+            for name, angle, rate in zip(s.JOINTS, scene.joints, scene.rates):
+                joint = body.getJoint(name)
+                joint.setPosition(0, angle)
+                joint.setVelocity(0, rate)
+                joint.setRestPosition(0, angle)
+                joint.setSpringStiffness(0, scene.stiffness)
+                joint.setDampingCoefficient(0, scene.damping)
+        self.world, self.body = dart.simulation.World(), body
+        self.world.setTimeStep(self.dt)
+        self.world.setGravity(scene.gravity_vector)
+        self.world.setCollisionDetector(dart.simulation.CollisionDetectorType.BULLET)
+        if METHODS[self.method]:
+            self.world.getConstraintSolver().setBoxedLcpSolver(METHODS[self.method]())
+        self.world.addSkeleton(body)
+        if scene.contact:
+            self.world.addSkeleton(_ground())
+        for skeleton in [self.world.getSkeleton(i) for i in range(self.world.getNumSkeletons())]:
+            for node in skeleton.getBodyNodes():
+                for shape in node.getShapeNodes():
+                    if shape.hasDynamicsAspect():
+                        shape.getDynamicsAspect().setFrictionCoeff(scene.friction)
+
+    def run(self, steps):
+        """Advances, recording nothing."""
+        for _ in range(steps):
+            self.world.step()
+
+    def row(self):
+        """State as `metrics` wants it."""
+        if not self.scene.contact:
+            return [self.body.computeKineticEnergy()]
+        if self.scene.body is None:
+            return np.concatenate([self.body.getBodyNode(foot).getWorldTransform().translation() for foot in s.FEET])
+        pose = self.body.getBodyNode(0).getWorldTransform()
+        turn = dart.math.Quaternion(pose.rotation())
+        return [*np.ravel(pose.translation()), turn.w(), turn.x(), turn.y(), turn.z()]
+
+    def trace(self, steps, stride):
+        """Rows from the start of the scene on."""
+        self.reset()
+        rows = [self.row()]
+        for _ in range(stride, steps + 1, stride):
+            self.run(stride)
+            rows.append(self.row())
+        return np.array(rows)
+
+
+def _ground():
+    """A box whose top is the plane z = 0."""
+    ground = dart.dynamics.Skeleton("ground")
+    _, node = ground.createWeldJointAndBodyNodePair()
+    shape = node.createShapeNode(dart.dynamics.BoxShape([100.0, 100.0, 1.0]))
+    shape.createCollisionAspect()
+    shape.createDynamicsAspect()
+    shape.setRelativeTranslation([0.0, 0.0, -0.5])
+    return ground

@@ -1,0 +1,103 @@
+"""Drake: discrete point contact at the corners, its default of a soft ground (1 mm under the weight).
+
+A box that lies on a half space touches in one point there, so the corners are points, as Drake's users make them. Servos
+are springs and dampers in the joints. Time is that of `Simulator.AdvanceTo`, which loops in C++.
+"""
+
+import re
+from importlib.metadata import version
+
+import numpy as np
+from pydrake.geometry import HalfSpace, Sphere
+from pydrake.math import RigidTransform
+from pydrake.multibody.parsing import Parser
+from pydrake.multibody.plant import AddMultibodyPlantSceneGraph, CoulombFriction, DiscreteContactApproximation
+from pydrake.multibody.tree import RevoluteSpring
+from pydrake.systems.analysis import Simulator
+from pydrake.systems.framework import DiagramBuilder
+
+import scenes as s
+
+ENGINE = "Drake"
+VERSION = version("drake")
+DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
+METHODS = {
+    "lagged (default)": DiscreteContactApproximation.kLagged,
+    "SAP": DiscreteContactApproximation.kSap,
+    "similar": DiscreteContactApproximation.kSimilar,
+    "TAMSI": DiscreteContactApproximation.kTamsi,
+}
+
+
+class Simulation:
+    """One scene under one approximation of contact."""
+
+    def __init__(self, scene, method, dt):
+        self.scene, self.dt = scene, dt
+        builder = DiagramBuilder()
+        self.plant, graph = AddMultibodyPlantSceneGraph(builder, time_step=dt)
+        plant = self.plant
+        plant.set_discrete_contact_approximation(METHODS[method])
+        urdf = s.BIPED_URDF.read_text() if scene.body is None else scene.body.urdf()
+        Parser(plant).AddModelsFromString(re.sub("<collision>.*?</collision>", "", urdf), "urdf")
+        plant.mutable_gravity_field().set_gravity_vector(scene.gravity_vector)
+        if scene.body is None:
+            for name, rest in zip(s.JOINTS, scene.joints):
+                joint = plant.GetJointByName(name)
+                joint.set_default_damping(scene.damping)
+                if scene.stiffness:
+                    plant.AddForceElement(RevoluteSpring(joint, rest, scene.stiffness))
+            self.feet = [plant.GetBodyByName(foot) for foot in s.FEET]
+            touching = [(foot, point) for foot in self.feet for point in s.SOLE]
+        else:
+            touching = [(plant.GetBodyByName("body"), point) for point in scene.body.points]
+        friction = CoulombFriction(scene.friction, scene.friction)
+        if scene.contact:
+            ground = plant.world_body()
+            plant.RegisterCollisionGeometry(ground, RigidTransform(), HalfSpace(), "ground", friction)
+            for i, (body, point) in enumerate(touching):
+                plant.RegisterCollisionGeometry(body, RigidTransform(point), Sphere(s.TIP), f"corner {i}", friction)
+        plant.Finalize()
+        self.simulator = Simulator(builder.Build())
+        self.root = self.simulator.get_mutable_context()
+        self.context = plant.GetMyMutableContextFromRoot(self.root)
+        self.reset()
+
+    def reset(self):
+        """Back to the start of the scene."""
+        scene, plant = self.scene, self.plant
+        q, v = np.zeros(plant.num_positions()), np.zeros(plant.num_velocities())
+        q[:7] = [*scene.quaternion, *scene.position]
+        v[:6] = [*scene.spin, *scene.velocity]
+        if scene.body is None:
+            for name, angle, rate in zip(s.JOINTS, scene.joints, scene.rates):
+                joint = plant.GetJointByName(name)
+                q[joint.position_start()], v[joint.velocity_start()] = angle, rate
+        self.root.SetTime(0)
+        plant.SetPositions(self.context, q)
+        plant.SetVelocities(self.context, v)
+        self.simulator.Initialize()
+        self.steps = 0
+
+    def run(self, steps):
+        """Advances, recording nothing."""
+        self.steps += steps
+        self.simulator.AdvanceTo(self.steps * self.dt)
+
+    def row(self):
+        """State as `metrics` wants it."""
+        if not self.scene.contact:
+            return [self.plant.CalcKineticEnergy(self.context)]
+        if self.scene.body is None:
+            return np.concatenate([foot.EvalPoseInWorld(self.context).translation() for foot in self.feet])
+        q = self.plant.GetPositions(self.context)
+        return [*q[4:7], *q[:4]]
+
+    def trace(self, steps, stride):
+        """Rows from the start of the scene on."""
+        self.reset()
+        rows = [self.row()]
+        for _ in range(stride, steps + 1, stride):
+            self.run(stride)
+            rows.append(self.row())
+        return np.array(rows)

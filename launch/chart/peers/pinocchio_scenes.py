@@ -1,0 +1,147 @@
+"""Pinocchio's cone solvers with a stepper of our own around them, for Pinocchio itself steps nothing.
+
+The step is semi-implicit Euler: free velocity, contact impulses of Coulomb's cone (De Saxce's form) at the points that
+touch, configuration with the new velocity. What has sunk in is not pushed out. Servos are implicit: their stiffness and
+damping act as armature.
+
+Time is that spent in Pinocchio's own functions, by the wall clock and the median step, so that the Python between them
+does not count; a binding call still costs about a microsecond.
+"""
+
+import statistics
+import time
+
+import numpy as np
+import pinocchio as pin
+
+import scenes as s
+
+ENGINE = "Pinocchio"
+VERSION = pin.__version__
+DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
+METHODS = {"ADMM 1e-6": ("ADMM", 1e-6), "ADMM 1e-9": ("ADMM", 1e-9), "PGS 1e-9": ("PGS", 1e-9)}
+NEAR = 1e-6  # what is no higher above the ground touches [m]
+
+
+class Simulation:
+    """One scene under one solver."""
+
+    def __init__(self, scene, method, dt):
+        self.scene, self.dt = scene, dt
+        base = pin.JointModelFreeFlyer()
+        if scene.body is None:
+            self.model = pin.buildModelFromUrdf(str(s.BIPED_URDF), base)
+            joints = [self.model.getJointId(f"{side}_ankle_roll") for side in "lr"]
+            points = [(joint, corner) for joint in joints for corner in s.SOLE]
+            self.model.armature[6:] = dt * scene.damping + dt**2 * scene.stiffness
+        else:
+            self.model = pin.buildModelFromXML(scene.body.urdf(), base)
+            points = [(1, point) for point in scene.body.points]
+        self.model.gravity.linear = scene.gravity_vector
+        self.data = self.model.createData()
+        self.points = [(joint, np.array(point)) for joint, point in points] if scene.contact else []
+        self.ground = [_contact(self.model, joint, point, scene.friction) for joint, point in self.points]
+        solver, tolerance = METHODS[method]
+        self.settings = getattr(pin, f"{solver}SolverSettings")()
+        for kind in ("feasibility", "complementarity"):
+            setattr(self.settings, f"absolute_{kind}_tol", tolerance)
+            setattr(self.settings, f"relative_{kind}_tol", 0.0)
+        self.settings.max_iterations = 1000
+        self.new_solver, self.new_result = (getattr(pin, f"{solver}{what}") for what in ("ConstraintSolver", "SolverResult"))
+        self.solvers = {}  # by the set of active points
+        self.reset()
+
+    def reset(self):
+        """Back to the start of the scene."""
+        scene = self.scene
+        w, x, y, z = scene.quaternion
+        turn = pin.Quaternion(w, x, y, z).matrix()
+        joints, rates = (scene.joints, scene.rates) if scene.body is None else ((), ())
+        self.q = np.array([*scene.position, x, y, z, w, *joints])
+        self.v = np.array([*turn.T @ scene.velocity, *turn.T @ scene.spin, *rates])
+        self.rest = np.array(joints)
+        self.active, self.native = None, 0
+
+    def step(self):
+        """One step; `native` counts the nanoseconds in Pinocchio."""
+        model, data, dt, q, v, clock = self.model, self.data, self.dt, self.q, self.v, time.perf_counter_ns
+        torque = np.zeros(model.nv)
+        torque[6:] = self.scene.stiffness * (self.rest - q[7:] - dt * v[6:]) - self.scene.damping * v[6:]
+        start = clock()
+        free = v + dt * pin.aba(model, data, q, v, torque, pin.Convention.WORLD)
+        places = data.oMi
+        native = clock() - start
+        free[:3] += dt * np.cross(v[3:6], v[:3])  # acceleration of the base's origin in W, seen from the base as it is now
+        gaps = [places[joint].act(point)[2] for joint, point in self.points]
+        active = tuple(i for i, gap in enumerate(gaps) if gap <= NEAR)
+        if active:
+            constraints, values, cholesky, solver, result = self._solver(active)
+            start = clock()
+            pin.crba(model, data, q, pin.Convention.WORLD)
+            for constraint, value in zip(constraints, values):
+                constraint.calc(model, data, value)
+            cholesky.compute(model, data, constraints, values, 1e-10)
+            jacobian = pin.getConstraintsJacobian(model, data, constraints, values)
+            velocity = jacobian @ free
+            solver.solve(cholesky.getDelassusOperatorCholeskyExpression(), velocity, constraints, values, self.settings, result)
+            impulse = result.retrieveConstraintImpulses()
+            pin.cholesky.decompose(model, data)
+            free = free + pin.cholesky.solve(model, data, jacobian.T @ impulse)
+            result.setConstraintImpulseGuess(impulse)
+            native += clock() - start
+        start = clock()
+        self.q = pin.integrate(model, q, dt * free)
+        self.native = native + clock() - start
+        way = places[1].rotation @ free[:3]
+        self.q[:3] = q[:3] + dt * way
+        self.v = free
+        self.v[:3] = pin.Quaternion(self.q[3:7]).matrix().T @ way
+
+    def _solver(self, active):
+        """Constraints, decomposition, solver and result of a set of points; begun anew when the set changes."""
+        if active not in self.solvers:
+            constraints, values = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
+            for i in active:
+                constraints.append(self.ground[i])
+                values.append(self.ground[i].createData())
+            cholesky = pin.ConstraintCholeskyDecomposition(self.model, self.data, constraints, values)
+            size = 3 * len(active)
+            self.solvers[active] = [constraints, values, cholesky, self.new_solver(size), self.new_result()]
+        if active != self.active:
+            self.solvers[active][3:] = self.new_solver(3 * len(active)), self.new_result()
+            self.active = active
+        return self.solvers[active]
+
+    def seconds(self, steps):
+        """Median time of a step in Pinocchio's functions."""
+        times = []
+        for _ in range(steps):
+            self.step()
+            times.append(self.native)
+        return statistics.median(times) * 1e-9
+
+    def row(self):
+        """State as `metrics` wants it."""
+        if not self.scene.contact:
+            return [pin.computeKineticEnergy(self.model, self.data, self.q, self.v)]
+        if self.scene.body:
+            return [*self.q[:3], self.q[6], *self.q[3:6]]
+        pin.forwardKinematics(self.model, self.data, self.q)
+        return np.concatenate([self.data.oMi[self.points[i][0]].translation for i in (0, 4)])
+
+    def trace(self, steps, stride):
+        """Rows from the start of the scene on."""
+        self.reset()
+        rows = [self.row()]
+        for step in range(1, steps + 1):
+            self.step()
+            if step % stride == 0:
+                rows.append(self.row())
+        return np.array(rows)
+
+
+def _contact(model, joint, point, friction):
+    """A point of a body that touches the ground, normal along z of the world."""
+    contact = pin.PointContactConstraintModel(model, 0, pin.SE3.Identity(), joint, pin.SE3(np.eye(3), np.array(point)))
+    contact.setFriction(friction)
+    return pin.ConstraintModel(contact)

@@ -1,0 +1,115 @@
+"""PyBullet: bodies as Featherstone multibodies without Bullet's damping, servos as explicit torques.
+
+Time is that spent in `stepSimulation`, by the wall clock and the median step: torques, set from Python, do not count.
+"""
+
+import statistics
+import tempfile
+import time
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pybullet as p
+
+import scenes as s
+
+ENGINE = "PyBullet"
+VERSION = version("pybullet")
+DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
+METHODS = {
+    "default": {},
+    "200 iterations": {"numSolverIterations": 200, "solverResidualThreshold": 0},
+    "LCP PGS": {"constraintSolverType": p.CONSTRAINT_SOLVER_LCP_PGS},
+    "LCP Dantzig": {"constraintSolverType": p.CONSTRAINT_SOLVER_LCP_DANTZIG},
+}
+
+
+class Simulation:
+    """One scene under one solver."""
+
+    def __init__(self, scene, method, dt):
+        self.scene, self.dt, self.settings = scene, dt, METHODS[method]
+        urdf = s.BIPED_URDF.read_text().replace("revolute", "continuous") if scene.body is None else scene.body.urdf()
+        self.folder = tempfile.TemporaryDirectory()
+        self.urdf = Path(self.folder.name) / "body.urdf"
+        self.urdf.write_text(urdf)
+        if not p.isConnected():
+            p.connect(p.DIRECT)
+        self.reset()
+
+    def reset(self):
+        """Back to the start of the scene."""
+        scene = self.scene
+        p.resetSimulation()
+        p.setPhysicsEngineParameter(fixedTimeStep=self.dt, numSubSteps=0, **self.settings)
+        p.setGravity(*scene.gravity_vector)
+        if scene.contact:
+            ground = p.createMultiBody(0, p.createCollisionShape(p.GEOM_PLANE))
+            p.changeDynamics(ground, -1, lateralFriction=1)  # frictions are multiplied
+        w, x, y, z = scene.quaternion
+        self.body = p.loadURDF(str(self.urdf), scene.position, [x, y, z, w], flags=p.URDF_USE_INERTIA_FROM_FILE)
+        p.resetBaseVelocity(self.body, scene.velocity, scene.spin)
+        links = range(-1, p.getNumJoints(self.body))
+        free = dict(linearDamping=0, angularDamping=0, jointDamping=0, restitution=0, rollingFriction=0, spinningFriction=0)
+        for link in links:
+            p.changeDynamics(self.body, link, lateralFriction=scene.friction, **free)
+            if not scene.contact:
+                p.setCollisionFilterGroupMask(self.body, link, 0, 0)
+        if scene.body is None:
+            names = [p.getJointInfo(self.body, joint)[1].decode() for joint in links[1:]]
+            self.joints = [names.index(name) for name in s.JOINTS]
+            for joint, angle, rate in zip(self.joints, scene.joints, scene.rates):
+                p.resetJointState(self.body, joint, angle, rate)
+            p.setJointMotorControlArray(self.body, self.joints, p.VELOCITY_CONTROL, forces=[0] * 8)
+
+    def step(self):
+        """One step; the seconds it took in Bullet."""
+        scene = self.scene
+        if scene.stiffness:
+            torques = [
+                scene.stiffness * (rest - state[0]) - scene.damping * state[1]
+                for rest, state in zip(scene.joints, p.getJointStates(self.body, self.joints))
+            ]
+            p.setJointMotorControlArray(self.body, self.joints, p.TORQUE_CONTROL, forces=torques)
+        start = time.perf_counter()
+        p.stepSimulation()
+        return time.perf_counter() - start
+
+    def seconds(self, steps):
+        """Median time of a step."""
+        return statistics.median(self.step() for _ in range(steps))
+
+    def row(self):
+        """State as `metrics` wants it."""
+        if self.scene.body:
+            position, (x, y, z, w) = p.getBasePositionAndOrientation(self.body)
+            return [*position, w, x, y, z]
+        if self.scene.contact:
+            feet = [self.joints[s.JOINTS.index(f"{side}_ankle_roll")] for side in "lr"]
+            return np.concatenate([p.getLinkState(self.body, foot, computeForwardKinematics=True)[4] for foot in feet])
+        return [self.kinetic_energy()]
+
+    def kinetic_energy(self):
+        """Of all links, from their velocities."""
+        velocity, spin = p.getBaseVelocity(self.body)
+        moving = [(-1, p.getBasePositionAndOrientation(self.body)[1], velocity, spin)]
+        for joint in self.joints:
+            state = p.getLinkState(self.body, joint, computeLinkVelocity=True, computeForwardKinematics=True)
+            moving.append((joint, state[1], state[6], state[7]))
+        energy = 0.0
+        for link, attitude, velocity, spin in moving:
+            mass, _, inertia = p.getDynamicsInfo(self.body, link)[:3]
+            spin = np.array(p.getMatrixFromQuaternion(attitude)).reshape(3, 3).T @ spin
+            energy += mass * np.dot(velocity, velocity) / 2 + inertia @ spin**2 / 2
+        return energy
+
+    def trace(self, steps, stride):
+        """Rows from the start of the scene on."""
+        self.reset()
+        rows = [self.row()]
+        for step in range(1, steps + 1):
+            self.step()
+            if step % stride == 0:
+                rows.append(self.row())
+        return np.array(rows)
