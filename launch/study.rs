@@ -18,6 +18,8 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+mod problems;
+
 /// Arguments of `biped study`.
 #[derive(Args)]
 pub struct StudyArgs {
@@ -29,6 +31,9 @@ pub struct StudyArgs {
     /// Show no progress
     #[arg(long)]
     quiet: bool,
+    /// Contact problems to solve, of all families together; for `problems`
+    #[arg(long, default_value_t = 1_000_000, value_name = "N")]
+    count: usize,
 }
 
 /// Which table.
@@ -42,6 +47,8 @@ pub enum Study {
     Attraction,
     /// Long walks
     Endurance,
+    /// How well contact problems of every kind are solved
+    Problems,
 }
 
 /// One run of a table.
@@ -64,11 +71,15 @@ fn case(name: impl Into<String>, scene: &'static str, settings: &[&str]) -> Case
 /// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
 /// are rows of the table.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let cases = cases(args.study);
-    let bar = if args.quiet { ProgressBar::hidden() } else { ProgressBar::new(cases.len() as u64) };
-    if let Ok(style) = ProgressStyle::with_template("[{bar:24}] {pos} of {len} cases, {elapsed}") {
-        bar.set_style(style.progress_chars("=> "));
+    if let Study::Problems = args.study {
+        let bar = bar(args, args.count, "problems");
+        let mut results = problems::solve(args.count, stop, |more| bar.inc(more))?;
+        bar.finish_and_clear();
+        let rows = problems::rows(&mut results);
+        return hand_out(args, &table(&rows), &comma_separated(&rows));
     }
+    let cases = cases(args.study);
+    let bar = bar(args, cases.len(), "cases");
     let study = |case| {
         let outcome = simulate(case, stop);
         bar.inc(1);
@@ -77,11 +88,23 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
     bar.finish_and_clear();
     let rows = rows(args.study, &cases, &outcomes);
-    let text = markdown(&rows, &outcomes);
-    say(&text);
+    hand_out(args, &markdown(&rows, &outcomes), &csv(rows, &cases))
+}
+
+fn bar(args: &StudyArgs, length: usize, what: &str) -> ProgressBar {
+    let bar = if args.quiet { ProgressBar::hidden() } else { ProgressBar::new(length as u64) };
+    if let Ok(style) = ProgressStyle::with_template(&format!("[{{bar:24}}] {{pos}} of {{len}} {what}, {{elapsed}}")) {
+        bar.set_style(style.progress_chars("=> "));
+    }
+    bar
+}
+
+/// Prints a table and writes it, if asked to.
+fn hand_out(args: &StudyArgs, markdown: &str, csv: &str) -> Result<(), Failure> {
+    say(markdown);
     match &args.out {
         None => Ok(()),
-        Some(folder) => write(folder, args.study, &text, &csv(&rows, &cases))
+        Some(folder) => write(folder, args.study, markdown, csv)
             .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display()))),
     }
 }
@@ -158,6 +181,12 @@ fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> 
 }
 
 fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
+    let up = outcomes.iter().filter(|outcome| outcome.as_ref().is_ok_and(|summary| !summary.fell)).count();
+    format!("{}\n{up} of {} stay up.\n", table(rows), outcomes.len())
+}
+
+/// A table in Markdown.
+fn table(rows: &[Vec<String>]) -> String {
     let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(widest).collect();
     let mut text = String::new();
@@ -169,23 +198,23 @@ fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
             let _ = writeln!(text, "|{}", rule.collect::<String>());
         }
     }
-    let up = outcomes.iter().filter(|outcome| outcome.as_ref().is_ok_and(|summary| !summary.fell)).count();
-    let _ = writeln!(text, "\n{up} of {} stay up.", outcomes.len());
     text
 }
 
 /// The same with the command line of each case, to run it again.
-fn csv(rows: &[Vec<String>], cases: &[Case]) -> String {
+fn csv(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
     let command = |case: &Case| {
         let settings = case.settings.iter().map(|setting| format!(" --set '{setting}'"));
         format!("biped run {}{}", case.scene, settings.collect::<String>())
     };
     let commands = ["command".into()].into_iter().chain(cases.iter().map(command));
+    rows.iter_mut().zip(commands).for_each(|(row, command)| row.push(command));
+    comma_separated(&rows)
+}
+
+fn comma_separated(rows: &[Vec<String>]) -> String {
     let quoted = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
-    let line = |(row, command): (&Vec<String>, String)| {
-        row.iter().chain([&command]).map(quoted).collect::<Vec<_>>().join(",") + "\n"
-    };
-    rows.iter().zip(commands).map(line).collect()
+    rows.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
 }
 
 fn cases(study: Study) -> Vec<Case> {
@@ -194,6 +223,7 @@ fn cases(study: Study) -> Vec<Case> {
         Study::Laws => laws(),
         Study::Attraction => attraction(),
         Study::Endurance => endurance(),
+        Study::Problems => vec![], // not runs but steps: see `problems`
     }
 }
 

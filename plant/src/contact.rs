@@ -98,6 +98,28 @@ impl Problem {
         self.id.extend(0..contacts);
     }
 
+    /// The same contacts with their first `tangents` tangents alone.
+    pub fn narrowed(&self, tangents: usize) -> Problem {
+        let keeps = |row: &usize| row % (1 + self.tangents) <= tangents;
+        let rows: Vec<usize> = (0..self.rows()).filter(keeps).collect();
+        let mut narrow = Problem { tangents: tangents.min(self.tangents), ..self.clone() };
+        narrow.drift = rows.iter().map(|&row| self.drift[row]).collect();
+        narrow.delassus =
+            rows.iter().flat_map(|&row| rows.iter().map(move |&k| self.delassus[row * self.rows() + k])).collect();
+        narrow
+    }
+
+    /// The same contacts with their first `tangents` tangents alone.
+    pub fn narrowed(&self, tangents: usize) -> Problem {
+        let keeps = |row: &usize| row % (1 + self.tangents) <= tangents;
+        let rows: Vec<usize> = (0..self.rows()).filter(keeps).collect();
+        let mut narrow = Problem { tangents: tangents.min(self.tangents), ..self.clone() };
+        narrow.drift = rows.iter().map(|&row| self.drift[row]).collect();
+        narrow.delassus =
+            rows.iter().flat_map(|&row| rows.iter().map(move |&k| self.delassus[row * self.rows() + k])).collect();
+        narrow
+    }
+
     /// Number of rows m.
     pub fn rows(&self) -> usize {
         self.contacts * (1 + self.tangents)

@@ -246,6 +246,11 @@ impl Plant {
         &self.model
     }
 
+    /// The contact problem of the last step; of no contact if nothing touched.
+    pub fn problem(&self) -> &Problem {
+        &self.work.problem
+    }
+
     /// The present state.
     pub fn state(&self) -> &State {
         &self.state
