@@ -1,7 +1,9 @@
 //! What can go wrong, and the exit code that says so.
 
+use crate::contact::Case;
 use messages::load::SceneError;
 use messages::port::PortError;
+use plant::PlantError;
 use std::process::ExitCode;
 
 /// Exit codes of every role.
@@ -21,13 +23,16 @@ pub enum Exit {
     SharedMemory = 6,
     /// The robot fell.
     Fell = 7,
+    /// A contact problem was not solved to plant.tolerance; it is in a file.
+    Unsolved = 8,
     /// Ctrl-C or TERM.
     Interrupted = 130,
 }
 
 /// The same for people.
 pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
-    5 incompatible processes, 6 shared memory, 7 the robot fell, 130 interrupted";
+    5 incompatible processes, 6 shared memory, 7 the robot fell, \
+    8 unsolved contact problem, 130 interrupted";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -38,8 +43,15 @@ impl From<Exit> for ExitCode {
 impl Exit {
     /// The meaning of a child's exit code; one that is not ours, or a signal, is a fault.
     pub fn of_child(code: Option<i32>) -> Exit {
-        let known =
-            [Exit::Ok, Exit::Usage, Exit::PeerMissing, Exit::Incompatible, Exit::SharedMemory, Exit::Interrupted];
+        let known = [
+            Exit::Ok,
+            Exit::Usage,
+            Exit::PeerMissing,
+            Exit::Incompatible,
+            Exit::SharedMemory,
+            Exit::Unsolved,
+            Exit::Interrupted,
+        ];
         known.into_iter().find(|exit| code == Some(*exit as i32)).unwrap_or(Exit::Fault)
     }
 }
@@ -51,12 +63,14 @@ pub struct Failure {
     pub exit: Exit,
     /// The sentence.
     pub message: String,
+    /// A contact problem to be written to a file.
+    pub case: Option<Box<Case>>,
 }
 
 impl Failure {
     /// A failure with a message.
     pub fn new(exit: Exit, message: impl ToString) -> Failure {
-        Failure { exit, message: message.to_string() }
+        Failure { exit, message: message.to_string(), case: None }
     }
 }
 
@@ -83,10 +97,16 @@ impl From<plant::process::ProcessError> for Failure {
         match error {
             E::Port(error) => error.into(),
             E::NoController(..) => Failure::new(Exit::PeerMissing, error),
+            E::Plant(PlantError::Unsolved { .. }) => unsolved(error),
             E::Plant(_) | E::Silent(_) => Failure::new(Exit::Fault, error),
             E::Interrupted => Failure::new(Exit::Interrupted, error),
         }
     }
+}
+
+fn unsolved(error: plant::process::ProcessError) -> Failure {
+    let failure = Failure::new(Exit::Unsolved, &error);
+    Failure { case: Case::of(error).map(Box::new), ..failure }
 }
 
 impl From<controller::process::ProcessError> for Failure {
@@ -101,8 +121,8 @@ impl From<controller::process::ProcessError> for Failure {
     }
 }
 
-impl From<plant::PlantError> for Failure {
-    fn from(error: plant::PlantError) -> Self {
+impl From<PlantError> for Failure {
+    fn from(error: PlantError) -> Self {
         plant::process::ProcessError::from(error).into()
     }
 }

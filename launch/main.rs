@@ -10,10 +10,12 @@
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
+//! | contact problems as files | [`contact`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
 mod chart;
 mod children;
+mod contact;
 mod csv;
 mod exit;
 mod list;
@@ -53,6 +55,8 @@ enum Command {
     Study(study::StudyArgs),
     /// Chart speed against accuracy: every law, integrator and model size, beside other engines
     Chart(chart::ChartArgs),
+    /// Solve the contact problem that a run could not solve, by every law
+    Contact(contact::ContactArgs),
     /// Be the plant of a session
     Plant(RoleArgs),
     /// Be the controller of a session
@@ -131,6 +135,7 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args, &stop),
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Chart(args)) => chart::run(&args, &stop),
+        Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
         Some(Command::List { keys: false }) => list::scenes(),
@@ -140,7 +145,7 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
-            eprintln!("error: {}", failure.message);
+            eprintln!("error: {}{}", failure.message, failure.case.map_or(String::new(), |case| case.keep()));
             failure.exit.into()
         }
     }

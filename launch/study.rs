@@ -186,7 +186,7 @@ fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
 }
 
 /// A table in Markdown.
-fn table(rows: &[Vec<String>]) -> String {
+pub fn table(rows: &[Vec<String>]) -> String {
     let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
     let widths: Vec<usize> = (0..rows[0].len()).map(widest).collect();
     let mut text = String::new();

@@ -107,7 +107,7 @@ impl Family {
 
 /// The robot of Table 1 in one of the built-in scenes, on unknown ground with unknown load.
 fn robot(name: &str, random: &mut Rng) -> Result<Scene, Failure> {
-    let mut scene = load(name, &[], &SCENES)?;
+    let mut scene = load(name, &[], SCENES)?;
     scene.plant.dt = *random.choice(&[2.5e-4, 5e-4, 1e-3]).unwrap_or(&5e-4);
     scene.rate = 1.0 / scene.plant.dt;
     scene.plant.friction = 0.3 + 0.9 * random.f64();
@@ -148,7 +148,7 @@ fn thrown(bodies: Vec<Body>, speed: f64, random: &mut Rng) -> Scene {
 }
 
 fn body(name: String, mass: f64, size: [f64; 3], contacts: Vec<[f64; 3]>) -> Body {
-    Body { name, mass, size, com: [0.0; 3], inertia: None, joint: None, contacts }
+    Body { name, mass, size, contacts, ..Body::default() }
 }
 
 /// Corners of a box.
@@ -173,7 +173,7 @@ fn tumbler(random: &mut Rng) -> Vec<Body> {
 }
 
 fn hinge(parent: &str, axis: [f64; 3], at: [f64; 3]) -> Joint {
-    Joint { parent: parent.into(), kind: JointKind::Revolute, axis, at }
+    Joint { parent: parent.into(), axis, at, ..Joint::default() }
 }
 
 /// A plate on 64 corners, in a grid or anywhere.
@@ -360,15 +360,26 @@ pub fn solve(count: usize, stop: &AtomicBool, told: impl Fn(u64) + Sync) -> Resu
 /// Rows of the table, the first naming the columns.
 pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
     let columns = [
-        "family", "law", "problems", "rows", "natural map", "unsolved", "fallbacks", "warm", "pivots p50", "p99.9",
-        "max", "p99.9 per row", "µs",
+        "family",
+        "law",
+        "problems",
+        "rows",
+        "natural map",
+        "unsolved",
+        "fallbacks",
+        "warm",
+        "pivots p50",
+        "p99.9",
+        "max",
+        "p99.9 per row",
+        "µs",
     ];
     let mut rows = vec![columns.map(String::from).to_vec()];
     for (family, tallies) in Family::ALL.iter().zip(results) {
         for (law, tally) in LAWS.iter().zip(tallies) {
             let last = tally.pivots.len().saturating_sub(1) as f64;
             let at = |share: f64| (share * last) as usize;
-            tally.pivots.sort_unstable_by(|a, b| a.0.cmp(&b.0));
+            tally.pivots.sort_unstable_by_key(|count| count.0);
             let count = |share: f64| tally.pivots.get(at(share)).map_or(0, |p| p.0).to_string();
             let counts = [0.5, 0.999, 1.0].map(count);
             tally.pivots.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));

@@ -217,6 +217,7 @@ impl Check<'_> {
 
     fn plant(&self, scene: &Scene) -> Checked {
         let plant = &scene.plant;
+        self.positive("plant.tolerance", plant.tolerance)?;
         self.not_negative("plant.gravity", plant.gravity)?;
         let tilt = plant.incline_deg;
         self.require(tilt.abs() < 90.0, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;

@@ -38,6 +38,9 @@ pub struct PlantScene {
     pub base: Base,
     /// Contact law.
     pub law: Law,
+    /// Greatest residual that an exact contact law may leave in a step, relative to the step's scale. Beyond it the run ends
+    /// and writes the contact problem to a file for `biped contact` [-].
+    pub tolerance: f64,
     /// Integration method.
     pub method: Method,
     /// Gravity [m/s²].
@@ -227,6 +230,7 @@ impl Default for PlantScene {
             dt: 5e-4,
             base: Base::Virtual,
             law: Law::Aligned,
+            tolerance: 1e-9,
             method: Method::SemiImplicitEuler,
             gravity: 9.81,
             incline_deg: 0.0,

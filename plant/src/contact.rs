@@ -34,6 +34,7 @@ mod sweep;
 pub use solver::Solver;
 
 use messages::scene::Law;
+use serde::{Deserialize, Serialize};
 
 /// One contact step, `v = A f + b`.
 ///
@@ -43,7 +44,8 @@ use messages::scene::Law;
 ///
 /// # Source
 /// (12)-(14): A = K^T H^-1 K and b = K^T (xdot + H^-1 Δf_b).
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Problem {
     /// Number of touching contacts.
     pub contacts: usize,
@@ -69,7 +71,8 @@ pub struct Problem {
 }
 
 /// What `SpringDamper` needs to know besides the state of a contact.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Spring {
     /// k [N/m].
     pub stiffness: f64,
@@ -104,20 +107,52 @@ impl Problem {
         let rows: Vec<usize> = (0..self.rows()).filter(keeps).collect();
         let mut narrow = Problem { tangents: tangents.min(self.tangents), ..self.clone() };
         narrow.drift = rows.iter().map(|&row| self.drift[row]).collect();
+        narrow.before = rows.iter().map(|&row| self.before[row]).collect();
         narrow.delassus =
             rows.iter().flat_map(|&row| rows.iter().map(move |&k| self.delassus[row * self.rows() + k])).collect();
         narrow
     }
 
-    /// The same contacts with their first `tangents` tangents alone.
-    pub fn narrowed(&self, tangents: usize) -> Problem {
-        let keeps = |row: &usize| row % (1 + self.tangents) <= tangents;
-        let rows: Vec<usize> = (0..self.rows()).filter(keeps).collect();
-        let mut narrow = Problem { tangents: tangents.min(self.tangents), ..self.clone() };
-        narrow.drift = rows.iter().map(|&row| self.drift[row]).collect();
-        narrow.delassus =
-            rows.iter().flat_map(|&row| rows.iter().map(move |&k| self.delassus[row * self.rows() + k])).collect();
-        narrow
+    /// Whether its numbers are those of a contact problem; if not, which are not.
+    ///
+    /// # Errors
+    /// A sentence.
+    pub fn check(&self) -> Result<(), String> {
+        let m = self.rows();
+        let lengths = [
+            ("id", self.id.len(), self.contacts),
+            ("delassus", self.delassus.len(), m * m),
+            ("drift", self.drift.len(), m),
+            ("friction", self.friction.len(), self.contacts),
+            ("approach", self.approach.len(), self.contacts),
+            ("gap", self.gap.len(), self.contacts),
+            ("before", self.before.len(), m),
+        ];
+        if !(1..=2).contains(&self.tangents) {
+            return Err(format!("tangents = {}, but it must be 1 or 2", self.tangents));
+        }
+        for (name, length, right) in lengths {
+            if length != right {
+                let (contacts, tangents) = (self.contacts, self.tangents);
+                return Err(format!(
+                    "{name} has {length} numbers, but {right} are needed for contacts = {contacts}, tangents = {tangents}"
+                ));
+            }
+        }
+        let lists = [&self.delassus, &self.drift, &self.friction, &self.approach, &self.gap, &self.before];
+        if !lists.into_iter().flatten().all(|number| number.is_finite()) {
+            return Err("every number must be finite".into());
+        }
+        if self.friction.iter().any(|mu| *mu < 0.0) {
+            return Err("friction must not be negative".into());
+        }
+        let at = |i: usize, j: usize| self.delassus[i * m + j];
+        let asymmetric =
+            (0..m).any(|i| (0..i).any(|j| (at(i, j) - at(j, i)).abs() > 1e-9 * (at(i, i) * at(j, j)).sqrt()));
+        if asymmetric || (0..m).any(|i| at(i, i) < 0.0) {
+            return Err("delassus must be symmetric and not negative on its diagonal".into());
+        }
+        Ok(())
     }
 
     /// Number of rows m.
@@ -146,6 +181,15 @@ pub fn follows_slip(law: Law) -> bool {
 /// behind that is no longer that of their normal impulse.
 pub fn is_plastic(law: Law) -> bool {
     !matches!(law, Law::SpringDamper | Law::Sweep(_))
+}
+
+/// Whether the law's own problem has solutions exact to rounding, of which `plant.tolerance` asks one in every step.
+///
+/// They end at a complementary basis, whose impulse is the solution of a linear system. The others come nearer with each
+/// iteration, as near as they were told to, or evaluate a formula.
+pub fn is_exact(law: Law) -> bool {
+    use Law::{Aligned, Complementarity, EnergyQp, EnergyQpGap, Facets};
+    matches!(law, EnergyQp | EnergyQpGap | Complementarity | Aligned | Facets(_))
 }
 
 /// Speed at which contact i may still approach the ground [m/s]: what is added to v_N in (18) and (19).

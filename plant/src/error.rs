@@ -1,5 +1,7 @@
 //! What can go wrong in a plant, one clear sentence each.
 
+use crate::contact::Problem;
+use messages::scene::Law;
 use thiserror::Error;
 
 /// Why a plant could not be built or could not take a step.
@@ -50,6 +52,22 @@ pub enum PlantError {
         dof: usize,
         /// The pivot.
         pivot: f64,
+    },
+    /// A contact law that finds exact solutions has found none.
+    #[error("contact problem of step {} at t = {time:.4} s: {law} leaves a residual of {residual:.1e}, but plant.tolerance is {tolerance:.1e}", .step)]
+    Unsolved {
+        /// Number of the step, the first being 0.
+        step: u64,
+        /// Simulated time at its beginning [s].
+        time: f64,
+        /// The law.
+        law: Law,
+        /// Natural map of the law's own problem, relative to the step's scale; NaN if there is no impulse at all [-].
+        residual: f64,
+        /// What was asked for [-].
+        tolerance: f64,
+        /// The problem.
+        problem: Box<Problem>,
     },
     /// The simulation has blown up.
     #[error("the state is no longer finite at t = {time:.4} s: the step plant.dt is too long for this scene")]

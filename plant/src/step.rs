@@ -5,7 +5,7 @@
 //! ```
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Solver, Spring, is_plastic};
+use crate::contact::{Memory, Problem, Report, Solver, Spring, is_exact, is_plastic};
 use crate::delassus::ContactMap;
 use crate::detect::{Touch, touching};
 use crate::drive::Drives;
@@ -42,6 +42,7 @@ struct Settings {
     h: f64,
     steps_per_period: u64,
     law: Law,
+    tolerance: f64,
     method: Method,
     friction: f64,
     restitution: f64,
@@ -100,7 +101,8 @@ impl Plant {
     /// One control period: the torques go through the drives and act for as many steps as fit.
     ///
     /// # Errors
-    /// If the state is no longer finite or H no longer positive definite: the simulation has blown up.
+    /// If the state is no longer finite or H no longer positive definite: the simulation has blown up. If a contact
+    /// problem was not solved as well as `plant.tolerance` asks: [`PlantError::Unsolved`] holds it.
     pub fn advance(&mut self, command: &Torques) -> Result<Encoders, PlantError> {
         self.applied = self.drives.apply(command);
         self.record.begin_period();
@@ -118,7 +120,7 @@ impl Plant {
         self.find_inertia()?;
         self.predict_free_motion();
         self.find_contacts();
-        self.solve_contacts();
+        self.solve_contacts()?;
         self.advance_state()?;
         self.record.fold(&self.state);
         Ok(())
@@ -196,13 +198,14 @@ impl Plant {
     }
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
-    fn solve_contacts(&mut self) {
+    fn solve_contacts(&mut self) -> Result<(), PlantError> {
         let Workspace { factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
         if !touches.is_empty() {
             let report = solver.solve(problem, self.settings.law, &mut self.memory);
             let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.record.note(&report);
+            self.settings.check(&report, self.steps, problem)?;
             map.respond(&self.model, factor, &solver.impulse, change);
             for (i, touch) in touches.iter().enumerate() {
                 self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
@@ -210,6 +213,7 @@ impl Plant {
             free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
         self.state.xdot.copy_from_slice(free);
+        Ok(())
     }
 
     /// The position after the step.
@@ -272,6 +276,7 @@ impl Settings {
             h: plant.dt,
             steps_per_period: step(1.0 / rate).max(1),
             law: plant.law,
+            tolerance: plant.tolerance,
             method: plant.method,
             friction: plant.friction,
             restitution: plant.restitution,
@@ -282,6 +287,18 @@ impl Settings {
             },
             push: (impulse != Vector3::zeros()).then_some(push),
         })
+    }
+}
+
+impl Settings {
+    /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
+    fn check(&self, report: &Report, step: u64, problem: &Problem) -> Result<(), PlantError> {
+        let Settings { law, tolerance, h, .. } = *self;
+        if report.own <= tolerance || !is_exact(law) || problem.check().is_err() {
+            return Ok(());
+        }
+        let (time, problem) = (step as f64 * h, Box::new(problem.clone()));
+        Err(PlantError::Unsolved { step, time, law, residual: report.own, tolerance, problem })
     }
 }
 
