@@ -218,6 +218,7 @@ impl Check<'_> {
     fn plant(&self, scene: &Scene) -> Checked {
         let plant = &scene.plant;
         self.positive("plant.tolerance", plant.tolerance)?;
+        self.positive("plant.tolerance_step", plant.tolerance_step)?;
         self.not_negative("plant.gravity", plant.gravity)?;
         let tilt = plant.incline_deg;
         self.require(tilt.abs() < 90.0, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;
@@ -415,6 +416,7 @@ mod tests {
         refused(&["plant.fricton=0.5"], &["--set plant.fricton=0.5", "`fricton`", "`friction`"]);
         refused(&["controler.speed=1"], &["`controler`", "`controller`"]);
         refused(&["bodies.head.mass=1"], &["`head`", "left shank", "trunk"]);
+        refused(&["plant.method=Verlet"], &["Verlet", "`SemiImplicitEuler`", "`EventDriven`"]);
         refused(&["plant.law=Coulomb"], &["Coulomb", "`Aligned`"]);
         refused(&["plant.dt=fast"], &["plant.dt=fast", "fast", "f64"]);
         refused(&["plant.dt.x=1"], &["`x`"]);

@@ -43,6 +43,8 @@ pub struct PlantScene {
     pub tolerance: f64,
     /// Integration method.
     pub method: Method,
+    /// Error that `StepDoubling` and `EventDriven` allow themselves in a step, relative to 1 + |x| [-].
+    pub tolerance_step: f64,
     /// Gravity [m/s²].
     pub gravity: f64,
     /// Slope of the ground, downhill along x, made by tilting gravity [deg].
@@ -173,11 +175,42 @@ pub enum Base {
     Quaternion,
 }
 
-/// Integration methods.
+/// Integration methods: how a step of `dt` goes from one state to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub enum Method {
-    /// Velocity first, position with the new velocity: the paper's.
+    /// Position with the old velocity. First order, and it gains energy: here to be seen failing.
+    ExplicitEuler,
+    /// Velocity first, position with the new velocity: the paper's. First order.
     SemiImplicitEuler,
+    /// Moreau-Jean, theta = 1/2: forces and velocities are means over the step, contact acts at its end. Second order.
+    MoreauJean,
+    /// All forces at half a step's travel, position by half steps of old and new velocity. Second order, one evaluation.
+    MidpointMoreau,
+    /// Runge-Kutta of fourth order for the free motion, contact as one impulse at the end of the step.
+    Rk4,
+    /// Runge-Kutta of fourth order with the contact forces in every stage; a step is split at impact and at the end of slip.
+    Rk4Impact,
+    /// The implicit midpoint rule, contact included, iterated to rounding. Second order, symmetric in time.
+    ImplicitMidpoint,
+    /// `MidpointMoreau` in steps as short as `tolerance_step` asks for: one step is compared with two half steps.
+    StepDoubling,
+    /// Dormand-Prince 8(5,3) with contact forces in every stage, steps by `tolerance_step`, events located: the reference.
+    EventDriven,
+}
+
+impl Method {
+    /// Every method, from simple to exact.
+    pub const ALL: [Method; 9] = [
+        Method::ExplicitEuler,
+        Method::SemiImplicitEuler,
+        Method::MoreauJean,
+        Method::MidpointMoreau,
+        Method::Rk4,
+        Method::Rk4Impact,
+        Method::ImplicitMidpoint,
+        Method::StepDoubling,
+        Method::EventDriven,
+    ];
 }
 
 /// What the controller makes the robot do.
@@ -232,6 +265,7 @@ impl Default for PlantScene {
             law: Law::Aligned,
             tolerance: 1e-9,
             method: Method::SemiImplicitEuler,
+            tolerance_step: 1e-10,
             gravity: 9.81,
             incline_deg: 0.0,
             friction: 0.7,

@@ -8,7 +8,7 @@
 
 use crate::factor::PathMatrix;
 use crate::kinematics::Pose;
-use crate::model::{Model, Motion};
+use crate::model::{Corner, Model, Motion};
 use crate::spatial::{Inertia, Spatial};
 use nalgebra::Vector3;
 
@@ -87,5 +87,15 @@ impl Composite {
             b[i - 1] = pose.links[i].column.dot(&wrench) + link.damping * xdot[i - 1];
             self.wrench[link.parent] += wrench;
         }
+    }
+
+    /// K̇ᵀẋ: the acceleration in W that a corner has without ẍ [m/s²], after [`Composite::bias`] at this pose. The lowest
+    /// point of a ball stays below its centre, wherever on the ball that is.
+    pub fn swept(&self, model: &Model, pose: &Pose, corner: &Corner) -> Vector3<f64> {
+        let (velocity, acceleration) = (&pose.links[corner.link].velocity, &self.acceleration[corner.link]);
+        let centre = pose.arm(corner.link, &corner.at);
+        let down = Vector3::new(0.0, 0.0, -corner.radius);
+        let of_centre = acceleration.at(&centre) + velocity.angular.cross(&velocity.at(&centre)) + model.gravity;
+        of_centre + acceleration.angular.cross(&down)
     }
 }

@@ -192,6 +192,11 @@ pub fn is_exact(law: Law) -> bool {
     matches!(law, EnergyQp | EnergyQpGap | Complementarity | Aligned | Facets(_))
 }
 
+/// Whether the law's impulses are Coulomb's however large the slip: no energy program, no springs, no memory of forces.
+pub fn is_coulomb(law: Law) -> bool {
+    matches!(law, Law::Complementarity | Law::Aligned | Law::Facets(_) | Law::Cone | Law::FixedPoint(_))
+}
+
 /// Speed at which contact i may still approach the ground [m/s]: what is added to v_N in (18) and (19).
 ///
 /// The paper's conditions speak of velocity alone, so a contact with a gap is stopped above the ground. The other laws let
@@ -215,6 +220,11 @@ pub struct Memory {
 }
 
 impl Memory {
+    /// Becomes the other memory, in the room it has.
+    pub(crate) fn copy(&mut self, other: &Memory) {
+        self.basis.clone_from(&other.basis);
+    }
+
     fn recall(&self, id: usize) -> u8 {
         self.basis.get(id).copied().unwrap_or(0)
     }

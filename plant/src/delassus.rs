@@ -53,7 +53,7 @@ impl ContactMap {
     }
 
     /// Writes the problem of the touching contacts. `free` is the velocity that the step would end with if nothing
-    /// touched, ẋ₋ + H⁻¹Δf_b.
+    /// touched, ẋ₋ + H⁻¹Δf_b. What it makes of contact i, Kᵀfree, is replaced by `replaced(i, Kᵀfree)`.
     ///
     /// The first tangent of a contact is its direction of free slip, so that friction can oppose it exactly. The paper
     /// takes the velocity before the step; a contact at rest has none, and would creep down any slope.
@@ -67,6 +67,7 @@ impl ContactMap {
         free: &[f64],
         law: Law,
         problem: &mut Problem,
+        replaced: impl Fn(usize, Vector3<f64>) -> Vector3<f64>,
     ) {
         let tangents = tangents(law);
         problem.reset(touches.len(), tangents);
@@ -79,10 +80,11 @@ impl ContactMap {
             let path = model.path(link);
             let twist = path.iter().fold(Spatial::default(), |sum, &dof| sum + pose.links[dof + 1].column * free[dof]);
             let first = self.tangents.len();
-            common = if tangents == 2 { shared_slip(&twist, touches, common) } else { None };
-            for touch in touches {
-                problem.id[self.tangents.len()] = touch.id;
-                let drift = twist.at(&touch.arm);
+            let drift = |i: usize| replaced(first + i, twist.at(&touches[i].arm));
+            common = if tangents == 2 { shared_slip((0..touches.len()).map(drift), common) } else { None };
+            for (i, touch) in touches.iter().enumerate() {
+                problem.id[first + i] = touch.id;
+                let drift = drift(i);
                 let [along, across] = tangents_of(&drift, common, law);
                 let at = self.tangents.len() * rows;
                 self.tangents.push([along, across]);
@@ -165,9 +167,9 @@ impl ContactMap {
 /// in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin; so contacts share the
 /// tangent that they nearly have. A mean depends on no order of the contacts, and smoothly on their velocities. With one tangent
 /// there is no across: each contact has its own, as in the paper.
-fn shared_slip(twist: &Spatial, touches: &[Touch], before: Option<Vector3<f64>>) -> Option<Vector3<f64>> {
-    let slips = || touches.iter().map(|touch| twist.at(&touch.arm)).map(|drift| Vector3::new(drift.x, drift.y, 0.0));
-    let (sum, speed) = slips().fold((Vector3::zeros(), 0.0), |(sum, speed), slip| (sum + slip, speed + slip.norm()));
+fn shared_slip(drifts: impl Iterator<Item = Vector3<f64>>, before: Option<Vector3<f64>>) -> Option<Vector3<f64>> {
+    let slips = drifts.map(|drift| Vector3::new(drift.x, drift.y, 0.0));
+    let (sum, speed) = slips.fold((Vector3::zeros(), 0.0), |(sum, speed), slip| (sum + slip, speed + slip.norm()));
     let mean = sum.norm();
     if mean <= ALIKE * speed {
         return None;

@@ -148,6 +148,13 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     }
 }
 
+/// Gives every link the velocity that the rates `xdot` make at this pose.
+pub fn velocities(model: &Model, xdot: &[f64], pose: &mut Pose) {
+    for (i, link) in model.links.iter().enumerate().skip(1) {
+        pose.links[i].velocity = pose.links[link.parent].velocity + pose.links[i].column * xdot[i - 1];
+    }
+}
+
 /// Centre of mass and tensor of a link whose rotation and origin are known.
 #[inline]
 fn settle(link: &Link, here: &mut LinkPose) {

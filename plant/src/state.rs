@@ -29,6 +29,12 @@ impl State {
         state
     }
 
+    /// Becomes the other state, of the same model, in the room it has.
+    pub fn copy(&mut self, other: &State) {
+        self.x.copy_from_slice(&other.x);
+        self.xdot.copy_from_slice(&other.xdot);
+    }
+
     /// The state that a scene begins with; velocities in W become rates of the base's coordinates.
     ///
     /// # Errors
@@ -129,6 +135,41 @@ impl State {
         let offset = self.x.len() - self.xdot.len();
         for (x, xdot) in self.x[joints + offset..].iter_mut().zip(&self.xdot[joints..]) {
             *x += h * xdot;
+        }
+    }
+
+    /// x = x0 ⊕ d: coordinates move by d, a quaternion turns by the rotation vector in it.
+    pub fn displace(&mut self, model: &Model, origin: &State, by: &[f64]) {
+        let mut joints = 0;
+        if model.base == Base::Quaternion {
+            joints = 6;
+            let moved = origin.x[..3].iter().zip(&by[..3]);
+            self.x[..3].iter_mut().zip(moved).for_each(|(x, (x0, d))| *x = x0 + d);
+            let turned = turn(&origin.x[3..7], &by[3..6], 1.0);
+            self.x[3..7].copy_from_slice(&turned);
+        }
+        let offset = self.x.len() - self.xdot.len();
+        let moved = origin.x[joints + offset..].iter().zip(&by[joints..]);
+        self.x[joints + offset..].iter_mut().zip(moved).for_each(|(x, (x0, d))| *x = x0 + d);
+    }
+
+    /// The rate of the displacement `by` that [`State::displace`] takes: xdot, but for a rotation vector d,
+    /// dexp⁻¹_d(w) = w − ½ d × w + (1 − ½|d| cot ½|d|)/|d|² d × (d × w).
+    ///
+    /// # Source
+    /// Hairer, Lubich & Wanner, *Geometric Numerical Integration*, III.4 and IV.7.
+    pub fn displacement_rate(&self, model: &Model, by: &[f64], rate: &mut [f64]) {
+        rate.copy_from_slice(&self.xdot);
+        if model.base == Base::Quaternion {
+            let (d, w) = (Vector3::from_column_slice(&by[3..6]), Vector3::from_column_slice(&rate[3..6]));
+            let square = d.norm_squared();
+            let half = 0.5 * square.sqrt();
+            let factor = match half < 0.02 {
+                true => 1.0 / 12.0 + square / 720.0 + square * square / 30240.0,
+                false => (1.0 - half / half.tan()) / square,
+            };
+            let turn = d.cross(&w);
+            rate[3..6].copy_from_slice((w - turn * 0.5 + d.cross(&turn) * factor).as_slice());
         }
     }
 

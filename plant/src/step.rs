@@ -3,9 +3,30 @@
 //! ```text
 //!   pose → H, b → free motion (12) → touching → problem (14) → impulse (15)-(22) → velocity (12) → position
 //! ```
+//!
+//! Each integration method is the same stages in an order of its own:
+//!
+//! | method | where |
+//! |---|---|
+//! | `ExplicitEuler`, `SemiImplicitEuler` | [`euler`] |
+//! | `MoreauJean` | [`moreau`] |
+//! | `MidpointMoreau`, `ImplicitMidpoint` | [`midpoint`] |
+//! | `StepDoubling` | [`doubling`] |
+//! | `Rk4` | [`runge_kutta`] |
+//! | `Rk4Impact`, `EventDriven` | [`event`] |
+
+mod doubling;
+mod euler;
+mod event;
+mod midpoint;
+mod moreau;
+mod runge_kutta;
+
+use event::Bearing;
+use runge_kutta::Stages;
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Report, Solver, Spring, is_exact, is_plastic};
+use crate::contact::{Memory, Problem, Report, Solver, Spring, is_coulomb, is_exact, is_plastic};
 use crate::delassus::ContactMap;
 use crate::detect::{Touch, touching};
 use crate::drive::Drives;
@@ -29,11 +50,39 @@ pub struct Plant {
     settings: Settings,
     state: State,
     memory: Memory,
+    /// What every corner does between events.
+    bearings: Vec<Bearing>,
     drives: Drives,
     steps: u64,
     applied: Torques,
     record: Record,
+    report: Report,
+    counts: Counts,
+    /// Length that the step control would take next [s].
+    stride: f64,
     work: Workspace,
+}
+
+/// What a run has cost so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Evaluations of H and b.
+    pub evaluations: u64,
+    /// Contact problems solved.
+    pub contacts: u64,
+    /// Those whose remembered basis was right.
+    pub warm: u64,
+    /// Impacts and ends of slip that a step was split at.
+    pub events: u64,
+    /// Steps that were taken back and made shorter.
+    pub rejected: u64,
+}
+
+impl Counts {
+    fn note(&mut self, report: &Report) {
+        self.contacts += 1;
+        self.warm += u64::from(report.warm);
+    }
 }
 
 /// How to integrate.
@@ -48,6 +97,7 @@ struct Settings {
     restitution: f64,
     spring: Spring,
     push: Option<Push>,
+    tolerance_step: f64,
 }
 
 /// A force on a body's centre of mass for a while.
@@ -68,6 +118,13 @@ struct Workspace {
     free: Vec<f64>,
     /// H⁻¹KΔf.
     change: Vec<f64>,
+    /// Mean velocity of a step.
+    mean: Vec<f64>,
+    /// Stages of a Runge-Kutta step, and where it began.
+    stages: Stages,
+    /// End of the step that step doubling compares with, and memory at its beginning.
+    coarse: State,
+    memory: Memory,
     column: Vec<f64>,
     touches: Vec<Touch>,
     map: ContactMap,
@@ -89,9 +146,13 @@ impl Plant {
             settings: Settings::new(&scene.plant, scene.rate, &model)?,
             drives: Drives::new(&scene.plant),
             memory: Memory::default(),
+            bearings: vec![Bearing::default(); model.corners.len()],
             steps: 0,
             applied: Torques::default(),
             record: Record::default(),
+            report: Report::default(),
+            counts: Counts::default(),
+            stride: scene.plant.dt,
             model,
             state,
             work,
@@ -117,27 +178,51 @@ impl Plant {
     /// # Errors
     /// As [`Plant::advance`].
     pub fn step(&mut self) -> Result<(), PlantError> {
-        self.find_inertia()?;
-        self.predict_free_motion();
-        self.find_contacts();
-        self.solve_contacts()?;
-        self.advance_state()?;
+        let h = self.settings.h;
+        match self.settings.method {
+            Method::ExplicitEuler => self.explicit_euler(h),
+            Method::SemiImplicitEuler => self.semi_implicit_euler(h),
+            Method::MoreauJean => self.moreau_jean(h),
+            Method::MidpointMoreau => self.midpoint_moreau(h),
+            Method::Rk4 => self.rk4(h),
+            Method::Rk4Impact => self.rk4_impact(h),
+            Method::ImplicitMidpoint => self.implicit_midpoint(h),
+            Method::StepDoubling => self.step_doubling(h),
+            Method::EventDriven => self.event_driven(h),
+        }?;
+        self.steps += 1;
         self.record.fold(&self.state);
         Ok(())
     }
 
-    /// H, b and H = LᵀL at the present pose.
-    fn find_inertia(&mut self) -> Result<(), PlantError> {
+    /// H, b and H = LᵀL at the present pose and velocity. Springs and dampers of the joints act as they will after the
+    /// time `ahead`, their forces changing with those of the step over the time `grip`; see [`springs`].
+    fn find_inertia(&mut self, grip: f64, ahead: f64) -> Result<(), PlantError> {
+        self.counts.evaluations += 1;
         let Workspace { pose, composite, inertia, factor, free, .. } = &mut self.work;
         composite.inertia(&self.model, pose, inertia);
         composite.bias(&self.model, pose, &self.state.xdot, free);
-        springs::implicit(&self.model, &self.state, self.settings.h, inertia, free);
+        springs::stiffen(&self.model, grip, inertia);
+        springs::pull(&self.model, &self.state, ahead, free);
         factor.factorize(&self.model, inertia)
     }
 
-    /// The velocity that this step would end with if nothing touched: ẋ₋ + H⁻¹Δf_b, Δf_b = (u − b)h. (12)
-    fn predict_free_motion(&mut self) {
-        let Workspace { pose, factor, free, column, .. } = &mut self.work;
+    /// The velocity that a step of `h` would end with if nothing touched: ẋ₋ + H⁻¹Δf_b, Δf_b = (u − b)h. (12)
+    fn predict_free_motion(&mut self, h: f64) {
+        self.find_efforts();
+        let Workspace { factor, free, .. } = &mut self.work;
+        for effort in free.iter_mut() {
+            *effort *= h; // Δf_b
+        }
+        factor.solve(&self.model, free);
+        for (free, before) in free.iter_mut().zip(&self.state.xdot) {
+            *free += before;
+        }
+    }
+
+    /// u − b, with the push: all efforts but those of contact.
+    fn find_efforts(&mut self) {
+        let Workspace { pose, free, column, .. } = &mut self.work;
         for bias in free.iter_mut() {
             *bias = -*bias;
         }
@@ -151,21 +236,25 @@ impl Plant {
                 free[dof] += k;
             }
         }
-        for effort in free.iter_mut() {
-            *effort *= self.settings.h; // Δf_b
-        }
-        factor.solve(&self.model, free);
-        for (free, before) in free.iter_mut().zip(&self.state.xdot) {
-            *free += before;
-        }
     }
 
-    /// What touches, and the problem (14) that it poses.
-    fn find_contacts(&mut self) {
-        let Settings { h, law, friction, restitution, .. } = self.settings;
+    /// What touches within a step of `h`, and the problem (14) that it poses.
+    fn find_contacts(&mut self, h: f64) {
+        self.find_touches(h);
+        self.pose_problem(h);
+    }
+
+    /// The points that may touch within a step of `h`.
+    fn find_touches(&mut self, h: f64) {
+        let Workspace { pose, touches, .. } = &mut self.work;
+        touching(&self.model, pose, self.settings.law, h, touches);
+    }
+
+    /// The problem (14) of the touching points.
+    fn pose_problem(&mut self, h: f64) {
+        let Settings { law, friction, restitution, .. } = self.settings;
         let Workspace { pose, factor, free, touches, map, problem, .. } = &mut self.work;
-        touching(&self.model, pose, law, h, touches);
-        map.assemble(&self.model, pose, factor, touches, free, law, problem);
+        map.assemble(&self.model, pose, factor, touches, free, law, problem, |_, drift| drift);
         problem.friction.fill(friction);
         for (approach, touch) in problem.approach.iter_mut().zip(&*touches) {
             *approach = touch.gap.max(0.0) / h;
@@ -204,26 +293,37 @@ impl Plant {
             let report = solver.solve(problem, self.settings.law, &mut self.memory);
             let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
-            self.record.note(&report);
+            self.counts.note(&report);
+            self.report = report;
             self.settings.check(&report, self.steps, problem)?;
             map.respond(&self.model, factor, &solver.impulse, change);
-            for (i, touch) in touches.iter().enumerate() {
-                self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
-            }
             free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
         self.state.xdot.copy_from_slice(free);
         Ok(())
     }
 
-    /// The position after the step.
-    fn advance_state(&mut self) -> Result<(), PlantError> {
-        match self.settings.method {
-            Method::SemiImplicitEuler => self.state.advance(&self.model, self.settings.h),
+    /// Takes the contact impulses of the last solution into the record.
+    fn record_contacts(&mut self) {
+        let Workspace { touches, map, solver, .. } = &self.work;
+        if !touches.is_empty() {
+            self.record.note(&self.report);
+            for (i, touch) in touches.iter().enumerate() {
+                self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
+            }
         }
-        self.steps += 1;
+    }
+
+    /// Moves on for a time with the present velocity.
+    fn travel(&mut self, time: f64) -> Result<(), PlantError> {
+        self.state.advance(&self.model, time);
+        self.pose()
+    }
+
+    /// The pose that belongs to the state.
+    fn pose(&mut self) -> Result<(), PlantError> {
         if !self.state.x.iter().chain(&self.state.xdot).all(|number| number.is_finite()) {
-            return Err(PlantError::NotFinite { time: self.steps as f64 * self.settings.h });
+            return Err(PlantError::NotFinite { time: (self.steps + 1) as f64 * self.settings.h });
         }
         kinematics::pose(&self.model, &self.state, &mut self.work.pose);
         Ok(())
@@ -255,6 +355,11 @@ impl Plant {
         &self.work.problem
     }
 
+    /// What the run has cost so far.
+    pub fn counts(&self) -> Counts {
+        self.counts
+    }
+
     /// The present state.
     pub fn state(&self) -> &State {
         &self.state
@@ -272,6 +377,11 @@ impl Settings {
             force: impulse / (count as f64 * plant.dt),
             steps: from..from + count,
         };
+        let (law, events) = (plant.law, [Method::Rk4Impact, Method::EventDriven].contains(&plant.method));
+        if events && !is_coulomb(law) {
+            let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
+            return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
+        }
         Ok(Settings {
             h: plant.dt,
             steps_per_period: step(1.0 / rate).max(1),
@@ -285,6 +395,7 @@ impl Settings {
                 damping_ratio: plant.contact_damping_ratio,
                 h: plant.dt,
             },
+            tolerance_step: plant.tolerance_step,
             push: (impulse != Vector3::zeros()).then_some(push),
         })
     }
@@ -311,6 +422,10 @@ impl Workspace {
             factor: Factor::new(model),
             free: vec![0.0; model.dofs()],
             change: vec![0.0; model.dofs()],
+            mean: vec![0.0; model.dofs()],
+            stages: Stages::new(model),
+            coarse: State::zero(model),
+            memory: Memory::default(),
             column: vec![0.0; model.dofs()],
             touches: Vec::with_capacity(model.corners.len()),
             map: ContactMap::new(model),

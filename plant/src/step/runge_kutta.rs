@@ -1,0 +1,168 @@
+//! Explicit Runge-Kutta methods, on positions that are not numbers alone.
+//!
+//! A step starts from (x0, ẋ0). Its stages live in the displacement d from x0, x = x0 ⊕ d, a vector with one entry per degree
+//! of freedom: for an orientation it is the vector of a rotation, whose rate is dexp⁻¹_d(w). So every method keeps its order
+//! on a quaternion, which stays of unit length, and a uniform rotation is exact.
+//!
+//! # Source
+//! Munthe-Kaas (1999); Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.8. Hairer, Nørsett & Wanner, *Solving
+//! Ordinary Differential Equations I*, II.1 and II.5.
+
+use super::{Plant, Workspace};
+use crate::error::PlantError;
+use crate::model::Model;
+use crate::state::State;
+
+/// Coefficients of an explicit method; forces do not depend on time, so no nodes are needed.
+#[derive(Debug)]
+pub(super) struct Tableau {
+    /// Weights of the stages before, from the second stage on.
+    pub a: &'static [&'static [f64]],
+    /// Weights of the result.
+    pub b: &'static [f64],
+}
+
+/// The classical method of fourth order.
+pub(super) const RK4: Tableau =
+    Tableau { a: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]], b: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0] };
+
+/// The method of Dormand & Prince of eighth order.
+///
+/// # Source
+/// Hairer, Nørsett & Wanner, program DOP853.
+#[rustfmt::skip]
+pub(super) const DOP853: Tableau = Tableau {
+    a: &[
+        &[0.05260015195876773],
+        &[0.0197250569845379, 0.0591751709536137],
+        &[0.02958758547680685, 0.0, 0.08876275643042054],
+        &[0.2413651341592667, 0.0, -0.8845494793282861, 0.924834003261792],
+        &[0.037037037037037035, 0.0, 0.0, 0.17082860872947386, 0.12546768756682242],
+        &[0.037109375, 0.0, 0.0, 0.17025221101954405, 0.06021653898045596, -0.017578125],
+        &[0.03709200011850479, 0.0, 0.0, 0.17038392571223998, 0.10726203044637328, -0.015319437748624402, 0.008273789163814023],
+        &[0.6241109587160757, 0.0, 0.0, -3.3608926294469414, -0.868219346841726, 27.59209969944671, 20.154067550477894, -43.48988418106996],
+        &[0.47766253643826434, 0.0, 0.0, -2.4881146199716677, -0.590290826836843, 21.230051448181193, 15.279233632882423, -33.28821096898486, -0.020331201708508627],
+        &[-0.9371424300859873, 0.0, 0.0, 5.186372428844064, 1.0914373489967295, -8.149787010746927, -18.52006565999696, 22.739487099350505, 2.4936055526796523, -3.0467644718982196],
+        &[2.273310147516538, 0.0, 0.0, -10.53449546673725, -2.0008720582248625, -17.9589318631188, 27.94888452941996, -2.8589982771350235, -8.87285693353063, 12.360567175794303, 0.6433927460157636],
+    ],
+    b: &[0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199, -0.1521609496625161, 0.20136540080403034, 0.04471061572777259],
+};
+
+/// Its errors of fifth and third order, as weights of the stages.
+#[rustfmt::skip]
+pub(super) const DOP853_ERRORS: [&[f64]; 2] = [
+    &[0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366, 0.3341791187130175, 0.08192320648511571, -0.022355307863886294],
+    &[-0.18980075407240762, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, -0.4226823213237919, -0.1521609496625161, 0.20136540080403034, 0.02265179219836082],
+];
+
+/// Where a step began, and the rates of its stages.
+#[derive(Debug)]
+pub(super) struct Stages {
+    pub start: State,
+    /// Rate of the displacement in each stage.
+    travel: Vec<Vec<f64>>,
+    /// Acceleration in each stage.
+    pull: Vec<Vec<f64>>,
+    displacement: Vec<f64>,
+}
+
+impl Stages {
+    pub fn new(model: &Model) -> Self {
+        let room = || vec![vec![0.0; model.dofs()]; DOP853.b.len()];
+        let (travel, pull) = (room(), room());
+        Stages { start: State::zero(model), travel, pull, displacement: vec![0.0; model.dofs()] }
+    }
+
+    /// Greatest entry that h times the weighted stages have, in proportion to 1 + |ẋ|.
+    pub fn sum(&self, weights: &[f64], h: f64) -> f64 {
+        let entry =
+            |stages: &[Vec<f64>], i: usize| weights.iter().zip(stages).map(|(w, k)| w * k[i]).sum::<f64>().abs();
+        let both = |(i, rate): (usize, &f64)| entry(&self.travel, i).max(entry(&self.pull, i)) / (1.0 + rate.abs());
+        h.abs() * self.start.xdot.iter().enumerate().map(both).fold(0.0, f64::max)
+    }
+
+    /// x0 ⊕ d and ẋ0 + Δẋ for h times the weighted stages.
+    fn reach(&mut self, model: &Model, weights: &[f64], h: f64, state: &mut State) {
+        let Stages { start, travel, pull, displacement } = self;
+        state.xdot.copy_from_slice(&start.xdot);
+        displacement.fill(0.0);
+        for ((weight, travel), pull) in weights.iter().zip(travel).zip(pull).filter(|((weight, _), _)| **weight != 0.0)
+        {
+            let step = h * weight;
+            displacement.iter_mut().zip(travel).for_each(|(d, rate)| *d += step * *rate);
+            state.xdot.iter_mut().zip(pull).for_each(|(v, rate)| *v += step * *rate);
+        }
+        state.displace(model, start, displacement);
+    }
+}
+
+impl Plant {
+    /// The free motion by the classical method; then, where a point has come below the ground, one impulse of the contact
+    /// law at the end of the step.
+    ///
+    /// The impulse stands for forces that acted all through the step, so half of the velocity that it gives counts for the
+    /// position: x₊ = x_f ⊕ ½h(ẋ₊ − ẋ_f). A body at rest falls by ½gh² within the step and is lifted by just as much: it
+    /// neither sinks nor creeps. What lands is stopped up to ½h|ẋ| too deep or too high, and motion with lasting contact is
+    /// of first order, for its stages do not know of the ground.
+    pub(super) fn rk4(&mut self, h: f64) -> Result<(), PlantError> {
+        self.begin();
+        self.integrate(&RK4, h, |plant, _| plant.accelerate_freely())?;
+        self.find_touches(0.0);
+        if self.work.touches.is_empty() {
+            return Ok(());
+        }
+        self.find_inertia(0.0, 0.0)?;
+        self.work.free.copy_from_slice(&self.state.xdot);
+        self.pose_problem(h);
+        self.solve_contacts()?;
+        self.record_contacts();
+        let Workspace { stages, change, .. } = &mut self.work;
+        stages.start.copy(&self.state);
+        stages.displacement.iter_mut().zip(change.iter()).for_each(|(d, change)| *d = 0.5 * h * change);
+        self.state.displace(&self.model, &stages.start, &stages.displacement);
+        self.pose()
+    }
+
+    /// Makes the present state the one that [`Plant::integrate`] starts from.
+    pub(super) fn begin(&mut self) {
+        self.work.stages.start.copy(&self.state);
+    }
+
+    /// Goes from the start of the step to its end, leaving state and pose there. `accelerate(plant, weight)` leaves the
+    /// acceleration in `free`; `weight` is the time for which its forces count.
+    pub(super) fn integrate(
+        &mut self,
+        tableau: &Tableau,
+        h: f64,
+        mut accelerate: impl FnMut(&mut Plant, f64) -> Result<(), PlantError>,
+    ) -> Result<(), PlantError> {
+        if self.state != self.work.stages.start {
+            self.state.copy(&self.work.stages.start);
+            self.pose()?;
+        }
+        for (stage, weight) in tableau.b.iter().enumerate() {
+            if stage > 0 {
+                self.work.stages.reach(&self.model, tableau.a[stage - 1], h, &mut self.state);
+                self.pose()?;
+            }
+            accelerate(self, weight * h)?;
+            let Workspace { stages, free, .. } = &mut self.work;
+            stages.pull[stage].copy_from_slice(free);
+            stages.travel[stage].copy_from_slice(&self.state.xdot);
+            if stage > 0 {
+                let Stages { travel, displacement, .. } = stages;
+                self.state.displacement_rate(&self.model, displacement, &mut travel[stage]);
+            }
+        }
+        self.work.stages.reach(&self.model, tableau.b, h, &mut self.state);
+        self.pose()
+    }
+
+    /// The acceleration without contact, H⁻¹(u − b).
+    pub(super) fn accelerate_freely(&mut self) -> Result<(), PlantError> {
+        self.find_inertia(0.0, 0.0)?;
+        self.find_efforts();
+        self.work.factor.solve(&self.model, &mut self.work.free);
+        Ok(())
+    }
+}

@@ -1,0 +1,67 @@
+//! Scenes of the tests, and how to run them.
+
+use messages::robot::Body;
+use messages::scene::{Base, Method, Scene};
+use messages::wire::Torques;
+use nalgebra::Vector3;
+use plant::Plant;
+use plant::kinematics::{self, Pose, Totals};
+
+/// A plant that runs `scene` with this method in steps of `dt`, one a control period.
+pub fn plant(mut scene: Scene, method: Method, dt: f64) -> Plant {
+    (scene.plant.method, scene.plant.dt, scene.rate) = (method, dt, 1.0 / dt);
+    Plant::new(&scene).expect("a good scene")
+}
+
+/// Takes this many steps.
+pub fn go(plant: &mut Plant, steps: usize) {
+    for _ in 0..steps {
+        plant.advance(&Torques::default()).expect("a step");
+    }
+}
+
+pub fn totals(plant: &Plant) -> Totals {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    kinematics::totals(plant.model(), plant.state(), &pose)
+}
+
+/// Height of the lowest contact point [m].
+pub fn gap(plant: &Plant) -> f64 {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let heights = plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at).z);
+    heights.fold(f64::INFINITY, f64::min)
+}
+
+/// Greatest difference of two states' coordinates and rates.
+pub fn distance(a: &Plant, b: &Plant) -> f64 {
+    let pairs = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let (a, b) = (a.state(), b.state());
+    f64::max(pairs(&a.x, &b.x), pairs(&a.xdot, &b.xdot))
+}
+
+/// The biped of Table 1 tumbling through space, drives without inertia.
+pub fn tumbling(base: Base) -> Scene {
+    let mut scene = Scene::default();
+    scene.plant.base = base;
+    scene.plant.gravity = 0.0;
+    scene.plant.drive_inertia = 0.0;
+    scene.initial.position[2] = 100.0;
+    scene.initial.angular_velocity = [0.6, -0.8, 1.0];
+    scene.initial.joint_rates = vec![0.8, -0.9, 1.0, -1.1, 1.2, -1.3, 1.4, -1.5];
+    scene
+}
+
+/// One body on a quaternion base, without gravity.
+pub fn body(size: [f64; 3], contacts: Vec<[f64; 3]>) -> Scene {
+    let body = Body { name: "body".into(), mass: 1.0, size, com: [0.0; 3], inertia: None, joint: None, contacts };
+    let mut scene = Scene { bodies: vec![body], ..Scene::default() };
+    scene.plant.base = Base::Quaternion;
+    scene.plant.gravity = 0.0;
+    scene
+}
+
+pub fn norm(v: [f64; 3]) -> f64 {
+    Vector3::from(v).norm()
+}
