@@ -75,6 +75,14 @@ pub enum PlantError {
         /// Simulated time [s].
         time: f64,
     },
+    /// Virtual joints that cannot turn every way.
+    #[error(
+        "at t = {time:.4} s the base stands at 90° pitch, where the virtual joints lose a direction: use plant.base = \"quaternion\""
+    )]
+    Gimbal {
+        /// Simulated time [s].
+        time: f64,
+    },
     /// An implicit step whose iteration does not settle.
     #[error(
         "the implicit step at t = {time:.4} s still changes by {change:.1e} after many rounds: plant.dt is too long"

@@ -37,9 +37,14 @@ use crate::model::Model;
 use crate::springs;
 use crate::state::State;
 use crate::truth::Record;
-use messages::scene::{Law, Method, PlantScene, Scene};
+use messages::scene::{Base, Law, Method, PlantScene, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 use nalgebra::Vector3;
+
+/// Coordinate of the pitch of virtual joints.
+const PITCH: usize = 4;
+/// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
+const UPRIGHT: f64 = 1e-8;
 
 /// A robot, its ground and its drives.
 ///
@@ -324,6 +329,9 @@ impl Plant {
     fn pose(&mut self) -> Result<(), PlantError> {
         if !self.state.x.iter().chain(&self.state.xdot).all(|number| number.is_finite()) {
             return Err(PlantError::NotFinite { time: (self.steps + 1) as f64 * self.settings.h });
+        }
+        if self.model.base == Base::Virtual && self.state.x[PITCH].cos().abs() < UPRIGHT {
+            return Err(PlantError::Gimbal { time: (self.steps + 1) as f64 * self.settings.h });
         }
         kinematics::pose(&self.model, &self.state, &mut self.work.pose);
         Ok(())

@@ -8,7 +8,7 @@
 //! ```
 //!
 //! so the motion is that of an ordinary differential equation, which any Runge-Kutta method solves to its order. Gap and
-//! velocity of what bears, zero but for rounding, are drawn back to zero within a step's time (Baumgarte).
+//! velocity of what bears, zero but for the method's error, are drawn back to zero (Baumgarte).
 //!
 //! A step in which a gap closes or a slip ends is taken again, only as far as that. There a gap that closed with speed is an
 //! impact: the contact law on velocities at this very pose. What changes without a jump of velocity (friction reaching its
@@ -30,8 +30,9 @@ use nalgebra::Vector3;
 
 /// A corner bears up to this gap [m]; an impact is located to 1e-15 m, so what has landed is far below it.
 const BEARS: f64 = 1e-8;
-/// Gaps greater than this are drawn back no faster [m].
-const FAR: f64 = 1e-5;
+/// Rate at which gap and velocity of what bears are drawn back to zero [1/s]. Slow: the stages of a step are off the ground
+/// by h², and what pulls them there costs the method its order.
+const SETTLES: f64 = 20.0;
 /// What approaches the ground faster than this hits it [m/s].
 const HITS: f64 = 1e-6;
 /// What moves slower than this along the ground sticks [m/s].
@@ -182,14 +183,14 @@ impl Plant {
         if self.work.touches.is_empty() {
             return Ok(());
         }
-        let (rate, law) = (1.0 / self.settings.h, self.settings.law);
+        let law = self.settings.law;
         let Workspace { pose, composite, factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
         let pull = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let (corner, bearing) = (&self.model.corners[touch.id], &self.bearings[touch.id]);
             let velocity = pose.links[touch.link].velocity.at(&touch.arm);
-            let mut pull = own + composite.swept(&self.model, pose, corner) + velocity * rate;
-            pull.z += (velocity.z + touch.gap.clamp(-FAR, FAR) * rate) * rate;
+            let mut pull = own + composite.swept(&self.model, pose, corner) + velocity * SETTLES;
+            pull.z += (velocity.z + touch.gap * SETTLES) * SETTLES;
             if !bearing.sticks {
                 // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
                 let slip = Vector3::new(velocity.x, velocity.y, 0.0);

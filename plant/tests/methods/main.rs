@@ -2,5 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod comparison;
 mod flight;
+mod ground;
 mod support;

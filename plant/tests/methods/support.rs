@@ -28,10 +28,7 @@ pub fn totals(plant: &Plant) -> Totals {
 
 /// Height of the lowest contact point [m].
 pub fn gap(plant: &Plant) -> f64 {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
-    let heights = plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at).z);
-    heights.fold(f64::INFINITY, f64::min)
+    corners(plant).iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min)
 }
 
 /// Greatest difference of two states' coordinates and rates.
@@ -55,13 +52,27 @@ pub fn tumbling(base: Base) -> Scene {
 
 /// One body on a quaternion base, without gravity.
 pub fn body(size: [f64; 3], contacts: Vec<[f64; 3]>) -> Scene {
-    let body = Body { name: "body".into(), mass: 1.0, size, com: [0.0; 3], inertia: None, joint: None, contacts };
+    let body = Body { name: "body".into(), mass: 1.0, size, contacts, ..Body::default() };
     let mut scene = Scene { bodies: vec![body], ..Scene::default() };
     scene.plant.base = Base::Quaternion;
     scene.plant.gravity = 0.0;
     scene
 }
 
-pub fn norm(v: [f64; 3]) -> f64 {
-    Vector3::from(v).norm()
+/// One of the built-in scenes.
+pub fn built_in(name: &str) -> Scene {
+    let path = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    messages::load::load(&path, &[], &[]).expect("a good scene")
+}
+
+/// Position of every contact point [m].
+pub fn corners(plant: &Plant) -> Vec<Vector3<f64>> {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect()
+}
+
+/// Distance along the ground [m].
+pub fn way(from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+    (to - from).xy().norm()
 }

@@ -1,0 +1,135 @@
+//! Contact: landing, stopping, resting, turning about a foot.
+
+use crate::support::{built_in, corners, distance, gap, go, plant, totals, way};
+use messages::scene::{Base, Law, Method, Scene};
+use plant::{Plant, PlantError};
+
+const LOCATING: [Method; 2] = [Method::Rk4Impact, Method::EventDriven];
+
+#[test]
+fn a_sliding_block_stops_where_the_method_can_say() {
+    let exact = 4.0 / (2.0 * 0.5 * 9.81);
+    for name in ["slide", "slide30"] {
+        for method in Method::ALL {
+            let mut plant = plant(built_in(name), method, 1e-3);
+            let start = totals(&plant).com;
+            go(&mut plant, 600);
+            let error = (way(&start, &totals(&plant).com) / exact - 1.0).abs();
+            println!("{name} {method:?}: {error:e}");
+            let limit = match method {
+                Method::ExplicitEuler | Method::SemiImplicitEuler => 3e-3, // v h/2
+                Method::MoreauJean | Method::MidpointMoreau | Method::Rk4 | Method::ImplicitMidpoint => 5e-6,
+                Method::StepDoubling => 1e-7,
+                Method::Rk4Impact | Method::EventDriven => 1e-12,
+            };
+            assert!(error < limit, "{name} {method:?}: {error:e}");
+        }
+    }
+}
+
+#[test]
+fn what_falls_stops_at_the_ground_when_the_impact_is_located() {
+    for method in LOCATING {
+        for dt in [0.02, 0.001] {
+            let mut plant = plant(built_in("drop"), method, dt);
+            let (mut lowest, mut hop) = (f64::INFINITY, 0.0_f64);
+            for step in 0..(0.5 / dt) as usize {
+                go(&mut plant, 1);
+                lowest = lowest.min(gap(&plant));
+                if step as f64 * dt > 0.15 {
+                    hop = hop.max(gap(&plant));
+                }
+            }
+            println!("{method:?} {dt}: lowest {lowest:e} m, highest after landing {hop:e} m, {:?}", plant.counts());
+            assert!(lowest > -1e-12 && hop < 1e-12 && plant.counts().events == 1, "{method:?}");
+        }
+    }
+}
+
+#[test]
+fn what_rests_neither_creeps_nor_sinks_under_any_method() {
+    for method in Method::ALL {
+        let mut plant = plant(built_in("stick"), method, 1e-3);
+        let start = corners(&plant);
+        go(&mut plant, 1000);
+        let moved = corners(&plant).iter().zip(&start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
+        let counts = plant.counts();
+        println!("{method:?}: {moved:e} m in 1 s, {counts:?}");
+        assert!(moved < 1e-13, "{method:?}: {moved:e}");
+        assert!(counts.warm as f64 > 0.98 * counts.contacts as f64, "it reuses its active set: {counts:?}");
+    }
+}
+
+/// A mass on a massless leg of .8 m, turning about its foot at 1 rad/s.
+fn inverted_pendulum() -> Scene {
+    let mut scene = crate::support::body([0.02; 3], vec![[0.0, 0.0, -0.8]]);
+    (scene.plant.base, scene.plant.gravity, scene.plant.friction) = (Base::Planar, 9.81, 1.0);
+    scene.initial.clearance = Some(0.0);
+    (scene.initial.angular_velocity, scene.initial.velocity) = ([0.0, 1.0, 0.0], [0.8, 0.0, 0.0]);
+    scene
+}
+
+#[test]
+fn an_inverted_pendulum_keeps_its_foot_on_the_ground() {
+    for method in Method::ALL {
+        let mut plant = plant(inverted_pendulum(), method, 1e-3);
+        let start = totals(&plant);
+        let (mut drift, mut slip) = (0.0_f64, 0.0_f64);
+        for _ in 0..400 {
+            go(&mut plant, 1);
+            drift = drift.max(gap(&plant).abs());
+            slip = slip.max(corners(&plant)[0].x.abs());
+        }
+        let end = totals(&plant);
+        let energy = (end.kinetic + end.potential - start.kinetic - start.potential).abs() / start.kinetic;
+        println!("{method:?}: gap {drift:e} m, slip {slip:e} m, energy {energy:e} after .4 s");
+        let limits = match method {
+            Method::EventDriven => [1e-12, 1e-12, 1e-10],
+            Method::Rk4Impact => [1e-10, 1e-10, 1e-8],
+            _ => [1e-3, 1e-2, 0.1],
+        };
+        let found = [drift, slip, energy];
+        assert!(found.iter().zip(limits).all(|(found, limit)| *found < limit), "{method:?}: {found:?}");
+    }
+}
+
+#[test]
+fn the_reference_is_the_same_at_two_tolerances_and_steps() {
+    let run = |name: &str, tolerance: f64, dt: f64| -> Plant {
+        let mut scene = built_in(name);
+        scene.plant.tolerance_step = tolerance;
+        let mut plant = plant(scene, Method::EventDriven, dt);
+        go(&mut plant, (1.0 / dt).round() as usize);
+        plant
+    };
+    for name in ["rock", "wheel", "slide30", "stand0"] {
+        let [loose, tight] = [run(name, 1e-9, 0.01), run(name, 1e-12, 0.004)];
+        let error = distance(&loose, &tight);
+        println!("{name}: differ by {error:e}; {:?} and {:?}", loose.counts(), tight.counts());
+        assert!(error < 1e-7, "{name}: {error:e}");
+    }
+}
+
+#[test]
+fn a_law_without_forces_is_refused_where_forces_are_asked_for() {
+    for method in LOCATING {
+        for law in [Law::EnergyQp, Law::SpringDamper] {
+            let mut scene = built_in("drop");
+            (scene.plant.method, scene.plant.law) = (method, law);
+            let error = Plant::new(&scene).map(|_| ()).expect_err("refused");
+            assert!(matches!(&error, PlantError::Value { .. }) && error.to_string().contains("Aligned"), "{error}");
+        }
+    }
+}
+
+#[test]
+fn no_method_allocates_once_it_has_touched() {
+    for method in Method::ALL {
+        for name in ["drop", "stand0"] {
+            let mut plant = plant(built_in(name), method, 1e-3);
+            go(&mut plant, 300);
+            let taken = allocation_counter::measure(|| go(&mut plant, 100)).count_total;
+            assert_eq!(taken, 0, "{method:?} in {name}");
+        }
+    }
+}
