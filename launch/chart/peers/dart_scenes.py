@@ -14,7 +14,6 @@ DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
 METHODS = {
     "Dantzig (default)": None,
     "NSGS": dart.constraint.NsgsFrictionSolver,
-    "FBF": dart.constraint.FbfFrictionSolver,
 }
 
 

@@ -1,7 +1,7 @@
 """Drake: discrete point contact at the corners, its default of a soft ground (1 mm under the weight).
 
-A box that lies on a half space touches in one point there, so the corners are points, as Drake's users make them. Servos
-are springs and dampers in the joints. Time is that of `Simulator.AdvanceTo`, which loops in C++.
+A box that lies on a half space touches in one point there, so the corners are points, as Drake's users make them.
+Servos are springs and dampers in the joints. Time is that of `Simulator.AdvanceTo`, which loops in C++.
 """
 
 import re

@@ -50,15 +50,17 @@ def main():
 
 def jobs(engine, quick):
     """(view, scene, method, dt), always in the same order."""
-    methods = engine.QUICK if quick else engine.METHODS
+    methods, names = engine.METHODS, getattr(engine, "SCENES", SCENES)
+    if quick:
+        methods, names = engine.QUICK, QUICK_SCENES
     for method in methods:
         for name in STEP_SCENES:
-            yield "step", SCENES[name], method, 1e-3
+            if name in names:
+                yield "step", SCENES[name], method, 1e-3
     for method in methods:
-        for scene in SCENES.values():
-            if not quick or scene.name in QUICK_SCENES:
-                for dt in QUICK_DTS if quick else engine.DTS:
-                    yield "precision", scene, method, dt
+        for name in names:
+            for dt in QUICK_DTS if quick else engine.DTS:
+                yield "precision", SCENES[name], method, dt
 
 
 def step_rows(engine, scene, method, dt):

@@ -47,7 +47,8 @@ class Simulation:
             setattr(self.settings, f"absolute_{kind}_tol", tolerance)
             setattr(self.settings, f"relative_{kind}_tol", 0.0)
         self.settings.max_iterations = 1000
-        self.new_solver, self.new_result = (getattr(pin, f"{solver}{what}") for what in ("ConstraintSolver", "SolverResult"))
+        self.new_solver = getattr(pin, f"{solver}ConstraintSolver")
+        self.new_result = getattr(pin, f"{solver}SolverResult")
         self.solvers = {}  # by the set of active points
         self.reset()
 
@@ -71,7 +72,7 @@ class Simulation:
         free = v + dt * pin.aba(model, data, q, v, torque, pin.Convention.WORLD)
         places = data.oMi
         native = clock() - start
-        free[:3] += dt * np.cross(v[3:6], v[:3])  # acceleration of the base's origin in W, seen from the base as it is now
+        free[:3] += dt * np.cross(v[3:6], v[:3])  # of the base's origin in W, in axes of the base as they are now
         gaps = [places[joint].act(point)[2] for joint, point in self.points]
         active = tuple(i for i, gap in enumerate(gaps) if gap <= NEAR)
         if active:
@@ -83,7 +84,8 @@ class Simulation:
             cholesky.compute(model, data, constraints, values, 1e-10)
             jacobian = pin.getConstraintsJacobian(model, data, constraints, values)
             velocity = jacobian @ free
-            solver.solve(cholesky.getDelassusOperatorCholeskyExpression(), velocity, constraints, values, self.settings, result)
+            delassus = cholesky.getDelassusOperatorCholeskyExpression()
+            solver.solve(delassus, velocity, constraints, values, self.settings, result)
             impulse = result.retrieveConstraintImpulses()
             pin.cholesky.decompose(model, data)
             free = free + pin.cholesky.solve(model, data, jacobian.T @ impulse)

@@ -51,9 +51,9 @@ class Simulation:
         self.body = p.loadURDF(str(self.urdf), scene.position, [x, y, z, w], flags=p.URDF_USE_INERTIA_FROM_FILE)
         p.resetBaseVelocity(self.body, scene.velocity, scene.spin)
         links = range(-1, p.getNumJoints(self.body))
-        free = dict(linearDamping=0, angularDamping=0, jointDamping=0, restitution=0, rollingFriction=0, spinningFriction=0)
+        none = ("linearDamping", "angularDamping", "jointDamping", "restitution", "rollingFriction", "spinningFriction")
         for link in links:
-            p.changeDynamics(self.body, link, lateralFriction=scene.friction, **free)
+            p.changeDynamics(self.body, link, lateralFriction=scene.friction, **dict.fromkeys(none, 0))
             if not scene.contact:
                 p.setCollisionFilterGroupMask(self.body, link, 0, 0)
         if scene.body is None:

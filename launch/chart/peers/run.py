@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs other engines on the ten comparison scenes and writes what they err by and what they cost.
 
-    python3 run.py --out FILE [--quick] [--engines mujoco drake] [--venv FOLDER]
+    python3 run.py --out FILE [--quick] [--engines mujoco drake] [--dated] [--venv FOLDER]
 
 Engines are installed by name, with the versions below, into a virtual environment of their own. One that does not
 install, or crashes, is named with its reason and left out; the others go on.
@@ -10,6 +10,7 @@ install, or crashes, is named with its reason and left out; the others go on.
 import argparse
 import csv
 import os
+import platform
 import subprocess
 import sys
 import tempfile
@@ -26,9 +27,12 @@ PACKAGES = {
     "drake": ["drake==1.51.1"],
     "dart": ["dartpy==6.20.0"],
     "rapier": [],  # a crate, built by cargo
+    "siconos": [],  # a Debian package, used if it is there
 }
 COLUMNS = ["view", "scene", "engine", "method", "dt", "metric", "error", "cpu_s_per_sim_s", "us_per_step"]
 NUMPY = "numpy==2.4.6"
+DEBIAN = Path("/usr/bin/python3")
+VERSIONS = []  # of the engines that ran
 ONE_INSTALLS = threading.Lock()
 CRASHES = 5  # an engine that crashed this often is left alone
 
@@ -39,6 +43,7 @@ def main():
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     arguments.add_argument("--out", type=Path, required=True, help="CSV to write")
     arguments.add_argument("--quick", action="store_true", help="mujoco only, 3 scenes, 2 step lengths")
+    arguments.add_argument("--dated", action="store_true", help="begin FILE with `#` lines: day, machine, versions")
     arguments.add_argument("--engines", nargs="+", choices=PACKAGES, default=list(PACKAGES), help="default: all")
     arguments.add_argument("--venv", type=Path, default=cache / "biped-peers", help="default: %(default)s")
     arguments = arguments.parse_args()
@@ -53,6 +58,8 @@ def main():
         sys.exit("no engine could be measured")
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     with arguments.out.open("w", newline="") as file:
+        if arguments.dated:
+            file.write(f"# {time.strftime('%Y-%m-%d')}, {machine()}, one thread\n# {', '.join(VERSIONS)}\n")
         csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
     print_tables(rows)
     print(f"{len(rows)} rows in {arguments.out}")
@@ -73,6 +80,8 @@ def environment(folder):
 def measure(python, engine, folder, quick):
     """Installs and runs one engine; the file of its rows."""
     part = folder / f"{engine}.csv"
+    if engine == "siconos":
+        python = DEBIAN
     if installed(python, engine):
         run(python, engine, part, quick)
     return part
@@ -80,6 +89,12 @@ def measure(python, engine, folder, quick):
 
 def installed(python, engine):
     """Whether the engine is there, or could be installed."""
+    if python == DEBIAN:
+        there = DEBIAN.exists() and subprocess.run([DEBIAN, "-c", "import siconos.numerics"], capture_output=True)
+        if not there or there.returncode:
+            say("siconos left out, it is not installed: apt-get install python3-siconos")
+            return False
+        return True
     wanted = [NUMPY, *PACKAGES[engine]]
     stamp = python.parent.parent / f"{engine}.installed"
     if not stamp.exists() or stamp.read_text() != " ".join(wanted):
@@ -133,6 +148,8 @@ def run(python, engine, part, quick):
                 if time.monotonic() - shown < 5:
                     continue
                 shown, line = time.monotonic(), doing
+            if line.startswith("version "):
+                VERSIONS.append(line.removeprefix("version ").strip())
             if line.startswith(("version ", "left out: ", doing)):  # the rest is an engine's own talk
                 say(f"{engine}: {line.strip()}")
         code = process.wait()
@@ -165,6 +182,13 @@ def print_tables(rows):
     for (engine, method), line in times.items():
         cells = (line.get(scene, float("nan")) for scene in ("free", "slide", "stand0"))
         print(f"{engine + ' ' + method:32}" + "".join(f"{us:10.2f}" for us in cells))
+
+
+def machine():
+    """The processor's name."""
+    lines = Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()
 
 
 def last_line(text):
