@@ -24,7 +24,6 @@ DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
 METHODS = {
     "lagged (default)": DiscreteContactApproximation.kLagged,
     "SAP": DiscreteContactApproximation.kSap,
-    "similar": DiscreteContactApproximation.kSimilar,
     "TAMSI": DiscreteContactApproximation.kTamsi,
 }
 

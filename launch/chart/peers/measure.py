@@ -43,7 +43,7 @@ def main():
                 print(f"left out: {view} {scene.name} {method} dt {dt:g}: {type(error).__name__}: {error}", flush=True)
                 continue
             for metric, error, us in rows:
-                figures = [f"{error:.6g}" if metric else "", f"{us * 1e-6 / dt:.3g}", f"{us:.3g}"]
+                figures = [f"{error:.3g}" if metric else "", f"{us * 1e-6 / dt:.3g}", f"{us:.3g}"]
                 writer.writerow([view, scene.name, engine.ENGINE, method, f"{dt:g}", metric, *figures])
             file.flush()
 

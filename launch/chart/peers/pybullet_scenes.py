@@ -21,7 +21,6 @@ METHODS = {
     "default": {},
     "200 iterations": {"numSolverIterations": 200, "solverResidualThreshold": 0},
     "LCP PGS": {"constraintSolverType": p.CONSTRAINT_SOLVER_LCP_PGS},
-    "LCP Dantzig": {"constraintSolverType": p.CONSTRAINT_SOLVER_LCP_DANTZIG},
 }
 
 

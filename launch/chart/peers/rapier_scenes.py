@@ -16,12 +16,12 @@ import scenes as s
 ENGINE = "rapier3d-f64"
 VERSION = "0.36.0"  # as in rapier/Cargo.toml
 DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
-METHODS = {"default": False, "Coulomb": True}  # simplified friction, or one cone to a contact
+METHODS = ["default"]
 PROGRAM = Path(os.environ["RAPIER_SCENES"])  # built by run.py
 
 
 class Simulation:
-    """One scene under one model of friction."""
+    """One scene."""
 
     def __init__(self, scene, method, dt):
         self.dt = dt
@@ -30,7 +30,7 @@ class Simulation:
         watch = [0] if scene.body else feet if scene.contact else []
         keys = ("friction", "contact", "stiffness", "damping")
         problem = {key: getattr(scene, key) for key in keys}
-        problem |= {"gravity": list(scene.gravity_vector), "coulomb": METHODS[method], "tip": s.TIP}
+        problem |= {"gravity": list(scene.gravity_vector), "tip": s.TIP}
         self.problem = json.dumps(problem | {"links": links, "watch": watch})
         self.places = slice(None) if len(watch) < 2 else [0, 1, 2, 7, 8, 9]
 
@@ -68,19 +68,18 @@ def _body(scene):
 def _biped(scene):
     """Links with their poses and velocities, from the joint angles and rates."""
     urdf = ElementTree.parse(s.BIPED_URDF)
-    numbers = lambda text: np.array(text.split(), dtype=float)
     joints = {joint.find("child").get("link"): joint for joint in urdf.iter("joint")}
     names = [link.get("name") for link in urdf.iter("link")]
     motion = {names[0]: (np.eye(3), np.array(scene.position), np.array(scene.velocity), np.array(scene.spin))}
     links = []
     for link in urdf.iter("link"):
         name, inertial, collision = link.get("name"), link.find("inertial"), link.find("collision")
-        com = numbers(inertial.find("origin").get("xyz"))
+        com = _numbers(inertial.find("origin").get("xyz"))
         more = {"name": name, "com": com.tolist()}
         if name in joints:
             joint = joints[name]
             parent = joint.find("parent").get("link")
-            anchor, axis = numbers(joint.find("origin").get("xyz")), numbers(joint.find("axis").get("xyz"))
+            anchor, axis = _numbers(joint.find("origin").get("xyz")), _numbers(joint.find("axis").get("xyz"))
             i = s.JOINTS.index(joint.get("name"))
             turn, place, velocity, spin = motion[parent]
             arm = turn @ anchor
@@ -95,13 +94,18 @@ def _biped(scene):
             more["joint"] = hinge | {"angle": scene.joints[i], "rate": scene.rates[i]}
         turn, place, velocity, spin = motion[name]
         if collision is not None:
-            more["box_at"] = numbers(collision.find("origin").get("xyz")).tolist()
-            more["box_size"] = numbers(collision.find("geometry/box").get("size")).tolist()
+            more["box_at"] = _numbers(collision.find("origin").get("xyz")).tolist()
+            more["box_size"] = _numbers(collision.find("geometry/box").get("size")).tolist()
         inertia = [float(inertial.find("inertia").get(key)) for key in ("ixx", "iyy", "izz")]
         velocity = velocity + np.cross(spin, turn @ com)
         state = (place.tolist(), _quaternion(turn), velocity.tolist(), spin.tolist())
         links.append(_link(float(inertial.find("mass").get("value")), inertia, *state, **more))
     return links
+
+
+def _numbers(text):
+    """A vector as URDF writes it."""
+    return np.array(text.split(), dtype=float)
 
 
 def _rotation(axis, angle):

@@ -59,7 +59,7 @@ def main():
     arguments.out.parent.mkdir(parents=True, exist_ok=True)
     with arguments.out.open("w", newline="") as file:
         if arguments.dated:
-            file.write(f"# {time.strftime('%Y-%m-%d')}, {machine()}, one thread\n# {', '.join(VERSIONS)}\n")
+            file.write(f"# {time.strftime('%Y-%m-%d')}, {machine()}, one thread\n# {', '.join(dict.fromkeys(VERSIONS))}\n")
         csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
     print_tables(rows)
     print(f"{len(rows)} rows in {arguments.out}")

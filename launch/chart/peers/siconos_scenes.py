@@ -1,8 +1,8 @@
 """Siconos' contact solvers (Debian's python3-siconos) with a stepper of our own around them, for single bodies.
 
-The step is Moreau and Jean's with theta = 1/2: contacts are those that touch at the predicted middle of the step, and the
-configuration moves with the mean of old and new velocity. Siconos' own stepper with its Bullet detection finds contacts in
-single precision, which tilts the sliding cube.
+The step is Moreau and Jean's with theta = 1/2: contacts are those that touch at the predicted middle of the step, and
+the configuration moves with the mean of old and new velocity. Siconos' own stepper finds contacts by Bullet in single
+precision, which tilts the sliding cube.
 
 Time is that of the solver alone, by the wall clock and the median step with contact: neither detection, nor the matrix,
 nor the stepper counts.

@@ -13,7 +13,6 @@ struct Scene {
     gravity: [f64; 3],
     friction: f64,
     contact: bool,
-    coulomb: bool,
     stiffness: f64,
     damping: f64,
     tip: f64,
@@ -63,11 +62,7 @@ struct World {
 
 impl World {
     fn new(scene: &Scene, dt: f64) -> Result<World, Box<dyn Error>> {
-        let mut parameters = IntegrationParameters::default();
-        parameters.dt = dt;
-        if scene.coulomb {
-            parameters.friction_model = FrictionModel::Coulomb;
-        }
+        let parameters = IntegrationParameters { dt, ..Default::default() };
         let mut world = World {
             gravity: Vector::from(scene.gravity),
             parameters,
