@@ -273,19 +273,21 @@ impl Plant {
             }
         }
         if restitution > 0.0 {
-            self.bounce();
+            self.bounce(h);
         }
     }
 
-    /// Newton's law of impact: what would land within the step and was falling at v_N leaves at -e v_N or more.
-    fn bounce(&mut self) {
+    /// Newton's law of impact: what would land within the step of `h` and was falling at v_N leaves at -e v_N or more. What
+    /// two steps of free fall made as fast stays down, or the last of its bounces would never come.
+    fn bounce(&mut self, h: f64) {
+        let slow = if h.is_finite() { 2.0 * self.model.gravity.norm() * h } else { 0.0 };
         let Workspace { pose, touches, problem, .. } = &mut self.work;
         let rows = 1 + problem.tangents;
         for ((approach, free), touch) in
             problem.approach.iter_mut().zip(problem.drift.iter().step_by(rows)).zip(touches)
         {
             let before = pose.links[touch.link].velocity.at(&touch.arm).z;
-            if before < 0.0 && free + *approach < 0.0 {
+            if before < -slow && free + *approach < 0.0 {
                 *approach = self.settings.restitution * before;
             }
         }

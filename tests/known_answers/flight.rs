@@ -2,7 +2,7 @@
 
 use crate::support::{assert_near, plant, pose, run, scene, spin, step, totals};
 use messages::scene::Base;
-use nalgebra::{Rotation3, Unit, Vector3};
+use nalgebra::{Rotation3, Vector3};
 use plant::Plant;
 use std::f64::consts::PI;
 
@@ -49,19 +49,47 @@ fn tumble(method: &str, steps: u32) -> [f64; 3] {
 
 #[test]
 fn a_tumbling_box_returns_to_its_spin_after_its_period() {
-    for (method, order) in [("SemiImplicitEuler", 1)] {
-        let [coarse, fine] = [1000, 2000].map(|steps| tumble(method, steps));
+    let methods = [
+        ("ExplicitEuler", 1),
+        ("SemiImplicitEuler", 1),
+        ("MoreauJean", 2),
+        ("MidpointMoreau", 2),
+        ("ImplicitMidpoint", 2),
+        ("Rk4", 4),
+        ("Rk4Impact", 4),
+    ];
+    for (method, order) in methods {
+        let [coarse, fine] = [200, 400].map(|steps| tumble(method, steps));
         println!("{method}: {coarse:?}, {fine:?} with half the step");
         for (coarse, fine) in coarse.iter().zip(fine) {
             assert!(fine < 1e-12 || *coarse > 0.8 * fine * 2f64.powi(order), "{method} is not of order {order}");
         }
     }
+    for (method, steps, most) in [("StepDoubling", 400, 1e-5), ("EventDriven", 100, 1e-9), ("Rk4", 4000, 1e-9)] {
+        let errors = tumble(method, steps);
+        println!("{method}: {errors:?}");
+        assert!(errors.iter().all(|error| *error < most), "{method}: {errors:?}");
+    }
 }
 
-/// A cube rolled by `roll` that turns about W's y axis, as a matrix.
+/// A fourteenth of it is lost in 5 s at 10 ms (gained, where the spin is integrated in the body's axes); the energy of the
+/// symmetric rule stays within 1e-5.
+#[test]
+fn the_explicit_rule_of_euler_does_not_keep_the_energy_of_a_box() {
+    let gain = |method: &str| {
+        let mut plant = plant("spinning-box", &[&format!("plant.method={method}"), "plant.dt=0.01", "rate=100"]);
+        let start = totals(&plant).kinetic;
+        run(&mut plant, 5.0);
+        totals(&plant).kinetic / start - 1.0
+    };
+    let [explicit, implicit] = ["ExplicitEuler", "ImplicitMidpoint"].map(gain);
+    println!("energy gained: {explicit:e} and {implicit:e}");
+    assert!((0.05..0.1).contains(&explicit.abs()) && implicit.abs() < 1e-5);
+}
+
+/// A cube rolled by `roll` that turns about its own y axis, as a matrix.
 fn turned(roll: f64, angle: f64) -> Rotation3<f64> {
-    Rotation3::from_axis_angle(&Unit::new_unchecked(Vector3::y()), angle)
-        * Rotation3::from_axis_angle(&Vector3::x_axis(), roll)
+    Rotation3::from_axis_angle(&Vector3::x_axis(), roll) * Rotation3::from_axis_angle(&Vector3::y_axis(), angle)
 }
 
 /// Error of the attitude after 3 s, having passed 90° of pitch: by base and distance from the singular place [rad].
@@ -69,6 +97,7 @@ fn gimbal(base: Base, roll: f64, settings: &[&str]) -> Result<f64, plant::PlantE
     let mut scene = scene("gimbal", settings);
     scene.plant.base = base;
     scene.initial.orientation_deg = [roll.to_degrees(), 0.0, 0.0];
+    scene.initial.angular_velocity = [0.0, roll.cos(), roll.sin()];
     let mut plant = Plant::new(&scene)?;
     while plant.time_ns() < 3_000_000_000 {
         plant.step()?;
@@ -89,9 +118,10 @@ fn a_quaternion_turns_through_the_pole_as_if_it_were_nowhere() {
 /// Straight through the pole of the virtual joints H has no inverse: that is an error and no NaN.
 #[test]
 fn virtual_joints_lose_digits_near_the_pole_and_say_so_at_it() {
-    let errors = [0.1, 0.03, 0.01].map(|roll| gimbal(Base::Virtual, roll, &[]).expect("a turn"));
+    let errors = [0.1, 0.01, 0.001].map(|roll| gimbal(Base::Virtual, roll, &["plant.method=Rk4"]).expect("a turn"));
     println!("{errors:?}");
-    assert!(errors[0] < errors[1] && errors[1] < errors[2]);
+    assert!(errors[0] < 1e-9 && errors[0] < errors[1] && errors[1] < errors[2]);
+    assert!((1e-4..1.0).contains(&errors[2]));
     for roll in [1e-3, 1e-6, 1e-9, 0.0] {
         match gimbal(Base::Virtual, roll, &[]) {
             Ok(error) => assert!(error.is_finite()),

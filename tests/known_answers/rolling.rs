@@ -1,6 +1,7 @@
 //! Balls: the point of contact moves on the body.
 
-use crate::support::{G, assert_near, clearance, plant, run, spin, step, totals};
+use crate::support::{G, assert_near, clearance, plant, run, scene, spin, step, totals};
+use plant::Plant;
 
 /// Friction spins the ball up while m (v + 2/5 r w) stays: it rolls at 5/7 v from 2 v/(7 mu g) on.
 #[test]
@@ -43,6 +44,52 @@ fn a_bouncing_ball_comes_to_rest_at_the_end_of_infinitely_many_bounces() {
         assert_near("height of the first rebound", top, 0.25, 5.0 * dt);
         assert_near("time of rest", last, exact, 40.0 * dt);
         assert_near("energy left", totals(&plant).kinetic, 0.0, 1e-12);
+    }
+}
+
+/// From impact to impact the time is exact, though there are infinitely many: where they crowd, one impulse ends them.
+#[test]
+fn a_bouncing_ball_comes_to_rest_on_time_from_event_to_event() {
+    let exact = (2.0 / G).sqrt() * 3.0;
+    for method in ["Rk4Impact", "EventDriven"] {
+        let mut plant = plant("zeno", &[&format!("plant.method={method}")]);
+        run(&mut plant, 0.6);
+        let v = totals(&plant).com_velocity.z;
+        // first rebound at half the speed of impact
+        let [impact, speed] = [(2.0 / G).sqrt(), 0.5 * (2.0 * G).sqrt()];
+        assert_near("velocity on the first rebound", v, speed - G * (0.6 - impact), 1e-11);
+        run(&mut plant, exact - 2e-3);
+        assert!(totals(&plant).kinetic > 0.0);
+        run(&mut plant, exact + 1e-3);
+        let rest = totals(&plant).kinetic;
+        println!("{method}: energy {rest:e} J, gap {:e} m after the last bounce", clearance(&plant));
+        assert_near("energy left", rest, 0.0, 1e-12);
+        assert_near("gap", clearance(&plant), 0.0, 1e-8);
+    }
+}
+
+/// Rolling begins on time, within a step as well as between two.
+#[test]
+fn a_ball_begins_to_roll_on_time_from_event_to_event() {
+    for method in ["Rk4Impact", "EventDriven"] {
+        for (part, rolls) in [(1.0 - 1e-9, false), (1.0 + 1e-9, true)] {
+            let start = 2.0 / (7.0 * 0.3 * G);
+            let mut scene = scene("roll", &[&format!("plant.method={method}")]);
+            scene.plant.dt = start * part / 50.5;
+            let mut plant = Plant::new(&scene).expect("a ball");
+            for _ in 0..50 {
+                step(&mut plant);
+            }
+            assert_near("v", totals(&plant).com_velocity.x, 1.0 - 0.3 * G * scene.plant.dt * 50.0, 1e-12);
+            scene.plant.dt = start * part / 50.0;
+            let mut plant = Plant::new(&scene).expect("a ball");
+            for _ in 0..50 {
+                step(&mut plant);
+            }
+            let slip = totals(&plant).com_velocity.x - 0.1 * spin(&plant).y;
+            assert_eq!(slip < 0.5e-9, rolls, "{method}: slip {slip:e}");
+            assert_near("v", totals(&plant).com_velocity.x, 5.0 / 7.0, 1e-8);
+        }
     }
 }
 

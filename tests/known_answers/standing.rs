@@ -81,7 +81,23 @@ fn the_gap_of_a_pivot_does_not_open() {
     };
     let (coarse, fine, open) = (worst("Aligned", 1e-3), worst("Aligned", 2.5e-4), worst("Complementarity", 1e-3));
     println!("{coarse} and {fine} times one step's opening; on velocities alone {open}");
+    for (method, most) in [("Rk4Impact", 1e-9), ("EventDriven", 1e-9)] {
+        let exact = worst_gap(method);
+        println!("{method}: {exact:e} m");
+        assert!(exact < most, "{method}: {exact:e} m");
+    }
     assert!(coarse <= 1.01 && fine <= 1.01 && open > 20.0);
+}
+
+/// Greatest gap of the pivot at 1 ms [m].
+fn worst_gap(method: &str) -> f64 {
+    let mut plant = plant("pivot", &[&format!("plant.method={method}")]);
+    let mut worst = 0.0_f64;
+    while plant.time_ns() < 500_000_000 {
+        step(&mut plant);
+        worst = worst.max(clearance(&plant).abs());
+    }
+    worst
 }
 
 /// The rest state is the same for every step; the cumulated impulse tends to its limit.

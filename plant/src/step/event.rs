@@ -144,8 +144,14 @@ impl Plant {
         if hits {
             self.hit()?;
         }
+        let pose = &self.work.pose;
         for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
-            let slip = slip(&self.work.pose, corner);
+            // what the impact throws off does not bear, though it has no gap yet; what drifts off does
+            let rises = pose.links[corner.link].velocity.at(&pose.lowest(corner)).z > HITS;
+            if bearing.bears && rises && (hits || !bearing.pressed) {
+                (bearing.bears, bearing.gap) = (false, bearing.gap.max(BEARS));
+            }
+            let slip = slip(pose, corner);
             bearing.speed = slip.norm();
             bearing.sticks = bearing.bears && (bearing.speed <= STICKS || bearing.sticks && bearing.held);
             bearing.along = if bearing.speed > 0.0 { slip / bearing.speed } else { slip };
