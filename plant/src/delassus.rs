@@ -69,7 +69,7 @@ impl ContactMap {
         problem: &mut Problem,
         replaced: impl Fn(usize, Vector3<f64>) -> Vector3<f64>,
     ) {
-        let tangents = tangents(law);
+        let tangents = tangents(law).min(model.directions);
         problem.reset(touches.len(), tangents);
         self.groups.clear();
         self.blocks.clear();

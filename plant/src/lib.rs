@@ -16,6 +16,7 @@
 //! | drives and encoders | [`drive`] |
 //! | the record of a control period | [`truth`] |
 //! | the process around it | [`process`] |
+//! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 
 pub mod composite;
@@ -29,6 +30,7 @@ pub mod factor;
 pub mod kinematics;
 pub mod model;
 pub mod process;
+pub mod smallest;
 pub mod spatial;
 pub mod springs;
 pub mod state;

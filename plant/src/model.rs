@@ -15,7 +15,7 @@
 
 mod build;
 
-pub(crate) use build::finite;
+pub(crate) use build::{finite, moves_in_plane};
 
 use crate::error::PlantError;
 use messages::robot::Tiles;
@@ -122,6 +122,8 @@ pub struct Model {
     pub joint_dof: Vec<usize>,
     /// Contact points and balls, in the order of the scene's bodies.
     pub corners: Vec<Corner>,
+    /// Directions that friction acts along at most: one, x, if nothing moves along y.
+    pub directions: usize,
     /// Springs and dampers that the scene's joints ask for; empty for bare joints.
     pub springs: Vec<Spring>,
     /// Degrees of freedom between W and each link, base first, one list after the other.

@@ -4,8 +4,8 @@ use super::{Corner, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::state::{self, State};
-use messages::robot::{Body, JointKind};
-use messages::scene::{Base, Scene};
+use messages::robot::{Body, Joint, JointKind};
+use messages::scene::{Base, Law, Scene};
 use nalgebra::{Matrix3, Vector3};
 
 impl Model {
@@ -29,6 +29,7 @@ impl Model {
             base_link: virtual_links(scene.plant.base).len(),
             joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
             corners: corners(bodies, &body_link)?,
+            directions: if scene.plant.law == Law::Aligned && moves_in_plane(scene) { 1 } else { 2 },
             springs: springs(bodies, &body_link, &links)?,
             body_name: bodies.iter().map(|body| body.name.clone()).collect(),
             branch_end: branch_ends(&links),
@@ -59,6 +60,18 @@ impl Model {
         }
         Ok(())
     }
+}
+
+/// Whether nothing in the scene can move along y or turn about x or z.
+pub(crate) fn moves_in_plane(scene: &Scene) -> bool {
+    let [roll, _, yaw] = scene.initial.orientation_deg;
+    let base = scene.plant.base == Base::Planar || scene.plant.base == Base::Fixed && roll == 0.0 && yaw == 0.0;
+    let joints = scene.bodies.iter().filter_map(|body| body.joint.as_ref());
+    let in_plane = |joint: &Joint| match joint.kind {
+        JointKind::Revolute => joint.axis[0] == 0.0 && joint.axis[2] == 0.0,
+        JointKind::Prismatic => joint.axis[1] == 0.0,
+    };
+    base && joints.into_iter().all(in_plane)
 }
 
 /// The links, parents first, and the link of each body.
