@@ -77,11 +77,24 @@ struct SceneArgs {
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
+    /// Keep the model as the scene has it, where a smaller one would give the same answer
+    #[arg(long)]
+    full: bool,
 }
 
 impl SceneArgs {
+    /// The scene, on the smallest model that gives its answer.
     fn load(&self) -> Result<Scene, Failure> {
-        Ok(load(&self.scene, &self.settings, list::SCENES)?)
+        let scene = load(&self.scene, &self.settings, list::SCENES)?;
+        // a scene that cannot be simulated says so where it is
+        Ok(if self.full { scene } else { plant::smallest::smallest(&scene).map_or(scene, |plan| plan.scene) })
+    }
+
+    /// What that model has, and what the scene's own would have.
+    fn model(&self) -> Result<String, Failure> {
+        let scene = load(&self.scene, &self.settings, list::SCENES)?;
+        let plan = plant::smallest::smallest(&scene).map_err(plant::process::ProcessError::from)?;
+        Ok(if self.full { plan.full.to_string() } else { plan.to_string() })
     }
 }
 

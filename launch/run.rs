@@ -43,7 +43,7 @@ impl RunArgs {
     /// What `biped` does without arguments.
     pub fn main_job() -> RunArgs {
         RunArgs {
-            scene: SceneArgs { scene: "walk".into(), settings: vec![] },
+            scene: SceneArgs { scene: "walk".into(), settings: vec![], full: false },
             pace: PaceArgs { realtime: false, patience: 10.0 },
             out: Some("out/walk".into()),
             quiet: false,
@@ -84,6 +84,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
             .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display())))?;
     }
     say(&summary);
+    say(format_args!("  {:<20} {}\n", "model", args.scene.model()?));
     match (summary.fall_time_s, outcome) {
         // What fails after a fall fails because of it.
         (Some(time), Ok(())) => Err(fell(time)),
@@ -200,6 +201,7 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     let mut arguments = vec![args.scene.scene.clone(), "--session".into(), session.name().into()];
     arguments.extend(["--patience".into(), args.pace.patience.to_string()]);
     arguments.extend(args.pace.realtime.then(|| "--realtime".to_string()));
+    arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments
 }

@@ -4,11 +4,12 @@
 
 mod common;
 
-use common::{Summary, fresh_path, run, run_two};
+use common::{Summary, fresh_path, run, run_full, run_two};
 use messages::load::load;
 use messages::wire::Torques;
 use plant::Plant;
 use plant::kinematics::{self, Pose};
+use std::process::Command;
 
 const PENDULUM: &str = r#"
 description = "A double pendulum, let go level."
@@ -125,7 +126,7 @@ fn a_box_slides_the_same_on_every_base_that_lets_it() {
     let angle = 20f64.to_radians();
     let way = 0.5 * 9.81 * (angle.sin() - 0.2 * angle.cos());
     let slide = |base: &str| -> Summary {
-        let summary = run(&file.0, &[&format!("plant.base={base}")]);
+        let summary = run_full(&file.0, &[&format!("plant.base={base}")]);
         // v h/2 more than the integral, with dt .5 ms
         summary.shows(&[("distance_m", way..=way + 1e-3), ("hop_max_m", -1.0..=1e-9), ("lateral_max_m", 0.0..=1e-9)]);
         summary
@@ -135,4 +136,32 @@ fn a_box_slides_the_same_on_every_base_that_lets_it() {
     assert!(ways.iter().all(|other| (other - ways[0]).abs() < 1e-9), "{ways:?}");
     // With more friction than slope it stays.
     run(&file.0, &["plant.friction=0.4"]).shows(&[("distance_m", -1e-9..=1e-9)]);
+}
+
+/// What a run prints about its model.
+fn model(arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["run", "slide", "--quiet", "--set", "duration=0.1"])
+        .args(arguments)
+        .output()
+        .expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    text.lines().find(|line| line.trim_start().starts_with("model")).expect("a line about the model").to_string()
+}
+
+#[test]
+fn a_run_picks_the_smallest_model_says_so_and_lets_itself_be_told_otherwise() {
+    for way in [&["--in-process"][..], &[]] {
+        let picked = model(way);
+        assert!(
+            picked.contains("planar base, 3 degrees") && picked.contains("in full: quaternion base, 6"),
+            "{picked}"
+        );
+        let full = model(&[way, &["--full"]].concat());
+        assert!(full.contains("quaternion base, 6") && !full.contains("planar"), "{full}");
+    }
+    let [small, full] = [run("slide", &[]), run_full("slide", &[])];
+    let ways = [&small, &full].map(|summary| summary.number("distance_m"));
+    assert!((ways[0] - ways[1]).abs() < 1e-12, "{ways:?}");
+    assert_ne!(small.hash(), full.hash(), "they are different models");
 }

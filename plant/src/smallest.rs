@@ -51,6 +51,9 @@ pub struct Size {
 pub fn smallest(scene: &Scene) -> Result<Smallest, PlantError> {
     let full = Size::of(scene)?;
     let mut scene = scene.clone();
+    if scene.controller.is_some() {
+        return Ok(Smallest { scene, full, size: full }); // what drives it may do anything
+    }
     drop_untouchable(&mut scene)?;
     let movable = matches!(scene.plant.base, Base::Virtual | Base::Quaternion);
     if movable && is_its_mirror_image(&scene) {
@@ -72,18 +75,19 @@ impl Size {
     }
 }
 
-/// One line: what the model has, and what it has not.
+/// What the model has; of a smaller one than the scene asks for, also what that would have.
 impl fmt::Display for Smallest {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let Smallest { full, size, .. } = self;
-        let base = |base| format!("{base:?}").to_lowercase();
-        write!(f, "{} base, {} degrees of freedom", base(size.base), size.dofs)?;
-        write!(f, ", {} contact points, {} directions of friction", size.contacts, size.directions)?;
-        if size != full {
-            let parts = [full.dofs, full.contacts, full.directions];
-            write!(f, "; as asked for ({}) {}, {} and {}", base(full.base), parts[0], parts[1], parts[2])?;
-        }
-        Ok(())
+        write!(f, "{}", self.size)?;
+        if self.size != self.full { write!(f, "; in full: {}", self.full) } else { Ok(()) }
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Size { base, dofs, contacts, directions } = self;
+        let base = format!("{base:?}").to_lowercase();
+        write!(f, "{base} base, {dofs} degrees of freedom, {contacts} contact points, friction along {directions}")
     }
 }
 
@@ -148,7 +152,7 @@ fn norm(v: [f64; 3]) -> f64 {
 fn is_its_mirror_image(scene: &Scene) -> bool {
     let (plant, initial) = (&scene.plant, &scene.initial);
     let lawful = !matches!(plant.law, Law::Sweep(_)); // its sweeps have an order
-    let alone = scene.controller.is_none() && plant.payload_kg == 0.0 && plant.push_impulse == [0.0; 3];
+    let alone = plant.payload_kg == 0.0 && plant.push_impulse == [0.0; 3];
     let [roll, _, yaw] = initial.orientation_deg;
     let straight = roll == 0.0 && yaw == 0.0 && initial.velocity[1] == 0.0;
     let level = initial.angular_velocity[0] == 0.0 && initial.angular_velocity[2] == 0.0;

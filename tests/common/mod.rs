@@ -28,6 +28,11 @@ pub fn run(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &["--in-process"])
 }
 
+/// Runs a scene in one process on the model that it names, where a smaller one would do.
+pub fn run_full(scene: &str, settings: &[&str]) -> Summary {
+    run_as(scene, settings, &["--in-process", "--full"])
+}
+
 /// Runs a scene in two processes.
 pub fn run_two(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &[])

@@ -94,6 +94,28 @@ fn an_inverted_pendulum_keeps_its_foot_on_the_ground() {
 }
 
 #[test]
+fn turning_about_a_foot_costs_impulses_an_order_and_accelerations_none() {
+    let mut exact = plant(inverted_pendulum(), Method::EventDriven, 0.02);
+    go(&mut exact, 20);
+    for method in Method::ALL {
+        let error = |dt: f64| {
+            let mut plant = plant(inverted_pendulum(), method, dt);
+            go(&mut plant, (0.4 / dt).round() as usize);
+            distance(&plant, &exact)
+        };
+        let errors = [0.01, 0.005, 0.0025].map(error);
+        let order = (errors[0] / errors[2]).log2() / 2.0;
+        println!("{method:?}: errors {errors:?}, order {order:.2}");
+        match method {
+            Method::EventDriven => assert!(errors[0] < 1e-11, "{errors:?}"),
+            Method::Rk4Impact => assert!(order > 3.6 && errors[0] < 1e-5, "{order}: {errors:?}"),
+            Method::StepDoubling => assert!(errors[0] < 1e-3, "{errors:?}"),
+            _ => assert!(order > 0.7, "{method:?} is of order {order}: {errors:?}"),
+        }
+    }
+}
+
+#[test]
 fn the_reference_is_the_same_at_two_tolerances_and_steps() {
     let run = |name: &str, tolerance: f64, dt: f64| -> Plant {
         let mut scene = built_in(name);
