@@ -34,7 +34,7 @@ impl Plant {
             let error = distance(&self.work.coarse, &self.state) / 3.0;
             let factor = (0.9 * (self.settings.tolerance_step / error).cbrt()).clamp(0.2, 4.0);
             let shortest = h * SHORTEST;
-            if error <= self.settings.tolerance_step || part <= shortest {
+            if error <= self.settings.tolerance_step || step <= shortest {
                 done += part;
                 step = (part * factor).clamp(shortest, h);
                 self.stride = step;

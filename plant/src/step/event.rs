@@ -47,6 +47,8 @@ const NEARLY_STOPPED: f64 = 1e-6;
 const LOCATED: f64 = 1e-13;
 /// Events in a step at most. Where they crowd (a ball at the end of its bounces) the rest of the step is one impulse.
 const EVENTS: u32 = 40;
+/// Trials of locating an event at most; it takes about eight.
+const TRIALS: usize = 100;
 /// Shortest step of the error control, as a part of dt.
 const SHORTEST: f64 = 1e-9;
 
@@ -246,14 +248,14 @@ impl Plant {
     /// Regula falsi in the Illinois form: Dahlquist & Björck, *Numerical Methods* (1974), 6.2.
     fn locate(&mut self, tableau: &Tableau, part: f64, record: Record) -> Result<f64, PlantError> {
         let (mut before, mut ahead) = ((0.0, 1.0), (part, self.margin()));
-        let mut late = None;
-        loop {
-            let time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
+        let (mut time, mut late) = (part, None);
+        for _ in 0..TRIALS {
+            time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
             self.record = record;
             self.integrate(tableau, time, Plant::accelerate_on_ground)?;
             let margin = self.margin();
             if margin.abs() <= LOCATED || ahead.0 - before.0 <= 4.0 * f64::EPSILON * part {
-                return Ok(time);
+                break;
             }
             // an end that stays twice counts half, or it would stay for ever
             let side = margin < 0.0;
@@ -268,6 +270,7 @@ impl Plant {
             }
             late = Some(side);
         }
+        Ok(time)
     }
 }
 
