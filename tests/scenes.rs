@@ -1,6 +1,6 @@
 //! Claims about a user's own scenes: other bodies, other bases, no controller.
 
-#![expect(clippy::expect_used, reason = "a test may panic")]
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
 
@@ -141,12 +141,13 @@ fn a_box_slides_the_same_on_every_base_that_lets_it() {
 /// What a run prints about its model.
 fn model(arguments: &[&str]) -> String {
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
-        .args(["run", "slide", "--quiet", "--set", "duration=0.1"])
+        .args(["run", "slide", "--quiet", "--set", "duration=5"])
         .args(arguments)
         .output()
         .expect("the program starts");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    text.lines().find(|line| line.trim_start().starts_with("model")).expect("a line about the model").to_string()
+    let line = text.lines().find(|line| line.trim_start().starts_with("model")).map(str::to_string);
+    line.unwrap_or_else(|| panic!("{arguments:?}: no line about the model: {output:?}"))
 }
 
 #[test]
