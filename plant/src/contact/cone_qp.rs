@@ -3,7 +3,7 @@
 //! min f·A f/2 + f·(b + shift) with each contact's (mu f_N, f_F), or (bound, f_F) beside f_N >= 0, in a second-order cone.
 //! Interior points end at about 1e-9; Newton's method finds the last digits. This one solver allocates.
 
-use super::newton::YIELD;
+use super::newton::YIELDS;
 use super::round::{Round, Rule};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
@@ -23,7 +23,7 @@ impl ConeQp {
         // Jammed contacts could push each other without end: those that yield do not.
         let upper = |k: usize, l: usize| match k.cmp(&l) {
             Ordering::Less => round.delassus[k * n + l],
-            Ordering::Equal => round.delassus[k * n + l] + YIELD,
+            Ordering::Equal => round.delassus[k * n + l] + YIELDS[0],
             Ordering::Greater => 0.0,
         };
         let energy: Vec<Vec<f64>> = (0..n).map(|k| (0..n).map(|l| upper(k, l)).collect()).collect();

@@ -23,8 +23,10 @@ const STEPS: u32 = 25;
 const PATIENCE: u32 = 8;
 /// A natural map this small is rounding.
 const ROUNDING: f64 = 1e-14;
-/// What contacts yield by in the step (not in the residual): makes it unique where contacts are redundant.
-pub(super) const YIELD: f64 = 2e-11;
+/// What contacts yield by in a step, not in the residual: it makes the step unique where contacts are redundant. Two feet
+/// hold each other along directions that A sees at 1e-12; a step along these would go far, so if the first fails, the
+/// next are more careful.
+pub(super) const YIELDS: [f64; 6] = [2e-11, 1e-4, 1e-5, 1e-7, 1e-9, 2e-11];
 
 type Matrix = [[f64; 3]; 3];
 
@@ -53,29 +55,49 @@ impl Newton {
         round.velocity(f, v);
         let mut least = round.natural_map(rule, f, v);
         self.best.clone_from(f);
+        for rho in YIELDS {
+            self.run(round, rule, rho, &mut least, f, v, steps);
+            f.clone_from(&self.best);
+            round.velocity(f, v);
+            if least <= SOLVED {
+                break;
+            }
+        }
+        least
+    }
+
+    /// Steps until nothing gets better; notes the best iterate and its residual.
+    #[expect(clippy::too_many_arguments, reason = "problem, iterate and its residual")]
+    fn run(
+        &mut self,
+        round: &Round,
+        rule: Rule<'_>,
+        rho: f64,
+        least: &mut f64,
+        f: &mut Vec<f64>,
+        v: &mut Vec<f64>,
+        steps: &mut u32,
+    ) {
         let mut patience = PATIENCE;
         for _ in 0..STEPS {
-            if least <= ROUNDING || patience == 0 || !self.step(round, rule, f, v) {
-                break;
+            if *least <= ROUNDING || patience == 0 || !self.step(round, rule, rho, f, v) {
+                return;
             }
             *steps += 1;
             round.velocity(f, v);
             let error = round.natural_map(rule, f, v);
             // What is solved gets one more chance to be so to rounding.
-            patience = if least <= SOLVED { 0 } else { patience - 1 };
-            if error < least {
-                patience = if error < 0.1 * least { PATIENCE } else { patience.max(1) };
-                least = error;
+            patience = if *least <= SOLVED { 0 } else { patience - 1 };
+            if error < *least {
+                patience = if error < 0.1 * *least { PATIENCE } else { patience.max(1) };
+                *least = error;
                 self.best.clone_from(f);
             }
         }
-        f.clone_from(&self.best);
-        round.velocity(f, v);
-        least
     }
 
     /// One full step; false if the equations have no solution.
-    fn step(&mut self, round: &Round, rule: Rule<'_>, f: &mut [f64], v: &[f64]) -> bool {
+    fn step(&mut self, round: &Round, rule: Rule<'_>, rho: f64, f: &mut [f64], v: &[f64]) -> bool {
         let n = f.len();
         self.matrix.clear();
         self.matrix.resize(n * n, 0.0);
@@ -87,7 +109,7 @@ impl Newton {
                 for (l, &weight) in q[k].iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
                     let a = &round.delassus[(3 * i + l) * n..][..n];
                     row.iter_mut().zip(a).for_each(|(row, a)| *row += weight * a);
-                    row[3 * i + l] += weight * YIELD;
+                    row[3 * i + l] += weight * rho;
                 }
                 row[3 * i..].iter_mut().zip(&p[k]).for_each(|(row, p)| *row += p);
                 self.right.push(-r[k]);
