@@ -53,6 +53,37 @@ fn the_paper_s_conditions_keep_a_slider_down_and_stop_it_where_coulomb_does() {
     }
 }
 
+/// Each law by its name, on ground where it has nothing to get wrong: what falls stays down, what stands stands still.
+#[test]
+fn every_law_runs_from_a_scene() {
+    for law in Law::ALL {
+        let law_name = format!("plant.law={law}");
+        let slide = run("slide", &[&law_name]).number("distance_m");
+        assert!((slide - 2.0 * 2.0 / (2.0 * MU * G)).abs() < 2.5e-3, "{law}: slides {slide} m");
+        run("drop", &[&law_name]).shows(&[("com_speed_end_mps", 0.0..=2e-2), ("penetration_max_m", 0.0..=5e-3)]);
+        let stands = run("stand0", &["duration=1.0", &law_name]);
+        // Springs swing, and let what they carry creep.
+        let still = if law == Law::SpringDamper { 0.1 } else { 1e-3 };
+        assert!(stands.number("distance_m").abs() < still, "{law}: {} m", stands.number("distance_m"));
+    }
+}
+
+/// On flat ground the feet hardly slide, so every law carries the walk; how well is in the residuals.
+#[test]
+fn every_law_carries_the_walk() {
+    for law in Law::ALL {
+        let walk = run("walk", &["duration=4.0", &format!("plant.law={law}")]);
+        println!(
+            "{law}: {:.4} m, {:+.4} m aside, natural map {:.0e}, {} fallbacks",
+            walk.number("distance_m"),
+            walk.number("lateral_max_m"),
+            walk.number("natural_map_max"),
+            walk.number("fallbacks")
+        );
+        assert!(!walk.fell(), "{law}");
+    }
+}
+
 /// A point mass: no rotation blurs what the law does.
 fn point(law: Law, velocity: [f64; 3]) -> Plant {
     let body = Body { name: "point".into(), mass: 2.0, size: [0.1; 3], contacts: vec![[0.0; 3]], ..Body::default() };

@@ -3,12 +3,25 @@
 //! | law | conditions | method |
 //! |---|---|---|
 //! | `EnergyQp` | the minimum of (14) under (15), (16), as printed | principal pivoting (`energy_qp`) |
+//! | `EnergyQpGap` | the same with two tangents and v_N + gap/h >= mu |v_F|, as convex engines have it \[1\] | the same |
 //! | `Complementarity` | (17)-(22), one tangent | lexicographic Lemke (`facets`, `lemke`) |
 //! | `Aligned` | (17)-(22), two tangents, landing at the ground | the same |
+//! | `Facets(d)` | (17)-(22), d directions fixed in the world \[2\] | semismooth Newton (`newton`), the same behind it |
+//! | `Cone` | (17)-(22), round cone \[3\] | the same (`cones`) |
+//! | `FixedPoint(Tresca)`, `(Aclm)` | the same as the limit of energy minima \[4\] | `fixed_point` |
+//! | `ConeQp` | the minimum of (14) over round cones | interior points, clarabel (`cone_qp`) |
+//! | `Lagged` | that with |f_F| <= mu f_N of the step before \[5\] | semismooth Newton (`newton`) |
+//! | `Sweep(n)` | `Cone`, as near as n sweeps come \[6\] | projected Gauss-Seidel (`sweep`) |
+//! | `SpringDamper` | none: springs, dampers, regularised friction | a formula (`spring_damper`) |
 //!
-//! The laws differ in how they find a complementary basis: which contacts are open, stick, or slide which way. The impulse
-//! of a basis is then computed afresh from A and b (`basis`), and it is accepted by its residual alone (`residual`), so a
-//! basis remembered from the last step is tried first and the outcome is right however it was found (`solver`).
+//! The first four laws find a complementary basis: which contacts are open, stick, or slide which way. The impulse of a
+//! basis is then computed afresh from A and b (`basis`), and it is accepted by its residual alone (`residual`), so a basis
+//! remembered from the last step is tried first and the outcome is right however it was found (`solver`). The others start
+//! from the last impulse; their cones are round, and so are their residuals (`round`).
+//!
+//! \[1\] Anitescu 2006; Tasora & Anitescu 2011; Todorov 2011. \[2\] Stewart & Trinkle 1996; Anitescu & Potra 1997.
+//! \[3\] De Saxcé & Feng 1998; Alart & Curnier 1991. \[4\] Haslinger 1983; Acary, Cadoux, Lemaréchal & Malick 2011.
+//! \[5\] Lötstedt 1984. \[6\] Moreau 1999; Jourdan, Alart & Jean 1998.
 //!
 //! The paper takes (17)-(22) for the conditions of its program (14)-(16). They are not: with multipliers the program gives
 //! f_N (v_N - mu |v_F|) = 0 in place of (19), so whatever slides is thrown up. See docs/PAPER.md.
@@ -186,10 +199,9 @@ pub fn is_plastic(law: Law) -> bool {
 /// Whether the law's own problem has solutions exact to rounding, of which `plant.tolerance` asks one in every step.
 ///
 /// They end at a complementary basis, whose impulse is the solution of a linear system. The others come nearer with each
-/// iteration, as near as they were told to, or evaluate a formula.
+/// iteration and say with `fallback` where they did not come near enough, or evaluate a formula.
 pub fn is_exact(law: Law) -> bool {
-    use Law::{Aligned, Complementarity, EnergyQp, EnergyQpGap, Facets};
-    matches!(law, EnergyQp | EnergyQpGap | Complementarity | Aligned | Facets(_))
+    matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
 }
 
 /// Whether the law's impulses are Coulomb's however large the slip: no energy program, no springs, no memory of forces.

@@ -2,7 +2,7 @@
 
 use super::cone_qp::ConeQp;
 use super::facets::Facets;
-use super::fixed_point;
+use super::fixed_point::{self, MINIMA};
 use super::lemke::{CAREFUL, Care, QUICK};
 use super::newton::Newton;
 use super::round::{Round, Rule};
@@ -16,6 +16,8 @@ pub(super) const SOLVED: f64 = 4e-11;
 /// Sweeps before each new start of Newton's method.
 const BURSTS: [u32; 4] = [3, 12, 50, 200];
 
+/// Energy minima after which a start is good enough.
+const FEW: u32 = 20;
 /// Starts by pivoting: what contacts yield by, and what counts as zero.
 const PIVOTING: [(f64, Care); 6] = [
     (0.0, QUICK),
@@ -71,7 +73,7 @@ impl Cones {
                 let energy = Rule::Energy(&[]);
                 self.certify(energy, &mut report.pivots) || self.minimise(energy, &mut report.pivots)
             }
-            Law::FixedPoint(iteration) => fixed_point::iterate(self, iteration, &mut report.pivots),
+            Law::FixedPoint(iteration) => fixed_point::iterate(self, iteration, MINIMA, &mut report.pivots),
             _ => self.coulomb(rule(law), &mut report.pivots),
         };
         report.fallback = !solved;
@@ -134,7 +136,7 @@ impl Cones {
         for way in ways {
             match way {
                 Some((rho, care)) => self.pivot(rule, rho, care, steps),
-                None => _ = fixed_point::iterate(self, Iteration::Aclm, steps),
+                None => _ = fixed_point::iterate(self, Iteration::Aclm, FEW, steps),
             }
             let error = self.newton.polish(&self.round, rule, &mut self.f, &mut self.v, steps);
             if error < least {

@@ -17,15 +17,15 @@ use super::round::Rule;
 use messages::scene::Iteration;
 
 /// Minima at most.
-const MINIMA: u32 = 500;
+pub(super) const MINIMA: u32 = 200;
 /// Minima without progress before it becomes more cautious.
 const PATIENCE: u32 = 6;
 
-/// Iterates from the present impulse; false if that does not settle. Adds the minima to `count`.
-pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, count: &mut u32) -> bool {
+/// Iterates from the present impulse; false if that does not settle within so many minima. Adds them to `count`.
+pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, minima: u32, count: &mut u32) -> bool {
     let (mut least, mut waited, mut share) = (f64::INFINITY, 0, 1.0);
     cones.held.clear();
-    for _ in 0..MINIMA {
+    for _ in 0..minima {
         let error = cones.residual(Rule::Coulomb);
         if error <= SOLVED {
             return true;
