@@ -72,7 +72,7 @@ fn every_law_runs_from_a_scene() {
 #[test]
 fn every_law_carries_the_walk() {
     for law in Law::ALL {
-        let walk = run("walk", &["duration=4.0", &format!("plant.law={law}")]);
+        let walk = run("walk", &["duration=2.0", &format!("plant.law={law}")]);
         println!(
             "{law}: {:.4} m, {:+.4} m aside, natural map {:.0e}, {} fallbacks",
             walk.number("distance_m"),
