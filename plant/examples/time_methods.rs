@@ -1,4 +1,4 @@
-//! Error and cost of every method on the ten comparison scenes: `cargo run --release -p plant --example time_methods [SCENE [METHOD]]`.
+//! Error and cost of every method on the ten comparison scenes: `cargo run --release -p plant --example time_methods [SCENE [METHOD [TOLERANCE]]]`.
 
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "an example")]
 
@@ -79,7 +79,13 @@ fn corners(plant: &Plant, pose: &Pose) -> Vec<[f64; 3]> {
 
 fn scene(name: &str, method: Method, dt: f64) -> Scene {
     let path = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    let settings = [format!("plant.method={method:?}"), format!("plant.dt={dt}"), format!("rate={}", 1.0 / dt)];
+    let tolerance = std::env::args().nth(3).unwrap_or("1e-10".into());
+    let settings = [
+        format!("plant.method={method:?}"),
+        format!("plant.dt={dt}"),
+        format!("rate={}", 1.0 / dt),
+        format!("plant.tolerance_step={tolerance}"),
+    ];
     load(&path, &settings, &[]).expect("a good scene")
 }
 
