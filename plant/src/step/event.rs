@@ -93,15 +93,17 @@ impl Plant {
             }
             self.land()?;
             self.begin();
-            let rest = h - done;
-            let record = self.record;
+            let (rest, record) = (h - done, self.record);
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
-            let reached = if self.margin() < 0.0 { self.locate(tableau, part, record)? } else { part };
-            events += u32::from(reached < part);
+            let mut reached = part;
+            if self.margin() < 0.0 {
+                reached = self.locate(tableau, part, record)?;
+                self.counts.events += 1;
+                events += 1;
+            }
             // the last part may fall short of h by rounding
             done = if reached == rest { h } else { done + reached };
         }
-        self.counts.events += u64::from(events);
         Ok(())
     }
 
