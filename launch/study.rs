@@ -282,12 +282,14 @@ fn margins() -> Vec<Case> {
 }
 
 fn laws() -> Vec<Case> {
-    let each = |name: &str, scene: &'static str, settings: &[&str]| {
-        [Law::EnergyQp, Law::Complementarity, Law::Aligned]
-            .map(|law| case(format!("{name}, {law:?}"), scene, &[settings, &[&format!("plant.law={law:?}")]].concat()))
+    let under = |law: Law, name: &str, scene: &'static str, settings: &[&str]| {
+        case(format!("{name}, {law}"), scene, &[settings, &[&format!("plant.law={law}")]].concat())
+    };
+    let each = |name: &str, scene: &'static str, settings: &[&str]| -> Vec<Case> {
+        [Law::EnergyQp, Law::Complementarity, Law::Aligned].map(|law| under(law, name, scene, settings)).into()
     };
     [
-        each("walk 14 s", "walk", &[]),
+        Law::ALL.map(|law| under(law, "walk 14 s", "walk", &[])).into(),
         each("walk 110 s", "walk", &["duration=110"]),
         each("walk 14 s, dt .25 ms", "walk", &["plant.dt=0.00025"]),
         each("stamp 60 s", "stamp", &[]),
