@@ -8,12 +8,12 @@
 //!
 //! | method | where |
 //! |---|---|
-//! | `ExplicitEuler`, `SemiImplicitEuler` | [`euler`] |
-//! | `MoreauJean` | [`moreau`] |
-//! | `MidpointMoreau`, `ImplicitMidpoint` | [`midpoint`] |
-//! | `StepDoubling` | [`doubling`] |
-//! | `Rk4` | [`runge_kutta`] |
-//! | `Rk4Impact`, `EventDriven` | [`event`] |
+//! | `ExplicitEuler`, `SemiImplicitEuler` | `step/euler.rs` |
+//! | `MoreauJean` | `step/moreau.rs` |
+//! | `MidpointMoreau`, `ImplicitMidpoint` | `step/midpoint.rs` |
+//! | `StepDoubling` | `step/doubling.rs` |
+//! | `Rk4` | `step/runge_kutta.rs` |
+//! | `Rk4Impact`, `EventDriven` | `step/event.rs` |
 
 mod doubling;
 mod euler;
