@@ -124,3 +124,21 @@ proptest! {
         prop_assert!((plain.kinetic - turned.kinetic).abs() < 1e-8 * scale);
     }
 }
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
+
+    /// Every law with every method ends a tumble with numbers, or in words.
+    #[test]
+    fn nothing_ever_is_not_a_number(scene in robot(), law in 0..Law::ALL.len(), method in 0..Method::ALL.len()) {
+        let mut scene = scene;
+        (scene.plant.law, scene.plant.method) = (Law::ALL[law], Method::ALL[method]);
+        match steps(&scene, 10) {
+            Ok(plant) => {
+                let state = plant.state();
+                prop_assert!(state.x.iter().chain(&state.xdot).all(|number| number.is_finite()));
+            }
+            Err(error) => prop_assert!(!error.to_string().contains("NaN"), "{error}"),
+        }
+    }
+}

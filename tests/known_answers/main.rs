@@ -10,6 +10,7 @@ mod joints;
 mod laws;
 mod rolling;
 mod sliding;
+mod springs;
 mod standing;
 mod support;
 mod symmetry;

@@ -49,8 +49,9 @@ const LOCATED: f64 = 1e-13;
 const EVENTS: u32 = 40;
 /// Trials of locating an event at most; it takes about eight.
 const TRIALS: usize = 100;
-/// Shortest step of the error control, as a part of dt.
-const SHORTEST: f64 = 1e-9;
+/// Shortest step of the error control, as a part of dt: short enough that a bend of the acceleration costs nothing to speak of,
+/// long enough that a contact which cannot make up its mind ends.
+const SHORTEST: f64 = 1e-4;
 
 /// What a corner does: as it was when a step began, and as its last force says.
 ///
