@@ -187,3 +187,13 @@ fn a_rocking_block_strikes_after_its_quarter_period() {
         assert_near("spin", plant.state().xdot[2], spin, 1e-8);
     }
 }
+
+/// A few sweeps of Gauss-Seidel leave the corner that lifts under load.
+#[test]
+fn sweeps_keep_both_corners_of_a_rocking_block_loaded() {
+    let ratio = 1.0 - 1.5 * 0.25_f64.atan().sin().powi(2);
+    let error = |sweeps: u16| -after(&turning("rocking-block", Law::Sweep(sweeps), 0.1, 0.4, -1.0))[2] - ratio;
+    let errors = [1, 4, 50].map(error);
+    println!("spin off by {errors:?} after 1, 4 and 50 sweeps");
+    assert!(errors[0].abs() > 1e-3 && errors[2].abs() < errors[0].abs());
+}

@@ -216,6 +216,21 @@ fn the_compass_gait_has_its_known_limit_cycle() {
     }
 }
 
+/// Twenty steps on, tile by tile, each as long as the legs are apart.
+#[test]
+fn the_compass_gait_keeps_walking() {
+    let mut scene = scene("compass-gait", &[]);
+    (scene.plant.dt, scene.rate) = (0.734_460_621_337 / 700.0, 700.0 / 0.734_460_621_337);
+    let mut plant = Plant::new(&scene).expect("a walker");
+    let start = plant.state().x[0];
+    for _ in 0..20 * 700 {
+        advance(&mut plant);
+    }
+    let way = plant.state().x[0] - start;
+    println!("{way} m in 20 steps");
+    assert_near("way", way, 20.0 * 2.0 * 0.271_274_617_980_f64.sin(), 1e-6);
+}
+
 /// Its feet weigh `foot` each in a body of 1 kg.
 fn with_feet(scene: &Scene, foot: f64) -> Scene {
     let mut scene = scene.clone();
