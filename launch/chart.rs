@@ -44,9 +44,9 @@ pub struct ChartArgs {
     /// Coarse steps and few of them: everything is drawn, within a minute
     #[arg(long)]
     quick: bool,
-    /// Measure other engines too; they are installed into a virtual environment of Python
-    #[arg(long)]
-    peers: bool,
+    /// Measure other engines too, installed into a virtual environment of Python; or take the rows of a table of them
+    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    peers: Option<Option<PathBuf>>,
     /// Only these comparison scenes, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     scenes: Vec<String>,
@@ -70,15 +70,19 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     rows.extend(failures::rows(&trials, &watch)?);
     rows.extend(thresholds::rows(&watch)?);
     rows.extend(models::rows(&watch)?);
-    let remark = match args.peers {
-        true => "",
-        false => "Other simulators are not drawn: biped chart --peers measures them too.",
+    let remark = match &args.peers {
+        None => "Other simulators are not drawn: biped chart --peers measures them too.".to_string(),
+        Some(None) => String::new(),
+        Some(Some(table)) => format!("Other simulators are those of {}, measured in another session.", table.display()),
     };
-    if args.peers {
-        rows.extend(peers::rows(&args.out, args.quick, &watch)?);
+    if let Some(table) = &args.peers {
+        rows.extend(match table {
+            None => peers::rows(&args.out, args.quick, &watch)?,
+            Some(table) => peers::read(table)?,
+        });
     }
     watch.bar.finish_and_clear();
-    page::write(&args.out, &chosen, &rows, remark).map_err(unwritable)?;
+    page::write(&args.out, &chosen, &rows, &remark).map_err(unwritable)?;
     write_whole(&args.out.join("chart.csv"), &csv::table(&rows)).map_err(unwritable)?;
     say(format!(
         "{} measurements in {}, drawn in chart.html beside it\n",

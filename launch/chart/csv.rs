@@ -71,12 +71,12 @@ pub fn table(rows: &[Row]) -> String {
     text
 }
 
-/// The rows of a table.
+/// The rows of a table, whose first lines may be remarks.
 ///
 /// # Errors
 /// One sentence on the first line that is none.
 pub fn parse(text: &str) -> Result<Vec<Row>, String> {
-    let mut lines = text.lines();
+    let mut lines = text.lines().skip_while(|line| line.starts_with('#'));
     let header = lines.next().unwrap_or_default();
     if header != HEADER {
         return Err(format!("the first line is `{header}`, but it must be `{HEADER}`"));

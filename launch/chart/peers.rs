@@ -33,6 +33,15 @@ pub fn rows(folder: &Path, quick: bool, watch: &Watch) -> Result<Vec<Row>, Failu
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }
-    let text = std::fs::read_to_string(&table).map_err(|error| fault(format!("{}: {error}", table.display())))?;
-    parse(&text).map_err(|error| fault(format!("{}: {error}", table.display())))
+    read(&table)
+}
+
+/// The rows of a table that was measured before.
+///
+/// # Errors
+/// A file that cannot be read, or is no such table.
+pub fn read(table: &Path) -> Result<Vec<Row>, Failure> {
+    let named = |error: String| Failure::new(Exit::Usage, format!("--peers: {}: {error}", table.display()));
+    let text = std::fs::read_to_string(table).map_err(|error| named(error.to_string()))?;
+    parse(&text).map_err(named)
 }

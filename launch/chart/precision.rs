@@ -7,6 +7,7 @@ use super::trial::{Outcome, periods, time, watch};
 use super::{Job, Watch};
 use crate::exit::{Exit, Failure};
 use messages::scene::Scene;
+use nalgebra::Vector3;
 use plant::PlantError;
 use rayon::prelude::*;
 
@@ -34,6 +35,8 @@ pub struct Trial {
     pub result: Result<Vec<Metric>, Fate>,
     /// Steps that needed the solver's fallback.
     pub fallbacks: u64,
+    /// Where the centre of mass ended [m].
+    pub end: Option<Vector3<f64>>,
     /// Hash of every state.
     pub hash: u64,
     /// CPU time [s].
@@ -70,11 +73,13 @@ pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>,
 fn run((case, way, h): (Case, Way, f64), progress: &Watch) -> Result<Trial, Failure> {
     progress.step(Job::Watching)?;
     let scene = cases::scene(case.name, way, h, &[])?;
-    let mut trial = Trial { case, way, h, scene, result: Ok(Vec::new()), fallbacks: 0, hash: 0, seconds: f64::NAN };
+    let mut trial =
+        Trial { case, way, h, scene, result: Ok(Vec::new()), fallbacks: 0, end: None, hash: 0, seconds: f64::NAN };
     match watch(&trial.scene, &[]) {
         Outcome::Refused => trial.result = Err(Fate::Refused),
         Outcome::Broken(error) => trial.result = Err(Fate::Broken(error)),
         Outcome::Done(log) => {
+            trial.end = log.end();
             trial.result = Ok(metrics(case.question, &trial.scene, &log));
             (trial.fallbacks, trial.hash) = (log.fallbacks, log.hash);
         }

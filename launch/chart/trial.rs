@@ -87,7 +87,7 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> Outcome {
 pub fn time(scene: &Scene, torques: &[Torques]) -> Result<(f64, u64), PlantError> {
     let (mut least, mut spent, mut hash) = (f64::INFINITY, 0.0, 0);
     let mut runs = 0;
-    while runs == 0 || (runs < 3 && spent < 0.3) || (runs < 25 && spent < 0.02) {
+    while runs == 0 || (runs < 3 && spent < 0.1) || (runs < 25 && spent < 0.02) {
         let mut plant = Plant::new(scene)?;
         let start = cpu_seconds();
         for period in 0..periods(scene) {
@@ -117,6 +117,11 @@ fn points(plant: &Plant, pose: &Pose) -> Vec<Vector3<f64>> {
 }
 
 impl Log {
+    /// Where the centre of mass ended [m].
+    pub fn end(&self) -> Option<Vector3<f64>> {
+        self.sights.last().map(|sight| sight.totals.com)
+    }
+
     fn see(&mut self, plant: &Plant, pose: &mut Pose, period: f64) {
         let (model, truth) = (plant.model(), plant.truth());
         kinematics::pose(model, plant.state(), pose);

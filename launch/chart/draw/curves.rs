@@ -18,15 +18,21 @@ const LINE: f64 = 13.5;
 /// One method in one scene, from coarse to fine steps.
 struct Curve {
     family: Family,
+    engine: String,
     label: String,
     /// Common logarithms of cost and error.
     points: Vec<(f64, f64)>,
     hollow: bool,
+    /// Cost and error of the step of 1 ms, or of the finest.
+    at_1_ms: (f64, f64),
+    /// Whether it is drawn strongly and named.
+    named: bool,
 }
 
 /// View (i) of a scene; none without measurements.
 pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
-    let curves = distinct(curves(case, rows));
+    let mut curves = distinct(curves(case, rows));
+    name_peers(&mut curves);
     let all = || curves.iter().flat_map(|curve| &curve.points);
     let (left, right) = (floor(all().map(|point| point.0)), all().map(|point| point.0).fold(f64::MIN, f64::max));
     let (low, high) = (floor(all().map(|point| point.1)), all().map(|point| point.1).fold(f64::MIN, f64::max));
@@ -35,14 +41,19 @@ pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
     }
     let (y, width) = (low - 0.4..high.ceil().max(low + 2.0) + 0.2, (right - left).max(1.0) / MARGIN);
     let mut marks = Vec::new();
-    for curve in &curves {
-        let colour = curve.family.colour(curve.hollow);
-        let line = Mark::line(curve.points.clone(), colour);
-        marks.push(if curve.family == Family::Peer { line.faint(0.6) } else { line });
-        let (points, size) = (curve.points.clone(), if curve.family == Family::Peer { 2.2 } else { 3.0 });
-        marks.push(if curve.hollow { Mark::rings(points, size, colour) } else { Mark::dots(points, size, colour) });
+    for curve in curves.iter().filter(|curve| !curve.named) {
+        marks.push(Mark::thin(curve.points.clone(), curve.family.colour(false)).faint(0.35));
     }
-    let ends: Vec<_> = curves.iter().filter_map(|curve| curve.points.last().map(|end| (*end, curve))).collect();
+    for curve in curves.iter().filter(|curve| curve.named) {
+        let (points, colour) = (curve.points.clone(), curve.family.colour(curve.hollow));
+        marks.push(Mark::line(points.clone(), colour));
+        marks.push(if curve.hollow { Mark::rings(points, 3.0, colour) } else { Mark::dots(points, 3.0, colour) });
+    }
+    let ends: Vec<_> = curves
+        .iter()
+        .filter(|curve| curve.named)
+        .filter_map(|curve| curve.points.last().map(|end| (*end, curve)))
+        .collect();
     let unit = (y.end - y.start) / HEIGHT[1];
     let heights = apart(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), LINE * unit, y.start, y.end);
     let at = right + 0.045 * width;
@@ -58,6 +69,15 @@ pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
         y: Axis::powers(case.words, y),
     };
     Some(plot(&frame, &marks))
+}
+
+/// Of each other engine only the setting with the least error at 1 ms is named; ties go to the fastest.
+fn name_peers(curves: &mut [Curve]) {
+    let merit = |curve: &Curve| curve.at_1_ms.1.max(-14.0) + 1e-3 * curve.at_1_ms.0;
+    for i in 0..curves.len() {
+        let better = |other: &Curve| other.engine == curves[i].engine && merit(other) < merit(&curves[i]);
+        curves[i].named = curves[i].family != Family::Peer || !curves.iter().any(better);
+    }
 }
 
 /// The power of ten at or below the least.
@@ -77,16 +97,25 @@ fn curves(case: &Case, rows: &[Row]) -> Vec<Curve> {
     let curve = |(engine, method): (&str, &str)| {
         let runs: Vec<_> =
             of_scene.iter().copied().filter(|row| row.engine == engine && row.method == method).collect();
-        let hollow = is_hollow(&runs);
-        Curve { family: Family::of(runs[0]), label: label(runs[0]), points: points(case, &runs), hollow }
+        let points = points(case, &runs);
+        let at_1_ms = points.iter().find(|point| point.0 == 1e-3).or(points.last()).map_or((0.0, 0.0), |point| point.1);
+        Curve {
+            family: Family::of(runs[0]),
+            engine: engine.into(),
+            label: label(runs[0]),
+            points: points.into_iter().map(|point| point.1).collect(),
+            hollow: is_hollow(&runs),
+            at_1_ms,
+            named: true,
+        }
     };
     let mut curves: Vec<_> = names.into_iter().map(curve).filter(|curve| !curve.points.is_empty()).collect();
     curves.sort_by_key(|curve| curve.family);
     curves
 }
 
-/// Cost and error of each step, the greatest of the scene's metrics, from coarse to fine.
-fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, f64)> {
+/// Each step with logarithms of its cost and its error, the greatest of the scene's metrics, from coarse to fine.
+fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, (f64, f64))> {
     let mut steps: Vec<f64> = runs.iter().map(|row| row.dt).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
@@ -94,9 +123,9 @@ fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, f64)> {
         let metrics = case.question.metrics();
         let asked = runs.iter().filter(|row| row.dt == dt && metrics.contains(&row.metric.as_str()));
         let (cost, error) = asked.fold((f64::NAN, 0.0), |(_, error), row| (row.cost, row.error.max(error)));
-        (cost.log10(), error.max(NOTHING).log10())
+        (dt, (cost.log10(), error.max(NOTHING).log10()))
     };
-    steps.into_iter().map(point).filter(|point| point.0.is_finite() && point.1 < 3.0).collect()
+    steps.into_iter().map(point).filter(|(_, point)| point.0.is_finite() && point.1 < 3.0).collect()
 }
 
 /// Curves of one family with the same errors become one, at the cost of the fastest, with all their names.

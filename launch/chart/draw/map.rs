@@ -2,7 +2,7 @@
 
 use super::{Family, label};
 use crate::chart::csv::{Row, View};
-use crate::chart::failures::{Cause, H, REFUSED, SOUND};
+use crate::chart::failures::{Cause, REFUSED, SOUND};
 use crate::report::plot::{Axis, COM, Frame, GREEN, GREY, Mark, RIGHT, ZMP, plot};
 use plotters::style::RGBColor;
 
@@ -13,7 +13,7 @@ const ROW: [f64; 2] = [22.0, 72.0];
 
 /// The map with these scenes for columns; none without measurements.
 pub fn failures(columns: &[&str], rows: &[Row]) -> Option<String> {
-    let judged: Vec<_> = rows.iter().filter(|row| row.view == View::Failures && row.dt == H).collect();
+    let judged: Vec<_> = rows.iter().filter(|row| row.view == View::Failures && row.dt > 0.0).collect();
     let mut methods: Vec<&Row> = Vec::new();
     for row in &judged {
         if methods.iter().all(|known| known.method != row.method) {
