@@ -73,7 +73,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         eprintln!("{} control periods were not recorded", watch.lost);
     }
     if watch.latest.stamp.seq == 0 {
-        return outcome;
+        return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
     }
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
     let summary = Summary::new(&args.scene.scene, &watch.recorder, start.elapsed(), processes);
@@ -118,7 +118,7 @@ impl Watch {
     }
 
     /// Takes all there is.
-    fn drain(&mut self, port: &RecorderPort) -> Result<(), PortError> {
+    fn drain(&mut self, port: &mut RecorderPort) -> Result<(), PortError> {
         while let Some(truth) = port.next()? {
             self.take(&truth);
         }
@@ -170,14 +170,14 @@ pub fn in_process(scene: &Scene, mut hear: impl FnMut(&Truth) -> Result<(), Fail
 fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
     let swept = Swept(Session::unique());
     let contract = Contract::of(scene, args.pace.pace());
-    let port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
+    let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     let arguments = child_arguments(args, &swept.0);
     let mut roles = vec![Role::start("plant", &arguments, &watch.progress.bar)?];
     if scene.controller.is_some() {
         roles.push(Role::start("controller", &arguments, &watch.progress.bar)?);
     }
     let outcome = loop {
-        watch.drain(&port)?;
+        watch.drain(&mut port)?;
         if let Err(failure) = goes_on(&watch.recorder, stop) {
             break Err(failure);
         }
@@ -191,8 +191,8 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         }
         std::thread::sleep(LOOK);
     };
-    children::end(&mut roles, || drop(watch.drain(&port)));
-    watch.drain(&port)?;
+    children::end(&mut roles, || drop(watch.drain(&mut port)));
+    watch.drain(&mut port)?;
     outcome
 }
 

@@ -6,6 +6,8 @@
 //! | `biped/command` | controller → plant | 1 | the newest replaces the oldest |
 //! | `biped/truth` | plant → recorders | 4096 | lockstep: the plant waits; real time: dropped and counted |
 //!
+//! A recorder rings once it has begun to read; a plant that has said all waits for that, so that nothing is lost.
+//!
 //! Beside sensors and command an event of the same name wakes the reader. A topic has one writer; a second plant or
 //! controller is refused. Whoever comes first makes the topics, with the [`Contract`] as attributes, and whoever brings
 //! another contract is refused with both values.
@@ -21,8 +23,11 @@ pub use error::PortError;
 
 use crate::session::Session;
 use crate::wire::{Command, Sensors, Truth};
+use error::broken;
+use iceoryx2::port::notifier::Notifier;
+use iceoryx2::prelude::*;
 use link::{Inlet, Outlet, Reader};
-use place::{Place, TRUTH_BUFFER};
+use place::{Place, TRUTH, TRUTH_BUFFER};
 use truth::TruthOutlet;
 
 const SENSORS: &str = "biped/sensors";
@@ -143,6 +148,8 @@ impl ControllerPort {
 #[derive(Debug)]
 pub struct RecorderPort {
     truth: Reader<Truth>,
+    bell: Notifier<ipc::Service>,
+    has_read: bool,
     _place: Place,
 }
 
@@ -154,14 +161,20 @@ impl RecorderPort {
     pub fn open(session: &Session, contract: &Contract) -> Result<RecorderPort, PortError> {
         let place = Place::open(session, contract)?;
         let truth = Reader::open(&place.truth()?, TRUTH_BUFFER)?;
-        Ok(RecorderPort { truth, _place: place })
+        let bell = place.event(TRUTH)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
+        Ok(RecorderPort { truth, bell, has_read: false, _place: place })
     }
 
     /// The next message of truth, in order, if there is one.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn next(&self) -> Result<Option<Truth>, PortError> {
-        self.truth.next()
+    pub fn next(&mut self) -> Result<Option<Truth>, PortError> {
+        let truth = self.truth.next()?;
+        if truth.is_some() && !self.has_read {
+            self.has_read = true;
+            self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+        }
+        Ok(truth)
     }
 }

@@ -78,7 +78,7 @@ fn a_controller_that_comes_late_gets_what_it_missed() {
 fn a_recorder_gets_every_truth_in_order_also_after_the_plant_has_gone() {
     const COUNT: u64 = 20_000; // several buffers full
     let session = Session::unique();
-    let recorder = RecorderPort::open(&session, &contract()).expect("recorder");
+    let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
     std::thread::scope(|scope| {
         let plant = scope.spawn(|| {
             let port = PlantPort::open(&session, &contract()).expect("plant");
@@ -108,10 +108,29 @@ fn a_recorder_gets_every_truth_in_order_also_after_the_plant_has_gone() {
 }
 
 #[test]
+fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
+    let session = Session::unique();
+    let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
+    std::thread::scope(|scope| {
+        let plant = scope.spawn(|| {
+            let port = PlantPort::open(&session, &contract()).expect("plant");
+            (0..10).for_each(|_| port.record(Truth::default()).expect("truth"));
+        });
+        std::thread::sleep(Duration::from_millis(300)); // a busy machine
+        assert!(!plant.is_finished(), "the plant left with what it had said");
+        let mut seen = 0;
+        while recorder.next().expect("recorder").is_some() {
+            seen += 1;
+        }
+        assert_eq!(seen, 10);
+    });
+}
+
+#[test]
 fn in_real_time_a_full_recorder_loses_truth_and_the_plant_never_waits() {
     let session = Session::unique();
     let contract = Contract { pace: Pace::RealTime, ..contract() };
-    let recorder = RecorderPort::open(&session, &contract).expect("recorder");
+    let mut recorder = RecorderPort::open(&session, &contract).expect("recorder");
     let plant = PlantPort::open(&session, &contract).expect("plant");
     assert!(recorder.next().expect("recorder").is_none()); // connects
     let count = 10_000;

@@ -21,7 +21,8 @@ pub(super) const TRUTH_BUFFER: usize = 4096;
 /// Time to keep trying while another process is just making or removing the same topic.
 const OPENING: Duration = Duration::from_secs(2);
 
-const TRUTH: &str = "biped/truth";
+/// The topic of the truth, and the bell by which a recorder says that it reads.
+pub(super) const TRUTH: &str = "biped/truth";
 
 pub(super) type Topic<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
 

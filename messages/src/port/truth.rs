@@ -2,8 +2,9 @@
 
 use super::contract::Pace;
 use super::error::{PortError, broken};
-use super::place::Place;
+use super::place::{Place, TRUTH, Topic};
 use crate::wire::{Stamped, Truth};
+use iceoryx2::port::listener::Listener;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
@@ -11,12 +12,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Patience of a lockstep plant with a recorder whose buffer is full.
+/// Patience with a recorder whose buffer is full, or that has not begun to read when all is said.
 const RECORDER_PATIENCE: Duration = Duration::from_secs(3);
+
 /// Writing end of the truth.
 #[derive(Debug)]
 pub(super) struct TruthOutlet {
+    topic: Topic<Truth>,
     writer: Publisher<ipc::Service, Truth, ()>,
+    /// A recorder rings once it has read something.
+    bell: Listener<ipc::Service>,
     lost: Arc<AtomicU64>,
 }
 
@@ -38,7 +43,8 @@ impl TruthOutlet {
         let topic = place.truth()?;
         let builder = topic.publisher_builder().max_loaned_samples(1).set_backpressure_handler(when_full);
         let writer = builder.create().map_err(|e| broken("writing", e))?;
-        Ok(TruthOutlet { writer, lost })
+        let bell = place.event(TRUTH)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
+        Ok(TruthOutlet { topic, writer, bell, lost })
     }
 
     /// Messages that a recorder did not get.
@@ -49,5 +55,14 @@ impl TruthOutlet {
     pub fn send(&self, truth: Truth) -> Result<(), PortError> {
         self.writer.send_copy(truth.sealed()).map_err(|e| broken("writing", e))?;
         Ok(())
+    }
+}
+
+/// A recorder that has read anything reads the rest also after the plant has gone; one that has not would get nothing.
+impl Drop for TruthOutlet {
+    fn drop(&mut self) {
+        if self.topic.dynamic_config().number_of_subscribers() > 0 {
+            let _ = self.bell.timed_wait(|_| (), RECORDER_PATIENCE);
+        }
     }
 }
