@@ -45,11 +45,11 @@ impl Family {
     }
 }
 
-/// What a method is called beside its curve: of ours the part that varies.
+/// What a method is called beside its curve: of ours the part that varies, of others no remark.
 pub fn label(row: &Row) -> String {
     match (Family::of(row), row.method.split_once('/')) {
         (Family::Integrator, Some((_, method))) => method.into(),
         (Family::Law, Some((law, _))) => law.into(),
-        _ => format!("{} {}", row.engine, row.method),
+        _ => format!("{} {}", row.engine, row.method.split(" (").next().unwrap_or_default()),
     }
 }
