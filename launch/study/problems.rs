@@ -21,7 +21,7 @@ use std::time::Instant;
 /// Laws that are asked.
 pub const LAWS: [Law; 2] = [Law::Aligned, Law::Complementarity];
 /// Problems of one episode at most.
-const EPISODE: usize = 50;
+const EPISODE: usize = 25;
 /// A residual up to this is a solution.
 const SOLVED: f64 = 1e-10;
 

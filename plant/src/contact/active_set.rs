@@ -27,7 +27,7 @@ const ROUNDS: usize = 8;
 /// Contradictions smaller than this, relative to the step's scale, are rounding.
 const ROUNDING: f64 = 1e-13;
 /// At the optimum of the energy program a contact slips if it is faster than this, likewise.
-const SLIPS: f64 = 1e-9;
+const SLIPS: f64 = 1e-10;
 
 /// Corrects `basis` until nothing contradicts it; the number of rounds, or `None`. Leaves impulse and velocity in `f`, `v`.
 pub(super) fn settle(
@@ -66,6 +66,19 @@ pub(super) fn settle(
 
 /// Marks a contact whose bits are the rays that span its impulse, as in the energy program, not a [`Guess`].
 pub(super) const RAYS: u8 = 0x80;
+
+/// The rays along which a contact pushed.
+pub(super) fn rays(bits: u8, d: usize) -> u8 {
+    if bits & RAYS != 0 {
+        return bits ^ RAYS;
+    }
+    match Guess::read(bits, d) {
+        Guess::Open => 0,
+        Guess::Sticks => (1 << d) - 1,
+        Guess::Slides(j) => 1 << j,
+        Guess::SlidesBetween(j, k) => 1 << j | 1 << k,
+    }
+}
 
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.
 pub(super) fn slide(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) {

@@ -112,6 +112,12 @@ impl Scaled {
         }
     }
 
+    /// The drift of which contacts that yield make what rigid ones make of b, if they push by `impulse`.
+    pub fn lead(&self, impulse: &[f64], drift: &mut [f64]) {
+        drift.copy_from_slice(&self.drift);
+        self.harden(impulse, drift);
+    }
+
     /// Becomes the same problem, in the buffers it has.
     pub fn copy(&mut self, original: &Scaled) {
         (self.contacts, self.tangents, self.size) = (original.contacts, original.tangents, original.size);

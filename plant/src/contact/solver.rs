@@ -7,6 +7,7 @@ use super::facets::Facets;
 use super::lemke::{CAREFUL, Care, QUICK};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, Scaled};
+use super::shift::{Growth, Shift, WAYS};
 use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
 
@@ -14,8 +15,6 @@ use messages::scene::Law;
 const SOLVED: f64 = 4e-11;
 /// Contacts of one foot: so few settle even from a poor guess.
 const FEW: usize = 4;
-/// Rounds of the shifted energy program.
-const SHIFTS: usize = 3000;
 /// The fallback's rounds: regularisation rho, and what counts as zero. First the problem itself with other tolerances.
 const ROUNDS: [(f64, f64); 12] = [
     (0.0, 1e-12),
@@ -48,6 +47,8 @@ pub struct Solver {
     block: Block,
     basis: Vec<u8>,
     rays: Vec<u8>,
+    /// What is added to each v_N in the shifted energy program.
+    shift: Vec<Shift>,
     f: Vec<f64>,
     v: Vec<f64>,
     best: Vec<f64>,
@@ -61,10 +62,11 @@ impl Solver {
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
     /// 1. the basis in `memory`, as it is;
-    /// 2. the law's own method: principal pivoting, Lemke's, or the last basis corrected contact by contact;
-    /// 3. for Coulomb's law, with contacts that yield by rounding (`scaled::YIELD`): corrected once more, by the shifted
-    ///    energy program, or by Lemke's method with a dictionary made afresh at each pivot;
-    /// 4. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
+    /// 2. for Coulomb's law, that basis corrected contact by contact; for the energy program, principal pivoting;
+    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`); for Coulomb's law then the shifted energy
+    ///    program, and Lemke's method with a dictionary made afresh at each pivot;
+    /// 4. for Coulomb's law, Lemke's method for contacts that do not yield;
+    /// 5. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
     ///
     /// Nothing is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the
     /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
@@ -107,10 +109,9 @@ impl Solver {
     fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
         let found = match law {
             Law::EnergyQp | Law::EnergyQpGap => self.minimise(law, pivots),
-            Law::Complementarity => self.pivot(law, QUICK, pivots),
             _ => !self.on_rays() && self.settle(law, pivots),
         };
-        found || self.with_yield(law, pivots) || (law == Law::Aligned && self.pivot(law, QUICK, pivots))
+        found || self.with_yield(law, pivots) || (!minimises_energy(law) && self.pivot(law, QUICK, pivots))
     }
 
     /// The ways that see the finest directions, for contacts that yield.
@@ -211,38 +212,50 @@ impl Solver {
     ///
     /// Its optimum has v_N >= mu |v_F|: that is Coulomb's law where nothing slides, and the shift makes it so where
     /// something does (De Saxcé; Acary & Cadoux). Long before the shift has settled the optimum says what slides where,
-    /// and the block has the solution.
+    /// and the block has the solution. Where a foot turns against what hardly yields, shifts grow by the same little each
+    /// round: they are exaggerated, in one of the [`WAYS`] after the other.
+    ///
+    /// Each round also undoes what contacts yielded by in the one before (a proximal step), so that the limit is the
+    /// solution of rigid ones.
     fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
+        for bits in &mut self.basis {
+            *bits = active_set::rays(*bits, self.scaled.facets());
+        }
+        self.rays.clone_from(&self.basis);
+        WAYS.iter().any(|&(rounds, growth)| self.slide_by(rounds, growth, law, pivots))
+    }
+
+    fn slide_by(&mut self, rounds: usize, growth: Growth, law: Law, pivots: &mut u32) -> bool {
         let stride = self.scaled.stride();
         self.proximal.copy(&self.scaled);
-        for bits in &mut self.basis {
-            *bits = if *bits & active_set::RAYS == 0 { 0 } else { *bits ^ active_set::RAYS };
-        }
-        for round in 0..SHIFTS {
-            let Solver { proximal, energy_qp, block, f, v, basis, rays, .. } = self;
-            if round > 0 {
-                basis.clone_from(rays);
-            }
+        self.shift.clear();
+        self.shift.resize(self.scaled.contacts, Shift::default());
+        let (mut boost, mut before) = (1.0, f64::INFINITY);
+        for round in 0..rounds {
+            let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, rays, .. } = self;
+            basis.clone_from(rays);
             let Some(count) = energy_qp.pivot(proximal, block, basis, f, v, round > 0) else { return false };
             *pivots += count;
             rays.clone_from(basis);
-            for (i, v) in v.chunks_exact_mut(stride).enumerate() {
-                let normal = i * stride;
-                let shift = proximal.drift[normal] - self.scaled.drift[normal];
-                v[0] -= shift;
-                let slip = residual::slip(&self.scaled, i, v);
-                proximal.drift[normal] = self.scaled.drift[normal] + slip;
+            for (v, (shifted, b)) in v.iter_mut().zip(proximal.drift.iter().zip(&scaled.drift)) {
+                *v -= shifted - b;
             }
+            scaled.harden(f, v);
+            let error = residual::natural_map(scaled, f, v, yardstick(law));
             basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
-            self.scaled.harden(f, v);
-            let error = residual::natural_map(&self.scaled, f, v, yardstick(law));
             if error <= SOLVED {
                 return true;
             }
+            boost = growth.boost(round, boost, error > 0.5 * before);
+            before = error;
+            scaled.lead(f, &mut proximal.drift);
+            for (i, (v, shift)) in v.chunks_exact(stride).zip(shift).enumerate() {
+                shift.approach(residual::slip(scaled, i, v), (growth != Growth::Each).then_some(boost));
+                proximal.drift[i * stride] += shift.value;
+            }
+            active_set::slide(scaled, f, v, basis);
             self.note(error);
-            let Solver { f, v, basis, .. } = self;
-            active_set::slide(&self.scaled, f, v, basis);
-            if self.is_solved(law) || round == 0 && self.settle(law, pivots) {
+            if self.is_solved(law) || usize::is_power_of_two(round + 1) && self.settle(law, pivots) {
                 return true;
             }
         }
