@@ -1,8 +1,6 @@
 //! Contact problems of ten families, from standing to Painlevé's jams, are all solved: `biped study problems` in small.
 //! Its seeds are fixed; the figures of the large one are in docs/DESIGN.md.
 
-#![expect(clippy::expect_used, reason = "a test may panic")]
-
 mod common;
 
 use common::fresh_path;
