@@ -119,7 +119,7 @@ impl Watch {
 
     /// Takes all there is.
     fn drain(&mut self, port: &mut RecorderPort) -> Result<(), PortError> {
-        while let Some(truth) = port.next()? {
+        while let Some(truth) = port.read()? {
             self.take(&truth);
         }
         if self.latest.stamp.seq > 0 {

@@ -169,7 +169,7 @@ impl RecorderPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn next(&mut self) -> Result<Option<Truth>, PortError> {
+    pub fn read(&mut self) -> Result<Option<Truth>, PortError> {
         let truth = self.truth.next()?;
         if truth.is_some() && !self.has_read {
             self.has_read = true;

@@ -89,7 +89,7 @@ fn a_recorder_gets_every_truth_in_order_also_after_the_plant_has_gone() {
         });
         let (mut seen, mut idle) = (0, Instant::now());
         while seen < COUNT && idle.elapsed() < Duration::from_secs(20) {
-            match recorder.next().expect("recorder") {
+            match recorder.read().expect("recorder") {
                 Some(truth) => {
                     seen += 1;
                     assert_eq!(truth.stamp.seq, seen);
@@ -119,7 +119,7 @@ fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
         std::thread::sleep(Duration::from_millis(300)); // a busy machine
         assert!(!plant.is_finished(), "the plant left with what it had said");
         let mut seen = 0;
-        while recorder.next().expect("recorder").is_some() {
+        while recorder.read().expect("recorder").is_some() {
             seen += 1;
         }
         assert_eq!(seen, 10);
@@ -132,11 +132,11 @@ fn in_real_time_a_full_recorder_loses_truth_and_the_plant_never_waits() {
     let contract = Contract { pace: Pace::RealTime, ..contract() };
     let mut recorder = RecorderPort::open(&session, &contract).expect("recorder");
     let plant = PlantPort::open(&session, &contract).expect("plant");
-    assert!(recorder.next().expect("recorder").is_none()); // connects
+    assert!(recorder.read().expect("recorder").is_none()); // connects
     let count = 10_000;
     (0..count).for_each(|_| plant.record(Truth::default()).expect("truth"));
     let mut got = 0;
-    while recorder.next().expect("recorder").is_some() {
+    while recorder.read().expect("recorder").is_some() {
         got += 1;
     }
     assert!(plant.unrecorded() > 0);
