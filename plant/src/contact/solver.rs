@@ -62,7 +62,7 @@ impl Solver {
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
     /// 1. the basis in `memory`, as it is;
-    /// 2. for Coulomb's law, that basis corrected contact by contact (with one tangent, then Lemke's method); for the energy
+    /// 2. for Coulomb's law, that basis corrected contact by contact (of few with one tangent, then Lemke's method); for the energy
     ///    program, principal pivoting;
     /// 3. the same with contacts that yield by rounding (`scaled::YIELD`); for Coulomb's law then the shifted energy
     ///    program, and Lemke's method with a dictionary made afresh at each pivot;
@@ -110,8 +110,10 @@ impl Solver {
     fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
         let found = match law {
             Law::EnergyQp | Law::EnergyQpGap => self.minimise(law, pivots),
-            // one tangent a contact: Lemke's path is short, and ends at a basis that is solved to rounding
-            Law::Complementarity => !self.on_rays() && self.settle(law, pivots) || self.pivot(law, QUICK, pivots),
+            // where its path is short, Lemke's method ends at a basis that is solved to rounding
+            Law::Complementarity if self.scaled.contacts <= FEW => {
+                !self.on_rays() && self.settle(law, pivots) || self.pivot(law, QUICK, pivots)
+            }
             _ => !self.on_rays() && self.settle(law, pivots),
         };
         found || self.with_yield(law, pivots) || (!minimises_energy(law) && self.pivot(law, QUICK, pivots))
