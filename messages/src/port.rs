@@ -96,6 +96,11 @@ impl PlantPort {
         self.command.unsound
     }
 
+    /// To be called when all is said: waits a little for a recorder that has not begun to read and would get nothing.
+    pub fn finish(&self) {
+        self.truth.linger();
+    }
+
     /// Messages of truth that a recorder did not get.
     pub fn unrecorded(&self) -> u64 {
         self.truth.lost()

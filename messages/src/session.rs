@@ -8,10 +8,14 @@ use crate::wire::{FNV_START, fnv1a};
 use nix::sys::statvfs::statvfs;
 use std::fs::{File, Metadata};
 use std::os::unix::fs::MetadataExt;
+use std::os::unix::process::parent_id;
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 /// Where POSIX shared memory shows as files on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
+/// Patience of the last one out with the locks of a parent that has just been killed.
+const ORPHANED: Duration = Duration::from_millis(500);
 
 /// Name of a session and of everything that belongs to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -74,7 +78,7 @@ impl Session {
 
     /// Enters the session; the first one in sweeps what killed processes left.
     pub(crate) fn enter(&self) -> Result<Membership, PortError> {
-        let path = Path::new(SHARED_MEMORY).join(self.prefix() + "members");
+        let path = self.members();
         let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
         loop {
             let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
@@ -83,11 +87,21 @@ impl Session {
             }
             file.lock_shared().map_err(fail)?;
             // The last one out may have removed the file just before it was locked here.
-            let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
-            if std::fs::metadata(&path).is_ok_and(same) {
-                return Ok(Membership { session: self.clone(), file });
+            if self.is_locked_by(&file) {
+                return Ok(Membership { session: self.clone(), file, parent: parent_id() });
             }
         }
+    }
+
+    /// The file on which every member holds a lock.
+    fn members(&self) -> PathBuf {
+        Path::new(SHARED_MEMORY).join(self.prefix() + "members")
+    }
+
+    /// Whether this is the present file of members, not one that has been removed.
+    fn is_locked_by(&self, file: &File) -> bool {
+        let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
+        std::fs::metadata(self.members()).is_ok_and(same)
     }
 
     /// Full shared memory kills by SIGBUS instead of an error, so room is demanded beforehand.
@@ -117,6 +131,7 @@ fn remove(path: &Path) {
 pub(crate) struct Membership {
     session: Session,
     file: File,
+    parent: u32,
 }
 
 impl Membership {
@@ -127,7 +142,14 @@ impl Membership {
 
 impl Drop for Membership {
     fn drop(&mut self) {
-        if self.file.try_lock().is_ok() {
+        let start = Instant::now();
+        let mut last = self.file.try_lock().is_ok();
+        // A parent that was killed, and whose death ends us, gives its lock back a moment later.
+        while !last && parent_id() != self.parent && start.elapsed() < ORPHANED {
+            std::thread::sleep(Duration::from_millis(1));
+            last = self.file.try_lock().is_ok();
+        }
+        if last && self.session.is_locked_by(&self.file) {
             self.session.sweep();
         }
     }

@@ -115,6 +115,7 @@ fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
         let plant = scope.spawn(|| {
             let port = PlantPort::open(&session, &contract()).expect("plant");
             (0..10).for_each(|_| port.record(Truth::default()).expect("truth"));
+            port.finish();
         });
         std::thread::sleep(Duration::from_millis(300)); // a busy machine
         assert!(!plant.is_finished(), "the plant left with what it had said");

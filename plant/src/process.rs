@@ -119,7 +119,13 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
         link.exchange(sensors, truth)
     });
     let goodbye = Sensors { stamp: Stamp { seq: sent.seq + 1, ..sent }, last: 1, ..Sensors::default() };
-    let told = if result.is_err() { link.port.send(goodbye) } else { Ok(()) };
+    let told = match result {
+        Ok(()) => {
+            link.port.finish();
+            Ok(())
+        }
+        Err(_) => link.port.send(goodbye),
+    };
     link.tally.rejected.unsound = link.port.unsound();
     link.tally.unrecorded = link.port.unrecorded();
     (link.tally, result.and(told.map_err(ProcessError::from)))

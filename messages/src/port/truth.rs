@@ -56,11 +56,9 @@ impl TruthOutlet {
         self.writer.send_copy(truth.sealed()).map_err(|e| broken("writing", e))?;
         Ok(())
     }
-}
 
-/// A recorder that has read anything reads the rest also after the plant has gone; one that has not would get nothing.
-impl Drop for TruthOutlet {
-    fn drop(&mut self) {
+    /// Waits until a recorder has begun to read: it then reads the rest also after the plant has gone.
+    pub fn linger(&self) {
         if self.topic.dynamic_config().number_of_subscribers() > 0 {
             let _ = self.bell.timed_wait(|_| (), RECORDER_PATIENCE);
         }
