@@ -20,6 +20,7 @@ mod truth;
 
 pub use contract::{Contract, Pace};
 pub use error::PortError;
+pub use link::Waiting;
 
 use crate::session::Session;
 use crate::wire::{Command, Sensors, Truth};
@@ -52,6 +53,12 @@ impl PlantPort {
         let sensors = Outlet::open(&place, SENSORS, "plant")?;
         let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
         Ok(PlantPort { sensors, command, truth, _place: place })
+    }
+
+    /// The same, waiting otherwise than [`Waiting::Hybrid`].
+    pub fn waiting(mut self, waiting: Waiting) -> PlantPort {
+        (self.sensors.waiting, self.command.waiting) = (waiting, waiting);
+        self
     }
 
     /// Seals and sends sensors, and wakes the controller.
@@ -125,6 +132,12 @@ impl ControllerPort {
         let command = Outlet::open(&place, COMMAND, "controller")?;
         let sensors = Inlet::open(&place, SENSORS)?;
         Ok(ControllerPort { command, sensors, _place: place })
+    }
+
+    /// As [`PlantPort::waiting`].
+    pub fn waiting(mut self, waiting: Waiting) -> ControllerPort {
+        (self.sensors.waiting, self.command.waiting) = (waiting, waiting);
+        self
     }
 
     /// Seals and sends a command, and wakes the plant.

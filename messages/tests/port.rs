@@ -2,7 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError, RecorderPort};
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError, RecorderPort, Waiting};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Truth};
@@ -17,8 +17,8 @@ fn sensors(seq: u64) -> Sensors {
 }
 
 /// Answers every message of sensors until the last one.
-fn answer(session: &Session) -> u64 {
-    let mut port = ControllerPort::open(session, &contract()).expect("controller");
+fn answer(session: &Session, waiting: Waiting) -> u64 {
+    let mut port = ControllerPort::open(session, &contract()).expect("controller").waiting(waiting);
     let mut answered = 0;
     loop {
         let Some(sensors) = port.wait().expect("waiting") else { continue };
@@ -42,23 +42,32 @@ fn ask(port: &mut PlantPort, seq: u64) {
     }
 }
 
-#[test]
-fn every_question_is_answered_and_nothing_is_left_behind() {
-    const ROUNDS: u64 = 20_000;
+/// Each of so many questions gets its answer.
+fn every_question_is_answered(rounds: u64, [asking, answering]: [Waiting; 2]) {
     let session = Session::unique();
     std::thread::scope(|scope| {
-        let controller = scope.spawn(|| answer(&session));
-        let mut port = PlantPort::open(&session, &contract()).expect("plant");
-        ask(&mut port, 1);
-        let start = Instant::now();
-        (2..=ROUNDS).for_each(|seq| ask(&mut port, seq));
-        println!("round trip {:.2} µs", start.elapsed().as_secs_f64() * 1e6 / (ROUNDS - 1) as f64);
+        let controller = scope.spawn(|| answer(&session, answering));
+        let mut port = PlantPort::open(&session, &contract()).expect("plant").waiting(asking);
+        (1..=rounds).for_each(|seq| ask(&mut port, seq));
         assert_eq!(port.unsound(), 0);
-        port.send(Sensors { last: 1, ..sensors(ROUNDS + 1) }).expect("sending");
+        port.send(Sensors { last: 1, ..sensors(rounds + 1) }).expect("sending");
         drop(port); // The goodbye outlives its sender.
-        assert_eq!(controller.join().expect("controller"), ROUNDS);
+        assert_eq!(controller.join().expect("controller"), rounds);
     });
     assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+}
+
+#[test]
+fn every_question_is_answered_however_both_wait_and_nothing_is_left_behind() {
+    for waiting in [Waiting::Spin, Waiting::Hybrid, Waiting::Event] {
+        every_question_is_answered(5_000, [waiting; 2]);
+    }
+}
+
+#[test]
+fn two_that_wait_otherwise_still_understand_each_other() {
+    every_question_is_answered(50, [Waiting::Spin, Waiting::Event]);
+    every_question_is_answered(50, [Waiting::Event, Waiting::Spin]);
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! The two ends of a topic: written at once, waited for by spinning first and sleeping then.
+//! The two ends of a topic: written at once, waited for by spinning, sleeping, or one after the other.
 
 use super::error::{PortError, broken};
 use super::place::{Place, Topic};
@@ -18,11 +18,47 @@ const SPIN: Duration = Duration::from_micros(50);
 const AWAKE_NS: u64 = SPIN.as_nanos() as u64 / 2;
 /// A sleeping reader looks around this often, so that a stop request or a restarted peer is noticed.
 const SLICE: Duration = Duration::from_millis(10);
+
+/// How a process waits for the other side. Both ends of a link should wait alike: a writer rings only for a reader that
+/// may be asleep, and one that sleeps unexpectedly looks around every 10 ms.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Waiting {
+    /// Looks without pause: soonest, but takes a processor; never under a real-time scheduler, which it would block.
+    Spin,
+    /// Looks without pause for 50 µs, then sleeps until it is woken.
+    #[default]
+    Hybrid,
+    /// Sleeps until it is woken: spares the processor.
+    Event,
+}
+
+impl Waiting {
+    /// How long it looks before it sleeps.
+    fn spin(self) -> Duration {
+        match self {
+            Waiting::Spin => SLICE,
+            Waiting::Hybrid => SPIN,
+            Waiting::Event => Duration::ZERO,
+        }
+    }
+
+    /// Whether a reader may be asleep that sent its own last message `since_heard_ns` ago.
+    fn may_sleep(self, since_heard_ns: impl FnOnce() -> u64) -> bool {
+        match self {
+            Waiting::Spin => false,
+            Waiting::Hybrid => since_heard_ns() >= AWAKE_NS,
+            Waiting::Event => true,
+        }
+    }
+}
+
 /// Writing end of a topic with a wake-up.
 #[derive(Debug)]
 pub(super) struct Outlet<M: Stamped> {
     writer: Publisher<ipc::Service, M, ()>,
     bell: Notifier<ipc::Service>,
+    /// How the reader waits.
+    pub waiting: Waiting,
 }
 
 impl<M: Stamped> Outlet<M> {
@@ -35,14 +71,14 @@ impl<M: Stamped> Outlet<M> {
             error => broken("writing", error),
         })?;
         let bell = place.event(name)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Outlet { writer, bell })
+        Ok(Outlet { writer, bell, waiting: Waiting::default() })
     }
 
     /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
     /// this one since. A ring is a system call and costs more than a tick.
     pub fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
         self.writer.send_copy(message.sealed()).map_err(|e| broken("writing", e))?;
-        if now_ns().saturating_sub(heard_ns) >= AWAKE_NS {
+        if self.waiting.may_sleep(|| now_ns().saturating_sub(heard_ns)) {
             self.bell.notify().map_err(|e| broken("the wake-up", e))?;
         }
         Ok(())
@@ -65,13 +101,15 @@ pub(super) struct Inlet<M: Stamped> {
     pub unsound: u64,
     /// When the writer sent what was read last, by its monotonic clock, which is ours [ns].
     pub heard_ns: u64,
+    /// How to wait.
+    pub waiting: Waiting,
 }
 
 impl<M: Stamped> Inlet<M> {
     pub fn open(place: &Place, name: &str) -> Result<Inlet<M>, PortError> {
         let reader = Reader::open(&place.link::<M>(name)?, 1)?;
         let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Inlet { reader, bell, unsound: 0, heard_ns: 0 })
+        Ok(Inlet { reader, bell, unsound: 0, heard_ns: 0, waiting: Waiting::default() })
     }
 
     pub fn newest(&mut self) -> Result<Option<M>, PortError> {
@@ -88,7 +126,7 @@ impl<M: Stamped> Inlet<M> {
         Ok(newest)
     }
 
-    /// Spins first and sleeps then; gives up after a slice.
+    /// Spins first and sleeps then, as `waiting` says; gives up after a slice.
     pub fn wait(&mut self) -> Result<Option<M>, PortError> {
         let start = Instant::now();
         loop {
@@ -97,7 +135,7 @@ impl<M: Stamped> Inlet<M> {
             if message.is_some() || waited >= SLICE {
                 return Ok(message);
             }
-            if waited < SPIN {
+            if waited < self.waiting.spin() {
                 std::hint::spin_loop();
                 continue;
             }
