@@ -3,7 +3,7 @@
 //! A bad scene is refused with one sentence that names where, which key, what it is and what would be right.
 
 use crate::robot::Body;
-use crate::scene::{ControllerScene, Scene};
+use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::{CONTACTS, JOINTS};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -144,6 +144,7 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     check.finite(&table, "")?;
     check.timing(scene)?;
     check.plant(scene)?;
+    check.link(&scene.link)?;
     check.bodies(&scene.bodies)?;
     check.initial(scene)?;
     scene.controller.as_ref().map_or(Ok(()), |controller| check.controller(scene, controller))
@@ -242,6 +243,18 @@ impl Check<'_> {
         self.positive("plant.push_duration", plant.push_duration)?;
         for (key, name) in [("plant.payload_body", &plant.payload_body), ("plant.push_body", &plant.push_body)] {
             self.known_body(&scene.bodies, key, name)?;
+        }
+        Ok(())
+    }
+
+    fn link(&self, link: &LinkScene) -> Checked {
+        for (key, delay) in [("link.delay_ms", link.delay_ms), ("link.jitter_ms", link.jitter_ms)] {
+            self.require((0.0..=1000.0).contains(&delay), key, delay, "it must lie between 0 and 1000 ms")?;
+        }
+        for (key, share) in
+            [("link.loss", link.loss), ("link.duplicate", link.duplicate), ("link.reorder", link.reorder)]
+        {
+            self.require((0.0..=1.0).contains(&share), key, share, "a probability must lie between 0 and 1")?;
         }
         Ok(())
     }
@@ -404,6 +417,14 @@ mod tests {
     }
 
     #[test]
+    fn a_perfect_link_is_not_written_and_any_other_is_read_back() {
+        assert!(!text(&with(&[]).expect("the plain scene")).contains("[link]"));
+        let late = with(&["link.delay_ms=2", "link.jitter=burst", "link.seed=7"]).expect("a late link");
+        assert_eq!((late.link.delay_ms, late.link.jitter), (2.0, crate::scene::Jitter::Burst));
+        assert_eq!(parse(&text(&late), "written").expect("good TOML"), late);
+    }
+
+    #[test]
     fn an_unknown_key_is_shown_with_line_caret_and_the_valid_names() {
         let error = parse("duration = 1.0\n[plant]\nfricton = 0.5\n", "my.toml").expect_err("a typo").to_string();
         for word in ["my.toml", "line 3", "^", "fricton", "friction", "drive_inertia"] {
@@ -441,6 +462,12 @@ mod tests {
         refused(&["bodies.trunk.spheres=[{at = [0.0, 0.0, 0.0], radius = 0.0}]"], &["bodies.trunk.spheres.radius"]);
         refused(&["bodies.trunk.tiles={first = 0.0, pitch = 1.0, length = 2.0}"], &["bodies.trunk.tiles.length"]);
         refused(&["plant.stale_probability=1.5"], &["between 0 and 1"]);
+        refused(&["link.delay_ms=-1"], &["link.delay_ms = -1", "between 0 and 1000"]);
+        refused(&["link.jitter_ms=1001"], &["link.jitter_ms", "between 0 and 1000"]);
+        refused(&["link.loss=1.5"], &["link.loss = 1.5", "between 0 and 1"]);
+        refused(&["link.duplicate=-0.1"], &["link.duplicate", "between 0 and 1"]);
+        refused(&["link.reorder=nan"], &["link.reorder", "finite"]);
+        refused(&["link.jitter=gamma"], &["gamma", "`uniform`", "`burst`"]);
         refused(&["plant.encoder_bits=7"], &["plant.encoder_bits", "8 to 30"]);
         refused(&["plant.payload_body=head"], &["plant.payload_body", "trunk"]);
         refused(&["initial.joints=[0.0, 1.0]"], &["initial.joints", "8 joints"]);

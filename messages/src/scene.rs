@@ -19,6 +19,9 @@ pub struct Scene {
     pub rate: f64,
     /// The simulated robot and its ground.
     pub plant: PlantScene,
+    /// What happens to commands on their way to the plant.
+    #[serde(skip_serializing_if = "LinkScene::is_perfect")]
+    pub link: LinkScene,
     /// State at time zero.
     pub initial: Initial,
     /// The walking controller; absent: nothing drives the joints.
@@ -85,6 +88,52 @@ pub struct PlantScene {
     pub push_duration: f64,
     /// Body whose centre of mass is pushed; empty: the base.
     pub push_body: String,
+}
+
+/// What happens to commands on their way to the plant. By default nothing: they arrive in the period that they answer.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct LinkScene {
+    /// Delay of every command; it acts from the first control period that begins at or after its arrival [ms].
+    pub delay_ms: f64,
+    /// Greatest additional delay (uniform), its standard deviation (normal), or that within a burst [ms].
+    pub jitter_ms: f64,
+    /// How the additional delay is distributed.
+    pub jitter: Jitter,
+    /// Probability that a command never arrives [-].
+    pub loss: f64,
+    /// Probability that a command arrives a second time, delayed anew [-].
+    pub duplicate: f64,
+    /// Probability that a command comes one control period later than it would, behind its successor [-].
+    pub reorder: f64,
+    /// Seed of all of that.
+    pub seed: u64,
+}
+
+/// Distribution of the additional delay of a command, independent of others but for bursts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum Jitter {
+    /// Uniform between 0 and `jitter_ms`.
+    #[default]
+    Uniform,
+    /// Normal with the standard deviation `jitter_ms` about `delay_ms`; what would come before it was sent is mirrored.
+    Normal,
+    /// `jitter_ms` within bursts and none outside: one begins every .5 s and lasts .05 s on average, both exponentially
+    /// distributed (Gilbert's two-state chain).
+    Burst,
+}
+
+impl Jitter {
+    /// Every distribution.
+    pub const ALL: [Jitter; 3] = [Jitter::Uniform, Jitter::Normal, Jitter::Burst];
+}
+
+impl LinkScene {
+    /// Whether every command arrives at once, once and in order.
+    pub fn is_perfect(&self) -> bool {
+        *self == LinkScene::default()
+    }
 }
 
 /// State at time zero. The base pose is that of the base body's frame.
@@ -250,6 +299,7 @@ impl Default for Scene {
             duration: 1.0,
             rate: 1000.0,
             plant: PlantScene::default(),
+            link: LinkScene::default(),
             initial: Initial::default(),
             controller: None,
             bodies: robot::table_1(),

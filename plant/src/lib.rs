@@ -15,6 +15,7 @@
 //! | the contact laws, (14)-(22) | [`contact`] |
 //! | drives and encoders | [`drive`] |
 //! | the record of a control period | [`truth`] |
+//! | delay, jitter and loss of commands | [`inject`] |
 //! | the process around it | [`process`] |
 //! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
@@ -27,6 +28,7 @@ pub mod drive;
 pub mod dynamics;
 pub mod error;
 pub mod factor;
+pub mod inject;
 pub mod kinematics;
 pub mod model;
 pub mod process;
