@@ -1,13 +1,14 @@
 //! The monotonic clock that both processes share, and sleeping to an absolute time on it.
 
+use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, ClockNanosleepFlags, clock_nanosleep};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::time::{Duration, Instant};
 
 /// CLOCK_MONOTONIC now [ns]; the same in every process of this host.
 pub fn now_ns() -> u64 {
-    let time = ClockId::CLOCK_MONOTONIC.now().map(Duration::from).unwrap_or_default();
-    u64::try_from(time.as_nanos()).unwrap_or(u64::MAX)
+    let time = ClockId::CLOCK_MONOTONIC.now().unwrap_or(TimeSpec::new(0, 0));
+    time.tv_sec().unsigned_abs() * 1_000_000_000 + time.tv_nsec().unsigned_abs()
 }
 
 /// Sleeps until CLOCK_MONOTONIC reads `deadline_ns`; a signal may end the sleep early.

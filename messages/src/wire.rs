@@ -45,7 +45,7 @@ wire! {
     struct Stamp "biped.Stamp" 64 {
         /// [`MAGIC`].
         magic: u32,
-        /// Check sum (CRC-32, IEEE) of the message with this field zero.
+        /// Check sum (CRC-32, IEEE) of all that follows it.
         crc: u32,
         /// [`SCHEMA_HASH`].
         schema: u64,
@@ -188,17 +188,26 @@ pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
     fn stamp_mut(&mut self) -> &mut Stamp;
 
     /// Writes magic, schema hash and check sum.
+    fn seal(&mut self) {
+        *self.stamp_mut() = Stamp { magic: MAGIC, schema: SCHEMA_HASH, ..*self.stamp() };
+        self.stamp_mut().crc = self.check_sum();
+    }
+
+    /// With magic, schema hash and check sum.
     fn sealed(mut self) -> Self {
-        *self.stamp_mut() = Stamp { magic: MAGIC, schema: SCHEMA_HASH, crc: 0, ..*self.stamp() };
-        self.stamp_mut().crc = crc32fast::hash(bytemuck::bytes_of(&self));
+        self.seal();
         self
     }
 
     /// Whether magic, schema hash and check sum are right.
     fn is_sound(&self) -> bool {
-        self.stamp().magic == MAGIC
-            && self.stamp().schema == SCHEMA_HASH
-            && self.sealed().stamp().crc == self.stamp().crc
+        self.stamp().magic == MAGIC && self.stamp().schema == SCHEMA_HASH && self.stamp().crc == self.check_sum()
+    }
+
+    /// Check sum of what follows it.
+    fn check_sum(&self) -> u32 {
+        const BEFORE: usize = std::mem::offset_of!(Stamp, schema);
+        crc32fast::hash(&bytemuck::bytes_of(self)[BEFORE..])
     }
 }
 

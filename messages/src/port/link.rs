@@ -12,6 +12,8 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use std::time::{Duration, Instant};
 
+/// A reader that spins looks so often, about 1 µs, before it does anything else.
+const LOOKS: u32 = 16;
 /// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
 const SPIN: Duration = Duration::from_micros(50);
 /// For so long after its own last message a reader is surely still spinning [ns].
@@ -33,15 +35,6 @@ pub enum Waiting {
 }
 
 impl Waiting {
-    /// How long it looks before it sleeps.
-    fn spin(self) -> Duration {
-        match self {
-            Waiting::Spin => SLICE,
-            Waiting::Hybrid => SPIN,
-            Waiting::Event => Duration::ZERO,
-        }
-    }
-
     /// Whether a reader may be asleep that sent its own last message `since_heard_ns` ago.
     fn may_sleep(self, since_heard_ns: impl FnOnce() -> u64) -> bool {
         match self {
@@ -77,7 +70,9 @@ impl<M: Stamped> Outlet<M> {
     /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
     /// this one since. A ring is a system call and costs more than a tick.
     pub fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
-        self.writer.send_copy(message.sealed()).map_err(|e| broken("writing", e))?;
+        let mut sample = self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(message);
+        sample.payload_mut().seal();
+        sample.send().map_err(|e| broken("writing", e))?;
         if self.waiting.may_sleep(|| now_ns().saturating_sub(heard_ns)) {
             self.bell.notify().map_err(|e| broken("the wake-up", e))?;
         }
@@ -113,37 +108,53 @@ impl<M: Stamped> Inlet<M> {
     }
 
     pub fn newest(&mut self) -> Result<Option<M>, PortError> {
-        let mut newest = None;
-        while let Some(message) = self.reader.next()? {
+        if let Some(message) = self.reader.next()? {
             match message.is_sound() {
                 true => {
                     self.heard_ns = message.stamp().mono_ns;
-                    newest = Some(message);
+                    return Ok(Some(message));
                 }
                 false => self.unsound += 1,
             }
         }
-        Ok(newest)
+        Ok(None)
     }
 
     /// Spins first and sleeps then, as `waiting` says; gives up after a slice.
     pub fn wait(&mut self) -> Result<Option<M>, PortError> {
+        let message = self.look()?; // most answers come before a clock need be read, which takes as long as a look
+        if message.is_some() {
+            return Ok(message);
+        }
         let start = Instant::now();
         loop {
             let waited = start.elapsed(); // before the look: what comes after it is rung for, once we may sleep
-            let message = self.newest()?;
+            let message = self.look()?;
             if message.is_some() || waited >= SLICE {
                 return Ok(message);
             }
-            if waited < self.waiting.spin() {
-                std::hint::spin_loop();
-                continue;
-            }
-            match self.bell.timed_wait(|_| (), SLICE - waited) {
-                Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
-                Err(error) => return Err(broken("the wake-up", error)),
+            match self.waiting {
+                Waiting::Spin => (),
+                // The writer may be waiting for this very processor.
+                Waiting::Hybrid if waited < SPIN => std::thread::yield_now(),
+                Waiting::Hybrid | Waiting::Event => match self.bell.timed_wait(|_| (), SLICE - waited) {
+                    Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
+                    Err(error) => return Err(broken("the wake-up", error)),
+                },
             }
         }
+    }
+
+    /// Looks for a message, a few times if it may come any moment.
+    fn look(&mut self) -> Result<Option<M>, PortError> {
+        for _ in 0..if self.waiting == Waiting::Event { 1 } else { LOOKS } {
+            let message = self.newest()?;
+            if message.is_some() {
+                return Ok(message);
+            }
+            std::hint::spin_loop();
+        }
+        Ok(None)
     }
 }
 
