@@ -232,7 +232,8 @@ fn margins() -> Vec<Case> {
     let mut vary = |what: &str, unit: &str, key: &str, values: &[&str]| {
         cases.extend(values.iter().map(|v| case(format!("{what} {v}{unit}"), "walk", &[&format!("{key}={v}")])));
     };
-    vary("dt", " s", "plant.dt", &["0.000125", "0.00025", "0.001"]);
+    vary("dt", " s", "plant.dt", &["0.000125", "0.00025", "0.0005"]);
+    vary("integrator", "", "plant.method", &["MoreauJean", "MidpointMoreau", "Rk4", "Rk4Impact"]);
     vary("latency", " ms", "plant.latency_ticks", &["1", "2", "3", "4"]);
     vary("stale ticks, probability", "", "plant.stale_probability", &["0.2", "0.5"]);
     vary("friction", "", "plant.friction", &["0.4", "0.3", "0.2", "0.15"]);
@@ -244,7 +245,7 @@ fn margins() -> Vec<Case> {
     vary("feedback of the measured CoG", " 1/s", "controller.com_feedback", &["5", "20"]);
     cases.push(case("control 250 Hz", "walk", &["rate=250"]));
     cases.push(case("control 500 Hz", "walk", &["rate=500"]));
-    cases.push(case("control 2000 Hz", "walk", &["rate=2000"]));
+    cases.push(case("control 2000 Hz", "walk", &["rate=2000", "plant.dt=0.0005"]));
     cases.push(case("relay", "walk", &["controller.switching=relay"]));
     cases.push(case("joint rates ≤ 4 rad/s in the QP", "walk", &["controller.rate_limit=4"]));
     cases.push(case("no drive inertia", "walk", &["plant.drive_inertia=0"]));

@@ -111,15 +111,16 @@ fn it_stops_with_its_soles_flat() {
 
 #[test]
 fn it_walks_under_the_sensors_and_drives_of_a_real_robot() {
-    let cases: [&[&str]; 8] = [
+    let cases: [&[&str]; 9] = [
         &["plant.latency_ticks=3"],
         &["plant.friction=0.2"],
         &["plant.payload_kg=3"],
         &["plant.encoder_bits=14"],
         &["plant.torque_limit=16"],
         &["rate=250"],
-        &["rate=2000"],
-        &["plant.dt=0.001"],
+        &["rate=2000", "plant.dt=0.0005"],
+        &["plant.dt=0.00025"],
+        &["plant.method=Rk4"],
     ];
     for summary in run_all("walk", &cases) {
         summary.shows(&[("distance_m", 1.8..=2.8), ("yaw_deg", -20.0..=20.0)]);
