@@ -25,6 +25,8 @@ pub enum Exit {
     Fell = 7,
     /// A contact problem was not solved to plant.tolerance; it is in a file.
     Unsolved = 8,
+    /// The system refused what `--rt=require` asks for.
+    Refused = 9,
     /// Ctrl-C or TERM.
     Interrupted = 130,
 }
@@ -32,7 +34,7 @@ pub enum Exit {
 /// The same for people.
 pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
     5 incompatible processes, 6 shared memory, 7 the robot fell, \
-    8 unsolved contact problem, 130 interrupted";
+    8 unsolved contact problem, 9 real time refused, 130 interrupted";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -50,6 +52,7 @@ impl Exit {
             Exit::Incompatible,
             Exit::SharedMemory,
             Exit::Unsolved,
+            Exit::Refused,
             Exit::Interrupted,
         ];
         known.into_iter().find(|exit| code == Some(*exit as i32)).unwrap_or(Exit::Fault)

@@ -7,6 +7,7 @@
 //! | tables of many runs | [`study`] |
 //! | speed against accuracy | [`chart`] |
 //! | starting, watching and ending processes | [`children`] |
+//! | real-time scheduling | [`realtime`] |
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
@@ -20,6 +21,7 @@ mod csv;
 mod exit;
 mod list;
 mod progress;
+mod realtime;
 mod record;
 mod report;
 mod run;
@@ -130,6 +132,8 @@ struct RoleArgs {
     scene: SceneArgs,
     #[command(flatten)]
     pace: PaceArgs,
+    #[command(flatten)]
+    system: realtime::RealtimeArgs,
     /// Name of the session that plant and controller share
     #[arg(long, default_value = "biped")]
     session: String,
@@ -168,6 +172,7 @@ fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let (scene, session) = begin(args)?;
     let contract = Contract::of(&scene, args.pace.pace());
     let port = guarded(|| PlantPort::open(&session, &contract))?;
+    ready(args)?;
     let options = plant::process::Options { pace: args.pace.pace(), patience: args.pace.patience() };
     let (tally, result) = plant::process::run(&scene, port, options, stop);
     let remarks = tally.to_string();
@@ -181,6 +186,7 @@ fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let (scene, session) = begin(args)?;
     let contract = Contract::of(&scene, args.pace.pace());
     let port = guarded(|| ControllerPort::open(&session, &contract))?;
+    ready(args)?;
     Ok(controller::process::run(&scene, port, args.pace.patience(), stop)?)
 }
 
@@ -189,7 +195,17 @@ fn begin(args: &RoleArgs) -> Result<(Scene, Session), Failure> {
     if let Some(parent) = args.parent {
         children::die_with(parent)?;
     }
+    args.system.suits(args.pace.pace())?;
     Ok((args.scene.load()?, Session::named(&args.session)?))
+}
+
+/// What both roles ask of the system, now that all their shared memory is there.
+fn ready(args: &RoleArgs) -> Result<(), Failure> {
+    if args.pace.realtime {
+        realtime::wake_on_time();
+    }
+    args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
+    Ok(())
 }
 
 /// Opening a session takes milliseconds; but the remains of a process killed at the wrong instant can block it for

@@ -3,6 +3,7 @@
 use crate::children::{self, Role};
 use crate::exit::{Exit, Failure};
 use crate::progress::Progress;
+use crate::realtime::RealtimeArgs;
 use crate::record::Recorder;
 use crate::summary::Summary;
 use crate::{PaceArgs, SceneArgs, guarded, report, say};
@@ -28,6 +29,8 @@ pub struct RunArgs {
     scene: SceneArgs,
     #[command(flatten)]
     pace: PaceArgs,
+    #[command(flatten)]
+    system: RealtimeArgs,
     /// Write summary, trajectory and report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -35,7 +38,7 @@ pub struct RunArgs {
     #[arg(long)]
     quiet: bool,
     /// Run plant and controller in this process, by plain calls: the same results
-    #[arg(long, conflicts_with = "realtime")]
+    #[arg(long, conflicts_with_all = ["realtime", "cpu"])]
     in_process: bool,
 }
 
@@ -45,6 +48,7 @@ impl RunArgs {
         RunArgs {
             scene: SceneArgs { scene: "walk".into(), settings: vec![], full: false },
             pace: PaceArgs { realtime: false, patience: 10.0 },
+            system: RealtimeArgs::default(),
             out: Some("out/walk".into()),
             quiet: false,
             in_process: false,
@@ -57,6 +61,7 @@ impl RunArgs {
 /// # Errors
 /// A sentence and an exit code; a fall is one of them.
 pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    args.system.suits(args.pace.pace())?;
     let scene = args.scene.load()?;
     let mut watch = Watch::new(&scene, args.quiet);
     let start = Instant::now();
@@ -171,10 +176,10 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let swept = Swept(Session::unique());
     let contract = Contract::of(scene, args.pace.pace());
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
-    let arguments = child_arguments(args, &swept.0);
-    let mut roles = vec![Role::start("plant", &arguments, &watch.progress.bar)?];
+    let arguments = |child| [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
+    let mut roles = vec![Role::start("plant", &arguments(0), &watch.progress.bar)?];
     if scene.controller.is_some() {
-        roles.push(Role::start("controller", &arguments, &watch.progress.bar)?);
+        roles.push(Role::start("controller", &arguments(1), &watch.progress.bar)?);
     }
     let outcome = loop {
         watch.drain(&mut port)?;
