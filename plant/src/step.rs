@@ -21,12 +21,14 @@ mod event;
 mod midpoint;
 mod moreau;
 mod runge_kutta;
+mod settings;
 
 use event::Bearing;
 use runge_kutta::Stages;
+use settings::{Push, Settings};
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Report, Solver, Spring, is_coulomb, is_exact, is_plastic};
+use crate::contact::{Memory, Problem, Report, Solver, is_plastic};
 use crate::delassus::ContactMap;
 use crate::detect::{Touch, touching};
 use crate::drive::Drives;
@@ -37,9 +39,8 @@ use crate::model::Model;
 use crate::springs;
 use crate::state::State;
 use crate::truth::Record;
-use messages::scene::{Base, Law, Method, PlantScene, Scene};
+use messages::scene::{Base, Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
-use nalgebra::Vector3;
 
 /// Coordinate of the pitch of virtual joints.
 const PITCH: usize = 4;
@@ -88,29 +89,6 @@ impl Counts {
         self.contacts += 1;
         self.warm += u64::from(report.warm);
     }
-}
-
-/// How to integrate.
-#[derive(Clone, Debug)]
-struct Settings {
-    h: f64,
-    steps_per_period: u64,
-    law: Law,
-    tolerance: f64,
-    method: Method,
-    friction: f64,
-    restitution: f64,
-    spring: Spring,
-    push: Option<Push>,
-    tolerance_step: f64,
-}
-
-/// A force on a body's centre of mass for a while.
-#[derive(Clone, Debug)]
-struct Push {
-    link: usize,
-    force: Vector3<f64>,
-    steps: std::ops::Range<u64>,
 }
 
 /// Scratch of one step. `pose` belongs to the state at all times.
@@ -234,7 +212,7 @@ impl Plant {
         for (&dof, torque) in self.model.joint_dof.iter().zip(self.applied.torque) {
             free[dof] += torque;
         }
-        if let Some(push) = self.settings.push.as_ref().filter(|push| push.steps.contains(&self.steps)) {
+        for push in self.settings.pushes.iter().filter(|push| push.steps.contains(&self.steps)) {
             let arm = pose.links[push.link].com;
             contact_column(&self.model, pose, push.link, &arm, &push.force, column);
             for (k, &dof) in column.iter().zip(self.model.path(push.link)) {
@@ -339,6 +317,15 @@ impl Plant {
         Ok(())
     }
 
+    /// Pushes the centre of mass of a body of the scene, from now on: an impulse in W [N·s], spread over a duration [s].
+    /// Returns whether there is such a body.
+    pub fn push(&mut self, body: usize, impulse: [f64; 3], duration: f64) -> bool {
+        let Some(&link) = self.model.body_link.get(body) else { return false };
+        self.settings.pushes.retain(|push| push.steps.end > self.steps);
+        self.settings.pushes.push(Push::new(link, impulse, self.steps, duration, self.settings.h));
+        true
+    }
+
     /// What the joint encoders read now.
     pub fn encoders(&self) -> Encoders {
         self.drives.read((0..self.model.joint_dof.len()).map(|k| self.state.joint(&self.model, k)))
@@ -373,53 +360,6 @@ impl Plant {
     /// The present state.
     pub fn state(&self) -> &State {
         &self.state
-    }
-}
-
-impl Settings {
-    fn new(plant: &PlantScene, rate: f64, model: &Model) -> Result<Self, PlantError> {
-        let step = |time: f64| (time / plant.dt).round() as u64;
-        let impulse = Vector3::from(plant.push_impulse);
-        let from = step(plant.push_time);
-        let count = step(plant.push_duration).max(1);
-        let push = Push {
-            link: model.link_of(&plant.push_body, "plant.push_body")?,
-            force: impulse / (count as f64 * plant.dt),
-            steps: from..from + count,
-        };
-        let (law, events) = (plant.law, [Method::Rk4Impact, Method::EventDriven].contains(&plant.method));
-        if events && !is_coulomb(law) {
-            let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
-            return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
-        }
-        Ok(Settings {
-            h: plant.dt,
-            steps_per_period: step(1.0 / rate).max(1),
-            law: plant.law,
-            tolerance: plant.tolerance,
-            method: plant.method,
-            friction: plant.friction,
-            restitution: plant.restitution,
-            spring: Spring {
-                stiffness: plant.contact_stiffness,
-                damping_ratio: plant.contact_damping_ratio,
-                h: plant.dt,
-            },
-            tolerance_step: plant.tolerance_step,
-            push: (impulse != Vector3::zeros()).then_some(push),
-        })
-    }
-}
-
-impl Settings {
-    /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
-    fn check(&self, report: &Report, step: u64, problem: &Problem) -> Result<(), PlantError> {
-        let Settings { law, tolerance, h, .. } = *self;
-        if report.own <= tolerance || !is_exact(law) || problem.check().is_err() {
-            return Ok(());
-        }
-        let (time, problem) = (step as f64 * h, Box::new(problem.clone()));
-        Err(PlantError::Unsolved { step, time, law, residual: report.own, tolerance, problem })
     }
 }
 

@@ -152,6 +152,13 @@ fn equations(round: &Round, rule: Rule<'_>, i: usize, f: [f64; 3], v: [f64; 3]) 
     }
 }
 
+/// Friction within its bound: no slip.
+fn stick(v: [f64; 3], p: &mut Matrix, q: &mut Matrix, r: &mut [f64; 3]) {
+    for k in 1..3 {
+        (p[k], q[k], r[k]) = (ZERO[k], ONE[k], v[k]);
+    }
+}
+
 /// Friction in the disc |f_F| <= bound: sticks, or f_F = bound x_F/|x_F|.
 #[expect(clippy::too_many_arguments, reason = "the rows of one contact")]
 fn on_disc(
@@ -167,9 +174,7 @@ fn on_disc(
 ) {
     let length = x[1].hypot(x[2]);
     if length <= bound {
-        for k in 1..3 {
-            (p[k], q[k], r[k]) = (ZERO[k], ONE[k], v[k]);
-        }
+        stick(v, p, q, r);
         return;
     }
     let u = [x[1] / length, x[2] / length];
@@ -205,9 +210,7 @@ fn on_polygon(
     let depth = (0.5 * sector).cos();
     let (across, along) = (cos * x[1] + sin * x[2], cos * x[2] - sin * x[1]);
     if across <= depth * bound {
-        for k in 1..3 {
-            (p[k], q[k], r[k]) = (ZERO[k], ONE[k], v[k]);
-        }
+        stick(v, p, q, r);
     } else if along.abs() < (0.5 * sector).sin() * bound {
         // On the side: no slip along it.
         (p[1], q[1]) = ([-slope * depth, cos, sin], [slope * depth, 0.0, 0.0]);

@@ -1,0 +1,82 @@
+//! What a scene asks of the step, in the units and counts of the step.
+
+use crate::contact::{Problem, Report, Spring, is_coulomb, is_exact};
+use crate::error::PlantError;
+use crate::model::Model;
+use messages::scene::{Law, Method, PlantScene};
+use nalgebra::Vector3;
+
+/// How to integrate.
+#[derive(Clone, Debug)]
+pub(super) struct Settings {
+    pub h: f64,
+    pub steps_per_period: u64,
+    pub law: Law,
+    pub tolerance: f64,
+    pub method: Method,
+    pub friction: f64,
+    pub restitution: f64,
+    pub spring: Spring,
+    /// The scene's, and those that somebody asked for on the way.
+    pub pushes: Vec<Push>,
+    pub tolerance_step: f64,
+}
+
+/// A force on a body's centre of mass for a while.
+#[derive(Clone, Debug)]
+pub(super) struct Push {
+    pub link: usize,
+    pub force: Vector3<f64>,
+    pub steps: std::ops::Range<u64>,
+}
+
+impl Push {
+    /// An impulse [N·s] on a link, spread over as many steps of `h` from step `from` on as the duration holds [s], but one.
+    pub fn new(link: usize, impulse: [f64; 3], from: u64, duration: f64, h: f64) -> Push {
+        let count = ((duration / h).round() as u64).max(1);
+        Push { link, force: Vector3::from(impulse) / (count as f64 * h), steps: from..from + count }
+    }
+}
+
+impl Settings {
+    /// The settings of a scene for a model.
+    ///
+    /// # Errors
+    /// If the pushed body is unknown, or the method cannot have the law.
+    pub fn new(plant: &PlantScene, rate: f64, model: &Model) -> Result<Self, PlantError> {
+        let step = |time: f64| (time / plant.dt).round() as u64;
+        let link = model.link_of(&plant.push_body, "plant.push_body")?;
+        let push = Push::new(link, plant.push_impulse, step(plant.push_time), plant.push_duration, plant.dt);
+        let (law, events) = (plant.law, [Method::Rk4Impact, Method::EventDriven].contains(&plant.method));
+        if events && !is_coulomb(law) {
+            let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
+            return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
+        }
+        Ok(Settings {
+            h: plant.dt,
+            steps_per_period: step(1.0 / rate).max(1),
+            law: plant.law,
+            tolerance: plant.tolerance,
+            method: plant.method,
+            friction: plant.friction,
+            restitution: plant.restitution,
+            spring: Spring {
+                stiffness: plant.contact_stiffness,
+                damping_ratio: plant.contact_damping_ratio,
+                h: plant.dt,
+            },
+            tolerance_step: plant.tolerance_step,
+            pushes: if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] },
+        })
+    }
+
+    /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
+    pub fn check(&self, report: &Report, step: u64, problem: &Problem) -> Result<(), PlantError> {
+        let Settings { law, tolerance, h, .. } = *self;
+        if report.own <= tolerance || !is_exact(law) || problem.check().is_err() {
+            return Ok(());
+        }
+        let (time, problem) = (step as f64 * h, Box::new(problem.clone()));
+        Err(PlantError::Unsolved { step, time, law, residual: report.own, tolerance, problem })
+    }
+}
