@@ -5,8 +5,10 @@
 //! | messages, schema hash | [`wire`] |
 //! | robots as data, Table 1 of the paper | [`robot`] |
 //! | scenes: TOML in, checked values out | [`scene`], [`load`] |
+//! | what may be asked of a running session | [`ask`] |
 //! | the link between two processes | [`port`], [`session`], [`clock`] |
 
+pub mod ask;
 pub mod clock;
 mod law;
 pub mod load;

@@ -5,6 +5,7 @@
 //! | `biped/sensors` | plant → controller | 1 | the newest replaces the oldest |
 //! | `biped/command` | controller → plant | 1 | the newest replaces the oldest |
 //! | `biped/truth` | plant → recorders | 4096 | lockstep: the plant waits; real time: dropped and counted |
+//! | `biped/plant/desk`, `biped/controller/desk` | whoever → plant, controller | 2 | request and response |
 //!
 //! A recorder rings once it has begun to read; a plant that has said all waits for that, so that nothing is lost.
 //!
@@ -13,17 +14,21 @@
 //! another contract is refused with both values.
 
 mod contract;
+mod desk;
 mod error;
 mod link;
 mod place;
 mod truth;
 
+pub use crate::ask::{Ask, Verdict};
 pub use contract::{Contract, Pace};
+pub use desk::{Asked, ask};
 pub use error::PortError;
 pub use link::Waiting;
 
 use crate::session::Session;
 use crate::wire::{Command, Sensors, Truth};
+use desk::Desk;
 use error::broken;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
@@ -40,6 +45,7 @@ pub struct PlantPort {
     sensors: Outlet<Sensors>,
     command: Inlet<Command>,
     truth: TruthOutlet,
+    desk: Desk,
     _place: Place,
 }
 
@@ -52,7 +58,8 @@ impl PlantPort {
         let place = Place::open(session, contract)?;
         let sensors = Outlet::open(&place, SENSORS, "plant")?;
         let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
-        Ok(PlantPort { sensors, command, truth, _place: place })
+        let desk = Desk::open(&place, desk::PLANT)?;
+        Ok(PlantPort { sensors, command, truth, desk, _place: place })
     }
 
     /// The same, waiting otherwise than [`Waiting::Hybrid`].
@@ -77,12 +84,20 @@ impl PlantPort {
         self.truth.send(truth)
     }
 
-    /// The newest sound command that has arrived since the last call.
+    /// The next command that has arrived, as it came: the gate judges it.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn newest(&mut self) -> Result<Option<Command>, PortError> {
-        self.command.newest()
+    pub fn take(&mut self) -> Result<Option<Command>, PortError> {
+        self.command.next()
+    }
+
+    /// The next request, if somebody asks for something.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn asked(&self) -> Result<Option<Asked>, PortError> {
+        self.desk.next()
     }
 
     /// Waits a little for a command, long enough to sleep and short enough to notice a stop request; meanwhile a
@@ -96,11 +111,6 @@ impl PlantPort {
             self.sensors.catch_up()?;
         }
         Ok(command)
-    }
-
-    /// Commands dropped because magic, schema hash or check sum were wrong.
-    pub fn unsound(&self) -> u64 {
-        self.command.unsound
     }
 
     /// To be called when all is said: waits a little for a recorder that has not begun to read and would get nothing.
@@ -119,6 +129,7 @@ impl PlantPort {
 pub struct ControllerPort {
     command: Outlet<Command>,
     sensors: Inlet<Sensors>,
+    desk: Desk,
     _place: Place,
 }
 
@@ -131,7 +142,8 @@ impl ControllerPort {
         let place = Place::open(session, contract)?;
         let command = Outlet::open(&place, COMMAND, "controller")?;
         let sensors = Inlet::open(&place, SENSORS)?;
-        Ok(ControllerPort { command, sensors, _place: place })
+        let desk = Desk::open(&place, desk::CONTROLLER)?;
+        Ok(ControllerPort { command, sensors, desk, _place: place })
     }
 
     /// As [`PlantPort::waiting`].
@@ -156,9 +168,12 @@ impl ControllerPort {
         self.sensors.wait()
     }
 
-    /// Sensors dropped because magic, schema hash or check sum were wrong.
-    pub fn unsound(&self) -> u64 {
-        self.sensors.unsound
+    /// As [`PlantPort::asked`].
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn asked(&self) -> Result<Option<Asked>, PortError> {
+        self.desk.next()
     }
 }
 
@@ -177,7 +192,18 @@ impl RecorderPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<RecorderPort, PortError> {
-        let place = Place::open(session, contract)?;
+        RecorderPort::at(Place::open(session, contract)?)
+    }
+
+    /// Begins to listen to a running session, whatever its contract.
+    ///
+    /// # Errors
+    /// [`PortError::NoSession`] if there is none.
+    pub fn visit(session: &Session) -> Result<RecorderPort, PortError> {
+        RecorderPort::at(Place::visit(session)?)
+    }
+
+    fn at(place: Place) -> Result<RecorderPort, PortError> {
         let truth = Reader::open(&place.truth()?, TRUTH_BUFFER)?;
         let bell = place.event(TRUTH)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
         Ok(RecorderPort { truth, bell, has_read: false, _place: place })

@@ -7,13 +7,15 @@ use crate::port::PortError;
 use crate::wire::{FNV_START, fnv1a};
 use nix::sys::statvfs::statvfs;
 use std::fs::{File, Metadata};
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{FileExt, MetadataExt};
 use std::os::unix::process::parent_id;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// Where POSIX shared memory shows as files on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
+/// End of the name of the file on which every member holds a lock.
+const MEMBERS: &str = "members";
 /// Patience of the last one out with the locks of a parent that has just been killed.
 const ORPHANED: Duration = Duration::from_millis(500);
 
@@ -76,6 +78,20 @@ impl Session {
         self.leftovers().iter().for_each(|path| remove(path));
     }
 
+    /// Every session of this user that somebody is in now.
+    pub fn running() -> Vec<Session> {
+        let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+        let names = entries.filter(|entry| entry.file_name().to_string_lossy().ends_with(MEMBERS));
+        let mut names: Vec<String> = names.filter_map(|entry| std::fs::read_to_string(entry.path()).ok()).collect();
+        names.sort();
+        names.iter().filter_map(|name| Session::named(name).ok()).filter(Session::is_running).collect()
+    }
+
+    /// Whether somebody is in it now.
+    pub fn is_running(&self) -> bool {
+        File::open(self.members()).is_ok_and(|file| file.try_lock().is_err())
+    }
+
     /// Enters the session; the first one in sweeps what killed processes left.
     pub(crate) fn enter(&self) -> Result<Membership, PortError> {
         let path = self.members();
@@ -84,6 +100,10 @@ impl Session {
             let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
             if file.try_lock().is_ok() {
                 self.leftovers().iter().filter(|left| **left != path).for_each(|left| remove(left));
+                // told to whoever looks for running sessions
+                file.write_all_at(self.name.as_bytes(), 0)
+                    .and_then(|()| file.set_len(self.name.len() as u64))
+                    .map_err(fail)?;
             }
             file.lock_shared().map_err(fail)?;
             // The last one out may have removed the file just before it was locked here.
@@ -95,7 +115,7 @@ impl Session {
 
     /// The file on which every member holds a lock.
     fn members(&self) -> PathBuf {
-        Path::new(SHARED_MEMORY).join(self.prefix() + "members")
+        Path::new(SHARED_MEMORY).join(self.prefix() + MEMBERS)
     }
 
     /// Whether this is the present file of members, not one that has been removed.
@@ -135,6 +155,13 @@ pub(crate) struct Membership {
 }
 
 impl Membership {
+    /// Whether the parent has ended, or its first thread, which the system takes for it, has.
+    fn is_orphaned(&self) -> bool {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.parent)).unwrap_or_default();
+        let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
+        parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
+    }
+
     pub(crate) fn session(&self) -> &str {
         self.session.name()
     }
@@ -144,8 +171,8 @@ impl Drop for Membership {
     fn drop(&mut self) {
         let start = Instant::now();
         let mut last = self.file.try_lock().is_ok();
-        // A parent that was killed, and whose death ends us, gives its lock back a moment later.
-        while !last && parent_id() != self.parent && start.elapsed() < ORPHANED {
+        // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
+        while !last && self.is_orphaned() && start.elapsed() < ORPHANED {
             std::thread::sleep(Duration::from_millis(1));
             last = self.file.try_lock().is_ok();
         }

@@ -6,6 +6,7 @@
 
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
+use std::fmt;
 
 /// Drives of the robot, in wire order: left ankle roll, ankle pitch, knee, hip, right hip, knee, ankle pitch, ankle
 /// roll. Scenes with fewer joints leave the rest at zero.
@@ -119,8 +120,30 @@ wire! {
         telemetry: Telemetry,
     }
 
+    /// What the plant met since the start of its run.
+    struct Tally "biped.Tally" 136 {
+        /// Commands refused, by reason, in the order of [`REFUSALS`].
+        refused: [u64; 9],
+        /// Commands that never came: gaps in their numbers.
+        lost: u64,
+        /// Control periods on torques of an earlier one.
+        held: u64,
+        /// Control periods damped for want of a young command.
+        damped: u64,
+        /// Control periods with the drives off.
+        faulted: u64,
+        /// Whole control periods that real time was ahead and that were left out.
+        skipped: u64,
+        /// Times that another controller process took over.
+        takeovers: u64,
+        /// Messages of truth that a recorder did not get.
+        unrecorded: u64,
+        /// Requests served.
+        requests: u64,
+    }
+
     /// What only a simulation knows; for recording, never for control.
-    struct Truth "biped.Truth" 1024 {
+    struct Truth "biped.Truth" 1184 {
         /// Head; `seq` as in the sensors of the same instant.
         stamp: Stamp,
         /// Position of the base frame in W [m].
@@ -159,13 +182,77 @@ wire! {
         plant_ns: u64,
         /// Time that it waited for the command [ns].
         wait_ns: u64,
+        /// How late the period began against its deadline, in real time [ns].
+        late_ns: u64,
+        /// From sending the sensors to sending of the command that answers them; 0 if that one did not come [ns].
+        reply_ns: u64,
+        /// Index into [`STATES`].
+        state: u32,
+        /// Age of the command in force [control periods].
+        age: u32,
+        /// What the plant met so far.
+        tally: Tally,
         /// As the last command had it.
         telemetry: Telemetry,
+    }
+
+    /// Somebody at the plant's or the controller's desk.
+    struct Request "biped.Request" 136 {
+        /// Head.
+        stamp: Stamp,
+        /// Index into [`REQUESTS`].
+        kind: u64,
+        /// Of `step`: control periods to run. Of `push`: number of the body in the scene.
+        count: u64,
+        /// Of `reset`: the new seed, 0 keeping the old one.
+        seed: u64,
+        /// Of `push`: impulse in W [N·s].
+        impulse: [f64; 3],
+        /// Of `push`: duration [s].
+        duration: f64,
+        /// Of `set`: period of two steps [s].
+        period: f64,
+        /// Of `set`: walking speed [m/s].
+        speed: f64,
+    }
+
+    /// What the desk says.
+    struct Reply "biped.Reply" 80 {
+        /// Head; `sim_ns` tells the simulated time.
+        stamp: Stamp,
+        /// Index into [`VERDICTS`].
+        verdict: u64,
+        /// Index into [`STATES`]: the plant's state.
+        state: u64,
     }
 }
 
 /// Names of [`Telemetry::phase`].
 pub const PHASES: [&str; 6] = ["stand", "sway", "lift", "walk", "land", "rest"];
+
+/// Names of [`Truth::state`]: not yet driven; driven; standing still in time; on old torques; damped; drives off until
+/// re-armed.
+pub const STATES: [&str; 6] = ["wait", "run", "paused", "hold", "damp", "fault"];
+
+/// Why a command is refused, in the order in which the gate looks.
+pub const REFUSALS: [&str; 9] = [
+    "of another version",
+    "for another run",
+    "of a controller that has been replaced",
+    "damaged",
+    "not newer than the last",
+    "ahead of the sensors",
+    "not finite",
+    "beyond four times the torque limit",
+    "a jump beyond twice the torque limit",
+];
+
+/// Names of [`Request::kind`].
+pub const REQUESTS: [&str; 7] = ["pause", "resume", "step", "reset", "push", "rearm", "set"];
+
+/// Names of [`Reply::verdict`].
+pub const VERDICTS: [&str; 5] =
+    ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request"];
 
 /// Start value of [`fnv1a`].
 pub const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
@@ -199,9 +286,14 @@ pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
         self
     }
 
+    /// Whether magic and schema hash are ours.
+    fn is_ours(&self) -> bool {
+        self.stamp().magic == MAGIC && self.stamp().schema == SCHEMA_HASH
+    }
+
     /// Whether magic, schema hash and check sum are right.
     fn is_sound(&self) -> bool {
-        self.stamp().magic == MAGIC && self.stamp().schema == SCHEMA_HASH && self.stamp().crc == self.check_sum()
+        self.is_ours() && self.stamp().crc == self.check_sum()
     }
 
     /// Check sum of what follows it.
@@ -219,7 +311,28 @@ macro_rules! stamped {
         }
     )*};
 }
-stamped!(Sensors Command Truth);
+stamped!(Sensors Command Truth Request Reply);
+
+/// One sentence on whatever was not as it should be; empty if all was.
+impl fmt::Display for Tally {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let counts = [
+            (self.skipped, "periods skipped"),
+            (self.held, "periods on old torques"),
+            (self.damped, "periods damped"),
+            (self.faulted, "periods with the drives off"),
+            (self.lost, "commands lost"),
+            (self.takeovers, "changes of controller"),
+            (self.unrecorded, "periods not recorded"),
+        ];
+        let counted = counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
+        let refused =
+            self.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0).map(|(count, reason)| {
+                format!("{count} command{} refused: {reason}", if *count == 1 { "" } else { "s" })
+            });
+        f.write_str(&counted.chain(refused).collect::<Vec<_>>().join("; "))
+    }
+}
 
 #[cfg(test)]
 mod tests {

@@ -44,6 +44,20 @@ pub enum PortError {
         /// Plant or controller.
         role: &'static str,
     },
+    /// Nobody has made it, or nobody is left.
+    #[error("no session `{session}` is running: `biped doctor` lists those that are")]
+    NoSession {
+        /// Name of the session.
+        session: String,
+    },
+    /// Nobody answers at a desk.
+    #[error("session `{session}` has no {role} that answers")]
+    Absent {
+        /// Name of the session.
+        session: String,
+        /// Plant or controller.
+        role: &'static str,
+    },
     /// Shared memory is missing, full or unusable.
     #[error("shared memory: {0}")]
     SharedMemory(String),

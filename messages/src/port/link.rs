@@ -73,7 +73,8 @@ impl<M: Stamped> Outlet<M> {
         let mut sample = self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(message);
         sample.payload_mut().seal();
         sample.send().map_err(|e| broken("writing", e))?;
-        if self.waiting.may_sleep(|| now_ns().saturating_sub(heard_ns)) {
+        // what a damaged message says of the future is not believed
+        if self.waiting.may_sleep(|| now_ns().checked_sub(heard_ns).unwrap_or(u64::MAX)) {
             self.bell.notify().map_err(|e| broken("the wake-up", e))?;
         }
         Ok(())
@@ -92,8 +93,6 @@ impl<M: Stamped> Outlet<M> {
 pub(super) struct Inlet<M: Stamped> {
     reader: Reader<M>,
     bell: Listener<ipc::Service>,
-    /// Messages dropped because magic, schema hash or check sum were wrong.
-    pub unsound: u64,
     /// When the writer sent what was read last, by its monotonic clock, which is ours [ns].
     pub heard_ns: u64,
     /// How to wait.
@@ -104,20 +103,16 @@ impl<M: Stamped> Inlet<M> {
     pub fn open(place: &Place, name: &str) -> Result<Inlet<M>, PortError> {
         let reader = Reader::open(&place.link::<M>(name)?, 1)?;
         let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Inlet { reader, bell, unsound: 0, heard_ns: 0, waiting: Waiting::default() })
+        Ok(Inlet { reader, bell, heard_ns: 0, waiting: Waiting::default() })
     }
 
-    pub fn newest(&mut self) -> Result<Option<M>, PortError> {
-        if let Some(message) = self.reader.next()? {
-            match message.is_sound() {
-                true => {
-                    self.heard_ns = message.stamp().mono_ns;
-                    return Ok(Some(message));
-                }
-                false => self.unsound += 1,
-            }
+    /// The next message, as it came.
+    pub fn next(&mut self) -> Result<Option<M>, PortError> {
+        let message = self.reader.next()?;
+        if let Some(message) = &message {
+            self.heard_ns = message.stamp().mono_ns;
         }
-        Ok(None)
+        Ok(message)
     }
 
     /// Spins first and sleeps then, as `waiting` says; gives up after a slice.
@@ -148,7 +143,7 @@ impl<M: Stamped> Inlet<M> {
     /// Looks for a message, a few times if it may come any moment.
     fn look(&mut self) -> Result<Option<M>, PortError> {
         for _ in 0..if self.waiting == Waiting::Event { 1 } else { LOOKS } {
-            let message = self.newest()?;
+            let message = self.next()?;
             if message.is_some() {
                 return Ok(message);
             }

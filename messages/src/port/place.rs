@@ -3,13 +3,14 @@
 use super::contract::Contract;
 use super::error::{PortError, broken};
 use crate::session::{Membership, Session};
-use crate::wire::{Stamped, Truth};
+use crate::wire::{Reply, Request, SCHEMA_HASH, Stamped, Truth};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::{
     PublishSubscribeOpenError as Open, PublishSubscribeOpenOrCreateError,
 };
-use iceoryx2::service::port_factory::{event, publish_subscribe};
+use iceoryx2::service::builder::request_response::RequestResponseOpenError;
+use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use std::time::{Duration, Instant};
 
 /// Readers of truth: the recorder and one more.
@@ -25,22 +26,37 @@ const OPENING: Duration = Duration::from_secs(2);
 pub(super) const TRUTH: &str = "biped/truth";
 
 pub(super) type Topic<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
+type DeskFactory = request_response::PortFactory<ipc::Service, Request, (), Reply, ()>;
 
 /// One process's place in a session: the node, and what it may open.
 #[derive(Debug)]
 pub(super) struct Place {
     // Before the membership, whose end clears away what the node leaves: fields are dropped in order.
     node: Node<ipc::Service>,
-    contract: Contract,
+    /// Visitors have none.
+    contract: Option<Contract>,
     membership: Membership,
 }
 
 impl Place {
+    /// A place as one of the session's makers.
     pub fn open(session: &Session, contract: &Contract) -> Result<Place, PortError> {
-        // What goes wrong is told in our own words; IOX2_LOG_LEVEL shows iceoryx2's as well.
-        set_log_level_from_env_or(LogLevel::Fatal);
         let footprint = (RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
         session.demand(4 * footprint)?;
+        Place::enter(session, Some(*contract))
+    }
+
+    /// A place in a session that others have made.
+    pub fn visit(session: &Session) -> Result<Place, PortError> {
+        if !session.is_running() {
+            return Err(PortError::NoSession { session: session.name().into() });
+        }
+        Place::enter(session, None)
+    }
+
+    fn enter(session: &Session, contract: Option<Contract>) -> Result<Place, PortError> {
+        // What goes wrong is told in our own words; IOX2_LOG_LEVEL shows iceoryx2's as well.
+        set_log_level_from_env_or(LogLevel::Fatal);
         let membership = session.enter()?;
         let mut config = Config::default();
         let root = session.root().into_os_string().into_encoded_bytes();
@@ -49,7 +65,7 @@ impl Place {
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| broken("joining the session", e))?;
-        Ok(Place { node, contract: *contract, membership })
+        Ok(Place { node, contract, membership })
     }
 
     fn topic<M: Stamped>(&self, name: &str, shape: Shape) -> Result<Topic<M>, PortError> {
@@ -93,12 +109,37 @@ impl Place {
             .map_err(|e| broken("the wake-up", e))
     }
 
+    /// A desk of one's own.
+    pub fn desk(&self, name: &str) -> Result<DeskFactory, PortError> {
+        let service = service_name(name)?;
+        let desk = || self.node.service_builder(&service).request_response::<Request, Reply>().max_servers(1);
+        let schema = self.schema()?;
+        patiently(|| desk().open_or_create_with_attributes(&schema), |_| false).map_err(|e| broken("opening a desk", e))
+    }
+
+    /// Somebody else's desk, if there is one.
+    pub fn visited_desk(&self, name: &str) -> Result<Option<DeskFactory>, PortError> {
+        let desk = self.node.service_builder(&service_name(name)?).request_response::<Request, Reply>();
+        match desk.open_with_attributes(&self.schema()?) {
+            Ok(desk) => Ok(Some(desk)),
+            Err(RequestResponseOpenError::DoesNotExist) => Ok(None),
+            Err(RequestResponseOpenError::IncompatibleAttributes) => {
+                Err(PortError::Foreign { session: self.session().into(), reason: "its wire schema is another".into() })
+            }
+            Err(error) => Err(broken("coming to a desk", error)),
+        }
+    }
+
+    fn schema(&self) -> Result<AttributeVerifier, PortError> {
+        verifier(&[("wire schema", format!("{SCHEMA_HASH:016x}"))])
+    }
+
     fn required(&self) -> Result<AttributeVerifier, PortError> {
-        self.contract.attributes().iter().try_fold(AttributeVerifier::new(), |verifier, (key, value)| {
-            let (key, value) = (AttributeKey::try_from(*key), AttributeValue::try_from(value.as_str()));
-            let (key, value) = (key.map_err(|e| broken("naming", e))?, value.map_err(|e| broken("naming", e))?);
-            verifier.require(&key, &value).map_err(|e| broken("naming", e))
-        })
+        verifier(&self.attributes())
+    }
+
+    fn attributes(&self) -> Vec<(&'static str, String)> {
+        self.contract.map_or(vec![], |contract| contract.attributes().into())
     }
 
     /// The name of the session.
@@ -109,7 +150,7 @@ impl Place {
     /// The first part of the contract that the session's makers have otherwise.
     fn disagreement(&self, found: &AttributeSet) -> PortError {
         let session = self.membership.session().to_string();
-        for (what, ours) in self.contract.attributes() {
+        for (what, ours) in self.attributes() {
             let key = AttributeKey::try_from(what).ok();
             let theirs = key.and_then(|key| found.key_value(&key, 0).map(|value| value.to_string()));
             let theirs = theirs.unwrap_or_else(|| "unknown".into());
@@ -127,6 +168,14 @@ struct Shape {
     buffer: usize,
     history: usize,
     overwrite: bool,
+}
+
+fn verifier(attributes: &[(&str, String)]) -> Result<AttributeVerifier, PortError> {
+    attributes.iter().try_fold(AttributeVerifier::new(), |verifier, (key, value)| {
+        let (key, value) = (AttributeKey::try_from(*key), AttributeValue::try_from(value.as_str()));
+        let (key, value) = (key.map_err(|e| broken("naming", e))?, value.map_err(|e| broken("naming", e))?);
+        verifier.require(&key, &value).map_err(|e| broken("naming", e))
+    })
 }
 
 fn service_name(name: &str) -> Result<ServiceName, PortError> {

@@ -1,0 +1,78 @@
+//! Request and response: a desk at the plant and one at the controller, and whoever comes to it.
+
+use super::error::{PortError, broken};
+use super::place::Place;
+use crate::ask::Ask;
+use crate::session::Session;
+use crate::wire::{Reply, Request, Stamped};
+use iceoryx2::active_request::ActiveRequest;
+use iceoryx2::port::server::Server;
+use iceoryx2::prelude::*;
+use std::time::{Duration, Instant};
+
+pub(super) const PLANT: &str = "biped/plant/desk";
+pub(super) const CONTROLLER: &str = "biped/controller/desk";
+/// A reply comes within a control period, or a slice of waiting.
+const PATIENCE: Duration = Duration::from_secs(2);
+
+/// Where requests come in.
+#[derive(Debug)]
+pub(super) struct Desk {
+    server: Server<ipc::Service, Request, (), Reply, ()>,
+}
+
+impl Desk {
+    pub fn open(place: &Place, name: &str) -> Result<Desk, PortError> {
+        let server = place.desk(name)?.server_builder().create().map_err(|e| broken("opening a desk", e))?;
+        Ok(Desk { server })
+    }
+
+    /// The next request, if there is one.
+    pub fn next(&self) -> Result<Option<Asked>, PortError> {
+        let active = self.server.receive().map_err(|e| broken("reading a request", e))?;
+        Ok(active.map(|active| Asked { request: *active, active }))
+    }
+}
+
+/// A request that waits for its answer.
+#[derive(Debug)]
+pub struct Asked {
+    /// The request.
+    pub request: Request,
+    active: ActiveRequest<ipc::Service, Request, (), Reply, ()>,
+}
+
+impl Asked {
+    /// Seals and sends the answer; somebody who has gone is no error.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn answer(self, reply: Reply) -> Result<(), PortError> {
+        if !self.active.is_connected() {
+            return Ok(());
+        }
+        self.active.send_copy(reply.sealed()).map_err(|e| broken("answering a request", e))?;
+        Ok(())
+    }
+}
+
+/// Asks the plant or the controller of a running session, and waits for the answer.
+///
+/// # Errors
+/// [`PortError::Absent`] if there is no such session, or nobody at the desk.
+pub fn ask(session: &Session, what: Ask) -> Result<Reply, PortError> {
+    let (name, role) = if what.is_for_controller() { (CONTROLLER, "controller") } else { (PLANT, "plant") };
+    let absent = || PortError::Absent { session: session.name().into(), role };
+    let place = Place::visit(session)?;
+    let client = place.visited_desk(name)?.ok_or_else(absent)?;
+    let client = client.client_builder().create().map_err(|e| broken("coming to a desk", e))?;
+    let pending = client.send_copy(what.request().sealed()).map_err(|e| broken("asking", e))?;
+    let start = Instant::now();
+    while start.elapsed() < PATIENCE {
+        if let Some(reply) = pending.receive().map_err(|e| broken("reading an answer", e))? {
+            return Ok(*reply);
+        }
+        std::thread::sleep(Duration::from_micros(200));
+    }
+    Err(absent())
+}
