@@ -88,6 +88,7 @@ impl From<PortError> for Failure {
         let exit = match &error {
             PortError::SessionName { .. } => Exit::Usage,
             PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => Exit::Incompatible,
+            PortError::NoSession { .. } | PortError::Absent { .. } => Exit::PeerMissing,
             PortError::SharedMemory(_) => Exit::SharedMemory,
         };
         Failure::new(exit, error)

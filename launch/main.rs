@@ -11,6 +11,7 @@
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
+//! | asking a running session | [`desk`] |
 //! | contact problems as files | [`contact`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
@@ -18,6 +19,7 @@ mod chart;
 mod children;
 mod contact;
 mod csv;
+mod desk;
 mod exit;
 mod list;
 mod progress;
@@ -29,6 +31,7 @@ mod study;
 mod summary;
 
 use clap::{Args, Parser, Subcommand};
+use desk::Wish;
 use exit::{Exit, Failure};
 use messages::load::load;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
@@ -63,6 +66,20 @@ enum Command {
     Plant(RoleArgs),
     /// Be the controller of a session
     Controller(RoleArgs),
+    /// Let time stand still in a running session
+    Pause(desk::PlainArgs),
+    /// Let it go on
+    Resume(desk::PlainArgs),
+    /// Let it go on for a few control periods
+    Step(desk::StepArgs),
+    /// Begin a running session anew
+    Reset(desk::ResetArgs),
+    /// Push a body of a running session
+    Push(desk::PushArgs),
+    /// Switch the drives of a running session on again after a fault
+    Rearm(desk::PlainArgs),
+    /// Change speed and period of the gait in a running session
+    Set(desk::SetArgs),
     /// List the built-in scenes
     List {
         /// List every key of a scene instead: type, default, meaning
@@ -106,6 +123,9 @@ struct PaceArgs {
     /// Run at the pace of the clock instead of as fast as possible
     #[arg(long)]
     realtime: bool,
+    /// Simulated time per real time
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = factor, requires = "realtime")]
+    speed: f64,
     /// Give up when the other process has not been heard of for this long [s]
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = seconds)]
     patience: f64,
@@ -119,6 +139,11 @@ impl PaceArgs {
     fn patience(self) -> Duration {
         Duration::from_secs_f64(self.patience)
     }
+}
+
+fn factor(text: &str) -> Result<f64, String> {
+    let good = text.parse().ok().filter(|factor| (0.001..=100.0).contains(factor));
+    good.ok_or_else(|| "a factor from 0.001 to 100 is needed".into())
 }
 
 fn seconds(text: &str) -> Result<f64, String> {
@@ -155,6 +180,13 @@ fn main() -> ExitCode {
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
+        Some(Command::Pause(args)) => desk::run(Wish::Pause(args)),
+        Some(Command::Resume(args)) => desk::run(Wish::Resume(args)),
+        Some(Command::Step(args)) => desk::run(Wish::Step(args)),
+        Some(Command::Reset(args)) => desk::run(Wish::Reset(args)),
+        Some(Command::Push(args)) => desk::run(Wish::Push(args)),
+        Some(Command::Rearm(args)) => desk::run(Wish::Rearm(args)),
+        Some(Command::Set(args)) => desk::run(Wish::Set(args)),
         Some(Command::List { keys: false }) => list::scenes(),
         Some(Command::List { keys: true }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),
@@ -173,7 +205,8 @@ fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let contract = Contract::of(&scene, args.pace.pace());
     let port = guarded(|| PlantPort::open(&session, &contract))?;
     ready(args)?;
-    let options = plant::process::Options { pace: args.pace.pace(), patience: args.pace.patience() };
+    let PaceArgs { speed, .. } = args.pace;
+    let options = plant::process::Options { pace: args.pace.pace(), speed, patience: args.pace.patience() };
     let (tally, result) = plant::process::run(&scene, port, options, stop);
     let remarks = tally.to_string();
     if !remarks.is_empty() {

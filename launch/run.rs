@@ -12,7 +12,9 @@ use messages::load;
 use messages::port::{Contract, PortError, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
-use messages::wire::{Command, Sensors, Truth};
+use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
+use plant::Simulation;
+use plant::process::Next;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
@@ -34,6 +36,9 @@ pub struct RunArgs {
     /// Write summary, trajectory and report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Name of the session, for `biped pause`, `push` and the like; without it, one that nobody else has
+    #[arg(long, conflicts_with = "in_process")]
+    session: Option<String>,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -47,8 +52,9 @@ impl RunArgs {
     pub fn main_job() -> RunArgs {
         RunArgs {
             scene: SceneArgs { scene: "walk".into(), settings: vec![], full: false },
-            pace: PaceArgs { realtime: false, patience: 10.0 },
+            pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
             system: RealtimeArgs::default(),
+            session: None,
             out: Some("out/walk".into()),
             quiet: false,
             in_process: false,
@@ -102,6 +108,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// Whatever listens to a run.
 struct Watch {
+    scene: Scene,
     recorder: Recorder,
     progress: Progress,
     latest: Truth,
@@ -112,10 +119,15 @@ struct Watch {
 impl Watch {
     fn new(scene: &Scene, quiet: bool) -> Watch {
         let (recorder, progress) = (Recorder::new(scene), Progress::new(scene, quiet));
-        Watch { recorder, progress, latest: Truth::default(), lost: 0 }
+        Watch { scene: scene.clone(), recorder, progress, latest: Truth::default(), lost: 0 }
     }
 
+    /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
     fn take(&mut self, truth: &Truth) {
+        if self.latest.stamp.run != truth.stamp.run && self.latest.stamp.seq > 0 {
+            self.recorder = Recorder::new(&self.scene);
+            self.latest.stamp.seq = 0;
+        }
         self.lost += truth.stamp.seq - self.latest.stamp.seq - 1;
         self.latest = *truth;
         self.recorder.push(truth);
@@ -159,21 +171,29 @@ pub fn in_process(scene: &Scene, mut hear: impl FnMut(&Truth) -> Result<(), Fail
     use controller::process::ProcessError;
     let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
     let mut controller = controller.map_err(ProcessError::from)?;
-    plant::process::simulate(scene, |sensors: &Sensors, truth| {
+    let mut simulation = Simulation::new(scene, 1, 1)?;
+    plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, truth| {
         hear(truth)?;
-        match controller.as_mut().filter(|_| sensors.last == 0) {
-            None => Ok(Command::default()),
-            Some(controller) => {
-                let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
-                Ok(Command { torques, telemetry: controller.telemetry(), ..Command::default() })
-            }
+        if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
+            let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
+            let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
+            simulation.hear(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
         }
+        Ok(Next::Period { late_ns: 0 })
     })
 }
 
 /// Two processes, started, recorded and reaped; nothing of them is left when this returns.
 fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
-    let swept = Swept(Session::unique());
+    let session = args.session.as_deref().map_or_else(|| Ok(Session::unique()), Session::named)?;
+    if session.is_running() {
+        let name = session.name();
+        return Err(Failure::new(
+            Exit::Incompatible,
+            format!("session `{name}` is running already: use another --session"),
+        ));
+    }
+    let swept = Swept(session);
     let contract = Contract::of(scene, args.pace.pace());
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     let arguments = |child| [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
@@ -205,7 +225,9 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     let settings = args.scene.settings.iter().flat_map(|setting| ["--set".to_string(), setting.clone()]);
     let mut arguments = vec![args.scene.scene.clone(), "--session".into(), session.name().into()];
     arguments.extend(["--patience".into(), args.pace.patience.to_string()]);
-    arguments.extend(args.pace.realtime.then(|| "--realtime".to_string()));
+    if args.pace.realtime {
+        arguments.extend(["--realtime".into(), "--speed".into(), args.pace.speed.to_string()]);
+    }
     arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments

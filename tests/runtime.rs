@@ -264,7 +264,7 @@ fn odd_controller(name: &str, answer: impl Fn(&Stamp) -> Torque) -> (Option<i32>
 
 /// The stamp of a right answer.
 fn reply(asked: &Stamp) -> Stamp {
-    Stamp { run: asked.run, ack: asked.seq, ..Stamp::default() }
+    Stamp { run: asked.run, seq: asked.seq, ack: asked.seq, ..Stamp::default() }
 }
 
 fn limp(asked: &Stamp) -> Torque {
@@ -274,9 +274,10 @@ fn limp(asked: &Stamp) -> Torque {
 #[test]
 fn bad_commands_never_reach_the_robot_and_are_told_by_reason() {
     type Answer = fn(&Stamp) -> Torque;
-    let cases: [(&str, &str, Answer); 3] = [
+    let cases: [(&str, &str, Answer); 4] = [
         ("nan", "not finite", |asked| Torque { torques: Torques { torque: [f64::NAN; 8] }, ..limp(asked) }),
         ("run", "for another run", |asked| Torque { stamp: Stamp { run: 1, ..reply(asked) }, ..limp(asked) }),
+        ("huge", "four times", |asked| Torque { torques: Torques { torque: [1e9; 8] }, ..limp(asked) }),
         ("early", "ahead", |asked| Torque { stamp: Stamp { ack: 9, ..reply(asked) }, ..limp(asked) }),
     ];
     for (name, words, answer) in cases {

@@ -22,8 +22,8 @@ pub struct EncoderState {
     pub angle: Joints,
     /// Filtered rates [rad/s].
     pub rate: Joints,
-    /// Whether there has been a reading yet.
-    primed: bool,
+    /// Readings so far, counted to 3.
+    pub readings: u32,
 }
 
 impl EncoderModel {
@@ -35,10 +35,15 @@ impl EncoderModel {
     /// Takes one reading; the first has rate zero.
     pub fn read(&self, state: &mut EncoderState, encoders: &Encoders) {
         let angle = Joints::from(encoders.counts.map(|count| count as f64 * self.resolution));
-        if state.primed {
+        if state.readings > 0 {
             let difference = (angle - state.angle) / self.period;
             state.rate += self.share * (difference - state.rate);
         }
-        *state = EncoderState { angle, primed: true, ..*state };
+        *state = EncoderState { angle, readings: (state.readings + 1).min(3), ..*state };
+    }
+
+    /// After the second reading: the rates without the filter's delay, the plain difference [rad/s].
+    pub fn unfiltered(&self, state: &EncoderState) -> Joints {
+        state.rate / self.share
     }
 }

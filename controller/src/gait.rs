@@ -65,9 +65,9 @@ pub struct GaitState {
     /// x_t1 at which the foot is wanted to land [m].
     pub landing: f64,
     /// Step length W_1 in force [m].
-    step: f64,
+    pub(crate) step: f64,
     /// By how much the last landings overshot [m].
-    trim: f64,
+    pub(crate) trim: f64,
 }
 
 /// What the lower levels are to do in this period.
@@ -160,8 +160,23 @@ impl GaitModel {
             state.phase = Phase::Land;
             return;
         }
-        let wanted = if stopping { 0.0 } else { 0.5 * self.scene.speed * self.scene.period };
+        let wanted = if stopping { 0.0 } else { self.step_length() };
         state.step += (wanted - state.step).clamp(-STEP_SLEW, STEP_SLEW);
+    }
+
+    /// W_1 that the scene asks for [m].
+    pub(crate) fn step_length(&self) -> f64 {
+        0.5 * self.scene.speed * self.scene.period
+    }
+
+    /// Height of the swing foot that belongs to a place of the centre of gravity [m]. (43)
+    pub(crate) fn height_at(&self, lateral: Travel) -> f64 {
+        self.lift.height_and_rate(lateral.x - 0.5 * self.width, 0.0).0
+    }
+
+    /// Time since the last exchange, on the orbit of the scene's period [s].
+    pub(crate) fn since_exchange(&self, lateral: Travel) -> f64 {
+        (0.5 * self.scene.period - self.time_left(lateral)).max(0.0)
     }
 
     fn stopping(&self, state: &GaitState) -> bool {
@@ -222,7 +237,7 @@ impl GaitModel {
 
     /// The weight leaves the swing foot, then the foot leaves the ground.
     fn raise(&self, state: &mut GaitState, task: &Task) -> Reference {
-        let (height, _) = self.lift.height_and_rate(state.com[1].x - 0.5 * self.width, 0.0);
+        let height = self.height_at(state.com[1]);
         let r = (state.since / LIFT).min(1.0);
         let rise = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r); // least jerk
         let rate = 30.0 * r * r * (1.0 - r).powi(2) / LIFT;

@@ -10,6 +10,7 @@
 //! | top (43) | swing foot | [`swing`] |
 //! | top | phases, exchange of support, foot placement | [`gait`] |
 //! | | constants of the robot | [`constants`] |
+//! | | taking over amid a step | [`resume`] |
 //! | | encoders | [`encoder`] |
 //! | | the process around it | [`process`] |
 //!
@@ -22,6 +23,7 @@ pub mod gait;
 pub mod pendulum;
 pub mod process;
 pub mod rate;
+pub mod resume;
 pub mod servo;
 pub mod support;
 pub mod swing;

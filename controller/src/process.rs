@@ -2,9 +2,9 @@
 
 use crate::{Controller, ControllerError};
 use messages::clock::{Patience, now_ns, random};
-use messages::port::{ControllerPort, PortError};
+use messages::port::{Ask, ControllerPort, PortError, Verdict};
 use messages::scene::Scene;
-use messages::wire::{Command, Stamp};
+use messages::wire::{Command, Reply, Request, Sensors, Stamp, Stamped};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -26,16 +26,20 @@ pub enum ProcessError {
 }
 
 /// Answers the plant at the other end of `port`, tick by tick, until it says goodbye. A plant that starts anew, with a
-/// new run number, gets a new controller.
+/// new run number, gets a new controller; sensors that come again, the same answer.
 ///
 /// # Errors
 /// See [`ProcessError`].
 pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &AtomicBool) -> Result<(), ProcessError> {
     let mut controller = Controller::new(scene)?;
     let mut waiting = Patience::new("plant", patience);
-    let mut stamp = Stamp { epoch: random(), ..Stamp::default() };
+    let mut answer = Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() };
     while !stop.load(Relaxed) {
-        let Some(sensors) = port.wait()? else {
+        while let Some(asked) = port.asked()? {
+            let reply = at_the_desk(&mut controller, &asked.request, &answer.stamp);
+            asked.answer(reply)?;
+        }
+        let Some(sensors) = port.wait()?.filter(Sensors::is_sound) else {
             match waiting.is_over() {
                 true => return Err(ProcessError::NoPlant(patience)),
                 false => continue,
@@ -44,15 +48,30 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
         if sensors.last != 0 {
             return Ok(());
         }
-        if stamp.run != sensors.stamp.run {
-            controller = Controller::new(scene)?;
-            stamp = Stamp { run: sensors.stamp.run, seq: 0, ..stamp };
-        }
-        let torques = controller.tick(&sensors.encoders)?;
-        stamp.seq += 1;
-        stamp = Stamp { ack: sensors.stamp.seq, sim_ns: sensors.stamp.sim_ns, mono_ns: now_ns(), ..stamp };
-        port.send(Command { stamp, torques, telemetry: controller.telemetry() })?;
         waiting.renew();
+        let asked = sensors.stamp;
+        if answer.stamp.run != asked.run {
+            controller = Controller::new(scene)?;
+            answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..answer.stamp };
+        }
+        if answer.stamp.ack != asked.seq {
+            answer.torques = controller.tick(&sensors.encoders)?;
+            answer.telemetry = controller.telemetry();
+        }
+        let seq = answer.stamp.seq + 1;
+        answer.stamp = Stamp { seq, ack: asked.seq, sim_ns: asked.sim_ns, mono_ns: now_ns(), ..answer.stamp };
+        port.send(answer)?;
     }
     Err(ProcessError::Interrupted)
+}
+
+/// Gait set-points, the one thing that this desk does.
+fn at_the_desk(controller: &mut Controller, request: &Request, stamp: &Stamp) -> Reply {
+    let verdict = match Ask::of(request) {
+        Ok(Ask::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
+        Ok(Ask::Set { .. }) => Verdict::OutOfRange,
+        Ok(_) => Verdict::WrongDesk,
+        Err(verdict) => verdict,
+    };
+    Reply { stamp: *stamp, verdict: verdict as u64, state: 0 }
 }

@@ -5,6 +5,7 @@ use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Phase, Reference};
 use crate::rate;
+use crate::resume;
 use crate::servo::{ServoModel, ServoState};
 use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Scene};
@@ -40,6 +41,10 @@ pub struct Controller {
     telemetry: Telemetry,
 }
 
+/// Periods of two steps that a set-point may have [s].
+const PERIODS: std::ops::RangeInclusive<f64> = 0.3..=2.0;
+/// Longest step that a set-point may ask for [m].
+const LONGEST_STEP: f64 = 0.15;
 /// Greatest joint rate that is asked for [rad/s].
 const RATE_LIMIT: f64 = 12.0;
 
@@ -74,6 +79,7 @@ impl Controller {
     pub fn tick(&mut self, encoders: &Encoders) -> Result<Torques, ControllerError> {
         let Controller { model, state, telemetry } = self;
         model.encoder.read(&mut state.encoder, encoders);
+        model.take_over(state);
         let mut task = model.chain.task(&state.in_support_order(&state.encoder.angle)); // (25)-(27)
         let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task));
         if model.gait.exchange_due(&gait) {
@@ -96,6 +102,24 @@ impl Controller {
         Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
 
+    /// Other gait set-points from now on: period of two steps [s] and walking speed [m/s], where given.
+    ///
+    /// # Errors
+    /// [`ControllerError::SetPoint`] for what no robot of this kind can do; then nothing changes.
+    pub fn set(&mut self, period: Option<f64>, speed: Option<f64>) -> Result<(), ControllerError> {
+        let model = &mut self.model;
+        let mut scene = model.scene.clone();
+        scene.period = period.unwrap_or(scene.period);
+        scene.speed = speed.unwrap_or(scene.speed);
+        let step = 0.5 * scene.period * scene.speed;
+        if !(PERIODS.contains(&scene.period) && step.abs() <= LONGEST_STEP) {
+            return Err(ControllerError::SetPoint { period: scene.period, speed: scene.speed });
+        }
+        model.gait = GaitModel::new(&scene, &model.chain, &model.constants, model.servo.period);
+        model.scene = scene;
+        Ok(())
+    }
+
     /// What the controller thought in the last tick.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
@@ -110,6 +134,26 @@ impl State {
 }
 
 impl Model {
+    /// In the first two ticks: on which foot the robot stands, and whether it is already stepping. One that stands still
+    /// on both feet is taken as standing on the left.
+    fn take_over(&self, state: &mut State) {
+        let side = |moving| resume::right_supports(&self.chain.task(&state.encoder.angle), moving);
+        match state.encoder.readings {
+            1 => state.right = side(false),
+            2 => {
+                let rate = self.encoder.unfiltered(&state.encoder);
+                let right = side(true);
+                let ordered = |q: &Joints| if right { mirror(q) } else { *q };
+                let task = self.chain.task(&ordered(&state.encoder.angle));
+                if let Some(gait) = self.gait.resume(&task, &ordered(&rate)) {
+                    let encoder = EncoderState { rate, ..state.encoder };
+                    *state = State { encoder, right, gait: Some(gait), servo: ServoState::default() };
+                }
+            }
+            _ => (),
+        }
+    }
+
     /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone:
     /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m].
     ///

@@ -14,30 +14,40 @@
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
 //! | drives and encoders | [`drive`] |
+//! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`] |
 //! | the record of a control period | [`truth`] |
 //! | delay, jitter and loss of commands | [`inject`] |
-//! | the process around it | [`process`] |
+//! | a run: plant, intake and the count of periods | [`simulation`] |
+//! | the process around it | [`process`], `link`, `desk`, `remarks` |
 //! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 
 pub mod composite;
 pub mod contact;
 pub mod delassus;
+mod desk;
 pub mod detect;
 pub mod drive;
 pub mod dynamics;
 pub mod error;
 pub mod factor;
+pub mod gate;
 pub mod inject;
+pub mod intake;
 pub mod kinematics;
+mod link;
 pub mod model;
 pub mod process;
+mod remarks;
+pub mod simulation;
 pub mod smallest;
 pub mod spatial;
 pub mod springs;
 pub mod state;
 pub mod step;
 pub mod truth;
+pub mod watchdog;
 
 pub use error::PlantError;
+pub use simulation::Simulation;
 pub use step::Plant;

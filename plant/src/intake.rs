@@ -1,0 +1,149 @@
+//! What reaches the drives of what the controller says:
+//!
+//! ```text
+//!   link → injector (delay, loss, …) → gate → newest accepted command → its age → watchdog → torques
+//! ```
+//! Pure, in simulated time: the same in one process and in two, in lockstep and in real time.
+
+use crate::gate::{Admission, Gate};
+use crate::inject::Injector;
+use crate::watchdog::{Mode, Watchdog};
+use messages::scene::Scene;
+use messages::wire::{Command, Encoders, JOINTS, Sensors, Stamp, Tally, Telemetry, Torques};
+use std::f64::consts::TAU;
+
+/// Damping of an abandoned joint, D [N·m·s/rad].
+const DAMPING: f64 = 2.0;
+
+/// The way to the drives, in one run.
+#[derive(Clone, Debug)]
+pub struct Intake {
+    injector: Option<Injector>,
+    gate: Gate,
+    watchdog: Watchdog,
+    /// Control rate times radians per encoder count [rad/s].
+    count_rate: f64,
+    newest: Option<Command>,
+    /// Whether the newest has come since torques were last asked for.
+    fresh: bool,
+    mode: Mode,
+    age: u64,
+    before: Encoders,
+    tally: Tally,
+}
+
+impl Intake {
+    /// For the run `run` of a scene.
+    pub fn new(scene: &Scene, run: u64) -> Intake {
+        Intake {
+            injector: (!scene.link.is_perfect()).then(|| Injector::new(&scene.link, 1.0 / scene.rate)),
+            gate: Gate::new(run, scene.plant.torque_limit),
+            watchdog: Watchdog::new(scene.rate),
+            count_rate: scene.rate * TAU / f64::from(scene.plant.encoder_bits).exp2(),
+            newest: None,
+            fresh: false,
+            mode: Mode::Wait,
+            age: 0,
+            before: Encoders::default(),
+            tally: Tally::default(),
+        }
+    }
+
+    /// A command comes in control period `now`, the number of the newest sensors. Until one has been accepted, none is
+    /// held up: the robot is switched on when the first one is there.
+    pub fn hear(&mut self, command: &Command, now: u64) {
+        match &mut self.injector {
+            Some(injector) if self.newest.is_some() => injector.push(now, command),
+            _ => self.look(command, now),
+        }
+    }
+
+    /// Torques for the period that begins with these sensors [N·m].
+    pub fn torques(&mut self, sensors: &Sensors) -> Torques {
+        let now = sensors.stamp.seq;
+        while let Some(command) = self.injector.as_mut().and_then(|injector| injector.pop(now)) {
+            self.look(&command, now);
+        }
+        let before = std::mem::replace(&mut self.before, sensors.encoders);
+        let Some(newest) = self.newest else { return Torques::default() };
+        self.age = now - newest.stamp.ack;
+        self.mode = self.watchdog.judge(self.age, std::mem::take(&mut self.fresh));
+        let tally = &mut self.tally;
+        match self.mode {
+            Mode::Hold => tally.held += 1,
+            Mode::Damp => tally.damped += 1,
+            Mode::Fault => tally.faulted += 1,
+            Mode::Wait | Mode::Run | Mode::Paused => (),
+        }
+        match self.mode {
+            Mode::Damp => self.damping(&sensors.encoders, &before),
+            Mode::Fault => Torques::default(),
+            Mode::Wait | Mode::Run | Mode::Paused | Mode::Hold => newest.torques,
+        }
+    }
+
+    /// Ends a fault.
+    pub fn rearm(&mut self) {
+        self.watchdog.rearm();
+    }
+
+    /// The gate, and what comes through it.
+    fn look(&mut self, command: &Command, now: u64) {
+        match self.gate.admit(command, now) {
+            Ok(Admission { lost, takeover }) => {
+                self.tally.lost += lost;
+                self.tally.takeovers += u64::from(takeover);
+                (self.newest, self.fresh) = (Some(*command), true);
+            }
+            Err(reason) => self.tally.refused[reason as usize] += 1,
+        }
+    }
+
+    /// τ = −D q̇, the rates being encoder differences.
+    fn damping(&self, now: &Encoders, before: &Encoders) -> Torques {
+        let rate = |joint: usize| (now.counts[joint] - before.counts[joint]) as f64 * self.count_rate;
+        let torque: [f64; JOINTS] = std::array::from_fn(|joint| -DAMPING * rate(joint));
+        Torques { torque }
+    }
+
+    /// Whether a command has been accepted yet.
+    pub fn has_begun(&self) -> bool {
+        self.newest.is_some()
+    }
+
+    /// The newest accepted command.
+    pub fn newest(&self) -> Option<&Command> {
+        self.newest.as_ref()
+    }
+
+    /// From sending the sensors to sending of the command that answers them, if that is the newest [ns].
+    pub fn reply_ns(&self, asked: &Stamp) -> u64 {
+        let answer = self.newest().filter(|newest| newest.stamp.ack == asked.seq);
+        answer.map_or(0, |answer| answer.stamp.mono_ns.saturating_sub(asked.mono_ns))
+    }
+
+    /// What its sender thought.
+    pub fn telemetry(&self) -> Telemetry {
+        self.newest.map_or_else(Telemetry::default, |command| command.telemetry)
+    }
+
+    /// What drove the last period.
+    pub fn mode(&self) -> Mode {
+        self.mode
+    }
+
+    /// Age of the command of the last period [control periods].
+    pub fn age(&self) -> u64 {
+        self.age
+    }
+
+    /// What was met so far.
+    pub fn tally(&self) -> &Tally {
+        &self.tally
+    }
+
+    /// The same, for what only the shell sees.
+    pub fn tally_mut(&mut self) -> &mut Tally {
+        &mut self.tally
+    }
+}

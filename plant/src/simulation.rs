@@ -1,0 +1,98 @@
+//! A run: the plant, what stands before its drives, and the count of its control periods.
+
+use crate::intake::Intake;
+use crate::watchdog::Mode;
+use crate::{Plant, PlantError};
+use messages::scene::Scene;
+use messages::wire::{Command, Encoders, Sensors, Stamp, Truth};
+
+/// A run of a scene. Pure: what of a clock is in its messages, the shell fills in.
+pub struct Simulation {
+    scene: Scene,
+    plant: Plant,
+    intake: Intake,
+    encoders: Encoders,
+    /// Control periods of the scene.
+    periods: u64,
+    /// Run, epoch, number and simulated time of the present sensors.
+    stamp: Stamp,
+}
+
+impl Simulation {
+    /// The run number `run` of a scene, at time zero, by the process `epoch`.
+    ///
+    /// # Errors
+    /// As [`Plant::new`].
+    pub fn new(scene: &Scene, run: u64, epoch: u64) -> Result<Simulation, PlantError> {
+        let plant = Plant::new(scene)?;
+        Ok(Simulation {
+            intake: Intake::new(scene, run),
+            encoders: plant.encoders(),
+            periods: (scene.duration * scene.rate).round() as u64,
+            stamp: Stamp { run, epoch, seq: 1, ..Stamp::default() },
+            scene: scene.clone(),
+            plant,
+        })
+    }
+
+    /// From the beginning, as the run number `run`; with another seed, if one is given.
+    ///
+    /// # Errors
+    /// As [`Plant::new`].
+    pub fn reset(&mut self, run: u64, seed: Option<u64>) -> Result<(), PlantError> {
+        let mut scene = self.scene.clone();
+        if let Some(seed) = seed {
+            (scene.plant.seed, scene.link.seed) = (seed, seed);
+        }
+        *self = Simulation::new(&scene, run, self.stamp.epoch)?;
+        Ok(())
+    }
+
+    /// What the robot's joints report now: number 1 at time zero. The last ones want no answer.
+    pub fn sensors(&self) -> Sensors {
+        Sensors { stamp: self.stamp, encoders: self.encoders, last: u64::from(self.stamp.seq > self.periods) }
+    }
+
+    /// What only a simulation knows, at the same instant.
+    pub fn truth(&self) -> Truth {
+        Truth {
+            stamp: self.stamp,
+            state: self.intake.mode() as u32,
+            age: self.intake.age() as u32,
+            tally: *self.intake.tally(),
+            telemetry: self.intake.telemetry(),
+            ..self.plant.truth()
+        }
+    }
+
+    /// A command comes, sealed.
+    pub fn hear(&mut self, command: &Command) {
+        self.intake.hear(command, self.stamp.seq);
+    }
+
+    /// One control period.
+    ///
+    /// # Errors
+    /// As [`Plant::advance`].
+    pub fn advance(&mut self) -> Result<(), PlantError> {
+        let torques = self.intake.torques(&self.sensors());
+        self.encoders = self.plant.advance(&torques)?;
+        self.stamp = Stamp { seq: self.stamp.seq + 1, sim_ns: self.plant.time_ns(), ..self.stamp };
+        Ok(())
+    }
+
+    /// As [`Plant::push`].
+    pub fn push(&mut self, body: usize, impulse: [f64; 3], duration: f64) -> bool {
+        self.plant.push(body, impulse, duration)
+    }
+
+    /// What drove the last period.
+    pub fn mode(&self) -> Mode {
+        self.intake.mode()
+    }
+
+    /// What stands before the drives.
+    pub fn intake(&mut self) -> &mut Intake {
+        &mut self.intake
+    }
+}

@@ -1,0 +1,183 @@
+//! Claims about the desk: what is asked of a running session is done, and nothing else.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+
+use messages::port::{Ask, Contract, Pace, PortError, RecorderPort, Verdict, ask};
+use messages::scene::Scene;
+use messages::session::Session;
+use messages::wire::{Reply, STATES, Truth};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything here: far more than it takes on a busy machine.
+const LONG: Duration = Duration::from_secs(60);
+
+fn biped(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// A running session and somebody who listens to it.
+struct Running {
+    session: Session,
+    launcher: Child,
+    port: RecorderPort,
+    latest: Truth,
+}
+
+impl Running {
+    fn start(name: &str, extra: &[&str]) -> Running {
+        let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
+        let arguments = ["run", "walk", "--quiet", "--realtime", "--session", session.name(), "--set"];
+        let mut launcher =
+            biped(&[&arguments[..], &["duration=600"], extra].concat()).spawn().expect("the program starts");
+        let begin = Instant::now();
+        while ask(&session, Ask::Resume).is_err() {
+            if let Some(status) = launcher.try_wait().expect("our own child") {
+                let Output { stderr, .. } = launcher.wait_with_output().expect("its last words");
+                panic!("{status}: {}", String::from_utf8_lossy(&stderr));
+            }
+            assert!(begin.elapsed() < LONG, "nobody came to the desk");
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        let port = RecorderPort::visit(&session).expect("listening");
+        Running { session, launcher, port, latest: Truth::default() }
+    }
+
+    fn ask(&self, what: Ask) -> Reply {
+        ask(&self.session, what).expect("an answer")
+    }
+
+    /// Listens until something holds.
+    fn until(&mut self, what: &str, mut holds: impl FnMut(&Truth) -> bool) -> Truth {
+        let begin = Instant::now();
+        loop {
+            assert!(begin.elapsed() < LONG, "{what} did not come true");
+            match self.port.read().expect("reading") {
+                Some(truth) => {
+                    self.latest = truth;
+                    if holds(&truth) {
+                        return truth;
+                    }
+                }
+                None => std::thread::sleep(Duration::from_millis(1)),
+            }
+        }
+    }
+
+    /// Everything said so far.
+    fn drain(&mut self) {
+        while let Some(truth) = self.port.read().expect("reading") {
+            self.latest = truth;
+        }
+    }
+
+    fn end(self) {
+        let Running { session, mut launcher, port, .. } = self;
+        drop(port);
+        launcher.kill().expect("our own child");
+        launcher.wait().expect("the launcher ends");
+        let begin = Instant::now();
+        while !session.leftovers().is_empty() {
+            assert!(begin.elapsed() < LONG, "something is left: {:?}", session.leftovers());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+}
+
+fn seconds(truth: &Truth) -> f64 {
+    truth.stamp.sim_ns as f64 * 1e-9
+}
+
+#[test]
+fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
+    let mut walk = Running::start("pause", &[]);
+    walk.until("a start", |truth| seconds(truth) > 0.2);
+    let reply = walk.ask(Ask::Pause);
+    assert_eq!((reply.verdict, STATES[reply.state as usize]), (Verdict::Done as u64, "paused"));
+    let held = walk.ask(Ask::Pause).stamp;
+    std::thread::sleep(Duration::from_millis(300));
+    assert_eq!(walk.ask(Ask::Pause).stamp, held, "time went on");
+    walk.ask(Ask::Step { periods: 25 });
+    let begin = Instant::now();
+    while walk.ask(Ask::Rearm).stamp.seq < held.seq + 25 {
+        assert!(begin.elapsed() < LONG, "the steps did not come");
+    }
+    std::thread::sleep(Duration::from_millis(100));
+    assert_eq!(walk.ask(Ask::Pause).stamp.seq, held.seq + 25);
+    walk.drain();
+    walk.ask(Ask::Resume);
+    let later = walk.until("going on", |truth| truth.stamp.seq > held.seq + 300);
+    assert_eq!(STATES[later.state as usize], "run");
+    assert_eq!(later.tally.skipped, walk.latest.tally.skipped, "a pause is no delay");
+    walk.end();
+}
+
+#[test]
+fn a_reset_begins_another_run_at_time_zero_and_walks_again() {
+    let mut walk = Running::start("reset", &[]);
+    let before = walk.until("a start", |truth| seconds(truth) > 0.5);
+    walk.ask(Ask::Reset { seed: Some(5) });
+    let first = walk.until("another run", |truth| truth.stamp.run != before.stamp.run);
+    assert!(first.stamp.seq < 20 && seconds(&first) < 0.05, "{:?}", first.stamp);
+    let after = walk.until("walking", |truth| truth.telemetry.steps > 2);
+    assert!(after.base_position[2] > 0.2, "it fell");
+    walk.end();
+}
+
+#[test]
+fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
+    let mut walk = Running::start("push", &["--set", "controller.gait=\"stand\"", "--set", "plant.friction=0.05"]);
+    walk.until("standing", |truth| seconds(truth) > 0.2);
+    // On ice little holds the robot: the impulse J gives the whole mass the momentum J.
+    walk.ask(Ask::Push { body: 4, impulse: [2.0, 0.0, 0.0], duration: 0.05 });
+    let pushed = seconds(&walk.until("motion", |truth| truth.base_velocity[0].abs() > 1e-2));
+    let after = walk.until("the end of the push", |truth| seconds(truth) > pushed + 0.06);
+    let mass: f64 = messages::robot::table_1().iter().map(|body| body.mass).sum();
+    let speed = 2.0 / mass;
+    assert!((after.base_velocity[0] - speed).abs() < 0.5 * speed, "{} m/s, not {speed}", after.base_velocity[0]);
+    assert_eq!(walk.ask(Ask::Push { body: 9, impulse: [0.0; 3], duration: 0.1 }).verdict, Verdict::NoSuchBody as u64);
+    let mad = Ask::Push { body: 4, impulse: [f64::NAN; 3], duration: 0.1 };
+    assert_eq!(walk.ask(mad).verdict, Verdict::OutOfRange as u64);
+    walk.end();
+}
+
+#[test]
+fn walking_speed_follows_its_set_point_and_nonsense_is_refused() {
+    let mut walk = Running::start("set", &["--speed", "3"]);
+    walk.until("walking", |truth| truth.telemetry.steps > 4);
+    assert_eq!(walk.ask(Ask::Set { period: None, speed: Some(9.0) }).verdict, Verdict::OutOfRange as u64);
+    assert_eq!(walk.ask(Ask::Set { period: None, speed: Some(0.0) }).verdict, Verdict::Done as u64);
+    let now = walk.latest.telemetry.steps;
+    let slow = walk.until("a few steps", |truth| truth.telemetry.steps > now + 8);
+    let later = walk.until("more steps", |truth| truth.telemetry.steps > now + 12);
+    let speed = (later.base_position[0] - slow.base_position[0]) / (seconds(&later) - seconds(&slow));
+    assert!(speed.abs() < 0.02, "{speed} m/s in place");
+    walk.end();
+}
+
+#[test]
+fn nobody_at_the_desk_and_a_choice_of_sessions_are_a_sentence_and_an_exit_code() {
+    let session = Session::unique();
+    assert!(matches!(ask(&session, Ask::Pause), Err(PortError::NoSession { .. })));
+    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+    let Output { status, stderr, .. } =
+        biped(&["pause", "--session", session.name()]).output().expect("the program runs");
+    let errors = String::from_utf8_lossy(&stderr);
+    assert_eq!(status.code(), Some(3), "{errors}");
+    assert!(errors.contains("no session") && errors.contains(session.name()), "{errors}");
+    for bad in [&["push", "1,2"][..], &["set"], &["step", "many"], &["set", "--speed", "fast"]] {
+        assert_eq!(biped(bad).output().expect("the program runs").status.code(), Some(2), "{bad:?}");
+    }
+}
+
+#[test]
+fn a_plant_alone_has_a_desk_too_and_sends_set_points_away() {
+    let session = Session::named(&format!("test-{}-alone", std::process::id())).expect("a good name");
+    let scene = Scene { duration: 1.0, ..Scene::default() };
+    let port = messages::port::PlantPort::open(&session, &Contract::of(&scene, Pace::Lockstep)).expect("plant");
+    let set = Ask::Set { period: None, speed: Some(0.1) };
+    assert!(matches!(ask(&session, set), Err(PortError::Absent { role: "controller", .. })));
+    drop(port);
+}
