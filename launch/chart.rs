@@ -11,6 +11,7 @@
 //! drawn ([`draw`], [`page`]) is drawn from these rows alone.
 
 mod cases;
+mod core;
 mod csv;
 mod draw;
 mod exact;
@@ -24,6 +25,7 @@ mod steps;
 mod thresholds;
 mod trial;
 
+use self::core::Core;
 use crate::exit::{Exit, Failure};
 use crate::report::write_whole;
 use crate::say;
@@ -60,6 +62,7 @@ pub struct ChartArgs {
 /// # Errors
 /// Ctrl-C, an unknown scene, or a folder that cannot be written.
 pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let begun = Instant::now();
     let chosen = cases::chosen(&args.scenes)?;
     let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
     std::fs::create_dir_all(&args.out).map_err(unwritable)?;
@@ -70,24 +73,28 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     rows.extend(failures::rows(&trials, &watch)?);
     rows.extend(thresholds::rows(&watch)?);
     rows.extend(models::rows(&watch)?);
-    let remark = match &args.peers {
-        None => "Other simulators are not drawn: biped chart --peers measures them too.".to_string(),
-        Some(None) => String::new(),
-        Some(Some(table)) => format!("Other simulators are those of {}, measured in another session.", table.display()),
-    };
-    if let Some(table) = &args.peers {
-        rows.extend(match table {
-            None => peers::rows(&args.out, args.quick, &watch)?,
-            Some(table) => peers::read(table)?,
-        });
+    let mut remarks = vec![Core::hold().remark()];
+    match &args.peers {
+        None => remarks.push("Other simulators are not drawn: biped chart --peers measures them too.".into()),
+        Some(None) => {
+            let (found, left_out) = peers::rows(&args.out, args.quick, &watch)?;
+            rows.extend(found);
+            remarks.extend([vec![peers::REMARK.into()], left_out].concat());
+        }
+        Some(Some(table)) => {
+            rows.extend(peers::read(table)?);
+            let origin = format!("Other simulators are those of {}, measured in another session.", table.display());
+            remarks.extend([origin, peers::REMARK.into()]);
+        }
     }
     watch.bar.finish_and_clear();
-    page::write(&args.out, &chosen, &rows, &remark).map_err(unwritable)?;
+    page::write(&args.out, &chosen, &rows, &remarks.join(" ")).map_err(unwritable)?;
     write_whole(&args.out.join("chart.csv"), &csv::table(&rows)).map_err(unwritable)?;
     say(format!(
-        "{} measurements in {}, drawn in chart.html beside it\n",
+        "{} measurements in {}, drawn in chart.html beside it; {:.0} s\n",
         rows.len(),
-        args.out.join("chart.csv").display()
+        args.out.join("chart.csv").display(),
+        begun.elapsed().as_secs_f64(),
     ));
     Ok(())
 }

@@ -13,6 +13,7 @@
 //! | what goes wrong, exit codes | [`exit`] |
 //! | asking a running session | [`desk`] |
 //! | contact problems as files | [`contact`] |
+//! | what a smaller model saves | [`model`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
 mod chart;
@@ -22,6 +23,7 @@ mod csv;
 mod desk;
 mod exit;
 mod list;
+mod model;
 mod progress;
 mod realtime;
 mod record;
@@ -37,6 +39,7 @@ use messages::load::load;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::scene::Scene;
 use messages::session::Session;
+use model::RunModel;
 use std::io::Write;
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -109,11 +112,11 @@ impl SceneArgs {
         Ok(if self.full { scene } else { plant::smallest::smallest(&scene).map_or(scene, |plan| plan.scene) })
     }
 
-    /// What that model has, and what the scene's own would have.
-    fn model(&self) -> Result<String, Failure> {
+    /// What that model has and costs, beside the scene's own.
+    fn model(&self) -> Result<RunModel, Failure> {
         let scene = load(&self.scene, &self.settings, list::SCENES)?;
         let plan = plant::smallest::smallest(&scene).map_err(plant::process::ProcessError::from)?;
-        Ok(if self.full { plan.full.to_string() } else { plan.to_string() })
+        Ok(RunModel::of(&scene, &plan, self.full))
     }
 }
 

@@ -87,7 +87,8 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
     }
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
-    let summary = Summary::new(&args.scene.scene, &watch.recorder, start.elapsed(), processes);
+    let wall = start.elapsed();
+    let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(args.scene.model()?);
     if let Some(folder) = &args.out {
         let text = load::text(&scene);
         report::write(folder, &watch.recorder, &summary, &scene, &text)
@@ -95,7 +96,6 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
             .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display())))?;
     }
     say(&summary);
-    say(format_args!("  {:<20} {}\n", "model", args.scene.model()?));
     match (summary.fall_time_s, outcome) {
         // What fails after a fall fails because of it.
         (Some(time), Ok(())) => Err(fell(time)),

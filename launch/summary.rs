@@ -1,5 +1,6 @@
 //! The run in numbers: `summary.json` and the table in the terminal.
 
+use crate::model::RunModel;
 use crate::record::{Recorder, Row};
 use serde::Serialize;
 use std::fmt::{self, Display};
@@ -77,6 +78,10 @@ pub struct Summary {
     pub steps_per_period: u64,
     /// Records left out because their pose was not finite.
     pub dropped: u64,
+    /// What the model has that was simulated, and what the scene's own has if that is larger.
+    pub model: String,
+    /// Its time for a step over that of the scene's own model, the median over the first steps of the scene; 1 if it is that one.
+    pub model_cost_ratio: f64,
 }
 
 /// Steps at the end of the walk that period and x_2 min are averaged over.
@@ -125,7 +130,14 @@ impl Summary {
             plant_median_s: recorder.spread.plant.quantile(0.5) * 1e-9,
             steps_per_period: recorder.steps_per_period,
             dropped: recorder.dropped,
+            model: String::new(),
+            model_cost_ratio: f64::NAN,
         }
+    }
+
+    /// With the model that was simulated.
+    pub fn on(self, model: RunModel) -> Self {
+        Summary { model: model.size, model_cost_ratio: model.cost_ratio, ..self }
     }
 
     /// As JSON, one key per line.
@@ -177,6 +189,14 @@ impl Summary {
         ]);
         if self.dropped > 0 {
             lines.push(("not finite", format!("{} records left out", self.dropped)));
+        }
+        if !self.model.is_empty() {
+            lines.push(("model", self.model.clone()));
+            let cost = match self.model_cost_ratio {
+                1.0 => "that of the full model, which it is".into(),
+                ratio => format!("{ratio:.2} of the full model's time for a step"),
+            };
+            lines.push(("cost of the model", cost));
         }
         lines
     }

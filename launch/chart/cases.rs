@@ -121,7 +121,7 @@ pub fn word(value: &impl Serialize) -> String {
 }
 
 /// Every integrator under one law, and every law with one integrator. In flight there is no law; where points come and
-/// go, or eight of them share a load, step doubling takes the shortest of its steps throughout and says nothing.
+/// go, or eight of them share a load, step doubling takes the shortest of its steps throughout; the page says so.
 pub fn ways(case: &Case) -> Vec<Way> {
     let steady = !matches!(case.question, Question::Rock | Question::Wheel | Question::Stand);
     let methods = Method::ALL.iter().filter(|&&method| steady || method != Method::StepDoubling);

@@ -1,6 +1,7 @@
 //! View (iv): model no more than a scene needs. The same scene on models of growing size: the same answer, at what cost?
 
 use super::cases::{self, LAW, METHOD, Way};
+use super::core::Core;
 use super::csv::{OURS, Row, View};
 use super::trial::{Log, Outcome, periods, time, watch};
 use super::{Job, Watch};
@@ -38,6 +39,7 @@ pub const GROUPS: [Group; 5] = [
 /// Ctrl-C, or a scene that is refused.
 pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
+    let _core = Core::hold();
     for group in GROUPS {
         let models = (group.models)()?;
         progress.expect(models.len());

@@ -10,18 +10,26 @@ use std::process::{Command, Stdio};
 /// The script, in the folder that this was built from.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/launch/chart/peers/run.py");
 
-/// Runs the script and reads the rows that it left in `folder`.
+/// What to know of them besides.
+pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \
+    bodies only, and for the time of its solver alone.";
+
+/// Runs the script and reads the rows that it left in `folder`; also a sentence for each engine that is missing.
 ///
 /// # Errors
 /// Ctrl-C, no Python, a script that fails, or a table that is none.
-pub fn rows(folder: &Path, quick: bool, watch: &Watch) -> Result<Vec<Row>, Failure> {
+pub fn rows(folder: &Path, quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
     let table = folder.join("peers.csv");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
     let mut command = Command::new("python3");
     command.arg(SCRIPT).arg("--out").arg(&table).args(quick.then_some("--quick")).stdout(Stdio::piped());
     let mut script = command.spawn().map_err(|error| fault(format!("python3 does not start: {error}")))?;
+    let mut left_out = Vec::new();
     for line in script.stdout.take().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
         watch.tell(&line);
+        if line.split_once(" left out, ").is_some_and(|(engine, _)| !engine.contains(' ')) {
+            left_out.push(format!("{line}."));
+        }
         if watch.is_stopped() {
             let _ = script.kill();
         }
@@ -33,7 +41,7 @@ pub fn rows(folder: &Path, quick: bool, watch: &Watch) -> Result<Vec<Row>, Failu
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }
-    read(&table)
+    Ok((read(&table)?, left_out))
 }
 
 /// The rows of a table that was measured before.

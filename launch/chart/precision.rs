@@ -1,6 +1,7 @@
 //! View (i): error against CPU time per simulated second, the step swept from coarse to fine.
 
 use super::cases::{self, Case, Way, steps, ways};
+use super::core::Core;
 use super::csv::{OURS, Row, View};
 use super::metrics::{HOP, Metric, PENETRATION, SIGNORINI, metrics};
 use super::trial::{Outcome, periods, time, watch};
@@ -57,6 +58,7 @@ pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>,
     }
     watch.expect(2 * plan.len());
     let mut trials: Vec<Trial> = plan.into_par_iter().map(|plan| run(plan, watch)).collect::<Result<_, Failure>>()?;
+    let _core = Core::hold();
     for trial in trials.iter_mut().filter(|trial| trial.result.is_ok()) {
         watch.step(Job::Timing)?;
         let (seconds, hash) = time(&trial.scene, &[])?;

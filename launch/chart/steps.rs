@@ -1,8 +1,9 @@
 //! View (ii): CPU time per step of 1 ms, for scenes of growing contact.
 
 use super::cases::{self, LAW, METHOD, Way};
+use super::core::Core;
 use super::csv::{OURS, Row, View};
-use super::trial::{Outcome, periods, time, watch};
+use super::trial::{Outcome, periods, quantile, times, watch};
 use super::{Job, Watch};
 use crate::exit::{Exit, Failure};
 use messages::scene::{Law, Method, Scene};
@@ -17,6 +18,10 @@ pub const LOADS: [(&str, &str, f64); 4] = [
 ];
 /// The step [s].
 const H: f64 = 1e-3;
+/// What half of all steps do not exceed, in the table.
+pub const MEDIAN: &str = "median";
+/// What 99 of 100 steps do not exceed.
+pub const P99: &str = "p99";
 
 /// The time per step of every law, and of every integrator under one law.
 ///
@@ -24,6 +29,7 @@ const H: f64 = 1e-3;
 /// Ctrl-C, or a scene that is refused. A way that cannot do a scene, or in which the robot falls, has no row.
 pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
+    let _core = Core::hold();
     for (name, _, duration) in LOADS {
         let ways = ways(name, quick);
         progress.expect(ways.len());
@@ -32,47 +38,40 @@ pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
             let mut scene = cases::scene(name, way, H, &[])?;
             let duration = if way.share() < 1.0 { 0.1 * duration } else { duration };
             scene.duration = if quick { duration.min(0.4) } else { duration };
-            let Some(seconds) = measure(&scene)? else { continue };
-            rows.push(Row {
-                view: View::Steps,
-                scene: name.into(),
-                engine: OURS.into(),
-                method: way.name(),
-                dt: H,
-                metric: String::new(),
-                error: f64::NAN,
-                cost: seconds / scene.duration,
-                us_per_step: 1e6 * seconds / periods(&scene) as f64,
-            });
+            let Some(mut times) = measure(&scene)? else { continue };
+            rows.extend([(MEDIAN, 0.5), (P99, 0.99)].map(|(metric, share)| {
+                let seconds = quantile(&mut times, share);
+                Row {
+                    view: View::Steps,
+                    scene: name.into(),
+                    engine: OURS.into(),
+                    method: way.name(),
+                    dt: H,
+                    metric: metric.into(),
+                    error: f64::NAN,
+                    cost: seconds / H,
+                    us_per_step: 1e6 * seconds,
+                }
+            }));
         }
     }
     Ok(rows)
 }
 
-/// Flight knows no law; the walk is tuned for its own integrator.
+/// Every integrator, then every law. Flight knows none, and what takes milliseconds a step would walk for minutes.
 fn ways(name: &str, quick: bool) -> Vec<Way> {
-    let laws = Law::ALL.iter().filter(|_| name != "free").map(|&law| Way { law, method: METHOD });
-    let methods = Method::ALL.iter().filter(|&&method| method != METHOD && name != "walk");
-    let own = Way { law: LAW, method: Method::SemiImplicitEuler };
-    let methods = methods.map(|&method| Way { law: LAW, method });
-    let mut ways: Vec<_> =
-        [Way { law: LAW, method: METHOD }].into_iter().chain(methods).chain(laws).chain([own]).collect();
-    let mut seen = Vec::new();
-    ways.retain(|way| {
-        let new = !seen.contains(way);
-        seen.push(*way);
-        // What takes milliseconds a step would walk for minutes.
-        new && (way.share() == 1.0 || name != "walk")
-    });
-    if quick { ways.into_iter().take(3).collect() } else { ways }
+    let methods = Method::ALL.iter().map(|&method| Way { law: LAW, method });
+    let laws = Law::ALL.iter().filter(|&&law| law != LAW && name != "free").map(|&law| Way { law, method: METHOD });
+    let ways = methods.chain(laws).filter(|way| way.share() == 1.0 || name != "walk");
+    if quick { ways.skip(1).take(3).collect() } else { ways.collect() }
 }
 
-/// CPU time of the scene [s]: torques are those that its controller gave in a run before, whose states must come again.
-fn measure(scene: &Scene) -> Result<Option<f64>, Failure> {
+/// Time of every step [s]: torques are those that the scene's controller gave in a run before, whose states must come again.
+fn measure(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
     let Some(torques) = driven(scene) else { return Ok(None) };
     let Outcome::Done(log) = watch(scene, &torques) else { return Ok(None) };
-    match time(scene, &torques)? {
-        (seconds, hash) if hash == log.hash => Ok(Some(seconds)),
+    match times(scene, &torques)? {
+        (times, hash) if hash == log.hash => Ok(Some(times)),
         _ => Err(Failure::new(Exit::Fault, "the timed run differs from the watched one")),
     }
 }

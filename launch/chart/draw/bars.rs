@@ -3,6 +3,7 @@
 use super::{Family, label};
 use crate::chart::csv::{Row, View};
 use crate::chart::models::Group;
+use crate::chart::steps::{MEDIAN, P99};
 use crate::report::plot::{Axis, Frame, LEFT, Mark, plot};
 use plotters::style::RGBColor;
 
@@ -13,41 +14,55 @@ const REACH: f64 = 0.52;
 
 /// View (ii) of a scene; none without measurements.
 pub fn steps(scene: &str, title: &str, rows: &[Row]) -> Option<String> {
-    let bars = rows.iter().filter(|row| row.view == View::Steps && row.scene == scene).map(|row| {
-        let name = if Family::of(row) == Family::Peer { label(row) } else { row.method.clone() };
-        (row.us_per_step, name, Family::of(row).colour(false))
+    let of_scene = || rows.iter().filter(|row| row.view == View::Steps && row.scene == scene);
+    let bars = of_scene().filter(|row| row.metric != P99).map(|row| {
+        let worst = of_scene().find(|other| other.metric == P99 && other.method == row.method && row.metric == MEDIAN);
+        let reach = worst.map_or(f64::NAN, |row| row.us_per_step);
+        Bar { us: row.us_per_step, reach, name: label(row), colour: Family::of(row).colour(false) }
     });
-    draw(title, "CPU time per step of 1 ms [µs]", bars.collect(), |us| format!("{us:.2}"), true)
+    draw(title, "time per step of 1 ms [µs]", bars.collect(), true)
 }
 
 /// View (iv) of a group; none without measurements.
 pub fn models(group: &Group, rows: &[Row]) -> Option<String> {
     let bars = rows.iter().filter(|row| row.view == View::Models && row.scene == group.name).map(|row| {
         let same = if row.error < 1e-13 { "the same".into() } else { format!("{:.0e} off", row.error) };
-        (row.us_per_step, format!("{}, {same}", row.method), LEFT)
+        Bar { us: row.us_per_step, reach: f64::NAN, name: format!("{}, {same}", row.method), colour: LEFT }
     });
-    draw(group.title, "CPU time per step of 1 ms [µs]", bars.collect(), |us| format!("{us:.2}"), false)
+    draw(group.title, "CPU time per step of 1 ms [µs]", bars.collect(), false)
 }
 
-type Bar = (f64, String, RGBColor);
+/// A cost, what it may reach (a thin line to there; NaN for none), whose it is.
+struct Bar {
+    us: f64,
+    reach: f64,
+    name: String,
+    colour: RGBColor,
+}
 
-fn draw(title: &str, what: &'static str, mut bars: Vec<Bar>, number: fn(f64) -> String, sort: bool) -> Option<String> {
-    bars.retain(|bar| bar.0 > 0.0);
+fn draw(title: &str, what: &'static str, mut bars: Vec<Bar>, sort: bool) -> Option<String> {
+    bars.retain(|bar| bar.us > 0.0);
     if bars.is_empty() {
         return None;
     }
     if sort {
-        bars.sort_by(|a, b| a.0.total_cmp(&b.0));
+        bars.sort_by(|a, b| a.us.total_cmp(&b.us));
     }
-    let logs = || bars.iter().map(|bar| bar.0.log10());
-    let from = (logs().fold(f64::INFINITY, f64::min) - 0.3).floor();
+    let logs = || bars.iter().map(|bar| bar.us.max(bar.reach).log10());
+    let from = (bars.iter().map(|bar| bar.us.log10()).fold(f64::INFINITY, f64::min) - 0.3).floor();
     let longest = (logs().fold(f64::MIN, f64::max) - from).max(0.7);
     let mut marks = Vec::new();
-    for (i, (us, name, colour)) in bars.iter().enumerate() {
-        let (top, bottom, end) = (-(i as f64) - 0.18, -(i as f64) - 0.82, us.log10());
+    for (i, Bar { us, reach, name, colour }) in bars.iter().enumerate() {
+        let (top, middle, bottom, end) = (-(i as f64) - 0.18, -(i as f64) - 0.5, -(i as f64) - 0.82, us.log10());
         marks.push(Mark::area(vec![(from, top), (end, top), (end, bottom), (from, bottom)], *colour).faint(0.75));
-        let at = (end + 0.015 * longest / REACH, -(i as f64) - 0.5);
-        marks.push(Mark::note(at, format!("{}  {name}", number(*us)), *colour));
+        let far = end.max(reach.log10());
+        let mut numbers = format!("{us:.2}");
+        if reach.is_finite() {
+            marks.push(Mark::thin(vec![(end, middle), (far, middle)], *colour));
+            numbers += &format!(" | {reach:.2}");
+        }
+        let at = (far + 0.015 * longest / REACH, middle);
+        marks.push(Mark::note(at, format!("{numbers}  {name}"), *colour));
     }
     let frame = Frame {
         title: title.into(),
