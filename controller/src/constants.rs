@@ -19,6 +19,8 @@ pub struct Constants {
     pub swing_coupling: f64,
     /// J_n, support order [kg·m²].
     pub nominal_inertia: Joints,
+    /// M + J_r 1: inertia of the joints with the supporting foot held, drives included, support order [kg·m²].
+    pub inertia: SMatrix<f64, JOINTS, JOINTS>,
     /// Greatest roll and pitch torque of the supporting ankle that keeps the sole flat [N·m].
     pub ankle_limit: [f64; 2],
 }
@@ -49,10 +51,12 @@ impl Constants {
         let weight = chain.total_mass * plant.gravity;
         let [along, across, swing] = [0, 1, 3].map(|k| zmp_shift(chain, &s, k, weight));
         let omega = [along[0], across[1]].map(|shift| (-1.0 / shift).sqrt());
+        let inertia = inertia(chain, &s, plant.drive_inertia);
         Ok(Constants {
             omega,
             swing_coupling: swing[0] * omega[0] * omega[0],
-            nominal_inertia: nominal_inertia(chain, &s, plant.drive_inertia),
+            nominal_inertia: nominal_inertia(inertia),
+            inertia,
             ankle_limit: [1, 0].map(|k| SOLE_SHARE * weight * chain.sole_half[k]),
         })
     }
@@ -107,8 +111,8 @@ fn link_tensor(chain: &Chain, at: &Posture, i: usize) -> Matrix3<f64> {
     at.rotation[i] * Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose()
 }
 
-/// J_n = 2/((M + J_r 1)⁻¹)_ii, M being the inertia matrix of the joints with the supporting foot held.
-fn nominal_inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> Joints {
+/// M + J_r 1, M being the inertia matrix of the joints with the supporting foot held.
+fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> SMatrix<f64, JOINTS, JOINTS> {
     let at = chain.place(s);
     let mut inertia = SMatrix::<f64, JOINTS, JOINTS>::identity() * drive_inertia;
     for i in 0..=JOINTS {
@@ -116,6 +120,11 @@ fn nominal_inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> Joints {
         let tensor = link_tensor(chain, &at, i);
         inertia += chain.mass[i] * linear.tr_mul(&linear) + angular.tr_mul(&(tensor * angular));
     }
+    inertia
+}
+
+/// J_n = 2/((M + J_r 1)⁻¹)_ii.
+fn nominal_inertia(inertia: SMatrix<f64, JOINTS, JOINTS>) -> Joints {
     match inertia.cholesky() {
         Some(factor) => factor.inverse().diagonal().map(|inverse| INERTIA_MARGIN / inverse),
         None => Joints::repeat(f64::NAN),

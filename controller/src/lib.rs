@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | story of one period | read, observe, plan, resolve, drive | [`tick`] |
 //! | bottom (23), (24) | sliding-mode servo with disturbance observer | [`servo`] |
+//! | | how much delay it bears | [`stability`] |
 //! | middle (25)-(27) | task and Jacobian from the supporting foot | [`support`] |
 //! | middle (28)-(30) | resolved motion rate as a QP | [`rate`] |
 //! | top (31)-(42) | pendulum energies | [`pendulum`] |
@@ -25,6 +26,7 @@ pub mod process;
 pub mod rate;
 pub mod resume;
 pub mod servo;
+pub mod stability;
 pub mod support;
 pub mod swing;
 pub mod tick;

@@ -256,6 +256,6 @@ impl Model {
 const SWING_SHARE: [f64; 2] = [0.46, 0.31];
 
 /// The bent-kneed posture from which the search for others starts [rad, support order].
-fn crouch() -> Joints {
+pub(crate) fn crouch() -> Joints {
     Joints::from([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])
 }

@@ -1,0 +1,106 @@
+//! Claim: a joint of the simulated plant, driven by the servo over a link with delay, is unstable exactly where the
+//! eigenvalues of the sampled loop say.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use controller::encoder::{EncoderModel, EncoderState};
+use controller::servo::{ServoModel, ServoState};
+use controller::stability::ServoLoop;
+use controller::support::Joints;
+use messages::load::parse;
+use messages::scene::{ControllerScene, LinkScene, Scene};
+use messages::wire::{Command, Torques};
+use plant::Plant;
+use plant::inject::Injector;
+
+/// A wheel of .5 kg·m² on a bolted axle, no gravity, turning.
+const WHEEL: &str = r#"
+[plant]
+base = "fixed"
+gravity = 0.0
+drive_inertia = 0.0
+encoder_bits = 30
+torque_limit = 1e4
+[initial]
+joint_rates = [0.01]
+[[bodies]]
+name = "axle"
+mass = 1.0
+size = [0.1, 0.1, 0.1]
+[[bodies]]
+name = "wheel"
+mass = 1.0
+size = [0.1, 0.1, 0.1]
+inertia = [0.5, 0.5, 0.5]
+joint = { parent = "axle", axis = [0.0, 0.0, 1.0], at = [0.0, 0.0, 0.0] }
+"#;
+const INERTIA: f64 = 0.5;
+const PERIODS: usize = 6000;
+
+/// Speed of the wheel at each period until it is 20 times as fast [rad/s].
+fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> Vec<f64> {
+    let period = 1.0 / scene.rate;
+    let mut plant = Plant::new(scene).expect("a good scene");
+    let mut link =
+        Injector::new(&LinkScene { delay_ms: 1e3 * period * f64::from(delay), ..LinkScene::default() }, period);
+    let reader = EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz);
+    let servo = ServoModel::new(settings, Joints::repeat(ratio * INERTIA), period);
+    let (mut reading, mut state, mut newest) = (EncoderState::default(), ServoState::default(), Command::default());
+    let (zero, limit) = (Joints::zeros(), Joints::repeat(1e3));
+    let mut speeds = Vec::new();
+    let mut encoders = plant.encoders();
+    for tick in 0..PERIODS as u64 {
+        reader.read(&mut reading, &encoders);
+        servo.observe(&mut state, &reading.rate);
+        let (torque, _) = servo.drive(&mut state, &reading.rate, &zero, &zero, &limit);
+        link.push(tick, &Command { torques: Torques { torque: torque.into() }, ..Command::default() });
+        while let Some(command) = link.pop(tick) {
+            newest = command;
+        }
+        encoders = plant.advance(&newest.torques).expect("a period");
+        let speed = plant.truth().rate[0];
+        if speed.abs() > 0.2 {
+            break;
+        }
+        speeds.push(speed);
+    }
+    speeds
+}
+
+/// Factor per period between the greatest speeds of two long stretches, the second the last one above the noise of
+/// the encoders.
+fn growth(speeds: &[f64]) -> f64 {
+    let loud = speeds.iter().rposition(|speed| speed.abs() > 1e-3).unwrap_or(0) + 1;
+    let stretch = loud / 3;
+    let most = |part: &[f64]| part.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()));
+    let (early, late) = (most(&speeds[loud - 2 * stretch..loud - stretch]), most(&speeds[loud - stretch..loud]));
+    (late / early).powf(1.0 / stretch as f64)
+}
+
+#[test]
+fn the_loop_is_unstable_exactly_where_its_eigenvalues_say() {
+    let (scene, settings) = (parse(WHEEL, "wheel").expect("a scene"), ControllerScene::default());
+    for ratio in [0.5, 1.0, 2.0, 2.5, 3.581, 6.0] {
+        let servo = ServoLoop {
+            inertia_ratio: ratio,
+            period: 1.0 / scene.rate,
+            switch_rate: settings.switch_rate,
+            observer_bandwidth: settings.observer_bandwidth,
+            rate_filter_hz: settings.rate_filter_hz,
+            midpoint: 0.75, // two steps of Euler's a period
+        };
+        let critical = servo.critical_delay();
+        for delay in (0..30_u32).filter(|delay| (f64::from(*delay) - critical).abs() < 4.0) {
+            let (speeds, radius) = (speeds(&scene, &settings, ratio, delay), servo.spectral_radius(f64::from(delay)));
+            let has_grown = speeds.len() < PERIODS;
+            assert_eq!(has_grown, radius > 1.0, "ratio {ratio}, delay {delay}: spectral radius {radius}");
+            assert_eq!(has_grown, f64::from(delay) > critical, "ratio {ratio}, delay {delay}: limit {critical}");
+            // Beside the limit, one slow oscillation outlasts all others.
+            if (f64::from(delay) - critical).abs() < 1.0 && (radius - 1.0).abs() < 0.01 {
+                let growth = growth(&speeds);
+                let off = (growth - radius).abs();
+                assert!(off < 5e-4, "ratio {ratio}, delay {delay}: {growth} a period, spectral radius {radius}");
+            }
+        }
+    }
+}
