@@ -6,6 +6,7 @@
 //! | the main job | [`run`] |
 //! | tables of many runs | [`study`] |
 //! | speed against accuracy | [`chart`] |
+//! | how much delay, jitter and loss it bears | [`robustness`] |
 //! | starting, watching and ending processes | [`children`] |
 //! | real-time scheduling | [`realtime`] |
 //! | progress bar and live line | [`progress`] |
@@ -28,6 +29,7 @@ mod progress;
 mod realtime;
 mod record;
 mod report;
+mod robustness;
 mod run;
 mod study;
 mod summary;
@@ -63,6 +65,8 @@ enum Command {
     Study(study::StudyArgs),
     /// Chart speed against accuracy: every law, integrator and model size, beside other engines
     Chart(chart::ChartArgs),
+    /// Map how much delay, jitter and loss of commands the walk bears
+    Robustness(robustness::RobustnessArgs),
     /// Solve the contact problem that a run could not solve, by every law
     Contact(contact::ContactArgs),
     /// Be the plant of a session
@@ -180,6 +184,7 @@ fn main() -> ExitCode {
         Some(Command::Run(args)) => run::run(&args, &stop),
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Chart(args)) => chart::run(&args, &stop),
+        Some(Command::Robustness(args)) => robustness::run(&args, &stop),
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),

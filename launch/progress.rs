@@ -4,6 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use messages::scene::Scene;
 use messages::wire::{PHASES, Truth};
 use std::io::IsTerminal;
+use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
 /// Time between plain lines.
@@ -83,5 +84,44 @@ impl Progress {
             telemetry.energy[1],
             time / self.start.elapsed().as_secs_f64().max(1e-3),
         )
+    }
+}
+
+/// The progress of many runs, on standard error: a bar on a terminal, plain lines elsewhere.
+pub struct Counter {
+    bar: ProgressBar,
+    what: &'static str,
+    /// When the last plain line was printed; none are where there is a bar, or silence.
+    told: Option<Mutex<Instant>>,
+}
+
+impl Counter {
+    /// So many are to be done, and so many are done already.
+    pub fn new(quiet: bool, length: usize, done: usize, what: &'static str) -> Counter {
+        let terminal = std::io::stderr().is_terminal();
+        let target = if terminal && !quiet { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
+        let bar = ProgressBar::with_draw_target(Some(length as u64), target).with_position(done as u64);
+        let template = format!("[{{bar:24}}] {{pos}} of {{len}} {what}, {{elapsed}}, {{eta}} to go");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
+            bar.set_style(style.progress_chars("=> "));
+        }
+        bar.reset_eta();
+        Counter { bar, what, told: (!terminal && !quiet).then(|| Mutex::new(Instant::now())) }
+    }
+
+    /// One more is done.
+    pub fn step(&self) {
+        self.bar.inc(1);
+        if let Some(Ok(mut told)) = self.told.as_ref().map(Mutex::lock)
+            && told.elapsed() > LINE_INTERVAL
+        {
+            *told = Instant::now();
+            eprintln!("{} of {} {}", self.bar.position(), self.bar.length().unwrap_or(0), self.what);
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 }

@@ -10,7 +10,7 @@ use crate::summary::Summary;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
 use messages::load::load;
-use messages::scene::Law;
+use messages::scene::{Law, Scene};
 use rayon::prelude::*;
 use std::fmt::Write;
 use std::io;
@@ -59,7 +59,7 @@ struct Case {
 }
 
 /// What became of it: a summary, also of a fall, or why there is none.
-type Outcome = Result<Summary, String>;
+pub type Outcome = Result<Summary, String>;
 
 fn case(name: impl Into<String>, scene: &'static str, settings: &[&str]) -> Case {
     Case { name: name.into(), scene, settings: settings.iter().map(|setting| (*setting).into()).collect() }
@@ -117,9 +117,16 @@ fn write(folder: &Path, study: Study, markdown: &str, csv: &str) -> io::Result<(
 }
 
 fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
-    let scene = load(case.scene, &case.settings, SCENES)?;
-    let (mut recorder, start) = (Recorder::new(&scene), Instant::now());
-    let result = in_process(&scene, |truth| {
+    observe(case.scene, &load(case.scene, &case.settings, SCENES)?, stop)
+}
+
+/// Runs a scene in this process, to its end or its fall.
+///
+/// # Errors
+/// Ctrl-C alone: whatever else goes wrong is an outcome.
+pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
+    let (mut recorder, start) = (Recorder::new(scene), Instant::now());
+    let result = in_process(scene, |truth| {
         recorder.push(truth);
         goes_on(&recorder, stop)
     });
@@ -127,7 +134,7 @@ fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
         Err(failure) if failure.exit == Exit::Interrupted => Err(failure),
         // What fails after a fall fails because of it.
         Err(failure) if recorder.extremes.fall.is_none() => Ok(Err(failure.message)),
-        _ => Ok(Ok(Summary::new(case.scene, &recorder, start.elapsed(), 1))),
+        _ => Ok(Ok(Summary::new(name, &recorder, start.elapsed(), 1))),
     }
 }
 

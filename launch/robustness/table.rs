@@ -1,0 +1,172 @@
+//! The table: one row for each run, appended as runs end, sorted when all have.
+
+use super::grid::{Case, Grid};
+use super::unwritable;
+use crate::exit::{Exit, Failure};
+use crate::report::write_whole;
+use crate::study::Outcome;
+use crate::summary::Summary;
+use std::fs::{File, OpenOptions};
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+const HEADER: &str = "case,with,delay_ms,jitter_ms,jitter,loss,seed,outcome,fall_s,speed_mps,period_s,period_std_ms,drift_m,tilt_deg,hash";
+/// Cells of a row that say what came out.
+const RESULTS: usize = 8;
+/// A run that stayed up.
+pub const UP: &str = "up";
+
+/// The rows of runs that have ended, by number; a file that grows with them.
+pub struct Table {
+    path: PathBuf,
+    begin: String,
+    growing: Mutex<(File, Vec<Option<String>>)>,
+}
+
+impl Table {
+    /// Opens a table, with the rows that an earlier run of the same sweep has left; a row that was cut short is dropped.
+    ///
+    /// # Errors
+    /// A file of another sweep, or one that cannot be written.
+    pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
+        let mut rows = vec![None; cases.len()];
+        match std::fs::read_to_string(path) {
+            Ok(old) => take(path, &old, grid, cases, &mut rows)
+                .map_err(|failure| Failure::new(failure.exit, format!("{}; choose another --out", failure.message)))?,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => (),
+            Err(error) => return Err(unreadable(path, &error)),
+        }
+        let failed = |error: std::io::Error| unwritable(path, &error);
+        write_whole(path, &text(grid, &rows)).map_err(failed)?;
+        let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
+        Ok(Table { path: path.into(), begin: begin(grid), growing: Mutex::new((file, rows)) })
+    }
+
+    /// Whether a run is there.
+    pub fn has(&self, number: usize) -> bool {
+        self.growing.lock().unwrap_or_else(PoisonError::into_inner).1[number].is_some()
+    }
+
+    /// Takes the outcome of a run, into the file too.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn append(&self, case: &Case, outcome: &Outcome) -> Result<(), Failure> {
+        let row = format!("{},{}\n", key(case), results(outcome));
+        let mut growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner);
+        growing.0.write_all(row.as_bytes()).map_err(|error| unwritable(&self.path, &error))?;
+        growing.1[case.number] = Some(row);
+        Ok(())
+    }
+
+    /// Sorts the file, and gives the rows.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn finish(self) -> Result<Vec<Option<String>>, Failure> {
+        let rows = self.growing.into_inner().unwrap_or_else(PoisonError::into_inner).1;
+        write_whole(&self.path, &joined(&self.begin, &rows)).map_err(|error| unwritable(&self.path, &error))?;
+        Ok(rows)
+    }
+}
+
+/// The rows of several tables of one sweep.
+///
+/// # Errors
+/// A file of another sweep, rows that contradict each other, or a run that none of them has.
+pub fn merge(paths: &[PathBuf], grid: &Grid, cases: &[Case]) -> Result<Vec<Option<String>>, Failure> {
+    let mut rows = vec![None; cases.len()];
+    for path in paths {
+        let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+        take(path, &text, grid, cases, &mut rows)?;
+    }
+    let missing = rows.iter().filter(|row| row.is_none()).count();
+    match rows.iter().position(Option::is_none) {
+        None => Ok(rows),
+        Some(first) => {
+            let message = format!("{missing} of {} runs are in none of the files, run {first} among them", rows.len());
+            Err(Failure::new(Exit::Usage, message))
+        }
+    }
+}
+
+/// The whole table as text.
+pub fn text(grid: &Grid, rows: &[Option<String>]) -> String {
+    joined(&begin(grid), rows)
+}
+
+/// What a row says of its run: outcome, time of the fall and so on, as far as they apply.
+pub fn cells<'a>(case: &Case, row: &'a str) -> Vec<&'a str> {
+    row.trim_end().strip_prefix(&format!("{},", key(case))).map_or(vec![], |rest| rest.split(',').collect())
+}
+
+fn joined(begin: &str, rows: &[Option<String>]) -> String {
+    [begin].into_iter().chain(rows.iter().flatten().map(String::as_str)).collect()
+}
+
+/// The first two lines: which sweep this is, and the names of the columns.
+fn begin(grid: &Grid) -> String {
+    format!("# biped {} robustness, sweep {:016x}\n{HEADER}\n", env!("CARGO_PKG_VERSION"), grid.hash())
+}
+
+/// The cells that name a run.
+fn key(case: &Case) -> String {
+    let link = &case.link;
+    let jitter = format!("{:?}", link.jitter).to_lowercase();
+    let with = match case.variation.name.as_str() {
+        "" => String::new(),
+        name => format!("\"{}\"", name.replace('"', "\"\"")),
+    };
+    format!("{},{with},{},{},{jitter},{},{}", case.number, link.delay_ms, link.jitter_ms, link.loss, link.seed)
+}
+
+fn results(outcome: &Outcome) -> String {
+    match outcome {
+        Err(words) => words.replace([',', '\n'], ";") + &",".repeat(RESULTS - 1),
+        Ok(Summary { fall_time_s: Some(time), .. }) => format!("fell,{time:.3}{}", ",".repeat(RESULTS - 2)),
+        Ok(up) => {
+            let numbers = [
+                (up.speed_mps, 4),
+                (up.period_s, 4),
+                (1e3 * up.period_std_s, 2),
+                (up.lateral_max_m, 4),
+                (up.foot_tilt_max_deg, 3),
+            ];
+            let number = |(value, digits): (f64, usize)| {
+                if value.is_finite() { format!("{value:.digits$},") } else { ",".into() }
+            };
+            format!("{UP},,{}{}", numbers.map(number).concat(), up.trajectory_hash)
+        }
+    }
+}
+
+/// Takes the rows of a file into `rows`.
+fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option<String>]) -> Result<(), Failure> {
+    let refuse = |words: String| Failure::new(Exit::Usage, format!("{} {words}", path.display()));
+    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+    let begin = begin(grid);
+    let Some(body) = whole.strip_prefix(&begin) else {
+        return match begin.starts_with(whole) {
+            true => Ok(()),
+            false => Err(refuse("is the table of another sweep: another scene, grid or version".into())),
+        };
+    };
+    for line in body.split_inclusive('\n') {
+        let case = line.split(',').next().and_then(|number| cases.get(number.parse::<usize>().ok()?));
+        let Some(case) = case.filter(|case| cells(case, line).len() == RESULTS) else {
+            return Err(refuse(format!("has a line that is no row of this sweep: `{}`", line.trim_end())));
+        };
+        match &rows[case.number] {
+            Some(known) if known != line => {
+                return Err(refuse(format!("has another result for run {} than the file before", case.number)));
+            }
+            _ => rows[case.number] = Some(line.into()),
+        }
+    }
+    Ok(())
+}
+
+fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
+    Failure::new(Exit::Usage, format!("{} cannot be read: {error}", path.display()))
+}

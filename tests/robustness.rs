@@ -1,0 +1,166 @@
+//! Claims about `biped robustness`: shards and interruptions leave the same file as one quiet run, and bad wishes are
+//! refused in one sentence.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod common;
+
+use common::fresh_path;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn biped(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    command.args(["robustness", "--quick", "--quiet"]).args(arguments).stdin(Stdio::null());
+    command
+}
+
+fn output(arguments: &[&str], folder: &Path) -> Output {
+    biped(arguments).arg("--out").arg(folder).output().expect("the program starts")
+}
+
+/// Sweeps; the folder's table and map.
+fn sweep(arguments: &[&str], folder: &Path) -> [String; 2] {
+    let output = output(arguments, folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    ["robustness.csv", "robustness.svg"].map(|name| read(&folder.join(name)))
+}
+
+fn read(path: &Path) -> String {
+    std::fs::read_to_string(path).unwrap_or_default()
+}
+
+#[test]
+fn shards_and_interrupted_sweeps_leave_the_same_file_as_one() {
+    let folder = fresh_path("robustness");
+    let whole = sweep(&[], &folder.join("whole"));
+    let rows: Vec<&str> = whole[0].lines().skip(2).collect();
+    assert_eq!(rows.len(), 16);
+
+    // Shards, merged in any order.
+    let mut files: Vec<PathBuf> = Vec::new();
+    for shard in ["3/3", "1/3", "2/3"] {
+        assert!(output(&["--shard", shard], &folder).status.success(), "{shard}");
+        files.push(folder.join(format!("robustness-{}.csv", shard.replace('/', "-of-"))));
+    }
+    let names: Vec<&str> = files.iter().map(|file| file.to_str().expect("a name")).collect();
+    let merged = sweep(&[&["--merge"], &names[..]].concat(), &folder.join("merged"));
+    assert_eq!(merged, whole);
+    let lacking = output(&["--merge", names[0], names[2]], &folder.join("lacking"));
+    let words = String::from_utf8_lossy(&lacking.stderr);
+    assert_eq!(lacking.status.code(), Some(2), "{words}");
+    assert!(words.contains("of 16 runs are in none of the files") && words.lines().count() == 1, "{words}");
+
+    // Cut in the middle of a row, in the order in which runs ended. What is there is not run again: a false speed stays.
+    let cut = folder.join("cut");
+    std::fs::create_dir_all(&cut).expect("a folder");
+    let head: Vec<&str> = whole[0].lines().take(2).collect();
+    let half = |row: &str| row[..row.len() / 2].to_string();
+    let false_row = rows[0].replacen("up,,0.", "up,,9.", 1);
+    assert_ne!(false_row, rows[0]);
+    let rest = [head.join("\n"), rows[7].into(), false_row.clone(), half(rows[3])].join("\n");
+    std::fs::write(cut.join("robustness.csv"), rest).expect("a table");
+    let resumed = sweep(&[], &cut);
+    assert_eq!(resumed[0], whole[0].replacen(rows[0], &false_row, 1));
+
+    // The same cut within the first line.
+    std::fs::write(cut.join("robustness.csv"), &whole[0][..20]).expect("a table");
+    assert_eq!(sweep(&[], &cut), whole);
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn a_walk_bears_some_delay_but_not_any() {
+    let folder = fresh_path("robustness");
+    let [table, map] = sweep(&["--delay", "0,2,12", "--jitter", "0", "--loss", "0,1"], &folder);
+    let fates: Vec<&str> = table.lines().skip(2).filter_map(|row| row.split(',').nth(7)).collect();
+    assert_eq!(fates[..3], ["up", "up", "fell"], "{table}");
+    assert!(fates[3..].iter().all(|fate| *fate != "up"), "without any command: {table}");
+    assert!(map.contains("loss 0") && map.contains("loss 1") && !map.contains("NaN"), "{map}");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn another_value_of_a_key_is_another_map() {
+    let folder = fresh_path("robustness");
+    let [table, map] = sweep(
+        &["--delay", "0", "--jitter", "0", "--loss", "0", "--with", "plant.push_impulse=[0,1,0],[0,9,0]"],
+        &folder,
+    );
+    let rows: Vec<&str> = table.lines().skip(2).collect();
+    assert!(rows[0].starts_with("0,\"plant.push_impulse=[0,1,0]\",0,0,") && rows[0].contains(",up,"), "{table}");
+    assert!(rows[1].starts_with("1,\"plant.push_impulse=[0,9,0]\",0,0,") && rows[1].contains(",fell,"), "{table}");
+    assert!(map.contains("[0,9,0]"), "{map}");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn interrupted_it_keeps_what_was_done() {
+    let folder = fresh_path("robustness");
+    let child = biped(&["--seeds", "500", "--out"])
+        .arg(&folder)
+        .stderr(Stdio::piped())
+        .stdout(Stdio::null())
+        .spawn()
+        .expect("the program starts");
+    let path = folder.join("robustness.csv");
+    let start = Instant::now();
+    while read(&path).lines().count() < 5 && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).expect("it is there");
+    let output = child.wait_with_output();
+    let output = output.expect("it ends");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{words}");
+    assert!(words.contains("of 8000 runs are in") && words.lines().count() == 1, "{words}");
+    let table = read(&path);
+    assert!(table.ends_with('\n') && table.lines().count() >= 5);
+    let numbers: Vec<usize> = table.lines().skip(2).filter_map(|row| row.split(',').next()?.parse().ok()).collect();
+    assert!(numbers.is_sorted() && numbers.len() == table.lines().count() - 2);
+    let files = std::fs::read_dir(&folder).expect("a folder").count();
+    assert_eq!(files, 1, "no drafts, and no map of a part");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn a_bad_wish_is_refused_in_one_sentence() {
+    let folder = fresh_path("robustness");
+    let refused: [(&[&str], &[&str]); 12] = [
+        (&["--delay", "3,1"], &["--delay", "3 comes before 1", "ascend"]),
+        (&["--jitter", "1,1"], &["--jitter", "ascend"]),
+        (&["--delay", "-1"], &["link.delay_ms = -1", "between 0 and 1000"]),
+        (&["--delay=nan"], &["link.delay_ms", "finite"]),
+        (&["--loss", "0,1.5"], &["link.loss = 1.5", "between 0 and 1"]),
+        (&["--with", "friction"], &["--with friction", "plant.friction=0.7,0.3"]),
+        (&["--with", "plant.fricton=0.3"], &["`fricton`", "`friction`"]),
+        (&["--set", "plant.dt=0"], &["plant.dt", "greater than 0"]),
+        (&["wlak"], &["wlak", "walk"]),
+        (&["drop"], &["drop has no controller"]),
+        (&["--merge", "/dev/null/none.csv"], &["/dev/null/none.csv cannot be read"]),
+        (&["--merge", "README.md"], &["README.md is the table of another sweep"]),
+    ];
+    for (arguments, expected) in refused {
+        let output = output(arguments, &folder);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
+        assert!(words.lines().count() == 1, "{arguments:?}: {words}");
+        assert!(expected.iter().all(|word| words.contains(word)), "{arguments:?}: {words}");
+    }
+    // These end in the argument parser, which adds how to get help.
+    for (arguments, word) in
+        [(["--shard", "5/4"], "i from 1 to n"), (["--seeds", "0"], "1..=1000"), (["--loss", "x"], "x")]
+    {
+        let output = output(&arguments, &folder);
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && words.contains(word), "{arguments:?}: {words}");
+    }
+    let output = output(&[], Path::new("/dev/null/robustness"));
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{words}");
+    assert!(words.contains("/dev/null/robustness cannot be written") && words.lines().count() == 1, "{words}");
+    let _ = std::fs::remove_dir_all(folder);
+}
