@@ -10,7 +10,7 @@
 //!   D⁺ = φ D + (1 − φ)(u − (r⁺ − r)/T)             observer: φ = exp(−g T)
 //!   u⁺ = D⁺ − κ r⁺                                 boundary layer
 //! ```
-//! β = ½ where the torque accelerates continuously, ½ + 1/(2n) where the plant does it in n steps of Euler's. The loop is
+//! β = ½ where the torque accelerates continuously, ½ + 1/(2n) where the plant does it in n steps of the paper's method. The loop is
 //! stable while all eigenvalues of this map of (v, r, D, u, u_{−1}, …, u_{−d}) lie within the unit circle. A delay d + ε
 //! takes the share ε of the torque from a period earlier still.
 
@@ -18,7 +18,7 @@ use crate::constants::Constants;
 use crate::error::ControllerError;
 use crate::support::{Chain, Joints};
 use crate::tick::crouch;
-use messages::scene::Scene;
+use messages::scene::{Method, Scene};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::TAU;
 
@@ -59,13 +59,18 @@ pub fn loops(scene: &Scene) -> Result<Vec<ServoLoop>, ControllerError> {
     let scaled = constants.inertia.map_with_location(|i, j, m| m / (scale[i] * scale[j]));
     let mut ratios: Vec<f64> = SymmetricEigen::new(scaled).eigenvalues.iter().map(|inverse| 1.0 / inverse).collect();
     ratios.sort_by(f64::total_cmp);
+    let midpoint = match scene.plant.method {
+        Method::SemiImplicitEuler => 0.5 + 0.5 * scene.rate * scene.plant.dt,
+        Method::ExplicitEuler => 0.5 - 0.5 * scene.rate * scene.plant.dt,
+        _ => 0.5,
+    };
     let servo = |inertia_ratio| ServoLoop {
         inertia_ratio,
         period: 1.0 / scene.rate,
         switch_rate: settings.switch_rate,
         observer_bandwidth: settings.observer_bandwidth,
         rate_filter_hz: settings.rate_filter_hz,
-        midpoint: 0.5 + 0.5 * scene.rate * scene.plant.dt,
+        midpoint,
     };
     Ok(ratios.into_iter().map(servo).collect())
 }
