@@ -84,6 +84,26 @@ fn a_walk_bears_some_delay_but_not_any() {
 }
 
 #[test]
+fn the_walk_is_even_up_to_the_limit_of_the_servo_and_not_beyond() {
+    let scene = common::scene("walk", &[]);
+    let loops = controller::stability::loops(&scene).expect("the paper's robot");
+    let critical = loops.iter().map(|servo| servo.critical_delay()).fold(f64::INFINITY, f64::min);
+    let folder = fresh_path("robustness");
+    let delays = format!("{},{}", critical.floor(), critical.ceil());
+    let [table, _] = sweep(&["--set", "duration=14", "--delay", &delays, "--jitter", "0", "--loss", "0"], &folder);
+    let deviations: Vec<f64> = table
+        .lines()
+        .skip(2)
+        .map(|row| row.split(',').nth(11).and_then(|cell| cell.parse().ok()).unwrap_or(f64::INFINITY))
+        .collect();
+    assert!(
+        deviations[0] < 0.5 && deviations[1] > 2.0,
+        "period of two steps varies by {deviations:?} ms at {delays} ms"
+    );
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn another_value_of_a_key_is_another_map() {
     let folder = fresh_path("robustness");
     let [table, map] = sweep(
