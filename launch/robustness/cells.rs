@@ -68,8 +68,7 @@ impl Cells {
 
     /// What the map shows, as a table in Markdown: a row for each loss.
     pub fn summary(&self, grid: &Grid) -> String {
-        let heads =
-            ["with", "loss", "up", "evenly", "evenly at delays to", "evenly at jitters to", "servo bears"];
+        let heads = ["with", "loss", "up", "evenly", "evenly at delays to", "evenly at jitters to", "servo bears"];
         let mut rows = vec![heads.map(String::from).to_vec()];
         for (v, variation) in grid.variations.iter().enumerate() {
             for (l, loss) in grid.losses.iter().enumerate() {
