@@ -104,6 +104,21 @@ fn the_walk_is_even_up_to_the_limit_of_the_servo_and_not_beyond() {
 }
 
 #[test]
+fn a_bad_link_does_the_same_in_one_process_and_in_two_and_duplicates_do_nothing() {
+    let bad =
+        ["delay_ms=2", "jitter_ms=3", "loss=0.3", "duplicate=0.3", "reorder=0.3"].map(|key| format!("link.{key}"));
+    let with = |settings: &[&'static str]| -> Vec<&str> { [&["duration=3"], settings].concat() };
+    let bad: Vec<&str> = bad.iter().map(String::as_str).chain(["duration=3"]).collect();
+    let (one, two) = (common::run("walk", &bad), common::run_two("walk", &bad));
+    assert_eq!(one.hash(), two.hash());
+    let good = common::run("walk", &with(&[]));
+    assert_ne!(good.hash(), one.hash());
+    assert_eq!(good.hash(), common::run("walk", &with(&["link.duplicate=0.5"])).hash());
+    assert_eq!(good.hash(), common::run("walk", &with(&["link.seed=7"])).hash());
+    assert_ne!(good.hash(), common::run("walk", &with(&["link.reorder=0.01"])).hash());
+}
+
+#[test]
 fn another_value_of_a_key_is_another_map() {
     let folder = fresh_path("robustness");
     let [table, map] = sweep(

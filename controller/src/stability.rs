@@ -133,6 +133,25 @@ mod tests {
     }
 
     #[test]
+    fn the_loop_of_all_joints_is_as_stable_as_the_worst_of_the_eight() {
+        let scene = Scene { controller: Some(ControllerScene::default()), ..Scene::default() };
+        let settings = ControllerScene::default();
+        let chain = Chain::new(&scene.bodies).expect("the paper's robot");
+        let constants = Constants::new(&chain, &settings, &scene.plant, &crouch()).expect("its posture");
+        let inverse = constants.inertia.try_inverse().expect("it has mass");
+        let coupling = inverse * nalgebra::SMatrix::from_diagonal(&constants.nominal_inertia); // M⁻¹J_n
+        let loops = of_the_paper();
+        for delay in [0.0, 2.0, 3.0, 4.0] {
+            // The map is affine in λ, so that of all joints has M⁻¹J_n in its place.
+            let [without, one] = [0.0, 1.0].map(|inertia_ratio| ServoLoop { inertia_ratio, ..loops[0] }.map(delay));
+            let all = DMatrix::identity(8, 8).kronecker(&without) + coupling.kronecker(&(one - &without));
+            let all = all.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
+            let worst = loops.iter().map(|servo| servo.spectral_radius(delay)).fold(0.0, f64::max);
+            assert!((all - worst).abs() < 1e-8, "delay {delay}: {all}, {worst}");
+        }
+    }
+
+    #[test]
     fn a_critical_delay_is_where_the_spectral_radius_is_one() {
         for servo in of_the_paper() {
             let delay = servo.critical_delay();
