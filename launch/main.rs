@@ -13,6 +13,7 @@
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
 //! | asking a running session | [`desk`] |
+//! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
 //! | what a smaller model saves | [`model`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
@@ -22,6 +23,7 @@ mod children;
 mod contact;
 mod csv;
 mod desk;
+mod doctor;
 mod exit;
 mod list;
 mod model;
@@ -87,6 +89,10 @@ enum Command {
     Rearm(desk::PlainArgs),
     /// Change speed and period of the gait in a running session
     Set(desk::SetArgs),
+    /// Say whether this machine is fit to run, what is running, and what dead sessions left
+    Doctor,
+    /// Remove what dead sessions left in shared memory
+    Clean,
     /// List the built-in scenes
     List {
         /// List every key of a scene instead: type, default, meaning
@@ -195,6 +201,8 @@ fn main() -> ExitCode {
         Some(Command::Push(args)) => desk::run(Wish::Push(args)),
         Some(Command::Rearm(args)) => desk::run(Wish::Rearm(args)),
         Some(Command::Set(args)) => desk::run(Wish::Set(args)),
+        Some(Command::Doctor) => doctor::doctor(),
+        Some(Command::Clean) => doctor::clean(),
         Some(Command::List { keys: false }) => list::scenes(),
         Some(Command::List { keys: true }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),

@@ -177,6 +177,12 @@ impl RealtimeArgs {
     }
 }
 
+/// What would grant locked memory and the real-time scheduler, if the system refuses them; for a thread of its own, which
+/// gets what is granted.
+pub fn refusals() -> [Option<String>; 2] {
+    [Step::Memory, Step::Fifo(PRIORITY)].map(|step| step.ask().err().map(|_| step.remedy()))
+}
+
 /// Lets the calling thread's sleeps end on time: by default Linux may end them 50 µs late, to save power.
 pub fn wake_on_time() {
     // Refused by no system that has it; if it were, sleeps would only be as late as before.

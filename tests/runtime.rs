@@ -121,6 +121,29 @@ fn two_processes_walk_bit_for_bit_like_one_and_like_themselves() {
 }
 
 #[test]
+fn sessions_side_by_side_never_meet_and_a_name_is_taken_once() {
+    let folders = ["alone", "left", "right"].map(fresh_folder);
+    let walk = |folder: &Path, extra: &[&str]| {
+        let out = folder.to_string_lossy().into_owned();
+        start(&[&["run", "walk", "--quiet", "--set", "duration=3", "--out", &out], extra].concat())
+    };
+    assert_eq!(end(walk(&folders[0], &["--in-process"])), (Some(0), String::new()));
+    let (left, right) = (session("left"), session("right"));
+    let runs = [walk(&folders[1], &["--session", left.name()]), walk(&folders[2], &["--session", right.name()])];
+    eventually("both sessions", || left.members().len() == 3 && right.members().len() == 3);
+    let (code, errors) = end(start(&["run", "walk", "--quiet", "--session", left.name()]));
+    assert_eq!(code, Some(5), "{errors}");
+    assert!(errors.contains(left.name()) && errors.contains("running already"), "{errors}");
+    for run in runs {
+        assert_eq!(end(run), (Some(0), String::new()));
+    }
+    let hashes = folders.each_ref().map(|folder| trajectory_hash(folder));
+    assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
+    assert_eq!((left.leftovers(), right.leftovers()), (vec![], vec![]));
+    folders.iter().for_each(|folder| std::fs::remove_dir_all(folder).expect("our own folder"));
+}
+
+#[test]
 fn a_run_that_ends_by_itself_leaves_nothing_behind() {
     let launcher = start(&["run", "walk", "--realtime", "--quiet", "--set", "duration=1"]);
     let mut roles = vec![];

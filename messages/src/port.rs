@@ -25,6 +25,7 @@ pub use contract::{Contract, Pace};
 pub use desk::{Asked, ask};
 pub use error::PortError;
 pub use link::Waiting;
+pub use place::ROOM;
 
 use crate::session::Session;
 use crate::wire::{Command, Sensors, Truth};
@@ -35,6 +36,9 @@ use iceoryx2::prelude::*;
 use link::{Inlet, Outlet, Reader};
 use place::{Place, TRUTH, TRUTH_BUFFER};
 use truth::TruthOutlet;
+
+/// What carries the messages; both sides need this very version.
+pub const TRANSPORT: &str = "iceoryx2 0.10.0";
 
 const SENSORS: &str = "biped/sensors";
 const COMMAND: &str = "biped/command";

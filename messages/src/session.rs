@@ -1,23 +1,24 @@
 //! A session: one plant, one controller and whoever records, under a name of their own.
 //!
 //! Every file that a session makes lies in /dev/shm and begins with a prefix of its own, so that sessions live side by
-//! side and one can be cleared away without touching another.
+//! side and one can be cleared away without touching another. Who is in it is told by locks ([`member`]), and so is what
+//! nobody is in any more ([`remains`]).
+
+mod member;
+mod remains;
 
 use crate::port::PortError;
 use crate::wire::{FNV_START, fnv1a};
+pub(crate) use member::Membership;
 use nix::sys::statvfs::statvfs;
-use std::fs::{File, Metadata};
-use std::os::unix::fs::{FileExt, MetadataExt};
-use std::os::unix::process::parent_id;
+pub use remains::Remains;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
 
 /// Where POSIX shared memory shows as files on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
-/// Patience of the last one out with the locks of a parent that has just been killed.
-const ORPHANED: Duration = Duration::from_millis(500);
 
 /// Name of a session and of everything that belongs to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -62,73 +63,75 @@ impl Session {
 
     /// Everything of this session that is in shared memory now.
     pub fn leftovers(&self) -> Vec<PathBuf> {
-        let prefix = self.prefix();
-        let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
-        let mut found: Vec<_> = entries
-            .filter(|entry| entry.file_name().to_string_lossy().starts_with(&prefix))
-            .map(|entry| entry.path())
-            .collect();
-        found.sort();
-        found
+        files(&self.prefix())
     }
 
-    /// Removes everything of this session, for whoever knows that nobody of it is alive; also the empty segments that
-    /// a process leaves when it is killed while making one.
+    /// Removes everything of this session, also the empty segments that a process leaves when it is killed while making
+    /// one; unless somebody is in it.
     pub fn sweep(&self) {
-        self.leftovers().iter().for_each(|path| remove(path));
+        Remains::at(&self.prefix()).remove();
     }
 
     /// Every session of this user that somebody is in now.
     pub fn running() -> Vec<Session> {
-        let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
-        let names = entries.filter(|entry| entry.file_name().to_string_lossy().ends_with(MEMBERS));
-        let mut names: Vec<String> = names.filter_map(|entry| std::fs::read_to_string(entry.path()).ok()).collect();
+        let names = files("").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
+        let mut names: Vec<String> = names.filter_map(|path| std::fs::read_to_string(path).ok()).collect();
         names.sort();
         names.iter().filter_map(|name| Session::named(name).ok()).filter(Session::is_running).collect()
     }
 
     /// Whether somebody is in it now.
     pub fn is_running(&self) -> bool {
-        File::open(self.members()).is_ok_and(|file| file.try_lock().is_err())
+        File::open(self.list()).is_ok_and(|file| file.try_lock().is_err())
     }
 
-    /// Enters the session; the first one in sweeps what killed processes left.
-    pub(crate) fn enter(&self) -> Result<Membership, PortError> {
-        let path = self.members();
-        let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
-        loop {
-            let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
-            if file.try_lock().is_ok() {
-                self.leftovers().iter().filter(|left| **left != path).for_each(|left| remove(left));
-                // told to whoever looks for running sessions
-                file.write_all_at(self.name.as_bytes(), 0)
-                    .and_then(|()| file.set_len(self.name.len() as u64))
-                    .map_err(fail)?;
-            }
-            file.lock_shared().map_err(fail)?;
-            // The last one out may have removed the file just before it was locked here.
-            if self.is_locked_by(&file) {
-                return Ok(Membership { session: self.clone(), file, parent: parent_id() });
-            }
-        }
+    /// Numbers of the processes that are in it, as far as they are this user's to see.
+    pub fn members(&self) -> Vec<u32> {
+        let list = self.list();
+        let holds = |number: &u32| {
+            let handles = std::fs::read_dir(format!("/proc/{number}/fd")).into_iter().flatten().flatten();
+            handles.into_iter().any(|handle| std::fs::read_link(handle.path()).is_ok_and(|target| target == list))
+        };
+        let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
+        let mut members: Vec<u32> = numbers.filter(holds).collect();
+        members.sort_unstable();
+        members
     }
 
     /// The file on which every member holds a lock.
-    fn members(&self) -> PathBuf {
+    fn list(&self) -> PathBuf {
         Path::new(SHARED_MEMORY).join(self.prefix() + MEMBERS)
     }
+}
 
-    /// Whether this is the present file of members, not one that has been removed.
-    fn is_locked_by(&self, file: &File) -> bool {
-        let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
-        std::fs::metadata(self.members()).is_ok_and(same)
+/// Size of shared memory and what is free of it [bytes].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Room {
+    /// All of it.
+    pub size: u64,
+    /// What is left.
+    pub free: u64,
+}
+
+impl Room {
+    /// As it is now.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`] if there is none.
+    pub fn now() -> Result<Room, PortError> {
+        let stat = statvfs(SHARED_MEMORY)
+            .map_err(|reason| PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be examined: {reason}")))?;
+        let unit = stat.fragment_size() as u64;
+        Ok(Room { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit })
     }
 
     /// Full shared memory kills by SIGBUS instead of an error, so room is demanded beforehand.
-    pub(crate) fn demand(&self, bytes: u64) -> Result<(), PortError> {
-        let stat = statvfs(SHARED_MEMORY)
-            .map_err(|reason| PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be examined: {reason}")))?;
-        let free = stat.blocks_available() as u64 * stat.fragment_size() as u64;
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`] if there is less.
+    pub fn demand(bytes: u64) -> Result<(), PortError> {
+        let free = Room::now()?.free;
         match free >= bytes {
             true => Ok(()),
             false => Err(PortError::SharedMemory(format!(
@@ -140,44 +143,11 @@ impl Session {
     }
 }
 
-fn remove(path: &Path) {
-    // What somebody else has just removed is gone as well.
-    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-}
-
-/// One process's part in a session: a shared lock, which the system gives back even for the killed. The last one out
-/// sweeps.
-#[derive(Debug)]
-pub(crate) struct Membership {
-    session: Session,
-    file: File,
-    parent: u32,
-}
-
-impl Membership {
-    /// Whether the parent has ended, or its first thread, which the system takes for it, has.
-    fn is_orphaned(&self) -> bool {
-        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.parent)).unwrap_or_default();
-        let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
-        parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
-    }
-
-    pub(crate) fn session(&self) -> &str {
-        self.session.name()
-    }
-}
-
-impl Drop for Membership {
-    fn drop(&mut self) {
-        let start = Instant::now();
-        let mut last = self.file.try_lock().is_ok();
-        // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
-        while !last && self.is_orphaned() && start.elapsed() < ORPHANED {
-            std::thread::sleep(Duration::from_millis(1));
-            last = self.file.try_lock().is_ok();
-        }
-        if last && self.session.is_locked_by(&self.file) {
-            self.session.sweep();
-        }
-    }
+/// What is in shared memory under names that begin so, in order.
+fn files(prefix: &str) -> Vec<PathBuf> {
+    let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
+    let of_it = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(prefix));
+    let mut found: Vec<_> = of_it.map(|entry| entry.path()).collect();
+    found.sort();
+    found
 }

@@ -204,15 +204,38 @@ fn a_second_plant_and_a_second_controller_are_refused_until_the_first_has_gone()
 }
 
 #[test]
-fn sessions_live_side_by_side_and_one_is_swept_without_the_other() {
+fn sessions_live_side_by_side_and_end_without_each_other() {
     let (one, other) = (Session::unique(), Session::unique());
-    let _one = PlantPort::open(&one, &contract()).expect("plant");
+    let first = PlantPort::open(&one, &contract()).expect("plant");
     let _other = PlantPort::open(&other, &contract()).expect("plant");
+    assert_eq!(one.members(), [std::process::id()]);
     let count = other.leftovers().len();
-    assert!(count > 0 && !one.leftovers().is_empty());
     one.sweep();
+    assert!(count > 0 && !one.leftovers().is_empty(), "somebody is in it");
+    drop(first);
     assert!(one.leftovers().is_empty());
     assert_eq!(other.leftovers().len(), count);
+}
+
+#[test]
+fn whoever_begins_a_session_clears_what_dead_ones_left() {
+    let (dead, alive) = (Session::unique(), Session::unique());
+    let port = PlantPort::open(&dead, &contract()).expect("plant");
+    let list = dead.leftovers().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
+    drop(port);
+    let segment = std::path::PathBuf::from(list.to_string_lossy().replace("members", "abandoned"));
+    std::fs::write(&list, dead.name()).expect("a list of nobody");
+    std::fs::write(&segment, "").expect("an empty segment");
+    assert!(!dead.is_running() && dead.leftovers().contains(&segment));
+    let _port = PlantPort::open(&alive, &contract()).expect("plant");
+    assert_eq!(dead.leftovers(), Vec::<std::path::PathBuf>::new());
+    assert!(alive.is_running());
+}
+
+#[test]
+fn the_version_told_is_the_one_that_is_pinned() {
+    let (name, version) = messages::port::TRANSPORT.split_once(' ').expect("a name and a version");
+    assert!(include_str!("../Cargo.toml").contains(&format!("{name} = \"={version}\"")));
 }
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::contract::Contract;
 use super::error::{PortError, broken};
-use crate::session::{Membership, Session};
+use crate::session::{Membership, Room, Session};
 use crate::wire::{Reply, Request, SCHEMA_HASH, Stamped, Truth};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
@@ -19,6 +19,8 @@ const RECORDERS: usize = 2;
 const LINK_READERS: usize = 4;
 /// Messages of truth that a recorder may lag behind.
 pub(super) const TRUTH_BUFFER: usize = 4096;
+/// Shared memory that must be free before a session begins [bytes]: four times what its largest topic takes.
+pub const ROOM: u64 = (4 * RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
 /// Time to keep trying while another process is just making or removing the same topic.
 const OPENING: Duration = Duration::from_secs(2);
 
@@ -41,8 +43,7 @@ pub(super) struct Place {
 impl Place {
     /// A place as one of the session's makers.
     pub fn open(session: &Session, contract: &Contract) -> Result<Place, PortError> {
-        let footprint = (RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
-        session.demand(4 * footprint)?;
+        Room::demand(ROOM)?;
         Place::enter(session, Some(*contract))
     }
 

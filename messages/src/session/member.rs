@@ -1,0 +1,84 @@
+//! Who is in a session: every member holds a shared lock on one file, which the system gives back even for the killed.
+
+use super::{Remains, Session};
+use crate::port::PortError;
+use std::fs::{File, Metadata};
+use std::os::unix::fs::{FileExt, MetadataExt};
+use std::os::unix::process::parent_id;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Patience of the last one out with the locks of a parent that has just been killed.
+const ORPHANED: Duration = Duration::from_millis(500);
+/// And with somebody who only looks whether the session is running, which takes microseconds.
+const GLANCE: Duration = Duration::from_millis(2);
+
+impl Session {
+    /// Enters the session. The first one in sweeps what killed processes left, here and in sessions that are dead.
+    pub(crate) fn enter(&self) -> Result<Membership, PortError> {
+        let path = self.list();
+        let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
+        loop {
+            let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
+            if file.try_lock().is_ok() {
+                self.leftovers().iter().filter(|left| **left != path).for_each(|left| remove(left));
+                file.lock_shared().map_err(fail)?;
+                Remains::all().iter().for_each(|dead| _ = dead.remove());
+            }
+            file.lock_shared().map_err(fail)?;
+            // The last one out may have removed the file just before it was locked here.
+            if is_current(&file, &path) {
+                // told to whoever looks for running sessions
+                file.write_all_at(self.name.as_bytes(), 0).map_err(fail)?;
+                return Ok(Membership { session: self.clone(), file, parent: parent_id() });
+            }
+        }
+    }
+}
+
+/// Whether this is the file that is there now, not one that has been removed.
+pub(super) fn is_current(file: &File, path: &Path) -> bool {
+    let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
+    std::fs::metadata(path).is_ok_and(same)
+}
+
+/// Removes a file or folder; what somebody else has just removed is gone as well.
+pub(super) fn remove(path: &Path) {
+    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+}
+
+/// One process's part in a session. The last one out sweeps.
+#[derive(Debug)]
+pub(crate) struct Membership {
+    session: Session,
+    file: File,
+    parent: u32,
+}
+
+impl Membership {
+    /// Whether the parent has ended, or its first thread, which the system takes for it, has.
+    fn is_orphaned(&self) -> bool {
+        let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.parent)).unwrap_or_default();
+        let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
+        parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
+    }
+
+    pub(crate) fn session(&self) -> &str {
+        self.session.name()
+    }
+}
+
+impl Drop for Membership {
+    fn drop(&mut self) {
+        let start = Instant::now();
+        let mut last = self.file.try_lock().is_ok();
+        // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
+        while !last && start.elapsed() < if self.is_orphaned() { ORPHANED } else { GLANCE } {
+            std::thread::sleep(Duration::from_millis(1));
+            last = self.file.try_lock().is_ok();
+        }
+        if last && is_current(&self.file, &self.session.list()) {
+            Remains::at(&self.session.prefix()).clear();
+        }
+    }
+}

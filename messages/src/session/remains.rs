@@ -1,0 +1,74 @@
+//! What is left of sessions that nobody is in any more, because all of it was killed at once.
+
+use super::member::{is_current, remove};
+use super::{MEMBERS, SHARED_MEMORY, files};
+use std::fs::File;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+/// Length of a session's prefix: `biped_`, eight digits, `_`.
+const PREFIX: usize = 15;
+
+/// The files of one session.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Remains {
+    prefix: String,
+    /// In order.
+    pub files: Vec<PathBuf>,
+}
+
+impl Remains {
+    /// Those of every session of this user that nobody is in.
+    pub fn all() -> Vec<Remains> {
+        let user = nix::unistd::getuid().as_raw();
+        let ours = |path: &PathBuf| path.symlink_metadata().is_ok_and(|file| file.uid() == user);
+        let prefix = |path: PathBuf| Some(path.file_name()?.to_str()?.get(..PREFIX)?.to_string());
+        let mut prefixes: Vec<String> = files("biped_").into_iter().filter(ours).filter_map(prefix).collect();
+        prefixes.retain(|prefix| prefix.ends_with('_'));
+        prefixes.dedup();
+        prefixes.iter().map(|prefix| Remains::at(prefix)).filter(Remains::is_dead).collect()
+    }
+
+    pub(super) fn at(prefix: &str) -> Remains {
+        Remains { prefix: prefix.into(), files: files(prefix) }
+    }
+
+    /// Name of the session, if that can still be read.
+    pub fn name(&self) -> Option<String> {
+        std::fs::read_to_string(self.list()).ok().filter(|name| !name.is_empty())
+    }
+
+    /// Their room in shared memory [bytes].
+    pub fn bytes(&self) -> u64 {
+        self.files.iter().filter_map(|path| path.symlink_metadata().ok()).map(|file| file.blocks() * 512).sum()
+    }
+
+    /// Removes them, unless somebody is in the session or enters it just now; says whether.
+    pub fn remove(&self) -> bool {
+        // The lock that whoever enters waits for.
+        let list = self.list();
+        let Ok(file) = File::options().read(true).write(true).create(true).truncate(false).open(&list) else {
+            return false;
+        };
+        let nobody = file.try_lock().is_ok() && is_current(&file, &list);
+        if nobody {
+            Remains::at(&self.prefix).clear();
+        }
+        nobody
+    }
+
+    /// Removes them for whoever holds the lock; the file with the lock last, for without it nobody else waits.
+    pub(super) fn clear(&self) {
+        let list = self.list();
+        self.files.iter().filter(|path| **path != list).for_each(|path| remove(path));
+        remove(&list);
+    }
+
+    fn is_dead(&self) -> bool {
+        File::open(self.list()).map_or(true, |file| file.try_lock().is_ok())
+    }
+
+    fn list(&self) -> PathBuf {
+        Path::new(SHARED_MEMORY).join(self.prefix.clone() + MEMBERS)
+    }
+}

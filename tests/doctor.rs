@@ -1,0 +1,51 @@
+//! Claims about `biped doctor` and `biped clean`: they tell the living from the dead. One test, for any session that
+//! begins beside it would clear away what it is about.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use messages::port::{Contract, Pace, PlantPort};
+use messages::scene::Scene;
+use messages::session::Session;
+use std::path::PathBuf;
+use std::process::{Command, Output, Stdio};
+
+/// Exit code and what was printed.
+fn biped(role: &str) -> (Option<i32>, String) {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    let Output { status, stdout, .. } = command.arg(role).stdin(Stdio::null()).output().expect("the program runs");
+    (status.code(), String::from_utf8_lossy(&stdout).into_owned())
+}
+
+#[test]
+fn what_dead_sessions_left_is_told_and_removed_and_the_living_are_spared() {
+    let name = |part| Session::named(&format!("test-{}-{part}", std::process::id())).expect("a good name");
+    let (dead, alive) = (name("dead"), name("alive"));
+    let open = |session: &Session| PlantPort::open(session, &Contract::of(&Scene::default(), Pace::Lockstep));
+    let port = open(&dead).expect("plant");
+    let list = dead.leftovers().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
+    drop(port);
+    let _port = open(&alive).expect("plant");
+    let (members, files) = (alive.members(), alive.leftovers());
+    assert_eq!(members, [std::process::id()]);
+    let segment = PathBuf::from(list.to_string_lossy().replace("members", "abandoned"));
+    std::fs::write(&list, dead.name()).expect("a list of nobody");
+    std::fs::write(&segment, [0; 5000]).expect("a segment");
+
+    let (code, told) = biped("doctor");
+    assert_eq!(code, Some(4), "{told}");
+    for words in ["wire schema", "memlock", "rtprio", "nofile", "kernel", "clock", "processors", "/dev/shm"] {
+        assert!(told.contains(words), "nothing of {words}: {told}");
+    }
+    let line = |told: &str, name: &str| told.lines().find(|line| line.contains(name)).unwrap_or("").to_string();
+    assert!(line(&told, alive.name()).starts_with("ok"), "{told}");
+    assert!(line(&told, alive.name()).ends_with(&members[0].to_string()), "{told}");
+    assert!(line(&told, dead.name()).starts_with("wrong"), "{told}");
+
+    let (code, told) = biped("clean");
+    assert_eq!(code, Some(0), "{told}");
+    assert!(told.contains(dead.name()) && told.contains(&*segment.to_string_lossy()), "{told}");
+    assert!(!told.contains(alive.name()), "{told}");
+    assert_eq!((dead.leftovers(), alive.leftovers()), (vec![], files));
+    let (_, told) = biped("doctor");
+    assert!(!told.contains(dead.name()) && told.contains(alive.name()), "{told}");
+}
