@@ -12,6 +12,7 @@
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
+//! | the wire format for other languages | [`wire`] |
 //! | asking a running session | [`desk`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
@@ -35,6 +36,7 @@ mod robustness;
 mod run;
 mod study;
 mod summary;
+mod wire;
 
 use clap::{Args, Parser, Subcommand};
 use desk::Wish;
@@ -93,6 +95,8 @@ enum Command {
     Doctor,
     /// Remove what dead sessions left in shared memory
     Clean,
+    /// Print the wire format, for controllers and plants in other languages
+    Wire(wire::WireArgs),
     /// List the built-in scenes
     List {
         /// List every key of a scene instead: type, default, meaning
@@ -203,6 +207,10 @@ fn main() -> ExitCode {
         Some(Command::Set(args)) => desk::run(Wish::Set(args)),
         Some(Command::Doctor) => doctor::doctor(),
         Some(Command::Clean) => doctor::clean(),
+        Some(Command::Wire(args)) => {
+            wire::run(&args);
+            Ok(())
+        }
         Some(Command::List { keys: false }) => list::scenes(),
         Some(Command::List { keys: true }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),

@@ -3,6 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | messages, schema hash | [`wire`] |
+//! | the same for C, Python and people | [`describe`] |
 //! | robots as data, Table 1 of the paper | [`robot`] |
 //! | scenes: TOML in, checked values out | [`scene`], [`load`] |
 //! | what may be asked of a running session | [`ask`] |
@@ -10,6 +11,7 @@
 
 pub mod ask;
 pub mod clock;
+pub mod describe;
 mod law;
 pub mod load;
 pub mod port;

@@ -19,14 +19,14 @@ pub const MAGIC: u32 = 0x4250_4944;
 pub const SCHEMA_HASH: u64 = fnv1a(FNV_START, SCHEMA.as_bytes());
 
 macro_rules! wire {
-    ($( $(#[$meta:meta])* struct $name:ident $wire_name:literal $size:literal
-        { $( $(#[$doc:meta])* $field:ident : $type:ty, )* } )*) => {
+    ($( $(#[doc = $doc:literal])* struct $name:ident $wire_name:literal $size:literal
+        { $( $(#[doc = $about:literal])* $field:ident : $type:ty, )* } )*) => {
         $(
-            $(#[$meta])*
+            $(#[doc = $doc])*
             #[repr(C)]
             #[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable, ZeroCopySend)]
             #[type_name($wire_name)]
-            pub struct $name { $( $(#[$doc])* pub $field: $type, )* }
+            pub struct $name { $( $(#[doc = $about])* pub $field: $type, )* }
 
             impl Default for $name {
                 fn default() -> Self { Zeroable::zeroed() }
@@ -38,7 +38,37 @@ macro_rules! wire {
         pub const SCHEMA: &str = concat!($(
             $wire_name, "{", $( stringify!($field), ":", stringify!($type), ";", )* "}",
         )*);
+        /// The wire format as a table, for [`describe`](crate::describe).
+        pub(crate) const LAYOUT: &[Message] = &[$( Message {
+            name: stringify!($name),
+            doc: &[$($doc),*],
+            size: $size,
+            fields: &[$( Field {
+                name: stringify!($field),
+                kind: stringify!($type),
+                doc: &[$($about),*],
+                offset: std::mem::offset_of!($name, $field),
+            }, )*],
+        }, )*];
     };
+}
+
+/// A message as [`LAYOUT`] has it.
+pub(crate) struct Message {
+    pub name: &'static str,
+    pub doc: &'static [&'static str],
+    pub size: usize,
+    pub fields: &'static [Field],
+}
+
+/// A field of a message.
+pub(crate) struct Field {
+    pub name: &'static str,
+    /// Type as Rust writes it.
+    pub kind: &'static str,
+    pub doc: &'static [&'static str],
+    /// From the beginning of the message [bytes].
+    pub offset: usize,
 }
 
 wire! {
@@ -317,19 +347,20 @@ stamped!(Sensors Command Truth Request Reply);
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let counts = [
-            (self.skipped, "periods skipped"),
-            (self.held, "periods on old torques"),
-            (self.damped, "periods damped"),
-            (self.faulted, "periods with the drives off"),
-            (self.lost, "commands lost"),
-            (self.takeovers, "changes of controller"),
-            (self.unrecorded, "periods not recorded"),
+            (self.skipped, "period", " skipped"),
+            (self.held, "period", " on old torques"),
+            (self.damped, "period", " damped"),
+            (self.faulted, "period", " with the drives off"),
+            (self.lost, "command", " lost"),
+            (self.takeovers, "controller", " replaced"),
+            (self.unrecorded, "period", " not recorded"),
         ];
-        let counted = counts.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}"));
-        let refused =
-            self.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0).map(|(count, reason)| {
-                format!("{count} command{} refused: {reason}", if *count == 1 { "" } else { "s" })
-            });
+        let say = |count: u64, what: &str, how: &str| {
+            (count > 0).then(|| format!("{count} {what}{}{how}", if count == 1 { "" } else { "s" }))
+        };
+        let counted = counts.iter().filter_map(|&(count, what, how)| say(count, what, how));
+        let refused = self.refused.iter().zip(REFUSALS);
+        let refused = refused.filter_map(|(&count, reason)| say(count, "command", &format!(" refused: {reason}")));
         f.write_str(&counted.chain(refused).collect::<Vec<_>>().join("; "))
     }
 }
