@@ -67,6 +67,12 @@ impl Role {
         self.status
     }
 
+    /// What killed it, if it died: a signal, or a fault of its own. Whoever ends with any other code has said why, and
+    /// would say so again.
+    pub fn death(&mut self) -> Option<ExitStatus> {
+        self.ended().filter(|status| status.code().is_none_or(|code| code == Exit::Fault as i32))
+    }
+
     /// Asks it to end in order.
     pub fn ask_to_end(&mut self) {
         self.signal(Signal::SIGTERM);

@@ -39,6 +39,10 @@ pub struct RunArgs {
     /// Name of the session, for `biped pause`, `push` and the like; without it, one that nobody else has
     #[arg(long, conflicts_with = "in_process")]
     session: Option<String>,
+    /// Start a plant or controller that dies anew, up to so many times: a new plant begins anew, a new controller goes on
+    /// amid the step
+    #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
+    respawn: u32,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -55,6 +59,7 @@ impl RunArgs {
             pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
             system: RealtimeArgs::default(),
             session: None,
+            respawn: 0,
             out: Some("out/walk".into()),
             quiet: false,
             in_process: false,
@@ -196,15 +201,27 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let swept = Swept(session);
     let contract = Contract::of(scene, args.pace.pace());
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
-    let arguments = |child| [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
-    let mut roles = vec![Role::start("plant", &arguments(0), &watch.progress.bar)?];
+    let bar = watch.progress.bar.clone();
+    let start = |child: usize| {
+        let arguments = [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
+        Role::start(["plant", "controller"][child], &arguments, &bar)
+    };
+    let mut roles = vec![start(0)?];
     if scene.controller.is_some() {
-        roles.push(Role::start("controller", &arguments(1), &watch.progress.bar)?);
+        roles.push(start(1)?);
     }
+    let mut lives = args.respawn;
     let outcome = loop {
         watch.drain(&mut port)?;
         if let Err(failure) = goes_on(&watch.recorder, stop) {
             break Err(failure);
+        }
+        for (child, role) in roles.iter_mut().enumerate() {
+            if let Some(cause) = role.death().filter(|_| lives > 0) {
+                lives -= 1;
+                bar.suspend(|| eprintln!("the {} died ({cause}): starting it anew, {lives} more times", role.name));
+                *role = start(child)?;
+            }
         }
         // A controller that fails leaves the plant waiting, and the other way round: the first to fail is to blame.
         if let Some(failure) = roles.iter_mut().find_map(|role| role.verdict().err()) {

@@ -2,6 +2,7 @@
 
 use crate::model::RunModel;
 use crate::record::{Recorder, Row};
+use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use std::fmt::{self, Display};
 use std::time::Duration;
@@ -76,6 +77,23 @@ pub struct Summary {
     pub plant_median_s: f64,
     /// Integration steps in one control period.
     pub steps_per_period: u64,
+    /// Commands refused by the plant's gate, by reason in the order of the wire's table.
+    pub refused: [u64; REFUSALS.len()],
+    /// Commands that never came.
+    pub commands_lost: u64,
+    /// Control periods on torques of an earlier one.
+    pub periods_held: u64,
+    /// Control periods damped for want of a young command.
+    pub periods_damped: u64,
+    /// Control periods with the drives off.
+    pub periods_faulted: u64,
+    /// Control periods that real time was ahead and that were left out.
+    pub periods_skipped: u64,
+    /// Controllers that another one replaced.
+    pub takeovers: u64,
+    /// All of that in words, if there is anything.
+    #[serde(skip)]
+    pub met: String,
     /// Records left out because their pose was not finite.
     pub dropped: u64,
     /// What the model has that was simulated, and what the scene's own has if that is larger.
@@ -93,6 +111,7 @@ impl Summary {
         let (gait, extremes) = (&recorder.gait, &recorder.extremes);
         let ends = recorder.first.as_ref().zip(recorder.last.as_ref());
         let over = |f: &dyn Fn(&Row, &Row) -> f64| ends.map_or(f64::NAN, |(a, b)| f(a, b));
+        let tally = recorder.last.as_ref().map_or_else(Tally::default, |last| last.truth.tally);
         let duration_s = over(&|_, last| last.sample.time);
         let (period_s, period_std_s) = gait.period(LAST_STEPS);
         Summary {
@@ -128,6 +147,14 @@ impl Summary {
             slip_misalignment_max_deg: extremes.slip_misalignment.to_degrees(),
             com_speed_end_mps: over(&|_, last| last.sample.com_velocity.norm()),
             plant_median_s: recorder.spread.plant.quantile(0.5) * 1e-9,
+            refused: tally.refused,
+            commands_lost: tally.lost,
+            periods_held: tally.held,
+            periods_damped: tally.damped,
+            periods_faulted: tally.faulted,
+            periods_skipped: tally.skipped,
+            takeovers: tally.takeovers,
+            met: tally.to_string(),
             steps_per_period: recorder.steps_per_period,
             dropped: recorder.dropped,
             model: String::new(),
@@ -187,6 +214,9 @@ impl Summary {
             ("energy gain", format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks)),
             ("trajectory hash", self.trajectory_hash.clone()),
         ]);
+        if !self.met.is_empty() {
+            lines.push(("link", self.met.clone()));
+        }
         if self.dropped > 0 {
             lines.push(("not finite", format!("{} records left out", self.dropped)));
         }

@@ -23,8 +23,10 @@ pub fn survival(grid: &Grid, cells: &Cells) -> String {
     let (wide, tall) = (grid.delays.len() as f64 + GAP[0], grid.jitters.len() as f64 + GAP[1] + GAP[2]);
     let panels: Vec<_> = (0..grid.variations.len()).flat_map(|v| (0..grid.losses.len()).map(move |l| (v, l))).collect();
     for (i, &(variation, loss)) in panels.iter().enumerate() {
-        let corner = ((i % ACROSS) as f64 * wide + GAP[0], GAP[2] - (1 + i / ACROSS) as f64 * tall);
-        Panel { grid, cells, variation, loss, corner }.draw(&mut marks);
+        let corner =
+            ((i % ACROSS) as f64 * wide + GAP[0], -((i / ACROSS) as f64) * tall - GAP[1] - tall + GAP[1] + GAP[2]);
+        let panel = Panel { grid, cells, variation, loss, corner };
+        panel.draw(&mut marks);
     }
     let rows = panels.len().div_ceil(ACROSS) as f64;
     let frame = Frame {

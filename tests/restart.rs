@@ -1,0 +1,126 @@
+//! Claims about a controller that is started anew amid a step: it sees only encoders, and the robot stays up.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use controller::Controller;
+use messages::port::RecorderPort;
+use messages::scene::Scene;
+use messages::session::Session;
+use messages::wire::{Command, Stamp, Stamped};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use plant::process::{Next, drive};
+use plant::{PlantError, Simulation};
+use std::process::{Command as Process, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// The trunk of a robot that walks is never lower [m].
+const UP: f64 = 0.5;
+/// Longest wait for anything here: far more than it takes on a busy machine.
+const LONG: Duration = Duration::from_secs(60);
+
+fn walk(duration: f64) -> Scene {
+    let settings = [format!("duration={duration}")];
+    messages::load::load("launch/scenes/walk.toml", &settings, &[]).expect("the walk")
+}
+
+/// Lowest height of the trunk, and speed over the last two seconds, when the controller is replaced before the periods
+/// given.
+fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f64) {
+    let mut controller = Controller::new(scene).expect("a controller");
+    let mut simulation = Simulation::new(scene, 1, 1).expect("a plant");
+    let (mut lowest, mut from) = (f64::INFINITY, 0.0);
+    let mut epoch = 1;
+    // what fails after a fall fails because of it
+    let _ = drive::<PlantError>(&mut simulation, |simulation, sensors, truth| {
+        lowest = lowest.min(truth.base_position[2]);
+        let time = sensors.stamp.sim_ns as f64 * 1e-9;
+        if time <= scene.duration - 2.0 {
+            from = truth.base_position[0];
+        }
+        if is_replaced(sensors.stamp.seq) {
+            controller = Controller::new(scene).expect("a controller");
+            epoch += 1;
+        }
+        let torques = controller.tick(&sensors.encoders).unwrap_or_default(); // a heap of legs is no posture
+        let stamp = Stamp { ack: sensors.stamp.seq, epoch, ..sensors.stamp };
+        simulation.hear(&Command { stamp, torques, ..Command::default() }.sealed());
+        Ok(Next::Period { late_ns: 0 })
+    });
+    (lowest, (simulation.truth().base_position[0] - from) / 2.0)
+}
+
+#[test]
+fn a_controller_restarted_at_any_moment_of_the_walk_goes_on_walking() {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let scene = walk(6.0);
+    for _ in 0..40 {
+        let when = random.u64(2000..4000);
+        let (lowest, speed) = walk_with(&scene, |seq| seq == when);
+        assert!(lowest > UP && speed > 0.19, "restarted in period {when}: trunk at {lowest} m, {speed} m/s");
+    }
+}
+
+#[test]
+fn a_controller_restarted_while_it_begins_to_walk_walks_later() {
+    let scene = walk(7.0);
+    for when in (2..2000).step_by(200) {
+        let (lowest, speed) = walk_with(&scene, |seq| seq == when);
+        assert!(lowest > UP && speed > 0.15, "restarted in period {when}: trunk at {lowest} m, {speed} m/s");
+    }
+}
+
+#[test]
+fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_a_fiftieth_it_falls() {
+    let scene = walk(8.0);
+    let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
+    let (lowest, speed) = living(200);
+    assert!(lowest > UP && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
+    let (lowest, _) = living(20);
+    assert!(lowest < UP, "the trunk stays at {lowest} m: does this test see a fall?");
+}
+
+/// What a run of two processes leaves: exit code, both outputs.
+fn run_and_kill(role: &str) -> (Option<i32>, String, String) {
+    let session = Session::named(&format!("test-{}-{role}", std::process::id())).expect("a good name");
+    let launcher = Process::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["run", "walk", "--quiet", "--respawn", "1", "--set", "duration=60", "--session", session.name()])
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("the program starts");
+    let begin = Instant::now();
+    let mut port = loop {
+        match RecorderPort::visit(&session) {
+            Ok(port) => break port,
+            Err(_) => assert!(begin.elapsed() < LONG, "no session"),
+        }
+    };
+    // amid a step
+    while port.read().expect("reading").is_none_or(|truth| truth.telemetry.steps < 5) {
+        assert!(begin.elapsed() < LONG, "it does not walk");
+    }
+    drop(port);
+    let children = std::fs::read_to_string(format!("/proc/{0}/task/{0}/children", launcher.id())).expect("children");
+    let is = |pid: &&str| {
+        std::fs::read_to_string(format!("/proc/{pid}/cmdline")).is_ok_and(|line| line.contains(&format!("\0{role}\0")))
+    };
+    let pid = children.split_whitespace().find(is).expect("the role").parse().expect("a number");
+    kill(Pid::from_raw(pid), Signal::SIGKILL).expect("a signal");
+    let Output { status, stdout, stderr } = launcher.wait_with_output().expect("the program ends");
+    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+    (status.code(), String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
+}
+
+#[test]
+fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() {
+    for (role, words) in [("controller", "1 controller replaced"), ("plant", "starting it anew")] {
+        let (code, out, errors) = run_and_kill(role);
+        assert_eq!(code, Some(0), "{role}: {errors}");
+        assert!(errors.contains(&format!("the {role} died")) && errors.contains(words), "{errors}");
+        assert!(out.contains("no fall") && out.contains("60.00 s"), "{role}: {out}");
+    }
+}
