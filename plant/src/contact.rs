@@ -40,7 +40,6 @@ mod project;
 mod residual;
 mod round;
 mod scaled;
-mod shift;
 mod solver;
 mod spring_damper;
 mod sweep;
@@ -236,6 +235,8 @@ impl Memory {
     /// Becomes the other memory, in the room it has.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.basis.clone_from(&other.basis);
+        self.yields = other.yields;
+        self.impulse.clone_from(&other.impulse);
     }
 
     fn recall(&self, id: usize) -> u8 {

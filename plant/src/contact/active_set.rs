@@ -22,14 +22,15 @@ use messages::scene::Law;
 
 /// Rounds in which all contradicted guesses change at once; then one at a time, so that they cannot swap for ever.
 const BOLD: usize = 4;
-/// Rounds at most.
+/// Rounds at most; of few contacts one more than [`BOLD`] for each.
 const ROUNDS: usize = 8;
 /// Contradictions smaller than this, relative to the step's scale, are rounding.
 const ROUNDING: f64 = 1e-13;
 /// At the optimum of the energy program a contact slips if it is faster than this, likewise.
 const SLIPS: f64 = 1e-10;
 
-/// Corrects `basis` until nothing contradicts it; the number of rounds, or `None`. Leaves impulse and velocity in `f`, `v`.
+/// Corrects `basis` until nothing contradicts it and adds the rounds to `count`; false if it does not end. Leaves impulse
+/// and velocity in `f`, `v`.
 pub(super) fn settle(
     scaled: &Scaled,
     law: Law,
@@ -37,13 +38,14 @@ pub(super) fn settle(
     basis: &mut [u8],
     f: &mut Vec<f64>,
     v: &mut Vec<f64>,
-) -> Option<u32> {
-    for round in 0..ROUNDS {
+    count: &mut u32,
+) -> bool {
+    for round in 0..ROUNDS.min(BOLD + basis.len()) {
         if !block.solve(scaled, law, basis, f, v) {
-            return None;
+            return false;
         }
         if block.is_dependent() {
-            return None; // contacts that yield share the load; rigid ones would take it in the order of their rows
+            return false; // contacts that yield share the load; rigid ones would take it in the order of their rows
         }
         let least = ROUNDING * residual::scale(scaled, f);
         let mut changed = false;
@@ -58,10 +60,11 @@ pub(super) fn settle(
             }
         }
         if !changed {
-            return Some(round as u32);
+            return true;
         }
+        *count += 1;
     }
-    None
+    false
 }
 
 /// Marks a contact whose bits are the rays that span its impulse, as in the energy program, not a [`Guess`].

@@ -3,7 +3,7 @@
 use super::cone_qp::ConeQp;
 use super::facets::Facets;
 use super::fixed_point::{self, MINIMA};
-use super::lemke::{Care, QUICK};
+use super::lemke::{Care, FINE, QUICK};
 use super::newton::Newton;
 use super::round::{Round, Rule};
 use super::scaled::Scaled;
@@ -19,8 +19,7 @@ const BURSTS: [u32; 4] = [3, 12, 50, 200];
 /// Energy minima after which a start is good enough.
 const FEW: u32 = 20;
 /// Starts by pivoting: what contacts yield by, and what counts as zero.
-const PIVOTING: [(f64, Care); 5] =
-    [(0.0, QUICK), (0.0, Care { zero: 1e-12, tie: 1e-12, afresh: false }), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
+const PIVOTING: [(f64, Care); 5] = [(0.0, QUICK), (0.0, FINE), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
 
 /// Workspace and last solution of the laws that have no basis along the problem's tangents.
 #[derive(Clone, Debug, Default)]
@@ -151,7 +150,7 @@ impl Cones {
         self.round.copy_to(&mut self.scaled);
         self.proximal.regularise(&self.scaled, rho, &self.f);
         self.swept.clone_from(&self.f);
-        *steps += self.facets.around(&self.proximal, d, care, &mut self.swept).unwrap_or(0);
+        self.facets.around(&self.proximal, d, care, &mut self.swept, steps);
         self.f.clone_from(&self.swept);
     }
 

@@ -44,8 +44,9 @@ pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
 }
 
 impl EnergyQp {
-    /// Solves; writes impulse, velocity and basis, one bit per basic ray. Returns the number of pivots, or `None` beyond
-    /// 20 per ray. Starts from the given basis, when asked `again` also from the last solution.
+    /// Solves; writes impulse, velocity and basis, one bit per basic ray. Adds the pivots to `count`; false beyond 20
+    /// per ray. Starts from the given basis, when asked `again` also from the last solution.
+    #[expect(clippy::too_many_arguments, reason = "problem and solution, their workspace, and the count")]
     pub fn pivot(
         &mut self,
         scaled: &Scaled,
@@ -54,7 +55,8 @@ impl EnergyQp {
         f: &mut Vec<f64>,
         v: &mut Vec<f64>,
         again: bool,
-    ) -> Option<u32> {
+        count: &mut u32,
+    ) -> bool {
         let d = scaled.facets();
         let rays = scaled.contacts * d;
         if self.amount.len() != rays || !again {
@@ -64,10 +66,11 @@ impl EnergyQp {
         self.barred.clear();
         self.barred.resize(rays, false);
         self.descend(scaled, block, basis, f, v);
-        for pivots in 0..20 * rays as u32 {
+        for _ in 0..20 * rays {
             let Some(joins) = self.most_negative(scaled, basis, f, v) else {
-                return block.solve(scaled, Law::EnergyQp, basis, f, v).then_some(pivots);
+                return block.solve(scaled, Law::EnergyQp, basis, f, v);
             };
+            *count += 1;
             basis[joins / d] |= 1 << (joins % d);
             let moved = self.descend(scaled, block, basis, f, v);
             if moved && basis[joins / d] >> (joins % d) & 1 == 1 {
@@ -79,7 +82,7 @@ impl EnergyQp {
                 block.solve(scaled, Law::EnergyQp, basis, f, v);
             }
         }
-        None
+        false
     }
 
     /// The ray outside the basis along which the energy falls most.

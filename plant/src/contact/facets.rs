@@ -41,8 +41,8 @@ pub(super) struct Facets {
 
 impl Facets {
     /// Solves and writes the basis, one bit per basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed.
-    /// Returns the number of pivots, or `None` when there is no solution to be found.
-    pub fn pivot(&mut self, scaled: &Scaled, care: Care, basis: &mut [u8]) -> Option<u32> {
+    /// Adds the pivots to `count`; false when there is no solution to be found.
+    pub fn pivot(&mut self, scaled: &Scaled, care: Care, basis: &mut [u8], count: &mut u32) -> bool {
         self.count = scaled.facets();
         self.facet.clear();
         for ratio in scaled.ratio.chunks_exact(scaled.stride()) {
@@ -53,7 +53,9 @@ impl Facets {
                 (unit, ratio[row])
             }));
         }
-        let pivots = self.run(scaled, care)?;
+        if !self.run(scaled, care, count) {
+            return false;
+        }
         let size = self.count + 2;
         for (i, bits) in basis.iter_mut().enumerate() {
             // Basic at the start are the facet of the slide and s, of the other pairs the velocities.
@@ -61,12 +63,12 @@ impl Facets {
             let basic = |local: &usize| at_start(*local) != self.lemke.entered(i * size + local);
             *bits = (0..size).filter(basic).map(|local| 1 << local).sum();
         }
-        Some(pivots)
+        true
     }
 
     /// Solves with `d` directions around each contact, whose rows are scaled alike, and writes the impulse to within the
-    /// rounding of the pivots. Likewise the number of pivots.
-    pub fn around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>) -> Option<u32> {
+    /// rounding of the pivots; what it returns and counts is likewise.
+    pub fn around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>, count: &mut u32) -> bool {
         self.count = d;
         self.facet.clear();
         for _ in 0..scaled.contacts {
@@ -75,7 +77,9 @@ impl Facets {
                 ([0.0, x, y], 1.0)
             }));
         }
-        let pivots = self.run(scaled, care)?;
+        if !self.run(scaled, care, count) {
+            return false;
+        }
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         for (pair, push) in self.push.iter().enumerate() {
@@ -83,13 +87,13 @@ impl Facets {
             let first = pair / (d + 2) * 3;
             f[first..].iter_mut().zip(push).for_each(|(f, push)| *f += amount * push);
         }
-        Some(pivots)
+        true
     }
 
-    fn run(&mut self, scaled: &Scaled, care: Care) -> Option<u32> {
+    fn run(&mut self, scaled: &Scaled, care: Care, count: &mut u32) -> bool {
         self.directions(scaled);
         self.assemble(scaled);
-        self.lemke.run(care)
+        self.lemke.run(care, count)
     }
 
     /// Chooses the facets of the start and from them what each variable pushes and reads.

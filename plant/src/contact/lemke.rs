@@ -19,13 +19,17 @@ pub(super) struct Care {
     pub tie: f64,
     /// Whether the dictionary is made afresh after each pivot.
     pub afresh: bool,
+    /// Pivots per pair at most.
+    pub most: usize,
 }
 
 /// Rounding is about 1e-15 but grows from pivot to pivot: wide enough that in redundant rows it does not choose. What
 /// that costs is made good when the impulse is computed afresh from the final basis.
-pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, afresh: false };
+pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, afresh: false, most: 50 };
+/// Ties as narrow as 1e-10 needs in a step of many contacts, and a path that is given up if it is long.
+pub(super) const FINE: Care = Care { zero: 1e-12, tie: 1e-12, afresh: false, most: 1 };
 /// Sees directions in which the feet hold each other by 1e-12 of what they weigh, at a hundred times the cost.
-pub(super) const CAREFUL: Care = Care { zero: 1e-13, tie: 1e-14, afresh: true };
+pub(super) const CAREFUL: Care = Care { zero: 1e-13, tie: 1e-14, afresh: true, most: 50 };
 
 /// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
 #[derive(Clone, Debug, Default)]
@@ -61,8 +65,8 @@ impl Lemke {
         if place < n { self.dictionary.constant(place) } else { 0.0 }
     }
 
-    /// Runs to a complementary basis and returns the number of pivots, or `None` on a ray or after 50 n pivots.
-    pub fn run(&mut self, care: Care) -> Option<u32> {
+    /// Runs to a complementary basis and adds the pivots to `count`; false on a ray or after too many.
+    pub fn run(&mut self, care: Care, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
         if care.afresh {
             self.original.copy(&self.dictionary);
@@ -73,22 +77,24 @@ impl Lemke {
         self.nonbasic.extend(n..=2 * n);
         self.place.clear();
         self.place.extend((0..n).chain(n..=2 * n));
-        let Some(mut row) = self.first_row() else { return Some(0) };
+        let Some(mut row) = self.first_row() else { return true };
         let mut column = n;
-        for pivots in 1..=50 * n as u32 {
+        for _ in 0..care.most * n {
+            *count += 1;
             let left = self.basic[row];
             self.exchange(row, column);
             if left == 2 * n {
-                return Some(pivots);
+                return true;
             }
             column = self.place[(left + n) % (2 * n)] - n;
             if care.afresh {
                 self.refresh();
                 column = self.place[(left + n) % (2 * n)] - n;
             }
-            row = self.leaving(column, care)?;
+            let Some(next) = self.leaving(column, care) else { return false };
+            row = next;
         }
-        None
+        false
     }
 
     /// Makes the dictionary of the present basis from the original one, the largest pivots first.

@@ -8,12 +8,12 @@ use messages::scene::Law;
 /// has squared rounding on its diagonal, so an honest zero is near 1e-32.
 const IMMOVABLE: f64 = 1e-20;
 
-/// What [`Scaled::soften`] adds to the unit diagonal: contacts yield by this much.
+/// What [`Scaled::give`] adds to the unit diagonal: contacts yield by this much.
 ///
 /// Two flat feet on one robot hold each other along directions that H sees at 1e-12 or not at all. There the impulse is
 /// the quotient of two roundings, and pivoting loses its way. With this the problem has one solution, that of least norm
 /// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
-const YIELD: f64 = 2e-11;
+pub(super) const YIELD: f64 = 2e-11;
 
 /// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
 /// impulse.
@@ -34,7 +34,8 @@ pub(super) struct Scaled {
     /// Largest scaled drift.
     pub size: f64,
     inverse: Vec<f64>,
-    softened: bool,
+    /// What contacts yield by at present.
+    give: f64,
 }
 
 impl Scaled {
@@ -55,7 +56,7 @@ impl Scaled {
 
     pub fn set(&mut self, problem: &Problem, law: Law) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
-        self.softened = false;
+        self.give = 0.0;
         let (m, stride) = (problem.rows(), self.stride());
         let greatest = (0..m).map(|k| problem.delassus[k * m + k]).fold(0.0, f64::max);
         self.root.clear();
@@ -86,29 +87,22 @@ impl Scaled {
         }
     }
 
-    /// Lets the contacts yield a little: see [`YIELD`].
-    pub fn soften(&mut self) {
-        self.softened = true;
-        let next = self.drift.len() + 1;
-        self.delassus.iter_mut().step_by(next).for_each(|a| *a += YIELD);
+    /// Lets the contacts yield by so much: not at all, or [`YIELD`].
+    pub fn give(&mut self, give: f64) {
+        let (change, next) = (give - self.give, self.drift.len() + 1);
+        self.delassus.iter_mut().step_by(next).for_each(|a| *a += change);
+        self.give = give;
     }
 
-    /// Whether they do at present.
+    /// Whether they yield at present.
     pub fn yields(&self) -> bool {
-        self.softened
-    }
-
-    /// Takes [`Scaled::soften`] back.
-    pub fn stiffen(&mut self) {
-        self.softened = false;
-        let next = self.drift.len() + 1;
-        self.delassus.iter_mut().step_by(next).for_each(|a| *a -= YIELD);
+        self.give > 0.0
     }
 
     /// Velocity without the yielding: residuals are those of the problem as it was given.
     pub fn harden(&self, impulse: &[f64], velocity: &mut [f64]) {
-        if self.softened {
-            velocity.iter_mut().zip(impulse).for_each(|(v, f)| *v -= YIELD * f);
+        if self.yields() {
+            velocity.iter_mut().zip(impulse).for_each(|(v, f)| *v -= self.give * f);
         }
     }
 
@@ -121,7 +115,7 @@ impl Scaled {
     /// Becomes the same problem, in the buffers it has.
     pub fn copy(&mut self, original: &Scaled) {
         (self.contacts, self.tangents, self.size) = (original.contacts, original.tangents, original.size);
-        self.softened = original.softened;
+        self.give = original.give;
         self.delassus.clone_from(&original.delassus);
         self.drift.clone_from(&original.drift);
         self.root.clone_from(&original.root);

@@ -1,36 +1,25 @@
 //! The solver: from the cheapest way to a complementary basis to the surest, each judged by its residual alone.
 
+mod fall_back;
+mod slide;
+
 use super::basis::Block;
 use super::cones::Cones;
 use super::energy_qp::{EnergyQp, minimises_energy};
 use super::facets::Facets;
-use super::lemke::{CAREFUL, Care, QUICK};
+use super::lemke::{CAREFUL, Care, FINE, QUICK};
 use super::residual::{self, Yardstick};
-use super::scaled::{self, Scaled};
-use super::shift::{Growth, Shift, WAYS};
+use super::scaled::{self, Scaled, YIELD};
 use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
+use slide::Shift;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
 const SOLVED: f64 = 4e-11;
 /// Contacts of one foot: so few settle even from a poor guess.
 const FEW: usize = 4;
-/// The fallback's rounds: regularisation rho, and what counts as zero. First the problem itself with other tolerances.
-const ROUNDS: [(f64, f64); 12] = [
-    (0.0, 1e-12),
-    (0.0, 1e-7),
-    (1e-8, 1e-9),
-    (1e-8, 1e-12),
-    (1e-6, 1e-9),
-    (1e-6, 1e-12),
-    (1e-4, 1e-9),
-    (1e-8, 1e-9),
-    (1e-6, 1e-9),
-    (1e-4, 1e-9),
-    (1e-8, 1e-9),
-    (1e-8, 1e-9),
-];
-
+/// More contacts than two feet have.
+const MANY: usize = 8;
 /// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
 /// changing results.
 #[derive(Clone, Debug, Default)]
@@ -62,11 +51,11 @@ impl Solver {
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
     /// 1. the basis in `memory`, as it is;
-    /// 2. for Coulomb's law, that basis corrected contact by contact (of few with one tangent, then Lemke's method); for the energy
-    ///    program, principal pivoting;
-    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`); for Coulomb's law then the shifted energy
-    ///    program, and Lemke's method with a dictionary made afresh at each pivot;
-    /// 4. for Coulomb's law, Lemke's method for contacts that do not yield;
+    /// 2. for Coulomb's law, that basis corrected contact by contact (of one, or of few with one tangent, then Lemke's
+    ///    method); for the energy program, principal pivoting;
+    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`);
+    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program, and Lemke's method with a
+    ///    dictionary made afresh at each pivot; then Lemke's method for contacts that do not yield;
     /// 5. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
     ///
     /// Nothing is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the
@@ -108,30 +97,27 @@ impl Solver {
 
     /// Finds the solution, the way that most steps take first; false if every way failed.
     fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
-        let found = match law {
-            Law::EnergyQp | Law::EnergyQpGap => self.minimise(law, pivots),
+        if minimises_energy(law) {
+            return self.minimise(law, pivots) || self.yielding(|solver| solver.minimise(law, pivots));
+        }
+        let count = self.scaled.contacts;
+        let (alone, few, many) = (count == 1, count <= FEW, count > MANY);
+        !self.on_rays() && self.settle(law, pivots)
             // where its path is short, Lemke's method ends at a basis that is solved to rounding
-            Law::Complementarity if self.scaled.contacts <= FEW => {
-                !self.on_rays() && self.settle(law, pivots) || self.pivot(law, QUICK, pivots)
-            }
-            _ => !self.on_rays() && self.settle(law, pivots),
-        };
-        found || self.with_yield(law, pivots) || (!minimises_energy(law) && self.pivot(law, QUICK, pivots))
+            || (alone || few && law == Law::Complementarity) && self.pivot(law, QUICK, pivots)
+            || self.yielding(|solver| (few || !solver.on_rays()) && solver.settle(law, pivots))
+            // of many contacts most are redundant, and its path visits few of them
+            || many && self.pivot(law, FINE, pivots)
+            || self.yielding(|solver| solver.slide(law, pivots) || solver.pivot(law, CAREFUL, pivots))
+            || self.pivot(law, QUICK, pivots)
     }
 
-    /// The ways that see the finest directions, for contacts that yield.
-    fn with_yield(&mut self, law: Law, pivots: &mut u32) -> bool {
-        self.scaled.soften();
-        let found = match law {
-            Law::EnergyQp | Law::EnergyQpGap => self.minimise(law, pivots),
-            _ => {
-                let few = self.scaled.contacts <= FEW;
-                let settled = (few || !self.on_rays()) && self.settle(law, pivots);
-                settled || self.slide(law, pivots) || self.pivot(law, CAREFUL, pivots)
-            }
-        };
+    /// A way that sees the finest directions: the same for contacts that yield.
+    fn yielding(&mut self, way: impl FnOnce(&mut Solver) -> bool) -> bool {
+        self.scaled.give(YIELD);
+        let found = way(self);
         if !found {
-            self.scaled.stiffen();
+            self.scaled.give(0.0);
         }
         found
     }
@@ -170,11 +156,11 @@ impl Solver {
     /// Whether the basis in memory is the solution, of contacts that yield or do not.
     fn holds(&mut self, law: Law, yields: bool) -> bool {
         if yields {
-            self.scaled.soften();
+            self.scaled.give(YIELD);
         }
         let holds = self.is_solved(law);
         if yields && !holds {
-            self.scaled.stiffen();
+            self.scaled.give(0.0);
         }
         holds
     }
@@ -188,16 +174,12 @@ impl Solver {
     fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
         self.basis.fill(0);
         let Solver { scaled, energy_qp, block, basis, f, v, .. } = self;
-        let Some(count) = energy_qp.pivot(scaled, block, basis, f, v, false) else { return false };
-        *pivots += count;
-        self.is_solved(law)
+        energy_qp.pivot(scaled, block, basis, f, v, false, pivots) && self.is_solved(law)
     }
 
     /// Lemke's pivoting on the complementarity problem.
     fn pivot(&mut self, law: Law, care: Care, pivots: &mut u32) -> bool {
-        let Some(count) = self.facets.pivot(&self.scaled, care, &mut self.basis) else { return false };
-        *pivots += count;
-        self.is_solved(law)
+        self.facets.pivot(&self.scaled, care, &mut self.basis, pivots) && self.is_solved(law)
     }
 
     /// Whether the basis comes from the energy program, where [`Solver::slide`] goes on from it.
@@ -208,110 +190,8 @@ impl Solver {
     /// Corrects the present basis contact by contact.
     fn settle(&mut self, law: Law, pivots: &mut u32) -> bool {
         let Solver { scaled, block, basis, f, v, .. } = self;
-        let Some(rounds) = active_set::settle(scaled, law, block, basis, f, v) else { return false };
-        *pivots += rounds;
-        residual::natural_map(scaled, f, v, yardstick(law)) <= SOLVED
-    }
-
-    /// The energy program (14)-(16), with mu |v_F| of its last solution added to each v_N until nothing changes.
-    ///
-    /// Its optimum has v_N >= mu |v_F|: that is Coulomb's law where nothing slides, and the shift makes it so where
-    /// something does (De Saxcé; Acary & Cadoux). Long before the shift has settled the optimum says what slides where,
-    /// and the block has the solution. Where a foot turns against what hardly yields, shifts grow by the same little each
-    /// round: they are exaggerated, in one of the [`WAYS`] after the other.
-    ///
-    /// Each round also undoes what contacts yielded by in the one before (a proximal step), so that the limit is the
-    /// solution of rigid ones.
-    fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
-        for bits in &mut self.basis {
-            *bits = active_set::rays(*bits, self.scaled.facets());
-        }
-        self.rays.clone_from(&self.basis);
-        WAYS.iter().any(|&(rounds, growth)| self.slide_by(rounds, growth, law, pivots))
-    }
-
-    fn slide_by(&mut self, rounds: usize, growth: Growth, law: Law, pivots: &mut u32) -> bool {
-        let stride = self.scaled.stride();
-        self.proximal.copy(&self.scaled);
-        self.shift.clear();
-        self.shift.resize(self.scaled.contacts, Shift::default());
-        let (mut boost, mut before) = (1.0, f64::INFINITY);
-        for round in 0..rounds {
-            let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, rays, .. } = self;
-            basis.clone_from(rays);
-            let Some(count) = energy_qp.pivot(proximal, block, basis, f, v, round > 0) else { return false };
-            *pivots += count;
-            rays.clone_from(basis);
-            for (v, (shifted, b)) in v.iter_mut().zip(proximal.drift.iter().zip(&scaled.drift)) {
-                *v -= shifted - b;
-            }
-            scaled.harden(f, v);
-            let error = residual::natural_map(scaled, f, v, yardstick(law));
-            basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
-            if error <= SOLVED {
-                return true;
-            }
-            boost = growth.boost(round, boost, error > 0.5 * before);
-            before = error;
-            scaled.lead(f, &mut proximal.drift);
-            for (i, (v, shift)) in v.chunks_exact(stride).zip(shift).enumerate() {
-                shift.approach(residual::slip(scaled, i, v), (growth != Growth::Each).then_some(boost));
-                proximal.drift[i * stride] += shift.value;
-            }
-            active_set::slide(scaled, f, v, basis);
-            self.note(error);
-            if self.is_solved(law) || usize::is_power_of_two(round + 1) && self.settle(law, pivots) {
-                return true;
-            }
-        }
-        false
-    }
-
-    /// Remembers the impulse if its residual is the least so far.
-    fn note(&mut self, error: f64) {
-        if error < self.least {
-            self.least = error;
-            self.best.clone_from(&self.f);
-        }
-    }
-
-    /// Proximal rounds: f' solves the problem with A + rho I and b - rho f, which is nowhere singular and has the same
-    /// fixed point. Each basis is first tried on the true problem. Ends with the impulse whose residual is the least of
-    /// all; returns the pivots.
-    fn fall_back(&mut self, law: Law) -> u32 {
-        let mut pivots = 0;
-        self.f.clear();
-        self.f.resize(self.scaled.drift.len(), 0.0);
-        for (rho, zero) in ROUNDS {
-            self.proximal.regularise(&self.scaled, rho, &self.f);
-            pivots += match law {
-                Law::EnergyQp | Law::EnergyQpGap => self.energy_qp.pivot(
-                    &self.proximal,
-                    &mut self.block,
-                    &mut self.basis,
-                    &mut self.f,
-                    &mut self.v,
-                    false,
-                ),
-                _ => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis),
-            }
-            .unwrap_or(0);
-            for exact in [true, false] {
-                let problem = if exact { &self.scaled } else { &self.proximal };
-                if self.block.solve(problem, law, &self.basis, &mut self.f, &mut self.v) {
-                    self.scaled.velocity(&self.f, &mut self.v);
-                    self.note(residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law)));
-                }
-                if self.least <= SOLVED {
-                    self.f.clone_from(&self.best);
-                    self.scaled.velocity(&self.f, &mut self.v);
-                    return pivots;
-                }
-            }
-        }
-        self.f.clone_from(&self.best);
-        self.scaled.velocity(&self.f, &mut self.v);
-        pivots
+        active_set::settle(scaled, law, block, basis, f, v, pivots)
+            && residual::natural_map(scaled, f, v, yardstick(law)) <= SOLVED
     }
 
     /// From energy units back to N·s and m/s.

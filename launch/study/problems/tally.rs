@@ -1,0 +1,105 @@
+//! What the solver did with the problems of a family, and the table of it.
+
+use super::{Family, LAWS};
+use plant::contact::{Problem, Report};
+
+/// A residual up to this is a solution.
+const SOLVED: f64 = 1e-10;
+
+/// What was found about one law on one family.
+#[derive(Clone, Debug, Default)]
+pub struct Tally {
+    /// Problems.
+    pub count: usize,
+    /// Those that were given the basis of the step before …
+    pub remembered: usize,
+    /// … and those of which it was right.
+    pub warm: usize,
+    /// Most rows of a problem.
+    pub rows: usize,
+    /// Greatest natural map.
+    pub natural_map: f64,
+    /// Those with a natural map beyond 1e-10, or none.
+    pub unsolved: usize,
+    /// Those that went through a regularised problem.
+    pub fallbacks: usize,
+    /// Pivots of each problem, and the same in units of its rows.
+    pub pivots: Vec<(u32, f64)>,
+    /// Time of all solves [s].
+    pub time: f64,
+}
+
+impl Tally {
+    pub(super) fn note(&mut self, problem: &Problem, is_remembered: bool, own: &Report, judged: &Report) {
+        self.count += 1;
+        self.remembered += usize::from(is_remembered);
+        self.warm += usize::from(is_remembered && own.warm);
+        self.rows = self.rows.max(problem.rows());
+        self.natural_map = self.natural_map.max(judged.natural_map);
+        self.unsolved += usize::from(judged.natural_map.is_nan() || judged.natural_map > SOLVED);
+        self.fallbacks += usize::from(own.fallback);
+        self.pivots.push((own.pivots, f64::from(own.pivots) / problem.rows() as f64));
+    }
+
+    pub(super) fn merge(mut self, mut other: Tally) -> Tally {
+        self.count += other.count;
+        self.remembered += other.remembered;
+        self.warm += other.warm;
+        self.rows = self.rows.max(other.rows);
+        self.natural_map = self.natural_map.max(other.natural_map);
+        self.unsolved += other.unsolved;
+        self.fallbacks += other.fallbacks;
+        self.pivots.append(&mut other.pivots);
+        self.time += other.time;
+        self
+    }
+}
+
+/// Rows of the table, the first naming the columns.
+pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
+    let columns = [
+        "family",
+        "law",
+        "problems",
+        "rows",
+        "natural map",
+        "unsolved",
+        "fallbacks",
+        "warm",
+        "pivots p50",
+        "p99.9",
+        "max",
+        "p99.9 per row",
+        "µs",
+    ];
+    let mut rows = vec![columns.map(String::from).to_vec()];
+    for (family, tallies) in Family::ALL.iter().zip(results) {
+        for (law, tally) in LAWS.iter().zip(tallies) {
+            let last = tally.pivots.len().saturating_sub(1) as f64;
+            let at = |share: f64| (share * last) as usize;
+            tally.pivots.sort_unstable_by_key(|count| count.0);
+            let count = |share: f64| tally.pivots.get(at(share)).map_or(0, |p| p.0).to_string();
+            let counts = [0.5, 0.999, 1.0].map(count);
+            tally.pivots.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+            let per_row = tally.pivots.get(at(0.999)).map_or(0.0, |p| p.1);
+            let warm = tally.warm as f64 / tally.remembered.max(1) as f64;
+            let [p50, p999, most] = counts;
+            rows.push(vec![
+                format!("{family:?}").to_lowercase(),
+                format!("{law:?}"),
+                tally.count.to_string(),
+                tally.rows.to_string(),
+                format!("{:.1e}", tally.natural_map),
+                tally.unsolved.to_string(),
+                tally.fallbacks.to_string(),
+                format!("{:.3}", warm),
+                p50,
+                p999,
+                most,
+                format!("{per_row:.2}"),
+                format!("{:.1}", 1e6 * tally.time / tally.count.max(1) as f64),
+            ]);
+        }
+    }
+    rows
+}
