@@ -1,4 +1,7 @@
 //! Where the bodies of a scene are and how they move, from the pose in a [`Truth`].
+//!
+//! Not by the plant's kinematics: a record may be of a scene that the plant refuses, or of another program's plant, and what it
+//! shows is to be the wire's and not the model's. A test holds the two together.
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::scene::Scene;
@@ -166,4 +169,34 @@ fn links(bodies: &[Body], base: usize) -> Vec<Link> {
         links.push(open.remove(next));
     }
     links
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::list::SCENES;
+    use messages::load::load;
+    use messages::wire::Torques;
+    use plant::kinematics::{self, Pose};
+
+    #[test]
+    fn the_record_sees_what_the_plant_sees() {
+        for name in ["free", "stand0", "rock"] {
+            let scene = load(name, &[], SCENES).unwrap();
+            let mut plant = plant::Plant::new(&scene).unwrap();
+            (0..50).for_each(|_| drop(plant.advance(&Torques::default()).unwrap()));
+            let mut pose = Pose::new(plant.model());
+            kinematics::pose(plant.model(), plant.state(), &mut pose);
+            let totals = kinematics::totals(plant.model(), plant.state(), &pose);
+            let robot = Robot::new(&scene);
+            let placed = robot.place(plant.truth());
+            let (com, velocity) = robot.com(&placed);
+            let off = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
+            let ends = plant.model().body_link.iter().zip(&placed).map(|(&link, body)| {
+                let at = Vector3::new(0.3, -0.2, 0.1);
+                (pose.point(link, &at) - (body.pose * Point3::from(at)).coords).norm()
+            });
+            assert!(ends.fold(off, f64::max) < 1e-12, "{name}: off by {off:e} in the mass");
+        }
+    }
 }

@@ -1,0 +1,169 @@
+//! The rules that the values of a scene must keep, each with the words for breaking it.
+
+use super::SceneError;
+use crate::scene::{ControllerScene, LinkScene, Scene};
+use crate::wire::JOINTS;
+use toml::Value;
+
+/// Checks every value of a scene; `origin` names it in the error.
+///
+/// # Errors
+/// [`SceneError::Invalid`] for the first value that cannot be simulated or controlled.
+pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
+    let check = Check { origin };
+    let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
+    check.finite(&table, "")?;
+    check.timing(scene)?;
+    check.plant(scene)?;
+    check.link(&scene.link)?;
+    check.bodies(&scene.bodies)?;
+    check.initial(scene)?;
+    scene.controller.as_ref().map_or(Ok(()), |controller| check.controller(scene, controller))
+}
+
+/// Rules, each with the words for breaking it.
+pub(super) struct Check<'a> {
+    origin: &'a str,
+}
+
+pub(super) type Checked = Result<(), SceneError>;
+
+impl Check<'_> {
+    fn fail(&self, key: &str, value: impl ToString, rule: impl Into<String>) -> SceneError {
+        SceneError::Invalid { origin: self.origin.into(), key: key.into(), value: value.to_string(), rule: rule.into() }
+    }
+
+    pub(super) fn require(&self, holds: bool, key: &str, value: impl ToString, rule: impl Into<String>) -> Checked {
+        if holds { Ok(()) } else { Err(self.fail(key, value, rule)) }
+    }
+
+    pub(super) fn positive(&self, key: &str, value: f64) -> Checked {
+        self.require(value > 0.0, key, value, "it must be greater than 0")
+    }
+
+    pub(super) fn not_negative(&self, key: &str, value: f64) -> Checked {
+        self.require(value >= 0.0, key, value, "it must not be negative")
+    }
+
+    /// Every number is finite; the path to the one that is not is spelt out.
+    fn finite(&self, value: &Value, path: &str) -> Checked {
+        let below = |part: &str| if path.is_empty() { part.to_string() } else { format!("{path}.{part}") };
+        match value {
+            Value::Float(number) => {
+                self.require(number.is_finite(), path, number, "every number of a scene must be finite")
+            }
+            Value::Table(table) => table.iter().try_for_each(|(key, value)| self.finite(value, &below(key))),
+            Value::Array(items) => {
+                items.iter().enumerate().try_for_each(|(i, item)| self.finite(item, &below(&i.to_string())))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn timing(&self, scene: &Scene) -> Checked {
+        self.positive("duration", scene.duration)?;
+        self.positive("rate", scene.rate)?;
+        self.positive("plant.dt", scene.plant.dt)?;
+        let steps = 1.0 / (scene.rate * scene.plant.dt);
+        let whole = steps.round() >= 1.0 && (steps - steps.round()).abs() < 1e-9 * steps;
+        let rule = format!(
+            "a whole number of steps must fit into one control period of 1/{} s, not {steps}: try {}",
+            scene.rate,
+            1.0 / (scene.rate * steps.round().max(1.0)),
+        );
+        self.require(whole, "plant.dt", scene.plant.dt, rule)?;
+        let periods = scene.duration * scene.rate;
+        let rule = format!("it must be at least one control period of 1/{} s", scene.rate);
+        self.require(periods.round() >= 1.0, "duration", scene.duration, rule)
+    }
+
+    fn plant(&self, scene: &Scene) -> Checked {
+        let plant = &scene.plant;
+        self.positive("plant.tolerance", plant.tolerance)?;
+        self.positive("plant.tolerance_step", plant.tolerance_step)?;
+        self.not_negative("plant.gravity", plant.gravity)?;
+        let tilt = plant.incline_deg;
+        self.require(tilt.abs() < 90.0, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;
+        self.not_negative("plant.friction", plant.friction)?;
+        let bounce = plant.restitution;
+        self.require((0.0..=1.0).contains(&bounce), "plant.restitution", bounce, "it must lie between 0 and 1")?;
+        self.positive("plant.contact_stiffness", plant.contact_stiffness)?;
+        self.not_negative("plant.contact_damping_ratio", plant.contact_damping_ratio)?;
+        self.not_negative("plant.drive_inertia", plant.drive_inertia)?;
+        self.not_negative("plant.joint_damping", plant.joint_damping)?;
+        self.not_negative("plant.torque_limit", plant.torque_limit)?;
+        let bits = plant.encoder_bits;
+        self.require((8..=30).contains(&bits), "plant.encoder_bits", bits, "it must be 8 to 30")?;
+        let ticks = plant.latency_ticks;
+        self.require(ticks <= 1000, "plant.latency_ticks", ticks, "it must be at most 1000")?;
+        let stale = plant.stale_probability;
+        let rule = "a probability must lie between 0 and 1";
+        self.require((0.0..=1.0).contains(&stale), "plant.stale_probability", stale, rule)?;
+        self.not_negative("plant.payload_kg", plant.payload_kg)?;
+        self.not_negative("plant.push_time", plant.push_time)?;
+        self.positive("plant.push_duration", plant.push_duration)?;
+        for (key, name) in [("plant.payload_body", &plant.payload_body), ("plant.push_body", &plant.push_body)] {
+            self.known_body(&scene.bodies, key, name)?;
+        }
+        Ok(())
+    }
+
+    fn link(&self, link: &LinkScene) -> Checked {
+        for (key, delay) in [("link.delay_ms", link.delay_ms), ("link.jitter_ms", link.jitter_ms)] {
+            self.require((0.0..=1000.0).contains(&delay), key, delay, "it must lie between 0 and 1000 ms")?;
+        }
+        for (key, share) in
+            [("link.loss", link.loss), ("link.duplicate", link.duplicate), ("link.reorder", link.reorder)]
+        {
+            self.require((0.0..=1.0).contains(&share), key, share, "a probability must lie between 0 and 1")?;
+        }
+        Ok(())
+    }
+
+    fn initial(&self, scene: &Scene) -> Checked {
+        let joints = scene.bodies.iter().filter(|body| body.joint.is_some()).count();
+        let lists = [("initial.joints", &scene.initial.joints), ("initial.joint_rates", &scene.initial.joint_rates)];
+        for (key, list) in lists {
+            let rule = format!("it must be empty or have one value for each of the {joints} joints");
+            self.require(list.is_empty() || list.len() == joints, key, format!("{list:?}"), rule)?;
+        }
+        let contacts = scene.bodies.iter().any(|body| body.touchable().next().is_some());
+        let clearance = scene.initial.clearance;
+        let rule = "it needs a body with contact points or balls";
+        self.require(clearance.is_none() || contacts, "initial.clearance", clearance.unwrap_or(0.0), rule)?;
+        self.not_negative("initial.clearance", clearance.unwrap_or(0.0))
+    }
+
+    fn controller(&self, scene: &Scene, controller: &ControllerScene) -> Checked {
+        let joints = scene.bodies.iter().filter(|body| body.joint.is_some()).count();
+        let rule = format!("the walking controller drives the robot of Table 1 with its {JOINTS} joints");
+        self.require(joints == JOINTS, "number of joints", joints, rule)?;
+        for (key, value) in [
+            ("controller.period", controller.period),
+            ("controller.com_height", controller.com_height),
+            ("controller.com_gain", controller.com_gain),
+            ("controller.swing_gain", controller.swing_gain),
+            ("controller.switch_rate", controller.switch_rate),
+            ("controller.rate_filter_hz", controller.rate_filter_hz),
+            ("controller.release_x2", controller.release_x2.unwrap_or(1.0)),
+            ("controller.rate_limit", controller.rate_limit.unwrap_or(1.0)),
+            ("controller.torque_bound", controller.torque_bound.unwrap_or(1.0)),
+        ] {
+            self.positive(key, value)?;
+        }
+        for (key, value) in [
+            ("controller.stop_time", controller.stop_time.unwrap_or(0.0)),
+            ("controller.swing_height", controller.swing_height),
+            ("controller.energy_gain", controller.energy_gain),
+            ("controller.foot_placement_gain", controller.foot_placement_gain),
+            ("controller.sagittal_energy_gain", controller.sagittal_energy_gain),
+            ("controller.com_feedback", controller.com_feedback),
+            ("controller.observer_bandwidth", controller.observer_bandwidth),
+        ] {
+            self.not_negative(key, value)?;
+        }
+        let half = controller.period / 2.0;
+        let rule = format!("half of it, one step, must last at least ten control periods of 1/{} s", scene.rate);
+        self.require(half * scene.rate >= 10.0, "controller.period", controller.period, rule)
+    }
+}
