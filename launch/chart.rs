@@ -73,23 +73,29 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     rows.extend(failures::rows(&trials, &watch)?);
     rows.extend(thresholds::rows(&watch)?);
     rows.extend(models::rows(&watch)?);
-    let mut remarks = vec![Core::hold().remark()];
-    match &args.peers {
-        None => remarks.push("Other simulators are not drawn: biped chart --peers measures them too.".into()),
+    let held = Core::hold().remark();
+    let write = |rows: &[csv::Row], remarks: &[String]| {
+        let remark = [vec![held.clone()], remarks.to_vec()].concat().join(" ");
+        page::write(&args.out, &chosen, rows, &remark)?;
+        write_whole(&args.out.join("chart.csv"), &csv::table(rows))
+    };
+    let alone = "Other simulators are not drawn: biped chart --peers measures them too.".to_string();
+    let remarks = match &args.peers {
+        None => vec![alone],
         Some(None) => {
-            let (found, left_out) = peers::rows(&args.out, args.quick, &watch)?;
+            write(&rows, &[alone]).map_err(unwritable)?; // what follows takes minutes, and may fail
+            let (found, left_out) = peers::rows(&args.out, &args.scenes, args.quick, &watch)?;
             rows.extend(found);
-            remarks.extend([vec![peers::REMARK.into()], left_out].concat());
+            [vec![peers::REMARK.into()], left_out].concat()
         }
         Some(Some(table)) => {
             rows.extend(peers::read(table)?);
             let origin = format!("Other simulators are those of {}, measured in another session.", table.display());
-            remarks.extend([origin, peers::REMARK.into()]);
+            vec![origin, peers::REMARK.into()]
         }
-    }
+    };
     watch.bar.finish_and_clear();
-    page::write(&args.out, &chosen, &rows, &remarks.join(" ")).map_err(unwritable)?;
-    write_whole(&args.out.join("chart.csv"), &csv::table(&rows)).map_err(unwritable)?;
+    write(&rows, &remarks).map_err(unwritable)?;
     say(format!(
         "{} measurements in {}, drawn in chart.html beside it; {:.0} s\n",
         rows.len(),

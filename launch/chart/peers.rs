@@ -18,11 +18,14 @@ pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: 
 ///
 /// # Errors
 /// Ctrl-C, no Python, a script that fails, or a table that is none.
-pub fn rows(folder: &Path, quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
+pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
     let table = folder.join("peers.csv");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
     let mut command = Command::new("python3");
     command.arg(SCRIPT).arg("--out").arg(&table).args(quick.then_some("--quick")).stdout(Stdio::piped());
+    if !scenes.is_empty() {
+        command.arg("--scenes").args(scenes);
+    }
     let mut script = command.spawn().map_err(|error| fault(format!("python3 does not start: {error}")))?;
     let mut left_out = Vec::new();
     for line in script.stdout.take().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {

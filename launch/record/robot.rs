@@ -184,12 +184,14 @@ mod tests {
         for name in ["free", "stand0", "rock"] {
             let scene = load(name, &[], SCENES).unwrap();
             let mut plant = plant::Plant::new(&scene).unwrap();
-            (0..50).for_each(|_| drop(plant.advance(&Torques::default()).unwrap()));
+            for _ in 0..50 {
+                plant.advance(&Torques::default()).unwrap();
+            }
             let mut pose = Pose::new(plant.model());
             kinematics::pose(plant.model(), plant.state(), &mut pose);
             let totals = kinematics::totals(plant.model(), plant.state(), &pose);
             let robot = Robot::new(&scene);
-            let placed = robot.place(plant.truth());
+            let placed = robot.place(&plant.truth());
             let (com, velocity) = robot.com(&placed);
             let off = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
             let ends = plant.model().body_link.iter().zip(&placed).map(|(&link, body)| {

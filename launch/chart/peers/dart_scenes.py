@@ -7,6 +7,7 @@ import dartpy as dart
 import numpy as np
 
 import scenes as s
+from simulation import Traced
 
 ENGINE = "DART"
 VERSION = dart.__version__
@@ -17,7 +18,7 @@ METHODS = {
 }
 
 
-class Simulation:
+class Simulation(Traced):
     """One scene under one solver."""
 
     def __init__(self, scene, method, dt):
@@ -27,8 +28,7 @@ class Simulation:
     def reset(self):
         """The scene, built anew."""
         scene = self.scene
-        urdf = s.BIPED_URDF.read_text() if scene.body is None else scene.body.urdf()
-        body = dart.utils.DartLoader().parseSkeletonString(urdf, dart.common.Uri())
+        body = dart.utils.DartLoader().parseSkeletonString(scene.urdf, dart.common.Uri())
         base = body.getRootJoint()
         w, x, y, z = scene.quaternion
         place = dart.math.Isometry3()
@@ -74,15 +74,6 @@ class Simulation:
         pose = self.body.getBodyNode(0).getWorldTransform()
         turn = dart.math.Quaternion(pose.rotation())
         return [*np.ravel(pose.translation()), turn.w(), turn.x(), turn.y(), turn.z()]
-
-    def trace(self, steps, stride):
-        """Rows from the start of the scene on."""
-        self.reset()
-        rows = [self.row()]
-        for _ in range(stride, steps + 1, stride):
-            self.run(stride)
-            rows.append(self.row())
-        return np.array(rows)
 
 
 def _ground():

@@ -17,6 +17,7 @@ from pydrake.systems.analysis import Simulator
 from pydrake.systems.framework import DiagramBuilder
 
 import scenes as s
+from simulation import Traced
 
 ENGINE = "Drake"
 VERSION = version("drake")
@@ -28,7 +29,7 @@ METHODS = {
 }
 
 
-class Simulation:
+class Simulation(Traced):
     """One scene under one approximation of contact."""
 
     def __init__(self, scene, method, dt):
@@ -37,8 +38,7 @@ class Simulation:
         self.plant, graph = AddMultibodyPlantSceneGraph(builder, time_step=dt)
         plant = self.plant
         plant.set_discrete_contact_approximation(METHODS[method])
-        urdf = s.BIPED_URDF.read_text() if scene.body is None else scene.body.urdf()
-        Parser(plant).AddModelsFromString(re.sub("<collision>.*?</collision>", "", urdf), "urdf")
+        Parser(plant).AddModelsFromString(re.sub("<collision>.*?</collision>", "", scene.urdf), "urdf")
         plant.mutable_gravity_field().set_gravity_vector(scene.gravity_vector)
         if scene.body is None:
             for name, rest in zip(s.JOINTS, scene.joints):
@@ -91,12 +91,3 @@ class Simulation:
             return np.concatenate([foot.EvalPoseInWorld(self.context).translation() for foot in self.feet])
         q = self.plant.GetPositions(self.context)
         return [*q[4:7], *q[:4]]
-
-    def trace(self, steps, stride):
-        """Rows from the start of the scene on."""
-        self.reset()
-        rows = [self.row()]
-        for _ in range(stride, steps + 1, stride):
-            self.run(stride)
-            rows.append(self.row())
-        return np.array(rows)

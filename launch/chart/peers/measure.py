@@ -1,6 +1,6 @@
 """Runs one engine over scenes, methods and step lengths, and appends rows to a CSV as they come.
 
-    python measure.py MODULE FILE [--from JOB] [--quick]     (columns: see run.py)
+    python measure.py MODULE FILE [--from JOB] [--core N] [--scenes NAME ...] [--quick]     (columns: see run.py)
 
 Prints `job N: ...` before each job, so that after a crash the caller knows where to go on.
 """
@@ -8,6 +8,7 @@ Prints `job N: ...` before each job, so that after a crash the caller knows wher
 import argparse
 import csv
 import importlib
+import os
 import statistics
 import time
 
@@ -18,7 +19,8 @@ from scenes import SCENES
 
 STEP_SCENES = {"free": 1000, "slide": 400, "stand0": 1000}  # steps at 1 ms; the cube slides for 407
 QUICK_SCENES, QUICK_DTS = ["free", "slide", "stand0"], [2e-3, 1e-3]
-BUDGET, FINE_BUDGET = 15.0, 1.5  # CPU seconds; a run that would take longer is left out; with h below 1 ms
+BUDGET, FINE_BUDGET = 6.0, 1.0  # CPU seconds; a run that would take longer is left out; with h below 1 ms
+TIMING = 0.3  # CPU seconds after which a step is not timed again
 
 
 def main():
@@ -27,13 +29,17 @@ def main():
     arguments.add_argument("module")
     arguments.add_argument("file")
     arguments.add_argument("--from", type=int, default=0, dest="first")
+    arguments.add_argument("--core", type=int)
+    arguments.add_argument("--scenes", nargs="*", default=list(SCENES))
     arguments.add_argument("--quick", action="store_true")
     arguments = arguments.parse_args()
+    if arguments.core is not None:
+        os.sched_setaffinity(0, {arguments.core})
     engine = importlib.import_module(arguments.module)
     print(f"version {engine.ENGINE} {engine.VERSION}", flush=True)
     with open(arguments.file, "a", newline="") as file:
         writer = csv.writer(file)
-        for number, (view, scene, method, dt) in enumerate(jobs(engine, arguments.quick)):
+        for number, (view, scene, method, dt) in enumerate(jobs(engine, arguments.scenes, arguments.quick)):
             if number < arguments.first:
                 continue
             print(f"job {number}: {view} {scene.name} {engine.ENGINE} {method} dt {dt:g}", flush=True)
@@ -48,7 +54,7 @@ def main():
             file.flush()
 
 
-def jobs(engine, quick):
+def jobs(engine, chosen, quick):
     """(view, scene, method, dt), always in the same order."""
     methods, names = engine.METHODS, getattr(engine, "SCENES", SCENES)
     if quick:
@@ -58,7 +64,7 @@ def jobs(engine, quick):
             if name in names:
                 yield "step", SCENES[name], method, 1e-3
     for method in methods:
-        for name in names:
+        for name in (name for name in names if name in chosen):
             for dt in QUICK_DTS if quick else engine.DTS:
                 yield "precision", SCENES[name], method, dt
 
@@ -84,7 +90,7 @@ def precision_rows(engine, scene, method, dt):
 def seconds_per_step(simulation, steps, repeats):
     """Median time of one step over the scene's first `steps`: CPU time of this thread, or as the engine's file says."""
     times, begun = [], time.thread_time()
-    while len(times) < repeats and (time.thread_time() - begun < 1.0 or not times):
+    while len(times) < repeats and (time.thread_time() - begun < TIMING or not times):
         simulation.reset()
         if hasattr(simulation, "seconds"):
             times.append(simulation.seconds(steps))

@@ -8,13 +8,13 @@ Time is that spent in Pinocchio's own functions, by the wall clock and the media
 does not count; a binding call still costs about a microsecond.
 """
 
-import statistics
 import time
 
 import numpy as np
 import pinocchio as pin
 
 import scenes as s
+from simulation import Timed
 
 ENGINE = "Pinocchio"
 VERSION = pin.__version__
@@ -23,19 +23,17 @@ METHODS = {"ADMM 1e-6": ("ADMM", 1e-6), "ADMM 1e-9": ("ADMM", 1e-9), "PGS 1e-9":
 NEAR = 1e-6  # what is no higher above the ground touches [m]
 
 
-class Simulation:
+class Simulation(Timed):
     """One scene under one solver."""
 
     def __init__(self, scene, method, dt):
         self.scene, self.dt = scene, dt
-        base = pin.JointModelFreeFlyer()
+        self.model = pin.buildModelFromXML(scene.urdf, pin.JointModelFreeFlyer())
         if scene.body is None:
-            self.model = pin.buildModelFromUrdf(str(s.BIPED_URDF), base)
             joints = [self.model.getJointId(f"{side}_ankle_roll") for side in "lr"]
             points = [(joint, corner) for joint in joints for corner in s.SOLE]
             self.model.armature[6:] = dt * scene.damping + dt**2 * scene.stiffness
         else:
-            self.model = pin.buildModelFromXML(scene.body.urdf(), base)
             points = [(1, point) for point in scene.body.points]
         self.model.gravity.linear = scene.gravity_vector
         self.data = self.model.createData()
@@ -61,10 +59,10 @@ class Simulation:
         self.q = np.array([*scene.position, x, y, z, w, *joints])
         self.v = np.array([*turn.T @ scene.velocity, *turn.T @ scene.spin, *rates])
         self.rest = np.array(joints)
-        self.active, self.native = None, 0
+        self.active = None
 
     def step(self):
-        """One step; `native` counts the nanoseconds in Pinocchio."""
+        """One step; the seconds it took in Pinocchio."""
         model, data, dt, q, v, clock = self.model, self.data, self.dt, self.q, self.v, time.perf_counter_ns
         torque = np.zeros(model.nv)
         torque[6:] = self.scene.stiffness * (self.rest - q[7:] - dt * v[6:]) - self.scene.damping * v[6:]
@@ -93,11 +91,12 @@ class Simulation:
             native += clock() - start
         start = clock()
         self.q = pin.integrate(model, q, dt * free)
-        self.native = native + clock() - start
+        native += clock() - start
         way = places[1].rotation @ free[:3]
         self.q[:3] = q[:3] + dt * way
         self.v = free
         self.v[:3] = pin.Quaternion(self.q[3:7]).matrix().T @ way
+        return native * 1e-9
 
     def _solver(self, active):
         """Constraints, decomposition, solver and result of a set of points; begun anew when the set changes."""
@@ -114,14 +113,6 @@ class Simulation:
             self.active = active
         return self.solvers[active]
 
-    def seconds(self, steps):
-        """Median time of a step in Pinocchio's functions."""
-        times = []
-        for _ in range(steps):
-            self.step()
-            times.append(self.native)
-        return statistics.median(times) * 1e-9
-
     def row(self):
         """State as `metrics` wants it."""
         if not self.scene.contact:
@@ -130,16 +121,6 @@ class Simulation:
             return [*self.q[:3], self.q[6], *self.q[3:6]]
         pin.forwardKinematics(self.model, self.data, self.q)
         return np.concatenate([self.data.oMi[self.points[i][0]].translation for i in (0, 4)])
-
-    def trace(self, steps, stride):
-        """Rows from the start of the scene on."""
-        self.reset()
-        rows = [self.row()]
-        for step in range(1, steps + 1):
-            self.step()
-            if step % stride == 0:
-                rows.append(self.row())
-        return np.array(rows)
 
 
 def _contact(model, joint, point, friction):

@@ -3,7 +3,6 @@
 Time is that spent in `stepSimulation`, by the wall clock and the median step: torques, set from Python, do not count.
 """
 
-import statistics
 import tempfile
 import time
 from importlib.metadata import version
@@ -13,6 +12,7 @@ import numpy as np
 import pybullet as p
 
 import scenes as s
+from simulation import Timed
 
 ENGINE = "PyBullet"
 VERSION = version("pybullet")
@@ -24,15 +24,14 @@ METHODS = {
 }
 
 
-class Simulation:
+class Simulation(Timed):
     """One scene under one solver."""
 
     def __init__(self, scene, method, dt):
         self.scene, self.dt, self.settings = scene, dt, METHODS[method]
-        urdf = s.BIPED_URDF.read_text().replace("revolute", "continuous") if scene.body is None else scene.body.urdf()
         self.folder = tempfile.TemporaryDirectory()
         self.urdf = Path(self.folder.name) / "body.urdf"
-        self.urdf.write_text(urdf)
+        self.urdf.write_text(scene.urdf.replace("revolute", "continuous"))
         if not p.isConnected():
             p.connect(p.DIRECT)
         self.reset()
@@ -75,10 +74,6 @@ class Simulation:
         p.stepSimulation()
         return time.perf_counter() - start
 
-    def seconds(self, steps):
-        """Median time of a step."""
-        return statistics.median(self.step() for _ in range(steps))
-
     def row(self):
         """State as `metrics` wants it."""
         if self.scene.body:
@@ -102,13 +97,3 @@ class Simulation:
             spin = np.array(p.getMatrixFromQuaternion(attitude)).reshape(3, 3).T @ spin
             energy += mass * np.dot(velocity, velocity) / 2 + inertia @ spin**2 / 2
         return energy
-
-    def trace(self, steps, stride):
-        """Rows from the start of the scene on."""
-        self.reset()
-        rows = [self.row()]
-        for step in range(1, steps + 1):
-            self.step()
-            if step % stride == 0:
-                rows.append(self.row())
-        return np.array(rows)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Runs other engines on the ten comparison scenes and writes what they err by and what they cost.
 
-    python3 run.py --out FILE [--quick] [--engines mujoco drake] [--dated] [--venv FOLDER]
+    python3 run.py --out FILE [--quick] [--scenes slide rock] [--engines mujoco drake] [--dated] [--venv FOLDER]
 
 Engines are installed by name, with the versions below, into a virtual environment of their own. One that does not
 install, or crashes, is named with its reason and left out; the others go on.
@@ -11,6 +11,7 @@ import argparse
 import csv
 import os
 import platform
+import queue
 import subprocess
 import sys
 import tempfile
@@ -33,6 +34,7 @@ COLUMNS = ["view", "scene", "engine", "method", "dt", "metric", "error", "cpu_s_
 NUMPY = "numpy==2.4.6"
 DEBIAN = Path("/usr/bin/python3")
 VERSIONS = []  # of the engines that ran
+CORES = queue.SimpleQueue()  # those that no engine is held on
 ONE_INSTALLS = threading.Lock()
 CRASHES = 5  # an engine that crashed this often is left alone
 
@@ -43,16 +45,21 @@ def main():
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
     arguments.add_argument("--out", type=Path, required=True, help="CSV to write")
     arguments.add_argument("--quick", action="store_true", help="mujoco only, 3 scenes, 2 step lengths")
+    arguments.add_argument("--scenes", nargs="+", metavar="NAME", default=[], help="those whose errors count; default: all")
     arguments.add_argument("--dated", action="store_true", help="begin FILE with `#` lines: day, machine, versions")
     arguments.add_argument("--engines", nargs="+", choices=PACKAGES, default=list(PACKAGES), help="default: all")
     arguments.add_argument("--venv", type=Path, default=cache / "biped-peers", help="default: %(default)s")
     arguments = arguments.parse_args()
+    wishes = [*(["--scenes", *arguments.scenes] if arguments.scenes else []), *(["--quick"] if arguments.quick else [])]
     engines = ["mujoco"] if arguments.quick else arguments.engines
     python = environment(arguments.venv.absolute())
     if python is None:
         sys.exit("nothing can be installed, nothing is measured")
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(min(2, os.cpu_count() or 1)) as pool:
-        parts = list(pool.map(lambda engine: measure(python, engine, Path(folder), arguments.quick), engines))
+    cores = sorted(os.sched_getaffinity(0))[:2]
+    for core in cores:
+        CORES.put(core)
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(len(cores)) as pool:
+        parts = list(pool.map(lambda engine: measure(python, engine, Path(folder), wishes), engines))
         rows = [row for part in parts if part.exists() for row in csv.reader(part.open())]
     if not rows:
         sys.exit("no engine could be measured")
@@ -77,13 +84,15 @@ def environment(folder):
     return python
 
 
-def measure(python, engine, folder, quick):
+def measure(python, engine, folder, wishes):
     """Installs and runs one engine; the file of its rows."""
     part = folder / f"{engine}.csv"
     if engine == "siconos":
         python = DEBIAN
     if installed(python, engine):
-        run(python, engine, part, quick)
+        core = CORES.get()
+        run(python, engine, part, core, wishes)
+        CORES.put(core)
     return part
 
 
@@ -125,15 +134,15 @@ def built(folder):
     return result.returncode == 0
 
 
-def run(python, engine, part, quick):
+def run(python, engine, part, core, wishes):
     """Measures one engine in a process of its own, past crashes."""
     job, crashes = -1, 0
     settings = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PYTHONDONTWRITEBYTECODE")
     while True:
-        command = [python, "-u", HERE / "measure.py", f"{engine}_scenes", part, "--from", str(job + 1)]
+        command = [python, "-u", HERE / "measure.py", f"{engine}_scenes", part, "--core", str(core), "--from", str(job + 1)]
         complaints = tempfile.TemporaryFile("w+")
         process = subprocess.Popen(
-            [*command, *(["--quick"] if quick else [])],
+            [*command, *wishes],
             env=os.environ | dict.fromkeys(settings, "1"),
             cwd=part.parent,  # engines leave logs where they run
             stdout=subprocess.PIPE,

@@ -78,6 +78,11 @@ class Scene:
         return self.gravity * np.array([sin(self.slope), 0.0, -cos(self.slope)])
 
     @property
+    def urdf(self):
+        """The body, or the biped, as a URDF."""
+        return self.body.urdf() if self.body else BIPED_URDF.read_text()
+
+    @property
     def quaternion(self):
         """Attitude of the body, w first."""
         return (cos(self.pitch / 2), 0.0, sin(self.pitch / 2), 0.0)

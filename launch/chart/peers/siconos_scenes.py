@@ -8,13 +8,13 @@ Time is that of the solver alone, by the wall clock and the median step with con
 nor the stepper counts.
 """
 
-import statistics
 import time
 
 import numpy as np
 from siconos import numerics
 
 import scenes as s
+from simulation import Timed
 
 ENGINE = "Siconos"
 VERSION = "4.4"  # as Debian has it
@@ -25,7 +25,7 @@ TOLERANCE = 1e-12
 NEAR = 1e-9  # what is no higher above the ground touches [m]
 
 
-class Simulation:
+class Simulation(Timed):
     """One scene under one solver."""
 
     def __init__(self, scene, method, dt):
@@ -74,19 +74,9 @@ class Simulation:
         self.velocity, self.spin = velocity, gyroscopic
         return seconds
 
-    def seconds(self, steps):
-        """Median time of a step with contact."""
-        return statistics.median([spent for spent in (self.step() for _ in range(steps)) if spent])
-
-    def trace(self, steps, stride):
-        """Rows from the start of the scene on."""
-        self.reset()
-        rows = [[*self.place, *self.attitude]]
-        for step in range(1, steps + 1):
-            self.step()
-            if step % stride == 0:
-                rows.append([*self.place, *self.attitude])
-        return np.array(rows)
+    def row(self):
+        """State as `metrics` wants it."""
+        return [*self.place, *self.attitude]
 
 
 def _cross(vector):
