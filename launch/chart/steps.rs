@@ -14,7 +14,7 @@ pub const LOADS: [(&str, &str, f64); 4] = [
     ("free", "flight", 1.0),
     ("slide", "a cube slides", 0.4),
     ("stand0", "a biped stands on 8 points", 1.0),
-    ("walk", "a biped walks", 4.0),
+    ("walk", "a biped walks", 2.5),
 ];
 /// The step [s].
 const H: f64 = 1e-3;
