@@ -59,6 +59,11 @@ impl Role {
         Ok(Role { name, process, status: None, complaints })
     }
 
+    /// The number of the process.
+    pub fn number(&self) -> u32 {
+        self.process.id()
+    }
+
     /// Its exit status, once it has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {

@@ -7,6 +7,7 @@
 //! | tables of many runs | [`study`] |
 //! | speed against accuracy | [`chart`] |
 //! | how much delay, jitter and loss it bears | [`robustness`] |
+//! | latency and jitter | [`latency`] |
 //! | starting, watching and ending processes | [`children`] |
 //! | real-time scheduling | [`realtime`] |
 //! | progress bar and live line | [`progress`] |
@@ -26,6 +27,7 @@ mod csv;
 mod desk;
 mod doctor;
 mod exit;
+mod latency;
 mod list;
 mod model;
 mod progress;
@@ -71,6 +73,11 @@ enum Command {
     Chart(chart::ChartArgs),
     /// Map how much delay, jitter and loss of commands the walk bears
     Robustness(robustness::RobustnessArgs),
+    /// Measure latency and jitter of the link, and of the walk over it, beside the limits of the host
+    Latency(latency::LatencyArgs),
+    /// The other process of `latency`
+    #[command(hide = true)]
+    LatencyPeer(latency::PeerArgs),
     /// Solve the contact problem that a run could not solve, by every law
     Contact(contact::ContactArgs),
     /// Be the plant of a session
@@ -195,6 +202,8 @@ fn main() -> ExitCode {
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Chart(args)) => chart::run(&args, &stop),
         Some(Command::Robustness(args)) => robustness::run(&args, &stop),
+        Some(Command::Latency(args)) => latency::run(&args, &stop),
+        Some(Command::LatencyPeer(args)) => latency::peer(&args, &stop),
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),

@@ -4,7 +4,7 @@ use crate::exit::{Exit, Failure};
 use clap::Args;
 use messages::port::Pace;
 use nix::errno::Errno;
-use nix::sched::{CpuSet, sched_setaffinity};
+use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::mman::{MlockAllFlags, mlockall};
 use nix::sys::prctl::set_timerslack;
 use nix::unistd::{Pid, User, getuid};
@@ -181,6 +181,17 @@ impl RealtimeArgs {
 /// gets what is granted.
 pub fn refusals() -> [Option<String>; 2] {
     [Step::Memory, Step::Fifo(PRIORITY)].map(|step| step.ask().err().map(|_| step.remedy()))
+}
+
+/// Keeps the calling thread to the first (0), second (1) … of the processors that it may use, if there are so many.
+pub fn keep_to(nth: usize) {
+    let me = Pid::from_raw(0);
+    let Ok(allowed) = sched_getaffinity(me) else { return };
+    let mut usable = (0..CpuSet::count()).filter(|cpu| allowed.is_set(*cpu) == Ok(true));
+    let mut only = CpuSet::new();
+    if usable.nth(nth).is_some_and(|cpu| only.set(cpu).is_ok()) {
+        let _ = sched_setaffinity(me, &only);
+    }
 }
 
 /// Lets the calling thread's sleeps end on time: by default Linux may end them 50 µs late, to save power.

@@ -251,7 +251,7 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
 }
 
 /// A session that is cleared away when it is dropped, after every process of it has ended.
-struct Swept(Session);
+pub struct Swept(pub Session);
 
 impl Drop for Swept {
     fn drop(&mut self) {

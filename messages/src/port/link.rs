@@ -23,7 +23,7 @@ const SLICE: Duration = Duration::from_millis(10);
 
 /// How a process waits for the other side. Both ends of a link should wait alike: a writer rings only for a reader that
 /// may be asleep, and one that sleeps unexpectedly looks around every 10 ms.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Waiting {
     /// Looks without pause: soonest, but takes a processor; never under a real-time scheduler, which it would block.
     Spin,

@@ -1,0 +1,98 @@
+//! The plant's end of a conversation whose every message is timed.
+
+use super::bench::{LOST, PATIENCE};
+use super::results::Results;
+use super::spread::Spread;
+use crate::exit::{Exit, Failure};
+use crate::guarded;
+use messages::clock::now_ns;
+use messages::port::{Contract, PlantPort, Waiting};
+use messages::session::Session;
+use messages::wire::{Command, Sensors, Stamp, Stamped};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// The conversation, and what it took so far.
+pub struct Talk<'a> {
+    port: PlantPort,
+    stop: &'a AtomicBool,
+    latest: Stamp,
+    /// When the last command came.
+    pub heard_ns: u64,
+    there: Spread,
+    back: Spread,
+    trip: Spread,
+}
+
+impl<'a> Talk<'a> {
+    /// Takes the plant's place in a session.
+    ///
+    /// # Errors
+    /// If the session cannot be made.
+    pub fn open(
+        session: &Session,
+        contract: &Contract,
+        waiting: Waiting,
+        stop: &'a AtomicBool,
+    ) -> Result<Talk<'a>, Failure> {
+        let port = guarded(|| PlantPort::open(session, contract))?.waiting(waiting);
+        let (there, back, trip) = (Spread::new()?, Spread::new()?, Spread::new()?);
+        Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, there, back, trip })
+    }
+
+    /// A first exchange, which is not counted: until it has come, the other side may not have.
+    ///
+    /// # Errors
+    /// As [`Talk::exchange`].
+    pub fn meet(&mut self) -> Result<(), Failure> {
+        let stamp = Stamp { seq: 1, mono_ns: now_ns(), ..Stamp::default() };
+        self.ask(&Sensors { stamp, ..Sensors::default() }).map(drop)
+    }
+
+    /// Sends sensors, stamped with the time at which they are sent, waits for their answer, and counts.
+    ///
+    /// # Errors
+    /// If the link breaks, nobody answers for long, or the user wants to stop.
+    pub fn exchange(&mut self, sensors: Sensors) -> Result<Command, Failure> {
+        let command = self.ask(&sensors)?;
+        let (sent, stamped) = (sensors.stamp.mono_ns, command.stamp.mono_ns);
+        self.there.add(stamped.saturating_sub(sent));
+        self.back.add(self.heard_ns.saturating_sub(stamped));
+        self.trip.add(self.heard_ns - sent);
+        Ok(command)
+    }
+
+    /// The same without counting.
+    ///
+    /// # Errors
+    /// As [`Talk::exchange`].
+    pub fn ask(&mut self, sensors: &Sensors) -> Result<Command, Failure> {
+        self.latest = sensors.stamp;
+        self.port.send(*sensors)?;
+        loop {
+            let command = self.port.wait()?.filter(Command::is_sound);
+            self.heard_ns = now_ns();
+            match command {
+                Some(command) if command.stamp.ack == self.latest.seq => return Ok(command),
+                Some(_) => (),
+                None if self.stop.load(Relaxed) => return Err(Failure::new(Exit::Interrupted, "interrupted")),
+                None if self.heard_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 => {
+                    return Err(Failure::new(Exit::PeerMissing, LOST));
+                }
+                None => (),
+            }
+        }
+    }
+
+    /// Says goodbye, and puts what was counted into the results.
+    ///
+    /// # Errors
+    /// If the link breaks.
+    pub fn end(self, results: &mut Results, section: &'static str) -> Result<(), Failure> {
+        let stamp = Stamp { seq: self.latest.seq + 1, mono_ns: now_ns(), ..self.latest };
+        self.port.send(Sensors { stamp, last: 1, ..Sensors::default() })?;
+        results.put(section, "round trip", &self.trip);
+        results.put(section, "sensors to command", &self.there);
+        results.put(section, "command to plant", &self.back);
+        Ok(())
+    }
+}
