@@ -1,89 +1,19 @@
 //! Claims about the desk: what is asked of a running session is done, and nothing else.
 
-#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+#[path = "common/live.rs"]
+mod live;
 
-use messages::port::{Ask, Contract, Pace, PortError, RecorderPort, Verdict, ask};
+use live::{LONG, Running, biped};
+use messages::port::{Ask, Contract, Pace, PortError, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
-use messages::wire::{Reply, STATES, Truth};
-use std::process::{Child, Command, Output, Stdio};
+use messages::wire::{STATES, Truth};
+use nix::sys::signal::Signal;
+use std::process::Output;
 use std::time::{Duration, Instant};
 
-/// Longest wait for anything here: far more than it takes on a busy machine.
-const LONG: Duration = Duration::from_secs(60);
-
-fn biped(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
-    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
-    command
-}
-
-/// A running session and somebody who listens to it.
-struct Running {
-    session: Session,
-    launcher: Child,
-    port: RecorderPort,
-    latest: Truth,
-}
-
-impl Running {
-    fn start(name: &str, extra: &[&str]) -> Running {
-        let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
-        let arguments = ["run", "walk", "--quiet", "--realtime", "--session", session.name(), "--set"];
-        let mut launcher =
-            biped(&[&arguments[..], &["duration=600"], extra].concat()).spawn().expect("the program starts");
-        let begin = Instant::now();
-        while ask(&session, Ask::Resume).is_err() {
-            if let Some(status) = launcher.try_wait().expect("our own child") {
-                let Output { stderr, .. } = launcher.wait_with_output().expect("its last words");
-                panic!("{status}: {}", String::from_utf8_lossy(&stderr));
-            }
-            assert!(begin.elapsed() < LONG, "nobody came to the desk");
-            std::thread::sleep(Duration::from_millis(10));
-        }
-        let port = RecorderPort::visit(&session).expect("listening");
-        Running { session, launcher, port, latest: Truth::default() }
-    }
-
-    fn ask(&self, what: Ask) -> Reply {
-        ask(&self.session, what).expect("an answer")
-    }
-
-    /// Listens until something holds.
-    fn until(&mut self, what: &str, mut holds: impl FnMut(&Truth) -> bool) -> Truth {
-        let begin = Instant::now();
-        loop {
-            assert!(begin.elapsed() < LONG, "{what} did not come true");
-            match self.port.read().expect("reading") {
-                Some(truth) => {
-                    self.latest = truth;
-                    if holds(&truth) {
-                        return truth;
-                    }
-                }
-                None => std::thread::sleep(Duration::from_millis(1)),
-            }
-        }
-    }
-
-    /// Everything said so far.
-    fn drain(&mut self) {
-        while let Some(truth) = self.port.read().expect("reading") {
-            self.latest = truth;
-        }
-    }
-
-    fn end(self) {
-        let Running { session, mut launcher, port, .. } = self;
-        drop(port);
-        launcher.kill().expect("our own child");
-        launcher.wait().expect("the launcher ends");
-        let begin = Instant::now();
-        while !session.leftovers().is_empty() {
-            assert!(begin.elapsed() < LONG, "something is left: {:?}", session.leftovers());
-            std::thread::sleep(Duration::from_millis(5));
-        }
-    }
+fn walking(name: &str, extra: &[&str]) -> Running {
+    Running::start(name, &[&["--realtime", "--set", "duration=600"], extra].concat())
 }
 
 fn seconds(truth: &Truth) -> f64 {
@@ -92,7 +22,7 @@ fn seconds(truth: &Truth) -> f64 {
 
 #[test]
 fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
-    let mut walk = Running::start("pause", &[]);
+    let mut walk = walking("pause", &[]);
     walk.until("a start", |truth| seconds(truth) > 0.2);
     let reply = walk.ask(Ask::Pause);
     assert_eq!((reply.verdict, STATES[reply.state as usize]), (Verdict::Done as u64, "paused"));
@@ -116,7 +46,7 @@ fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
 
 #[test]
 fn a_reset_begins_another_run_at_time_zero_and_walks_again() {
-    let mut walk = Running::start("reset", &[]);
+    let mut walk = walking("reset", &[]);
     let before = walk.until("a start", |truth| seconds(truth) > 0.5);
     walk.ask(Ask::Reset { seed: Some(5) });
     let first = walk.until("another run", |truth| truth.stamp.run != before.stamp.run);
@@ -128,7 +58,7 @@ fn a_reset_begins_another_run_at_time_zero_and_walks_again() {
 
 #[test]
 fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
-    let mut walk = Running::start("push", &["--set", "controller.gait=\"stand\"", "--set", "plant.friction=0.05"]);
+    let mut walk = walking("push", &["--set", "controller.gait=\"stand\"", "--set", "plant.friction=0.05"]);
     walk.until("standing", |truth| seconds(truth) > 0.2);
     // On ice little holds the robot: the impulse J gives the whole mass the momentum J.
     walk.ask(Ask::Push { body: 4, impulse: [2.0, 0.0, 0.0], duration: 0.05 });
@@ -145,7 +75,7 @@ fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
 
 #[test]
 fn walking_speed_follows_its_set_point_and_nonsense_is_refused() {
-    let mut walk = Running::start("set", &["--speed", "3"]);
+    let mut walk = walking("set", &["--speed", "3"]);
     walk.until("walking", |truth| truth.telemetry.steps > 4);
     assert_eq!(walk.ask(Ask::Set { period: None, speed: Some(9.0) }).verdict, Verdict::OutOfRange as u64);
     assert_eq!(walk.ask(Ask::Set { period: None, speed: Some(0.0) }).verdict, Verdict::Done as u64);
@@ -155,6 +85,23 @@ fn walking_speed_follows_its_set_point_and_nonsense_is_refused() {
     let speed = (later.base_position[0] - slow.base_position[0]) / (seconds(&later) - seconds(&slow));
     assert!(speed.abs() < 0.02, "{speed} m/s in place");
     walk.end();
+}
+
+#[test]
+fn drives_that_a_silent_controller_switched_off_stay_off_until_rearmed() {
+    let mut stand = walking("rearm", &["--set", "controller.gait=\"stand\""]);
+    stand.until("standing", |truth| seconds(truth) > 0.2);
+    stand.signal("controller", Signal::SIGSTOP);
+    let states = |truth: &Truth| STATES[truth.state as usize];
+    stand.until("damping", |truth| states(truth) == "damp");
+    let off = stand.until("a fault", |truth| states(truth) == "fault");
+    assert!(off.age > 100 && off.torque == [0.0; 8], "{} periods old: {:?}", off.age, off.torque);
+    stand.signal("controller", Signal::SIGCONT);
+    let heard = stand.until("a command again", |truth| truth.age == 0);
+    assert_eq!((states(&heard), heard.torque), ("fault", [0.0; 8]), "a fault is latched");
+    assert_eq!(stand.ask(Ask::Rearm).verdict, Verdict::Done as u64);
+    stand.until("drives on", |truth| states(truth) == "run" && truth.torque != [0.0; 8]);
+    stand.end();
 }
 
 #[test]

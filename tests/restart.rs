@@ -2,23 +2,19 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+#[path = "common/live.rs"]
+mod live;
+
 use controller::Controller;
-use messages::port::RecorderPort;
+use live::Running;
 use messages::scene::Scene;
-use messages::session::Session;
 use messages::wire::{Command, Stamp, Stamped};
-use nix::sys::signal::{Signal, kill};
-use nix::unistd::Pid;
+use nix::sys::signal::Signal;
 use plant::process::{Next, drive};
 use plant::{PlantError, Simulation};
-use std::process::{Command as Process, Output, Stdio};
-use std::time::{Duration, Instant};
 
 /// The trunk of a robot that walks is never lower [m].
 const UP: f64 = 0.5;
-/// Longest wait for anything here: far more than it takes on a busy machine.
-const LONG: Duration = Duration::from_secs(60);
-
 fn walk(duration: f64) -> Scene {
     let settings = [format!("duration={duration}")];
     messages::load::load("launch/scenes/walk.toml", &settings, &[]).expect("the walk")
@@ -82,43 +78,14 @@ fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_a_fiftie
     assert!(lowest < UP, "the trunk stays at {lowest} m: does this test see a fall?");
 }
 
-/// What a run of two processes leaves: exit code, both outputs.
-fn run_and_kill(role: &str) -> (Option<i32>, String, String) {
-    let session = Session::named(&format!("test-{}-{role}", std::process::id())).expect("a good name");
-    let launcher = Process::new(env!("CARGO_BIN_EXE_biped"))
-        .args(["run", "walk", "--quiet", "--respawn", "1", "--set", "duration=60", "--session", session.name()])
-        .stdin(Stdio::null())
-        .stdout(Stdio::piped())
-        .stderr(Stdio::piped())
-        .spawn()
-        .expect("the program starts");
-    let begin = Instant::now();
-    let mut port = loop {
-        match RecorderPort::visit(&session) {
-            Ok(port) => break port,
-            Err(_) => assert!(begin.elapsed() < LONG, "no session"),
-        }
-    };
-    // amid a step
-    while port.read().expect("reading").is_none_or(|truth| truth.telemetry.steps < 5) {
-        assert!(begin.elapsed() < LONG, "it does not walk");
-    }
-    drop(port);
-    let children = std::fs::read_to_string(format!("/proc/{0}/task/{0}/children", launcher.id())).expect("children");
-    let is = |pid: &&str| {
-        std::fs::read_to_string(format!("/proc/{pid}/cmdline")).is_ok_and(|line| line.contains(&format!("\0{role}\0")))
-    };
-    let pid = children.split_whitespace().find(is).expect("the role").parse().expect("a number");
-    kill(Pid::from_raw(pid), Signal::SIGKILL).expect("a signal");
-    let Output { status, stdout, stderr } = launcher.wait_with_output().expect("the program ends");
-    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
-    (status.code(), String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
-}
-
 #[test]
 fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() {
     for (role, words) in [("controller", "1 controller replaced"), ("plant", "starting it anew")] {
-        let (code, out, errors) = run_and_kill(role);
+        let mut walk = Running::start(role, &["--respawn", "1", "--set", "duration=60"]);
+        walk.until("walking", |truth| truth.telemetry.steps > 5);
+        walk.leave();
+        walk.signal(role, Signal::SIGKILL);
+        let (code, out, errors) = walk.wait();
         assert_eq!(code, Some(0), "{role}: {errors}");
         assert!(errors.contains(&format!("the {role} died")) && errors.contains(words), "{errors}");
         assert!(out.contains("no fall") && out.contains("60.00 s"), "{role}: {out}");

@@ -160,6 +160,7 @@ fn another_contract_is_refused_with_both_values() {
         ("wire schema", Contract { schema: contract().schema + 1, ..contract() }),
         ("model", Contract { model: 0, ..contract() }),
         ("rate", Contract { rate: 500.0, ..contract() }),
+        ("dt", Contract { dt: 1e-4, ..contract() }),
         ("pace", Contract { pace: Pace::RealTime, ..contract() }),
     ];
     for (part, other) in others {

@@ -30,6 +30,8 @@ pub struct Contract {
     pub model: u64,
     /// Control rate [Hz].
     pub rate: f64,
+    /// Integration step of the plant [s].
+    pub dt: f64,
     /// Lockstep or real time.
     pub pace: Pace,
 }
@@ -39,16 +41,23 @@ impl Contract {
     pub fn of(scene: &Scene, pace: Pace) -> Contract {
         // Debug prints every field, and floats so that they read back exactly.
         let text = format!("{:?}{:?}", scene.plant, scene.bodies);
-        Contract { schema: SCHEMA_HASH, model: fnv1a(FNV_START, text.as_bytes()), rate: scene.rate, pace }
+        Contract {
+            schema: SCHEMA_HASH,
+            model: fnv1a(FNV_START, text.as_bytes()),
+            rate: scene.rate,
+            dt: scene.plant.dt,
+            pace,
+        }
     }
 
     /// The parts by name, as text.
-    pub(super) fn attributes(&self) -> [(&'static str, String); 4] {
+    pub(super) fn attributes(&self) -> [(&'static str, String); 5] {
         [
             ("wire schema", format!("{:016x}", self.schema)),
-            ("model", format!("{:016x}", self.model)),
-            ("rate", format!("{} Hz", self.rate)),
             ("pace", self.pace.name().into()),
+            ("rate", format!("{} Hz", self.rate)),
+            ("dt", format!("{} s", self.dt)),
+            ("model", format!("{:016x}", self.model)),
         ]
     }
 }

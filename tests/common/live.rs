@@ -1,0 +1,119 @@
+//! Sessions that run while a test watches them.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+#![allow(dead_code, reason = "each test file uses a part of this")]
+
+use messages::port::{Ask, RecorderPort, ask};
+use messages::session::Session;
+use messages::wire::{Reply, Truth};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything: far more than it takes on a busy machine.
+pub const LONG: Duration = Duration::from_secs(60);
+
+/// The program with arguments, not yet started.
+pub fn biped(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
+    command
+}
+
+/// Waits until something holds.
+pub fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !holds() {
+        assert!(start.elapsed() < LONG, "{what} did not come true");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A walk in a session of its own, and somebody who listens to it.
+pub struct Running {
+    pub session: Session,
+    launcher: Child,
+    port: Option<RecorderPort>,
+    pub latest: Truth,
+}
+
+impl Running {
+    /// `biped run walk` with more arguments; returns when both desks are open.
+    pub fn start(name: &str, extra: &[&str]) -> Running {
+        let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
+        let arguments = ["run", "walk", "--quiet", "--session", session.name()];
+        let mut launcher = biped(&[&arguments[..], extra].concat()).spawn().expect("the program starts");
+        let unchanged = Ask::Set { period: None, speed: None };
+        eventually("an open desk", || {
+            if let Some(status) = launcher.try_wait().expect("our own child") {
+                let mut words = String::new();
+                let stderr = launcher.stderr.as_mut().expect("a pipe");
+                std::io::Read::read_to_string(stderr, &mut words).expect("its last words");
+                panic!("{status}: {words}");
+            }
+            ask(&session, Ask::Resume).is_ok() && ask(&session, unchanged).is_ok()
+        });
+        let port = RecorderPort::visit(&session).expect("listening");
+        Running { session, launcher, port: Some(port), latest: Truth::default() }
+    }
+
+    /// Asks, and there is an answer.
+    pub fn ask(&self, what: Ask) -> Reply {
+        ask(&self.session, what).expect("an answer")
+    }
+
+    /// Listens until something holds.
+    pub fn until(&mut self, what: &str, mut holds: impl FnMut(&Truth) -> bool) -> Truth {
+        eventually(what, || {
+            while let Some(truth) = self.port.as_mut().expect("listening").read().expect("reading") {
+                self.latest = truth;
+                if holds(&truth) {
+                    return true;
+                }
+            }
+            false
+        });
+        self.latest
+    }
+
+    /// Takes everything said so far.
+    pub fn drain(&mut self) {
+        while let Some(truth) = self.port.as_mut().expect("listening").read().expect("reading") {
+            self.latest = truth;
+        }
+    }
+
+    /// Listens no more: in lockstep nobody waits for us then.
+    pub fn leave(&mut self) {
+        self.port = None;
+    }
+
+    /// Sends a signal to one of the two processes.
+    pub fn signal(&self, role: &str, signal: Signal) {
+        let children = format!("/proc/{0}/task/{0}/children", self.launcher.id());
+        let children = std::fs::read_to_string(children).expect("children");
+        let is = |pid: &&str| {
+            std::fs::read_to_string(format!("/proc/{pid}/cmdline"))
+                .is_ok_and(|line| line.contains(&format!("\0{role}\0")))
+        };
+        let pid = children.split_whitespace().find(is).expect("the role").parse().expect("a number");
+        kill(Pid::from_raw(pid), signal).expect("a signal");
+    }
+
+    /// Waits for the end: exit code and both outputs. Nothing is left.
+    pub fn wait(mut self) -> (Option<i32>, String, String) {
+        self.leave();
+        let Output { status, stdout, stderr } = self.launcher.wait_with_output().expect("the program ends");
+        assert_eq!(self.session.leftovers(), Vec::<std::path::PathBuf>::new());
+        (status.code(), String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
+    }
+
+    /// Kills the launcher; the others end by themselves, and the last one clears up.
+    pub fn end(mut self) {
+        self.leave();
+        self.launcher.kill().expect("our own child");
+        self.launcher.wait().expect("the launcher ends");
+        eventually("an empty shared memory", || self.session.leftovers().is_empty());
+    }
+}
