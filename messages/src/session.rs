@@ -1,8 +1,8 @@
 //! A session: one plant, one controller and whoever records, under a name of their own.
 //!
 //! Every file that a session makes lies in /dev/shm and begins with a prefix of its own, so that sessions live side by
-//! side and one can be cleared away without touching another. Who is in it is told by locks ([`member`]), and so is what
-//! nobody is in any more ([`remains`]).
+//! side and one can be cleared away without touching another. Who is in it is told by locks (`member`), and so is what
+//! nobody is in any more (`remains`).
 
 mod member;
 mod remains;

@@ -6,7 +6,13 @@
 
 use bytemuck::{Pod, Zeroable};
 use iceoryx2::prelude::ZeroCopySend;
-use std::fmt;
+
+mod names;
+mod stamped;
+mod tally;
+
+pub use names::{PHASES, REFUSALS, REQUESTS, STATES, VERDICTS};
+pub use stamped::{FNV_START, Stamped, fnv1a};
 
 /// Drives of the robot, in wire order: left ankle roll, ankle pitch, knee, hip, right hip, knee, ankle pitch, ankle
 /// roll. Scenes with fewer joints leave the rest at zero.
@@ -257,82 +263,6 @@ wire! {
     }
 }
 
-/// Names of [`Telemetry::phase`].
-pub const PHASES: [&str; 6] = ["stand", "sway", "lift", "walk", "land", "rest"];
-
-/// Names of [`Truth::state`]: not yet driven; driven; standing still in time; on old torques; damped; drives off until
-/// re-armed.
-pub const STATES: [&str; 6] = ["wait", "run", "paused", "hold", "damp", "fault"];
-
-/// Why a command is refused, in the order in which the gate looks.
-pub const REFUSALS: [&str; 9] = [
-    "of another version",
-    "for another run",
-    "of a controller that has been replaced",
-    "damaged",
-    "not newer than the last",
-    "ahead of the sensors",
-    "not finite",
-    "beyond four times the torque limit",
-    "a jump beyond twice the torque limit",
-];
-
-/// Names of [`Request::kind`].
-pub const REQUESTS: [&str; 7] = ["pause", "resume", "step", "reset", "push", "rearm", "set"];
-
-/// Names of [`Reply::verdict`].
-pub const VERDICTS: [&str; 5] =
-    ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request"];
-
-/// Start value of [`fnv1a`].
-pub const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
-
-/// Hash of bytes, continued from `hash` (Fowler, Noll, Vo: FNV-1a, 64 bits).
-pub const fn fnv1a(mut hash: u64, bytes: &[u8]) -> u64 {
-    let mut i = 0;
-    while i < bytes.len() {
-        hash = (hash ^ bytes[i] as u64).wrapping_mul(0x0000_0100_0000_01b3);
-        i += 1;
-    }
-    hash
-}
-
-/// A message with a stamp that can be sealed and checked.
-pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
-    /// Its head.
-    fn stamp(&self) -> &Stamp;
-    /// Its head, to fill in.
-    fn stamp_mut(&mut self) -> &mut Stamp;
-
-    /// Writes magic, schema hash and check sum.
-    fn seal(&mut self) {
-        *self.stamp_mut() = Stamp { magic: MAGIC, schema: SCHEMA_HASH, ..*self.stamp() };
-        self.stamp_mut().crc = self.check_sum();
-    }
-
-    /// With magic, schema hash and check sum.
-    fn sealed(mut self) -> Self {
-        self.seal();
-        self
-    }
-
-    /// Whether magic and schema hash are ours.
-    fn is_ours(&self) -> bool {
-        self.stamp().magic == MAGIC && self.stamp().schema == SCHEMA_HASH
-    }
-
-    /// Whether magic, schema hash and check sum are right.
-    fn is_sound(&self) -> bool {
-        self.is_ours() && self.stamp().crc == self.check_sum()
-    }
-
-    /// Check sum of what follows it.
-    fn check_sum(&self) -> u32 {
-        const BEFORE: usize = std::mem::offset_of!(Stamp, schema);
-        crc32fast::hash(&bytemuck::bytes_of(self)[BEFORE..])
-    }
-}
-
 macro_rules! stamped {
     ($($name:ident)*) => {$(
         impl Stamped for $name {
@@ -342,28 +272,6 @@ macro_rules! stamped {
     )*};
 }
 stamped!(Sensors Command Truth Request Reply);
-
-/// One sentence on whatever was not as it should be; empty if all was.
-impl fmt::Display for Tally {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let counts = [
-            (self.skipped, "period", " skipped"),
-            (self.held, "period", " on old torques"),
-            (self.damped, "period", " damped"),
-            (self.faulted, "period", " with the drives off"),
-            (self.lost, "command", " lost"),
-            (self.takeovers, "controller", " replaced"),
-            (self.unrecorded, "period", " not recorded"),
-        ];
-        let say = |count: u64, what: &str, how: &str| {
-            (count > 0).then(|| format!("{count} {what}{}{how}", if count == 1 { "" } else { "s" }))
-        };
-        let counted = counts.iter().filter_map(|&(count, what, how)| say(count, what, how));
-        let refused = self.refused.iter().zip(REFUSALS);
-        let refused = refused.filter_map(|(&count, reason)| say(count, "command", &format!(" refused: {reason}")));
-        f.write_str(&counted.chain(refused).collect::<Vec<_>>().join("; "))
-    }
-}
 
 #[cfg(test)]
 mod tests {

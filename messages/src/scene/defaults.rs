@@ -1,0 +1,80 @@
+//! What a scene is where it says nothing.
+
+use super::{Base, ControllerScene, Gait, Initial, Law, LinkScene, Method, PlantScene, Sagittal, Scene, Switching};
+use crate::robot;
+
+impl Default for Scene {
+    fn default() -> Self {
+        Scene {
+            description: String::new(),
+            duration: 1.0,
+            rate: 1000.0,
+            plant: PlantScene::default(),
+            link: LinkScene::default(),
+            initial: Initial::default(),
+            controller: None,
+            bodies: robot::table_1(),
+        }
+    }
+}
+
+impl Default for PlantScene {
+    fn default() -> Self {
+        PlantScene {
+            dt: 5e-4,
+            base: Base::Virtual,
+            law: Law::Aligned,
+            tolerance: 1e-9,
+            method: Method::SemiImplicitEuler,
+            tolerance_step: 1e-10,
+            gravity: 9.81,
+            incline_deg: 0.0,
+            friction: 0.7,
+            restitution: 0.0,
+            contact_stiffness: 1e5,
+            contact_damping_ratio: 0.5,
+            drive_inertia: 0.1,
+            joint_damping: 0.0,
+            torque_limit: 40.0,
+            encoder_bits: 20,
+            latency_ticks: 0,
+            stale_probability: 0.0,
+            seed: 1995,
+            payload_kg: 0.0,
+            payload_offset: [0.0; 3],
+            payload_body: String::new(),
+            push_impulse: [0.0; 3],
+            push_time: 0.0,
+            push_duration: 0.05,
+            push_body: String::new(),
+        }
+    }
+}
+
+impl Default for ControllerScene {
+    fn default() -> Self {
+        ControllerScene {
+            gait: Gait::Walk,
+            period: 0.6,
+            speed: 0.0,
+            stop_time: None,
+            com_height: 0.27,
+            swing_height: 0.01,
+            release_x2: None,
+            energy_gain: 4.0,
+            sagittal: Sagittal::FootPlacement,
+            foot_placement_gain: 0.9,
+            sagittal_energy_gain: 3.0,
+            com_feedback: 0.0,
+            com_gain: 25.0,
+            swing_gain: 40.0,
+            rate_limit: None,
+            torque_bound: None,
+            switching: Switching::BoundaryLayer,
+            switch_rate: 80.0,
+            observer_bandwidth: 20.0,
+            rate_filter_hz: 150.0,
+            feed_forward: true,
+        }
+    }
+}
