@@ -1,11 +1,13 @@
-//! The two processes: started, watched, and never left behind.
+//! The two processes: started, watched, and never left behind. Either may be somebody else's program.
 
 use crate::exit::{Exit, Failure};
+use clap::Args;
 use indicatif::ProgressBar;
 use nix::sys::prctl;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::{Pid, getppid};
 use std::io::{BufRead, BufReader};
+use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -19,6 +21,8 @@ pub struct Role {
     /// `plant` or `controller`.
     pub name: &'static str,
     process: Child,
+    /// Whether it is the head of a process group of its own, which is signalled as a whole.
+    grouped: bool,
     status: Option<ExitStatus>,
     complaints: Option<JoinHandle<Vec<String>>>,
 }
@@ -30,11 +34,40 @@ impl Role {
     /// # Errors
     /// If the system cannot start it.
     pub fn start(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<Role, Failure> {
+        let arguments = [vec![name.into()], arguments.to_vec()].concat();
+        Role::spawn(name, &arguments, &[], false, bar)
+    }
+
+    /// Starts somebody else's program by a command of the shell, with these environment variables. It is treated as our
+    /// own are: what it writes to its standard error is shown, and it dies with us.
+    ///
+    /// # Errors
+    /// If the system cannot start it.
+    pub fn foreign(
+        name: &'static str,
+        command: &str,
+        environment: &[(&'static str, String)],
+        bar: &ProgressBar,
+    ) -> Result<Role, Failure> {
+        Role::spawn(name, &["become".into(), command.into()], environment, true, bar)
+    }
+
+    fn spawn(
+        name: &'static str,
+        arguments: &[String],
+        environment: &[(&'static str, String)],
+        grouped: bool,
+        bar: &ProgressBar,
+    ) -> Result<Role, Failure> {
         let failed = |error| Failure::new(Exit::Fault, format!("the {name} process cannot be started: {error}"));
-        let mut process = Command::new(std::env::current_exe().map_err(failed)?)
-            .arg(name)
+        let mut command = Command::new(std::env::current_exe().map_err(failed)?);
+        if grouped {
+            command.process_group(0);
+        }
+        let mut process = command
             .args(arguments)
             .args(["--parent", &std::process::id().to_string()])
+            .envs(environment.iter().map(|(key, value)| (key, value)))
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
@@ -48,7 +81,7 @@ impl Role {
                     // An error may have more lines, such as the caret under a word.
                     match line.strip_prefix("error: ") {
                         Some(error) => errors.push(error.into()),
-                        None if !errors.is_empty() || line.starts_with("thread '") => errors.push(line),
+                        None if !errors.is_empty() || is_a_crash(&line) => errors.push(line),
                         None => bar.suspend(|| eprintln!("{name}: {line}")),
                     }
                 }
@@ -56,7 +89,7 @@ impl Role {
             })
         };
         let complaints = process.stderr.take().map(listen);
-        Ok(Role { name, process, status: None, complaints })
+        Ok(Role { name, process, grouped, status: None, complaints })
     }
 
     /// The number of the process.
@@ -75,7 +108,7 @@ impl Role {
     /// What killed it, if it died: a signal, or a fault of its own. Whoever ends with any other code has said why, and
     /// would say so again.
     pub fn death(&mut self) -> Option<ExitStatus> {
-        self.ended().filter(|status| status.code().is_none_or(|code| code == Exit::Fault as i32))
+        self.ended().filter(|status| Exit::of_child(status.code()) == Exit::Fault)
     }
 
     /// Asks it to end in order.
@@ -86,7 +119,7 @@ impl Role {
     fn signal(&mut self, signal: Signal) {
         // Only while it is not reaped: its number belongs to it.
         if let (None, Ok(pid)) = (self.ended(), i32::try_from(self.process.id())) {
-            let _ = kill(Pid::from_raw(pid), signal);
+            let _ = kill(Pid::from_raw(if self.grouped { -pid } else { pid }), signal);
         }
     }
 
@@ -130,6 +163,31 @@ pub fn wait(roles: &mut [Role], limit: Duration, mut meanwhile: impl FnMut()) {
         meanwhile();
         std::thread::sleep(Duration::from_millis(1));
     }
+}
+
+/// The first line of a panic, or of what Python says when it ends by an exception.
+fn is_a_crash(line: &str) -> bool {
+    line.starts_with("thread '") || line.starts_with("Traceback ")
+}
+
+/// Arguments of `biped become`, which this program gives to itself.
+#[derive(Args)]
+pub struct BecomeArgs {
+    /// Command of the shell
+    command: String,
+    /// Process to die with
+    #[arg(long)]
+    parent: i32,
+}
+
+/// Becomes somebody else's program that dies with the parent.
+///
+/// # Errors
+/// If the parent is dead already or there is no shell.
+pub fn become_other(args: &BecomeArgs) -> Result<(), Failure> {
+    die_with(args.parent)?;
+    let error = Command::new("sh").args(["-c", &args.command]).exec();
+    Err(Failure::new(Exit::Fault, format!("there is no shell to start `{}`: {error}", args.command)))
 }
 
 /// In a child: asks the system for a TERM when the parent dies, however it dies.

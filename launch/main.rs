@@ -14,6 +14,7 @@
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
 //! | the wire format for other languages | [`wire`] |
+//! | the robot for other programs | [`export`] |
 //! | asking a running session | [`desk`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
@@ -27,6 +28,7 @@ mod csv;
 mod desk;
 mod doctor;
 mod exit;
+mod export;
 mod latency;
 mod list;
 mod model;
@@ -104,6 +106,11 @@ enum Command {
     Clean,
     /// Print the wire format, for controllers and plants in other languages
     Wire(wire::WireArgs),
+    /// Print the robot of a scene for other programs
+    Export(export::ExportArgs),
+    /// Be somebody else's program
+    #[command(hide = true)]
+    Become(children::BecomeArgs),
     /// List the built-in scenes
     List {
         /// List every key of a scene instead: type, default, meaning
@@ -220,6 +227,8 @@ fn main() -> ExitCode {
             wire::run(&args);
             Ok(())
         }
+        Some(Command::Become(args)) => children::become_other(&args),
+        Some(Command::Export(args)) => export::run(&args),
         Some(Command::List { keys: false }) => list::scenes(),
         Some(Command::List { keys: true }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),

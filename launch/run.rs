@@ -43,6 +43,9 @@ pub struct RunArgs {
     /// amid the step
     #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
     respawn: u32,
+    /// Program to be the controller, as a command of the shell: it finds the session in its environment, see docs/WIRE.md
+    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
+    controller: Option<String>,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -60,6 +63,7 @@ impl RunArgs {
             system: RealtimeArgs::default(),
             session: None,
             respawn: 0,
+            controller: None,
             out: Some("out/walk".into()),
             quiet: false,
             in_process: false,
@@ -203,6 +207,9 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     let bar = watch.progress.bar.clone();
     let start = |child: usize| {
+        if let (1, Some(command)) = (child, &args.controller) {
+            return Role::foreign("controller", command, &environment(args, scene, &swept.0, &contract)?, &bar);
+        }
         let arguments = [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
         Role::start(["plant", "controller"][child], &arguments, &bar)
     };
@@ -236,6 +243,19 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     children::end(&mut roles, || drop(watch.drain(&mut port)));
     watch.drain(&mut port)?;
     outcome
+}
+
+/// All that somebody else's program must know to take part.
+fn environment(
+    args: &RunArgs,
+    scene: &Scene,
+    session: &Session,
+    contract: &Contract,
+) -> Result<Vec<(&'static str, String)>, Failure> {
+    let scene = serde_json::to_string(scene).map_err(|error| Failure::new(Exit::Fault, error))?;
+    let mut environment = contract.environment(session);
+    environment.extend([("BIPED_PATIENCE", args.pace.patience.to_string()), ("BIPED_SCENE", scene)]);
+    Ok(environment)
 }
 
 fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {

@@ -13,6 +13,8 @@ fn read(path: &str) -> String {
 fn the_header_and_the_tables_are_made_of_the_declaration() {
     let header = read("messages/include/biped.h");
     assert!(header == describe::c_header(), "run: biped wire c > messages/include/biped.h");
+    let module = read("controller/foreign/python/wire.py");
+    assert!(module == describe::python_module(), "run: biped wire python > controller/foreign/python/wire.py");
     let page = read("docs/WIRE.md");
     let tables = describe::markdown();
     assert!(page.ends_with(&tables), "replace the end of docs/WIRE.md by what `biped wire markdown` prints");

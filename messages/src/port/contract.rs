@@ -1,6 +1,7 @@
 //! What plant and controller must agree on before they speak.
 
 use crate::scene::Scene;
+use crate::session::Session;
 use crate::wire::{FNV_START, SCHEMA_HASH, fnv1a};
 
 /// Who sets the pace.
@@ -58,6 +59,21 @@ impl Contract {
             ("rate", format!("{} Hz", self.rate)),
             ("dt", format!("{} s", self.dt)),
             ("model", format!("{:016x}", self.model)),
+        ]
+    }
+
+    /// What a program in another language needs to find a session and to be let in, as environment variables: see
+    /// docs/WIRE.md.
+    pub fn environment(&self, session: &Session) -> Vec<(&'static str, String)> {
+        let [schema, model, rate, pace] = self.attributes().map(|(_, value)| value);
+        vec![
+            ("BIPED_SESSION", session.name().into()),
+            ("BIPED_PREFIX", session.prefix()),
+            ("BIPED_ROOT", session.root().display().to_string()),
+            ("BIPED_SCHEMA", schema),
+            ("BIPED_MODEL", model),
+            ("BIPED_RATE", rate),
+            ("BIPED_PACE", pace),
         ]
     }
 }

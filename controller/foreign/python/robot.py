@@ -1,0 +1,176 @@
+"""The robot seen from its supporting foot, and what follows from it alone: (25)-(29), ω, γ_0, J_n.
+
+Support frame S: origin at the centre of the supporting sole, axis 1 forward, axis 2 toward the swing foot, axis 3 up.
+Joints s in support order, from the supporting foot to the swing foot.
+Task x = [x_c1 x_c2 x_c3 x_t1 x_t2 x_t3 x_g]: centre of gravity, swing sole, pitch of the trunk. (26)
+"""
+
+from dataclasses import dataclass
+from math import cos, sin, sqrt
+
+import numpy as np
+
+import session
+
+FLIP = np.array([1.0, -1.0, 1.0])  # axis 2 of S points to negative y while the left foot supports
+PITCH_SUM = np.array([0.0, 1, 1, 1, 1, 1, 1, 0])  # s: these angles add up to the swing foot's pitch
+CROUCH = np.array([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])  # near which postures are sought [rad]
+
+
+def mirror(q):
+    """Wire order to support order of the right foot, and back."""
+    s = -q[::-1]
+    s[[0, -1]] *= -1.0  # rolls: reversed and mirrored
+    return s
+
+
+def cross(a, b):
+    """a × b, row by row."""
+    (a0, a1, a2), (b0, b1, b2) = a.T, b.T
+    return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]).T
+
+
+def roll(angle):
+    return np.array([[1, 0, 0], [0, cos(angle), -sin(angle)], [0, sin(angle), cos(angle)]])
+
+
+def pitch(angle):
+    return np.array([[cos(angle), 0, sin(angle)], [0, 1, 0], [-sin(angle), 0, cos(angle)]])
+
+
+@dataclass
+class Task:
+    """x of (26), J_aco of (27), and the pitch of the swing foot [rad]."""
+
+    x: np.ndarray
+    jacobian: np.ndarray
+    swing_pitch: float
+
+
+class Chain:
+    """The robot from its left foot, link 0, to its right foot, link 8; origin at the left sole's centre, at zero angles."""
+
+    def __init__(self, bodies):
+        origin = np.zeros((9, 3))
+        joint = np.zeros((8, 3))
+        for child, parent, j in [(3, 4, 3), (2, 3, 2), (1, 2, 1), (0, 1, 0), (5, 4, 4), (6, 5, 5), (7, 6, 6), (8, 7, 7)]:
+            joint[j] = origin[child] = origin[parent] + bodies[child]["joint"]["at"]
+        left, right = (origin[k] + np.mean(bodies[k]["contacts"], axis=0) for k in (0, 8))
+        self.mass = np.array([body["mass"] for body in bodies])
+        self.total = self.mass.sum()
+        self.com = np.array([origin[k] + body["com"] for k, body in enumerate(bodies)]) - left
+        self.moments = np.array([moments(body) for body in bodies])
+        self.joint = joint - left
+        self.sole = right - left
+        self.width = abs(self.sole[1])  # W_2
+        self.sole_half = np.abs(origin[0] + bodies[0]["contacts"] - left).max(axis=0)
+        # outward from each joint to the next, to the centres of mass, and the mass outside
+        self.step = np.diff(self.joint, axis=0)
+        self.arm = self.com[1:] - self.joint
+        self.outer_mass = self.mass[:0:-1].cumsum()[::-1]
+
+    def place(self, s):
+        """Positions of joints, centres of mass and the swing sole, and directions of the axes, in the frame that rolls with
+        s_0 about joint 0: in it the six joints in the middle turn about y, one plane after the other."""
+        phi = np.zeros(8)
+        phi[1:7] = np.cumsum(s[1:7])  # pitch of link j + 1; the last link has that of the one before
+        phi[7] = phi[6]
+        c, sn = np.cos(phi), np.sin(phi)
+        turn = lambda v, c, sn: np.stack([c * v[:, 0] + sn * v[:, 2], v[:, 1], c * v[:, 2] - sn * v[:, 0]], axis=1)
+        joint = np.zeros((8, 3))
+        joint[1:] = np.cumsum(turn(self.step, c[:7], sn[:7]), axis=0)
+        last = roll(s[7])
+        arm = self.arm.copy()
+        arm[7] = last @ arm[7]
+        com = joint + turn(arm, c, sn)
+        sole = joint[7] + turn((last @ (self.sole - self.joint[7]))[None], c[7:], sn[7:])[0]
+        axis = np.zeros((8, 3))
+        axis[0, 0] = 1.0
+        axis[1:7, 1] = 1.0
+        axis[7] = [c[7], 0.0, -sn[7]]
+        return joint, com, sole, axis
+
+    def task(self, s):
+        joint, com, sole, axis = self.place(s)
+        tilt = roll(s[0])
+        moment = (self.mass[1:, None] * com)[::-1].cumsum(axis=0)[::-1]  # of all that is outside each joint
+        to_s = lambda v: (v @ tilt.T) * FLIP
+        whole = moment[0] + self.mass[0] * (tilt.T @ (self.com[0] - self.joint[0]))
+        jacobian = np.zeros((7, 8))
+        jacobian[0:3] = to_s(cross(axis, moment - self.outer_mass[:, None] * joint) / self.total).T
+        jacobian[3:6] = to_s(cross(axis, sole - joint)).T
+        jacobian[6, 1:4] = 1.0
+        foot = self.joint[0] * FLIP
+        trunk = s[1:4].sum()
+        x = np.concatenate([foot + to_s(whole / self.total), foot + to_s(sole), [trunk]])
+        return Task(x, jacobian, trunk + s[4:7].sum())
+
+
+def moments(body):
+    """Principal moments of inertia [kg·m²]: as given, or of a uniform box."""
+    a, b, c = np.square(body["size"])
+    return body.get("inertia") or body["mass"] / 12.0 * np.array([b + c, a + c, a + b])
+
+
+# The rate QP, (28), (29)
+
+LEVEL_WEIGHT, LEVEL_GAIN = 100.0, 40.0
+# C = I + w s sᵀ, inverted by Sherman and Morrison
+C_INVERSE = np.eye(8) - np.outer(PITCH_SUM, PITCH_SUM) * LEVEL_WEIGHT / (1.0 + LEVEL_WEIGHT * PITCH_SUM @ PITCH_SUM)
+
+
+def resolve(jacobian, xdot, c_0):
+    """Minimises ½ q̇ᵀC q̇ − c_0ᵀq̇ subject to J q̇ = ẋ, in closed form."""
+    weighted = C_INVERSE @ jacobian.T
+    free = C_INVERSE @ c_0
+    return free + weighted @ np.linalg.solve(jacobian @ weighted, xdot - jacobian @ free)
+
+
+def level(swing_pitch):
+    """c_0: the joint motion that the task leaves over levels the swing foot."""
+    return -LEVEL_WEIGHT * LEVEL_GAIN * swing_pitch * PITCH_SUM
+
+
+class Constants:
+    """ω_1, ω_2, γ_0, J_n and the ankles' limits, from the robot's full inverse dynamics amid a step, at rest."""
+
+    def __init__(self, chain, height, plant):
+        s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02, 0.0]))
+        joint, com, _, axis = chain.place(s)
+        tilt = roll(s[0])
+        joint, com, axis = (v @ tilt.T for v in (joint, com, axis))
+        com += chain.joint[0]
+        joint += chain.joint[0]
+        turn = [tilt @ pitch(s[1 : i + 1].sum()) for i in range(7)] + [tilt @ pitch(s[1:7].sum()) @ roll(s[7])]
+        weight = chain.total * plant["gravity"]
+        inertia = plant["drive_inertia"] * np.eye(8)
+        couple = np.zeros((3, 8))  # moment about the sole's centre per joint acceleration
+        for i in range(8):
+            outward = np.arange(8) <= i  # the joints that move link i + 1
+            angular = (axis * outward[:, None]).T
+            linear = (cross(axis, com[i] - joint) * outward[:, None]).T
+            tensor = turn[i] @ np.diag(chain.moments[i + 1]) @ turn[i].T
+            inertia += chain.mass[i + 1] * linear.T @ linear + angular.T @ tensor @ angular
+            couple += chain.mass[i + 1] * cross(com[i][None], linear.T).T + tensor @ angular
+        jacobian = chain.task(s).jacobian
+
+        def zmp_shift(k):  # along and across [m] per acceleration [m/s²] of task component k
+            moment = couple @ resolve(jacobian, np.eye(7)[k], np.zeros(8))
+            return -moment[1] / weight, -moment[0] / weight
+
+        self.omega = sqrt(-1.0 / zmp_shift(0)[0]), sqrt(-1.0 / zmp_shift(1)[1])
+        self.gamma_0 = zmp_shift(3)[0] * self.omega[0] ** 2
+        self.nominal_inertia = 2.0 / np.diag(np.linalg.inv(inertia))
+        self.ankle_roll, self.ankle_pitch = 0.95 * weight * chain.sole_half[[1, 0]]
+
+
+def posture(chain, target):
+    """Angles at which the task is `target`, by Newton's method."""
+    s = CROUCH.copy()
+    for _ in range(50):
+        task = chain.task(s)
+        miss = target - task.x
+        if np.abs(miss).max() < 1e-12 and abs(task.swing_pitch) < 1e-9:
+            return s
+        s += resolve(task.jacobian, miss, level(task.swing_pitch / LEVEL_GAIN))
+    session.fail(4, f"no posture has its centre of gravity {target[2]} m high")

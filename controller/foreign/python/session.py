@@ -1,0 +1,178 @@
+"""A controller's end of a biped session: iceoryx2 in, iceoryx2 out, and the manners of docs/WIRE.md in between.
+
+    python3 -m pip install iceoryx2==0.10.0 numpy
+    biped run stand --controller "python3 controller/foreign/python/stand.py"
+
+Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 where the contract differs, 130 on TERM.
+"""
+
+import fcntl
+import json
+import os
+import secrets
+import shutil
+import signal
+import sys
+import time
+import zlib
+from pathlib import Path
+
+import iceoryx2 as iox2
+
+import wire
+
+PEER_MISSING, INCOMPATIBLE, INTERRUPTED = 3, 5, 130
+SPIN_NS = 50_000  # how long the writer may count on a reader that looks without pause
+SLICE = iox2.Duration.from_millis(10)  # then it sleeps, but looks around this often
+
+
+def fail(code, sentence):
+    """Ends this process; the launcher shows what follows `error: `."""
+    print(f"error: {sentence}", file=sys.stderr)
+    sys.exit(code)
+
+
+def check_sum(message):
+    """CRC-32 (IEEE) of all that follows `crc`."""
+    return zlib.crc32(bytes(message)[wire.Stamp.schema.offset :])
+
+
+def is_sound(message):
+    """Whether magic, schema and check sum are right."""
+    stamp = message.stamp
+    return (stamp.magic, stamp.schema, stamp.crc) == (wire.MAGIC, wire.SCHEMA, check_sum(message))
+
+
+class Members:
+    """The lock by which the members of a session know of each other; the last one out clears up."""
+
+    def __init__(self, prefix):
+        self.prefix = prefix
+        self.file = open(f"/dev/shm/{prefix}members", "a+b")
+        fcntl.flock(self.file, fcntl.LOCK_SH)
+
+    def leave(self):
+        try:
+            fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except OSError:
+            return  # somebody is still in it
+        for path in Path("/dev/shm").glob(self.prefix + "*"):
+            shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
+
+
+class Session:
+    """What `biped run --controller` put into the environment, and the two topics of a controller."""
+
+    def __init__(self):
+        if "BIPED_SESSION" not in os.environ:
+            fail(2, 'start me by: biped run SCENE --controller "python3 …"')
+        env = {key[6:].lower(): value for key, value in os.environ.items() if key.startswith("BIPED_")}
+        self.scene = json.loads(env["scene"])
+        self.patience = float(env["patience"])
+        self.rate = float(env["rate"].split()[0])  # "1000 Hz"
+        if env["schema"] != f"{wire.SCHEMA:016x}":
+            fail(INCOMPATIBLE, f"the plant speaks schema {env['schema']}, wire.py {wire.SCHEMA:016x}: run biped wire python")
+        self.members = Members(env["prefix"])
+        iox2.set_log_level(iox2.LogLevel.Fatal)
+        config = iox2.config.default()
+        config.global_cfg.prefix = iox2.FileName.new(env["prefix"])
+        config.global_cfg.root_path = iox2.Path.new(env["root"])
+        builder = iox2.NodeBuilder.new().config(config)
+        # iceoryx2's own handler would swallow TERM
+        self.node = builder.signal_handling_mode(iox2.SignalHandlingMode.Disabled).create(iox2.ServiceType.Ipc)
+        contract = iox2.AttributeVerifier.new()
+        for key, name in [("wire schema", "schema"), ("model", "model"), ("rate", "rate"), ("pace", "pace")]:
+            contract = contract.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(env[name]))
+        sensors = self.topic("biped/sensors", wire.Sensors, contract)
+        command = self.topic("biped/command", wire.Command, contract)
+        self.reader = sensors.subscriber_builder().buffer_size(1).create()
+        self.writer = command.publisher_builder().max_loaned_samples(1).create()
+        self.awaken = self.event("biped/command").notifier_builder().create()
+        self.bell = self.event("biped/sensors").listener_builder().create()
+
+    def topic(self, name, message, contract):
+        """Opens or makes a topic as docs/WIRE.md has it, with the contract as its attributes."""
+        builder = self.node.service_builder(iox2.ServiceName.new(name)).publish_subscribe(message)
+        builder = builder.max_publishers(1).max_subscribers(4).history_size(1).subscriber_max_buffer_size(1)
+        builder = builder.subscriber_max_borrowed_samples(1).enable_safe_overflow(True)
+        return patiently(lambda: builder.open_or_create_with_attributes(contract), name)
+
+    def event(self, name):
+        return patiently(lambda: self.node.service_builder(iox2.ServiceName.new(name)).event().open_or_create(), name)
+
+    def read(self):
+        """The newest sensors, waited for at most a slice: spinning first, then asleep until the plant rings."""
+        start = time.monotonic_ns()
+        while time.monotonic_ns() - start < SPIN_NS:
+            sensors = self.newest()
+            if sensors is not None:
+                return sensors
+        self.bell.timed_wait(SLICE)
+        return self.newest()
+
+    def newest(self):
+        """A copy of what was written last, if it is new; its place in shared memory is free again at once."""
+        sample = self.reader.receive()
+        if sample is None:
+            return None
+        sensors = wire.Sensors.from_buffer_copy(sample.payload().contents)
+        sample.delete()
+        return sensors
+
+    def send(self, command):
+        """Seals, writes and rings."""
+        command.stamp.magic, command.stamp.schema = wire.MAGIC, wire.SCHEMA
+        command.stamp.crc = check_sum(command)
+        self.writer.send_copy(command)
+        self.awaken.notify()
+
+    def close(self):
+        """Ports first, then the node, then the lock."""
+        for port in ("reader", "writer", "awaken", "bell", "node"):
+            if hasattr(self, port):
+                delattr(self, port)
+        self.members.leave()
+
+
+def patiently(open_it, name):
+    """Tries again for a while: the plant may be making the same thing at this moment."""
+    for attempt in range(200):
+        try:
+            return open_it()
+        except Exception as error:  # iceoryx2's own classes
+            if "Incompatible" in str(error):
+                fail(INCOMPATIBLE, f"{name} was made with another contract: {error}")
+            last = error
+            time.sleep(0.01)
+    fail(6, f"{name} cannot be opened: {last}")
+
+
+def serve(make):
+    """Answers the plant until it says goodbye. `make(scene, rate)` gives a controller whose `tick(counts, telemetry)`
+    returns eight torques [N·m] and may fill in the telemetry; a new one is made for each run of the plant."""
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
+    session = Session()
+    try:
+        answer = wire.Command()
+        answer.stamp.epoch = secrets.randbits(64)
+        controller, heard = make(session.scene, session.rate), time.monotonic()
+        while True:
+            sensors = session.read()
+            if sensors is None or not is_sound(sensors):
+                if time.monotonic() - heard > session.patience:
+                    fail(PEER_MISSING, f"no plant sent sensors within {session.patience} s")
+                continue
+            if sensors.last:
+                return
+            heard, asked, stamp = time.monotonic(), sensors.stamp, answer.stamp
+            if stamp.run != asked.run:  # a plant that began anew
+                if stamp.run:
+                    controller = make(session.scene, session.rate)
+                stamp.run, stamp.seq, stamp.ack = asked.run, 0, 0
+            if stamp.ack != asked.seq:  # sensors that come again get the same answer
+                answer.torques.torque[:] = controller.tick(sensors.encoders.counts[:], answer.telemetry)
+            stamp.seq, stamp.ack, stamp.sim_ns = stamp.seq + 1, asked.seq, asked.sim_ns
+            stamp.mono_ns = time.monotonic_ns()
+            session.send(answer)
+    finally:
+        session.close()

@@ -1,0 +1,34 @@
+"""Stands: every joint is held where the scene puts it at the start, by a spring and a damper.
+
+    biped run stand --controller "python3 controller/foreign/python/stand.py"
+"""
+
+from math import exp, tau
+
+import session
+
+STIFFNESS = 1000.0  # [N·m/rad]
+DAMPING = 40.0  # [N·m·s/rad]
+CUT_OFF = 150.0  # of the low-pass on the rates [Hz]
+
+
+class Stand:
+    def __init__(self, scene, rate):
+        self.wanted = scene["initial"]["joints"]
+        self.count = tau / 2 ** scene["plant"]["encoder_bits"]  # [rad]
+        self.limit = scene["plant"]["torque_limit"]
+        self.rate, self.share = rate, 1.0 - exp(-tau * CUT_OFF / rate)
+        self.angle, self.speed = None, [0.0] * len(self.wanted)
+
+    def tick(self, counts, telemetry):
+        angle = [self.count * count for count in counts]
+        before = self.angle or angle
+        difference = [(q - p) * self.rate for q, p in zip(angle, before)]
+        self.speed = [v + self.share * (d - v) for v, d in zip(self.speed, difference)]
+        self.angle = angle
+        torque = [STIFFNESS * (w - q) - DAMPING * v for w, q, v in zip(self.wanted, angle, self.speed)]
+        return [max(-self.limit, min(self.limit, t)) for t in torque]
+
+
+if __name__ == "__main__":
+    session.serve(Stand)

@@ -1,0 +1,194 @@
+//! Claims about programs that are not ours: controllers in Python keep the robot up as our own does, what fails is named,
+//! and other engines read the exported robot as the same equations of motion.
+//!
+//! Python's packages come into a virtual environment under the target folder, once.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+
+mod common;
+
+use common::{fresh_path, scene};
+use messages::scene::Base;
+use nalgebra::{UnitQuaternion, Vector3};
+use plant::dynamics;
+use plant::kinematics::{self, Pose};
+use plant::model::Model;
+use plant::state::State;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::process::{Command, Output};
+use std::sync::OnceLock;
+
+/// The wheels that the controllers and the comparison need.
+const WHEELS: [&str; 4] = ["iceoryx2==0.10.0", "numpy", "mujoco==4.0.0", "pin==4.1.0"];
+
+/// A Python that has them.
+fn python() -> &'static PathBuf {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("python");
+        let (python, made) = (folder.join("bin/python3"), folder.join(WHEELS.join(" ")));
+        if !made.exists() {
+            let venv = Command::new("python3").args(["-m", "venv"]).arg(&folder).output().expect("Python 3");
+            assert!(venv.status.success(), "{}", String::from_utf8_lossy(&venv.stderr));
+            let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+            let pip = Command::new(&python).args(pip).args(WHEELS).output().expect("pip");
+            assert!(pip.status.success(), "{}", String::from_utf8_lossy(&pip.stderr));
+            std::fs::write(made, "").expect("a file of ours");
+        }
+        python
+    })
+}
+
+/// A run with a controller given by a command; also its summary, if it left one.
+fn run(scene: &str, arguments: &[&str]) -> (Output, Value) {
+    let folder = fresh_path("foreign");
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["run", scene, "--quiet", "--out"])
+        .arg(&folder)
+        .args(arguments)
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("OPENBLAS_NUM_THREADS", "1") // eight joints need no threads
+        .output()
+        .expect("the program starts");
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    let _ = std::fs::remove_dir_all(folder);
+    (output, serde_json::from_str(&summary).unwrap_or_default())
+}
+
+/// The same with one of the controllers in Python; it must end well.
+fn run_python(scene: &str, controller: &str, settings: &[&str]) -> Value {
+    let command = format!("{} controller/foreign/python/{controller}", python().display());
+    let mut arguments = vec!["--controller", &command];
+    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+    let (output, summary) = run(scene, &arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{controller}: {}: {errors}", output.status);
+    summary
+}
+
+fn number(summary: &Value, key: &str) -> f64 {
+    summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"))
+}
+
+#[test]
+fn a_spring_and_a_damper_in_python_stand() {
+    let summary = run_python("stand", "stand.py", &["duration=1"]);
+    assert_eq!(summary["fell"], false);
+    let distance = number(&summary, "distance_m");
+    assert!(distance.abs() < 5e-3, "it stays where it is: {distance}");
+}
+
+#[test]
+fn the_paper_in_numpy_walks_as_far_as_the_paper_in_rust() {
+    let settings = ["duration=3"];
+    let theirs = run_python("walk", "walk.py", &settings);
+    let (_, ours) = run("walk", &["--set", settings[0]]);
+    let (theirs, ours) = (number(&theirs, "distance_m"), number(&ours, "distance_m"));
+    assert!(ours > 0.1 && (theirs / ours - 1.0).abs() < 0.01, "{theirs} m beside {ours} m");
+}
+
+#[test]
+fn a_foreign_controller_that_dies_or_never_answers_is_named_and_nothing_stays() {
+    let crash = format!("{} -c \"raise ValueError('no legs')\"", python().display());
+    let (output, _) = run("stand", &["--controller", &crash]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{errors}");
+    assert!(errors.contains("the controller failed (exit status: 1)") && errors.contains("no legs"), "{errors}");
+
+    let (output, _) = run("stand", &["--controller", "sleep 61.0625; true", "--patience", "1"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    assert!(errors.contains("no controller answered"), "{errors}");
+    let processes = std::fs::read_dir("/proc").expect("Linux").flatten();
+    let lines = processes.filter_map(|process| std::fs::read_to_string(process.path().join("cmdline")).ok());
+    assert!(!lines.into_iter().any(|line| line.starts_with("sleep\x0061.0625")), "a process was left behind");
+
+    let other = format!("BIPED_MODEL=0 {} controller/foreign/python/stand.py", python().display());
+    let (output, _) = run("stand", &["--controller", &other]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(5), "{errors}");
+    assert!(errors.contains("contract"), "{errors}");
+}
+
+/// H and b of random states, for the comparison.
+fn states(scene: &messages::scene::Scene) -> Value {
+    let model = Model::new(scene).expect("a good scene");
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut normal = || (0..12).map(|_| random.f64()).sum::<f64>() - 6.0;
+    let states = (0..20).map(|_| {
+        let mut state = State::zero(&model);
+        state.x.iter_mut().for_each(|x| *x = normal());
+        state.xdot.iter_mut().for_each(|v| *v = 2.0 * normal());
+        if model.base == Base::Quaternion {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| normal()));
+            state.x[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+        }
+        let mut pose = Pose::new(&model);
+        kinematics::pose(&model, &state, &mut pose);
+        let h = dynamics::inertia(&model, &pose);
+        let b = dynamics::bias(&model, &pose, &state.xdot);
+        let rows: Vec<Vec<f64>> = h.row_iter().map(|row| row.iter().copied().collect()).collect();
+        json!({"x": state.x, "xdot": state.xdot, "H": rows, "b": b})
+    });
+    let states: Vec<Value> = states.collect();
+    // by the order of the degrees of freedom, which need not be that of the wire
+    let jointed = scene.bodies.iter().zip(&model.body_link).filter(|(body, _)| body.joint.is_some());
+    let name = |name: &str| name.replace([' ', '-'], "_") + "_joint";
+    let mut joints: Vec<(usize, String)> = jointed.map(|(body, &link)| (link, name(&body.name))).collect();
+    joints.sort();
+    let joints: Vec<String> = joints.into_iter().map(|(_, name)| name).collect();
+    let free = model.base == Base::Quaternion;
+    json!({"joints": joints, "gravity": model.gravity.as_slice(), "free": free, "states": states})
+}
+
+/// Greatest differences of H and b, each over its greatest entry, by engine. The export gets other settings than ours
+/// where the test wants to see a difference.
+fn differences(name: &str, settings: &[&str], exported: &[&str]) -> Value {
+    let folder = fresh_path("export");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let mut files = vec![];
+    for (format, file) in [("mjcf", "robot.xml"), ("urdf", "robot.urdf")] {
+        let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+            .args(["export", format, &format!("launch/scenes/{name}.toml")])
+            .args(exported.iter().flat_map(|setting| ["--set", setting]))
+            .output()
+            .expect("the program starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        files.push(folder.join(file));
+        std::fs::write(folder.join(file), output.stdout).expect("a file");
+    }
+    files.push(folder.join("states.json"));
+    std::fs::write(&files[2], states(&scene(name, settings)).to_string()).expect("a file");
+    let output = Command::new(python()).arg("tests/foreign/dynamics.py").args(&files).output().expect("Python");
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot() {
+    let loaded = [
+        "plant.base=quaternion",
+        "plant.payload_kg=2",
+        "plant.payload_offset=[0.03,0.02,0.1]",
+        "plant.joint_damping=0.3",
+        "plant.incline_deg=5",
+        "bodies.trunk.com=[0.01,-0.02,0.03]",
+    ];
+    let free = ["plant.base=quaternion"];
+    for (name, settings) in [("walk", &free[..]), ("walk", &loaded), ("known/double-pendulum", &[])] {
+        let found = differences(name, settings, settings);
+        println!("{name} {settings:?}: {found}");
+        for engine in ["mujoco", "pinocchio"] {
+            let difference = number(&found, engine);
+            assert!(difference < 1e-12, "{name} {settings:?}: {engine} differs by {difference:e}");
+        }
+    }
+    let without = differences("walk", &free, &["plant.drive_inertia=0"]);
+    for engine in ["mujoco", "pinocchio"] {
+        assert!(number(&without, engine) > 1e-3, "negative control: {engine} must miss the drives, {without}");
+    }
+}
