@@ -38,8 +38,8 @@ impl Role {
         Role::spawn(name, &arguments, &[], false, bar)
     }
 
-    /// Starts somebody else's program by a command of the shell, with these environment variables. It is treated as our
-    /// own are: what it writes to its standard error is shown, and it dies with us.
+    /// Starts somebody else's program, named as to a shell, with these environment variables. It is treated as our own
+    /// are: what it writes to its standard error is shown, and it dies with us.
     ///
     /// # Errors
     /// If the system cannot start it.
@@ -173,7 +173,7 @@ fn is_a_crash(line: &str) -> bool {
 /// Arguments of `biped become`, which this program gives to itself.
 #[derive(Args)]
 pub struct BecomeArgs {
-    /// Command of the shell
+    /// Program and arguments, as to a shell
     command: String,
     /// Process to die with
     #[arg(long)]
@@ -186,7 +186,8 @@ pub struct BecomeArgs {
 /// If the parent is dead already or there is no shell.
 pub fn become_other(args: &BecomeArgs) -> Result<(), Failure> {
     die_with(args.parent)?;
-    let error = Command::new("sh").args(["-c", &args.command]).exec();
+    // the shell steps aside, or it would die with us and leave the program behind
+    let error = Command::new("sh").args(["-c", &format!("exec {}", args.command)]).exec();
     Err(Failure::new(Exit::Fault, format!("there is no shell to start `{}`: {error}", args.command)))
 }
 

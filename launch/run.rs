@@ -43,7 +43,7 @@ pub struct RunArgs {
     /// amid the step
     #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
     respawn: u32,
-    /// Program to be the controller, as a command of the shell: it finds the session in its environment, see docs/WIRE.md
+    /// Program to be the controller, with its arguments: it finds the session in its environment, see docs/WIRE.md
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
     controller: Option<String>,
     /// Show no progress

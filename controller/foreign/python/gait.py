@@ -60,6 +60,15 @@ STAND, SWAY, LIFT, WALK, LAND, REST = range(6)  # as wire.PHASE
 DURATION = {STAND: 0.5, SWAY: 0.8, LIFT: 0.3, LAND: 0.5}  # [s]
 FREEZE = 0.012  # so long before landing the target stays as it is [s]
 
+AIRBORNE = 1e-3  # a foot this far above the other swings [m]
+
+
+def right_supports(from_left, moving):
+    """Whether the right foot carries, seen from the left: the left one is in the air, or, amid an exchange, the centre of
+    gravity is nearer to the right one."""
+    x = from_left.x
+    return x[5] < 0 if abs(x[5]) > AIRBORNE else moving and x[1] > 0.5 * x[4]
+
 
 @dataclass
 class Plan:
@@ -84,6 +93,19 @@ class Gait:
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [Travel(x_1), Travel(x_2)], Travel(self.landing)
         self.W_1, self.trim = 0.0, 0.0
+
+    def resume(self, task, speed):
+        """Goes on amid a step, from the task and its rates: the gait has no clock, and its state can be measured. False if the
+        robot is standing."""
+        x, v = task.x.tolist(), speed.tolist()
+        lateral = Travel(x[1], v[1])
+        exchanging = abs(v[1]) > 0.05 and self.f_h(lateral)[0] < 2 * AIRBORNE
+        if x[5] <= AIRBORNE and not exchanging:
+            return False
+        self.phase, self.steps, self.W_1 = WALK, 1, 0.5 * self.scene["speed"] * self.T
+        self.since = max(0.0, 0.5 * self.T - self.time_left(lateral))
+        self.com, self.foot = [Travel(x[0], v[0]), lateral], Travel(x[3], v[3])
+        return True
 
     def stopping(self):
         return self.time >= self.scene.get("stop_time", float("inf"))

@@ -67,11 +67,10 @@ class Session:
         if "BIPED_SESSION" not in os.environ:
             fail(2, 'start me by: biped run SCENE --controller "python3 …"')
         env = {key[6:].lower(): value for key, value in os.environ.items() if key.startswith("BIPED_")}
-        self.scene = json.loads(env["scene"])
-        self.patience = float(env["patience"])
-        self.rate = float(env["rate"].split()[0])  # "1000 Hz"
-        if env["schema"] != f"{wire.SCHEMA:016x}":
-            fail(INCOMPATIBLE, f"the plant speaks schema {env['schema']}, wire.py {wire.SCHEMA:016x}: run biped wire python")
+        self.scene, self.patience = json.loads(env["scene"]), float(env["patience"])
+        contract = dict(line.split("=", 1) for line in env["contract"].splitlines())
+        if contract["wire schema"] != f"{wire.SCHEMA:016x}":
+            fail(INCOMPATIBLE, f"the plant speaks schema {contract['wire schema']}: make wire.py anew by biped wire python")
         self.members = Members(env["prefix"])
         iox2.set_log_level(iox2.LogLevel.Fatal)
         config = iox2.config.default()
@@ -80,22 +79,22 @@ class Session:
         builder = iox2.NodeBuilder.new().config(config)
         # iceoryx2's own handler would swallow TERM
         self.node = builder.signal_handling_mode(iox2.SignalHandlingMode.Disabled).create(iox2.ServiceType.Ipc)
-        contract = iox2.AttributeVerifier.new()
-        for key, name in [("wire schema", "schema"), ("model", "model"), ("rate", "rate"), ("pace", "pace")]:
-            contract = contract.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(env[name]))
-        sensors = self.topic("biped/sensors", wire.Sensors, contract)
-        command = self.topic("biped/command", wire.Command, contract)
+        self.contract = iox2.AttributeVerifier.new()
+        for key, value in contract.items():
+            self.contract = self.contract.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(value))
+        sensors = self.topic("biped/sensors", wire.Sensors)
+        command = self.topic("biped/command", wire.Command)
         self.reader = sensors.subscriber_builder().buffer_size(1).create()
         self.writer = command.publisher_builder().max_loaned_samples(1).create()
         self.awaken = self.event("biped/command").notifier_builder().create()
         self.bell = self.event("biped/sensors").listener_builder().create()
 
-    def topic(self, name, message, contract):
+    def topic(self, name, message):
         """Opens or makes a topic as docs/WIRE.md has it, with the contract as its attributes."""
         builder = self.node.service_builder(iox2.ServiceName.new(name)).publish_subscribe(message)
         builder = builder.max_publishers(1).max_subscribers(4).history_size(1).subscriber_max_buffer_size(1)
         builder = builder.subscriber_max_borrowed_samples(1).enable_safe_overflow(True)
-        return patiently(lambda: builder.open_or_create_with_attributes(contract), name)
+        return patiently(lambda: builder.open_or_create_with_attributes(self.contract), name)
 
     def event(self, name):
         return patiently(lambda: self.node.service_builder(iox2.ServiceName.new(name)).event().open_or_create(), name)
@@ -141,7 +140,7 @@ def patiently(open_it, name):
             return open_it()
         except Exception as error:  # iceoryx2's own classes
             if "Incompatible" in str(error):
-                fail(INCOMPATIBLE, f"{name} was made with another contract: {error}")
+                fail(INCOMPATIBLE, f"{name} was made with another contract than {os.environ['BIPED_CONTRACT'].split()}")
             last = error
             time.sleep(0.01)
     fail(6, f"{name} cannot be opened: {last}")
@@ -155,7 +154,7 @@ def serve(make):
     try:
         answer = wire.Command()
         answer.stamp.epoch = secrets.randbits(64)
-        controller, heard = make(session.scene, session.rate), time.monotonic()
+        controller, heard = make(session.scene, session.scene["rate"]), time.monotonic()
         while True:
             sensors = session.read()
             if sensors is None or not is_sound(sensors):
@@ -167,7 +166,7 @@ def serve(make):
             heard, asked, stamp = time.monotonic(), sensors.stamp, answer.stamp
             if stamp.run != asked.run:  # a plant that began anew
                 if stamp.run:
-                    controller = make(session.scene, session.rate)
+                    controller = make(session.scene, session.scene["rate"])
                 stamp.run, stamp.seq, stamp.ack = asked.run, 0, 0
             if stamp.ack != asked.seq:  # sensors that come again get the same answer
                 answer.torques.torque[:] = controller.tick(sensors.encoders.counts[:], answer.telemetry)

@@ -11,7 +11,7 @@ from math import exp, tau
 import numpy as np
 
 import session
-from gait import WALK, Gait
+from gait import WALK, Gait, right_supports
 from robot import Chain, Constants, level, mirror, resolve
 
 RATE_LIMIT = 12.0  # greatest joint rate that is asked for [rad/s]
@@ -56,19 +56,40 @@ class Walk:
         self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h)
         self.count = tau / 2 ** self.plant["encoder_bits"]  # [rad]
         self.share = 1.0 - exp(-tau * self.scene["rate_filter_hz"] * self.h)
-        self.angle, self.rate, self.gait, self.right = None, np.zeros(8), None, False
+        self.angle, self.rate, self.gait, self.right, self.readings = None, np.zeros(8), None, False, 0
 
     def ordered(self, q):
         """Wire order to support order and back."""
         return mirror(q) if self.right else q
 
+    def new_gait(self, task):
+        return Gait(self.scene, self.chain, self.constants, self.h, task)
+
+    def take_over(self):
+        """In the first two ticks: on which foot the robot stands, and whether it is already stepping."""
+        from_left = self.chain.task(self.angle)
+        if self.readings == 1:
+            self.right = bool(right_supports(from_left, False))
+            return
+        before, self.right = self.right, bool(right_supports(from_left, True))
+        rate = self.rate / self.share  # without the filter's delay
+        task = self.chain.task(self.ordered(self.angle))
+        gait = self.new_gait(task)
+        if gait.resume(task, task.jacobian @ self.ordered(rate)):  # (27)
+            self.gait, self.rate = gait, rate
+            self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h)
+        else:
+            self.right = before
+
     def tick(self, counts, telemetry):
         angle = np.array(counts, dtype=float) * self.count
         if self.angle is not None:
             self.rate = self.rate + self.share * ((angle - self.angle) / self.h - self.rate)
-        self.angle = angle
+        self.angle, self.readings = angle, self.readings + 1
+        if self.readings <= 2:
+            self.take_over()
         task = self.chain.task(self.ordered(angle))  # (25)-(27)
-        self.gait = self.gait or Gait(self.scene, self.chain, self.constants, self.h, task)
+        self.gait = self.gait or self.new_gait(task)
         if self.gait.exchange_due():
             self.gait.exchange(task)
             self.servo.exchange()

@@ -65,15 +65,12 @@ impl Contract {
     /// What a program in another language needs to find a session and to be let in, as environment variables: see
     /// docs/WIRE.md.
     pub fn environment(&self, session: &Session) -> Vec<(&'static str, String)> {
-        let [schema, model, rate, pace] = self.attributes().map(|(_, value)| value);
+        let contract = self.attributes().map(|(key, value)| format!("{key}={value}\n")).concat();
         vec![
             ("BIPED_SESSION", session.name().into()),
             ("BIPED_PREFIX", session.prefix()),
             ("BIPED_ROOT", session.root().display().to_string()),
-            ("BIPED_SCHEMA", schema),
-            ("BIPED_MODEL", model),
-            ("BIPED_RATE", rate),
-            ("BIPED_PACE", pace),
+            ("BIPED_CONTRACT", contract),
         ]
     }
 }
