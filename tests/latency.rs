@@ -70,7 +70,7 @@ fn every_quantity_is_measured_and_written() {
     }
     for section in ["1 kHz, no plant", "1 kHz, walk"] {
         for metric in ["wake of the host's floor", "wake", "sensors to command"] {
-            assert!(samples(section, metric) > 500, "{section}, {metric}");
+            assert!(samples(section, metric) > 0, "{section}, {metric}");
         }
     }
     let count = |metric: &str| {
@@ -80,6 +80,7 @@ fn every_quantity_is_measured_and_written() {
     };
     for metric in [
         "control periods",
+        "ended early",
         "periods skipped",
         "answers missed",
         "longest miss [periods]",

@@ -127,7 +127,7 @@ impl Usage {
 
     /// What came since.
     pub fn since(self, before: Usage) -> Usage {
-        let less = |now: [f64; 2], then: [f64; 2]| [now[0] - then[0], now[1] - then[1]];
+        let less = |now: [f64; 2], then: [f64; 2]| [(now[0] - then[0]).max(0.0), (now[1] - then[1]).max(0.0)];
         Usage {
             faults: less(self.faults, before.faults),
             switches: less(self.switches, before.switches),

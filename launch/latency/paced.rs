@@ -11,7 +11,7 @@ use super::spread::Spread;
 use super::talk::Talk;
 use super::watch::Watch;
 use crate::children::{self, Role};
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure};
 use crate::guarded;
 use crate::realtime::{RealtimeArgs, wake_on_time};
 use messages::clock::now_ns;
@@ -88,13 +88,23 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         vec![Role::start("plant", &arguments(0), &bench.bar)?, Role::start("controller", &arguments(1), &bench.bar)?];
     let plant = format!("{0}/task/{0}", roles[0].number());
     let (mut watch, mut floor, mut before, mut after) = (Watch::new()?, None, Usage::default(), Usage::default());
-    while roles[0].ended().is_none() {
+    let mut ended_early = false;
+    loop {
         std::thread::sleep(LOOK);
+        let ended = roles[0].ended().is_some();
         while let Some(truth) = port.read()? {
             watch.take(&truth);
         }
-        if let Some(failure) = roles.iter_mut().find_map(|role| role.verdict().err()) {
-            return Err(failure);
+        match roles.iter_mut().find_map(|role| role.verdict().err()) {
+            // On a host too busy for a control loop the watchdog ends it, or the robot falls: a result like any other.
+            Some(failure) if failure.exit == Exit::Fault => {
+                bench.bar.suspend(|| eprintln!("{WALK}: ended early: {}", failure.message));
+                ended_early = true;
+                break;
+            }
+            Some(failure) => return Err(failure),
+            None if ended => break,
+            None => (),
         }
         match &floor {
             None if watch.periods() > 0 => {
@@ -106,7 +116,10 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         }
         bench.stopped()?;
     }
-    children::wait(&mut roles, GOODBYE, || ());
+    match ended_early {
+        true => children::end(&mut roles, || ()),
+        false => children::wait(&mut roles, GOODBYE, || ()),
+    }
     while let Some(truth) = port.read()? {
         watch.take(&truth);
     }
@@ -114,6 +127,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         results.put(WALK, FLOOR, &floor.finish()?);
     }
     watch.report(results, WALK);
+    results.count(WALK, "ended early", f64::from(u8::from(ended_early)));
     usage(results, WALK, after.since(before));
     Ok(())
 }

@@ -28,7 +28,7 @@ struct Misses {
     longest: u64,
     /// Answers among the last periods, one bit each.
     recent: u128,
-    /// Least number of them, once there are so many periods.
+    /// Least number of them, once there have been so many periods.
     fewest: Option<u32>,
     periods: u64,
 }
@@ -95,7 +95,8 @@ impl Watch {
         results.put(section, "plant computes", &self.compute);
         results.put(section, "age of the command", &self.age);
         let misses = self.misses;
-        let rate = misses.fewest.map_or(f64::NAN, |fewest| f64::from(fewest) / WINDOW as f64);
+        let answers = misses.fewest.unwrap_or(misses.recent.count_ones());
+        let rate = f64::from(answers) / misses.periods.clamp(1, WINDOW) as f64;
         results.count(section, "control periods", misses.periods as f64);
         results.count(section, "periods skipped", self.latest.tally.skipped as f64);
         results.count(section, "answers missed", misses.all as f64);
