@@ -7,13 +7,13 @@ use nix::sys::prctl;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::{Pid, getppid};
 use std::io::{BufRead, BufReader};
-use std::os::unix::process::CommandExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
 /// Time that a process gets to end in order before it is killed.
-const GRACE: Duration = Duration::from_secs(5);
+const GRACE: Duration = Duration::from_secs(2);
 
 /// A process of ours: plant or controller.
 #[derive(Debug)]
@@ -111,9 +111,10 @@ impl Role {
         self.ended().filter(|status| Exit::of_child(status.code()) == Exit::Fault)
     }
 
-    /// Asks it to end in order.
+    /// Asks it to end in order, also if it has been stopped.
     pub fn ask_to_end(&mut self) {
         self.signal(Signal::SIGTERM);
+        self.signal(Signal::SIGCONT);
     }
 
     fn signal(&mut self, signal: Signal) {
@@ -134,7 +135,11 @@ impl Role {
         }
         let words = self.complaints.take().and_then(|listener| listener.join().ok()).unwrap_or_default();
         let words = if words.is_empty() { String::new() } else { format!(": {}", words.join("\n")) };
-        Err(Failure::new(Exit::of_child(status.code()), format!("the {} failed ({status}){words}", self.name)))
+        let (exit, words) = match status.signal() == Some(Signal::SIGBUS as i32) {
+            true => (Exit::SharedMemory, format!(": /dev/shm is full{words}")),
+            false => (Exit::of_child(status.code()), words),
+        };
+        Err(Failure::new(exit, format!("the {} failed ({status}){words}", self.name)))
     }
 }
 

@@ -16,6 +16,7 @@
 //! | the wire format for other languages | [`wire`] |
 //! | the robot for other programs | [`export`] |
 //! | asking a running session | [`desk`] |
+//! | faults on purpose, a long time | [`faults`], [`soak`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
 //! | what a smaller model saves | [`model`] |
@@ -29,6 +30,7 @@ mod desk;
 mod doctor;
 mod exit;
 mod export;
+mod faults;
 mod latency;
 mod list;
 mod model;
@@ -38,6 +40,7 @@ mod record;
 mod report;
 mod robustness;
 mod run;
+mod soak;
 mod study;
 mod summary;
 mod wire;
@@ -100,6 +103,10 @@ enum Command {
     Rearm(desk::PlainArgs),
     /// Change speed and period of the gait in a running session
     Set(desk::SetArgs),
+    /// Hurt real processes in many ways, and check that nothing hangs, lies or is left
+    Faults(faults::FaultsArgs),
+    /// Walk for a long time, and watch memory, open files, shared memory and latency
+    Soak(soak::SoakArgs),
     /// Say whether this machine is fit to run, what is running, and what dead sessions left
     Doctor,
     /// Remove what dead sessions left in shared memory
@@ -221,6 +228,8 @@ fn main() -> ExitCode {
         Some(Command::Push(args)) => desk::run(Wish::Push(args)),
         Some(Command::Rearm(args)) => desk::run(Wish::Rearm(args)),
         Some(Command::Set(args)) => desk::run(Wish::Set(args)),
+        Some(Command::Faults(args)) => faults::run(&args, &stop),
+        Some(Command::Soak(args)) => soak::run(&args, &stop),
         Some(Command::Doctor) => doctor::doctor(),
         Some(Command::Clean) => doctor::clean(),
         Some(Command::Wire(args)) => {

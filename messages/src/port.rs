@@ -63,6 +63,7 @@ impl PlantPort {
         let sensors = Outlet::open(&place, SENSORS, "plant")?;
         let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
         let desk = Desk::open(&place, desk::PLANT)?;
+        place.reserve()?;
         Ok(PlantPort { sensors, command, truth, desk, _place: place })
     }
 
@@ -147,6 +148,7 @@ impl ControllerPort {
         let command = Outlet::open(&place, COMMAND, "controller")?;
         let sensors = Inlet::open(&place, SENSORS)?;
         let desk = Desk::open(&place, desk::CONTROLLER)?;
+        place.reserve()?;
         Ok(ControllerPort { command, sensors, desk, _place: place })
     }
 
@@ -162,6 +164,14 @@ impl ControllerPort {
     /// [`PortError::SharedMemory`].
     pub fn send(&self, command: Command) -> Result<(), PortError> {
         self.command.send(command, self.sensors.heard_ns)
+    }
+
+    /// Sends a command as it is, sealed or not: what somebody else made, or a bad one on purpose.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn pass_on(&self, command: Command) -> Result<(), PortError> {
+        self.command.write(command, |_| (), self.sensors.heard_ns)
     }
 
     /// Waits a little for sensors, as [`PlantPort::wait`].

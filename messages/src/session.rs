@@ -10,15 +10,21 @@ mod remains;
 use crate::port::PortError;
 use crate::wire::{FNV_START, fnv1a};
 pub(crate) use member::Membership;
+use nix::errno::Errno;
+use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
 pub use remains::Remains;
-use std::fs::File;
+use std::fs::{File, Metadata};
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Where POSIX shared memory shows as files on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
+/// A segment that has no size for so long never gets one.
+const STILLBORN: Duration = Duration::from_millis(100);
 
 /// Name of a session and of everything that belongs to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -70,6 +76,36 @@ impl Session {
     /// one; unless somebody is in it.
     pub fn sweep(&self) {
         Remains::at(&self.prefix()).remove();
+    }
+
+    /// Takes all the room that the session's segments may ever need: a page that is first touched when nothing is free any
+    /// more kills by SIGBUS.
+    pub(crate) fn reserve(&self) -> Result<(), PortError> {
+        for path in self.leftovers() {
+            // a folder, or gone in the meantime
+            let Ok(file) = File::options().write(true).open(&path) else { continue };
+            let Ok(size @ 1..) = file.metadata().map(|file| file.len()) else { continue };
+            // Where room cannot be reserved for another reason, it is as it was.
+            let reserved = fallocate(&file, FallocateFlags::FALLOC_FL_KEEP_SIZE, 0, size as i64);
+            if reserved == Err(Errno::ENOSPC) {
+                return Err(PortError::SharedMemory(format!("{SHARED_MEMORY} is full")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Removes the segments whose makers were killed between making them and giving them a size: whoever opens one as root
+    /// waits for ever (iceoryx2 0.10). A living maker takes microseconds.
+    pub(crate) fn clear_stillborn(&self) {
+        let unsized_yet = |path: &PathBuf| {
+            let is_empty = |file: Metadata| file.is_file() && file.len() == 0 && file.mode() & 0o777 == 0o200;
+            path.symlink_metadata().is_ok_and(is_empty)
+        };
+        let young: Vec<PathBuf> = self.leftovers().into_iter().filter(unsized_yet).collect();
+        if !young.is_empty() {
+            std::thread::sleep(STILLBORN);
+            young.iter().filter(|path| unsized_yet(path)).for_each(|path| _ = std::fs::remove_file(path));
+        }
     }
 
     /// Every session of this user that somebody is in now.

@@ -233,6 +233,24 @@ fn whoever_begins_a_session_clears_what_dead_ones_left() {
     assert!(alive.is_running());
 }
 
+/// As root, iceoryx2 waits for ever for a segment whose maker was killed before it had a size.
+#[test]
+fn a_segment_that_never_got_a_size_is_in_nobodys_way() {
+    let session = Session::unique();
+    let plant = PlantPort::open(&session, &contract()).expect("plant");
+    let controller = ControllerPort::open(&session, &contract()).expect("controller");
+    let connection = |path: &std::path::PathBuf| path.to_string_lossy().ends_with(".connection");
+    let model = session.leftovers().into_iter().find(connection).expect("a connection");
+    let stillborn = model.with_file_name(model.to_string_lossy().replace(".connection", "1.connection"));
+    std::fs::write(&stillborn, "").expect("a segment");
+    std::fs::set_permissions(&stillborn, std::os::unix::fs::PermissionsExt::from_mode(0o200)).expect("our own file");
+    drop(controller);
+    ControllerPort::open(&session, &contract()).expect("another controller");
+    assert!(!stillborn.exists());
+    drop(plant);
+    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+}
+
 #[test]
 fn the_version_told_is_the_one_that_is_pinned() {
     let (name, version) = messages::port::TRANSPORT.split_once(' ').expect("a name and a version");

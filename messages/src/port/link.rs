@@ -70,8 +70,13 @@ impl<M: Stamped> Outlet<M> {
     /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
     /// this one since. A ring is a system call and costs more than a tick.
     pub fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
+        self.write(message, M::seal, heard_ns)
+    }
+
+    /// The same, after `finish` on the message in its place.
+    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), heard_ns: u64) -> Result<(), PortError> {
         let mut sample = self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(message);
-        sample.payload_mut().seal();
+        finish(sample.payload_mut());
         sample.send().map_err(|e| broken("writing", e))?;
         // what a damaged message says of the future is not believed
         if self.waiting.may_sleep(|| now_ns().checked_sub(heard_ns).unwrap_or(u64::MAX)) {

@@ -63,6 +63,9 @@ impl Place {
         let root = session.root().into_os_string().into_encoded_bytes();
         config.global.prefix = FileName::new(session.prefix().as_bytes()).map_err(|e| broken("naming", e))?;
         config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| broken("naming", e))?);
+        // New nodes clear away what dead ones left; at its end a node need not, for the last one out does.
+        config.global.node.cleanup_dead_nodes_on_destruction = false;
+        session.clear_stillborn();
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| broken("joining the session", e))?;
@@ -74,14 +77,18 @@ impl Place {
         let builder = || self.node.service_builder(&service).publish_subscribe::<M>();
         let required = self.required()?;
         let open = || {
-            builder()
+            let builder = builder()
                 .max_publishers(1)
                 .max_subscribers(shape.readers)
                 .history_size(shape.history)
                 .subscriber_max_buffer_size(shape.buffer)
                 .subscriber_max_borrowed_samples(1)
-                .enable_safe_overflow(shape.overwrite)
-                .open_or_create_with_attributes(&required)
+                .enable_safe_overflow(shape.overwrite);
+            match self.contract {
+                Some(_) => builder.open_or_create_with_attributes(&required),
+                // A visitor makes nothing: it would lack the contract.
+                None => builder.open().map_err(Into::into),
+            }
         };
         let error = match patiently(open, incompatible) {
             Ok(topic) => return Ok(topic),
@@ -90,7 +97,10 @@ impl Place {
         match builder().open() {
             Ok(found) if error == Open::IncompatibleAttributes.into() => Err(self.disagreement(found.attributes())),
             _ if incompatible(&error) || error == Open::ServiceInCorruptedState.into() => {
-                Err(PortError::Foreign { session: self.membership.session().into(), reason: format!("{error:?}") })
+                Err(PortError::Foreign { session: self.session().into(), reason: format!("{error:?}") })
+            }
+            _ if error == Open::DoesNotExist.into() => {
+                Err(PortError::Absent { session: self.session().into(), role: "plant" })
             }
             _ => Err(broken("opening a topic", error)),
         }
@@ -145,12 +155,17 @@ impl Place {
 
     /// The name of the session.
     pub fn session(&self) -> &str {
-        self.membership.session()
+        self.membership.session().name()
+    }
+
+    /// To be called when every topic is open: takes the room that they need.
+    pub fn reserve(&self) -> Result<(), PortError> {
+        self.membership.session().reserve()
     }
 
     /// The first part of the contract that the session's makers have otherwise.
     fn disagreement(&self, found: &AttributeSet) -> PortError {
-        let session = self.membership.session().to_string();
+        let session = self.session().to_string();
         for (what, ours) in self.attributes() {
             let key = AttributeKey::try_from(what).ok();
             let theirs = key.and_then(|key| found.key_value(&key, 0).map(|value| value.to_string()));

@@ -63,8 +63,8 @@ impl Membership {
         parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
     }
 
-    pub(crate) fn session(&self) -> &str {
-        self.session.name()
+    pub(crate) fn session(&self) -> &Session {
+        &self.session
     }
 }
 

@@ -1,0 +1,40 @@
+//! Claims about faults: a short version of `biped faults`, which says what it requires of each.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+
+#[test]
+fn nothing_hangs_lies_or_is_left_whatever_is_done_to_the_processes() {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    command.args(["faults", "--quick"]).stdin(Stdio::null());
+    let Output { status, stdout, stderr } = command.output().expect("the program runs");
+    let told = String::from_utf8_lossy(&stdout); // with the seed that repeats it
+    assert_eq!(status.code(), Some(0), "{told}\n{}", String::from_utf8_lossy(&stderr));
+    for kind in ["kill -9 of the plant", "kill -9 of the launcher", "stopped", "/dev/shm", "bad commands", "second"] {
+        assert!(told.contains(kind), "{told}");
+    }
+}
+
+/// A step of the calendar's clock reaches nothing: nobody reads that clock.
+#[test]
+fn no_source_names_a_clock_that_can_be_set() {
+    fn search(folder: &Path, found: &mut Vec<String>, files: &mut usize) {
+        for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                search(&path, found, files);
+            } else if path.extension().is_some_and(|end| end == "rs") {
+                let text = std::fs::read_to_string(&path).expect("a source");
+                let is_bad = ["SystemTime", "CLOCK_REALTIME", "CLOCK_TAI"].iter().any(|clock| text.contains(clock));
+                found.extend(is_bad.then(|| path.display().to_string()));
+                *files += 1;
+            }
+        }
+    }
+    let (mut found, mut files) = (vec![], 0);
+    for folder in ["messages/src", "plant/src", "controller/src", "launch"] {
+        search(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found, &mut files);
+    }
+    assert!(files > 100, "only {files} sources");
+    assert_eq!(found, Vec::<String>::new());
+}
