@@ -59,6 +59,22 @@ impl Exit {
     }
 }
 
+impl Exit {
+    /// What cut a run short, in a few words; nothing for what is no early end.
+    pub fn cause(self) -> Option<&'static str> {
+        match self {
+            Exit::Ok | Exit::Fell => None,
+            Exit::Usage | Exit::Refused => Some("refused"),
+            Exit::PeerMissing => Some("other process missing"),
+            Exit::Fault => Some("fault"),
+            Exit::Incompatible => Some("incompatible processes"),
+            Exit::SharedMemory => Some("shared memory"),
+            Exit::Unsolved => Some("unsolved contact problem"),
+            Exit::Interrupted => Some("interrupted"),
+        }
+    }
+}
+
 /// An exit code and a sentence.
 #[derive(Debug)]
 pub struct Failure {

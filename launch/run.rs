@@ -98,6 +98,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
     let wall = start.elapsed();
     let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(args.scene.model()?);
+    let summary = summary.ended(outcome.as_ref().err());
     if let Some(folder) = &args.out {
         let text = load::text(&scene);
         report::write(folder, &watch.recorder, &summary, &scene, &text)

@@ -1,5 +1,6 @@
 //! The run in numbers: `summary.json` and the table in the terminal.
 
+use crate::exit::Failure;
 use crate::model::RunModel;
 use crate::record::{Recorder, Row};
 use messages::wire::{REFUSALS, Tally};
@@ -100,6 +101,8 @@ pub struct Summary {
     pub model: String,
     /// Its time for a step over that of the scene's own model, the median over the first steps of the scene; 1 if it is that one.
     pub model_cost_ratio: f64,
+    /// What ended the run before its time.
+    pub cut_short_by: Option<&'static str>,
 }
 
 /// Steps at the end of the walk that period and x_2 min are averaged over.
@@ -159,12 +162,18 @@ impl Summary {
             dropped: recorder.dropped,
             model: String::new(),
             model_cost_ratio: f64::NAN,
+            cut_short_by: None,
         }
     }
 
     /// With the model that was simulated.
     pub fn on(self, model: RunModel) -> Self {
         Summary { model: model.size, model_cost_ratio: model.cost_ratio, ..self }
+    }
+
+    /// With what ended the run, if it was not the end of the scene.
+    pub fn ended(self, failure: Option<&Failure>) -> Self {
+        Summary { cut_short_by: failure.and_then(|failure| failure.exit.cause()), ..self }
     }
 
     /// As JSON, one key per line.
@@ -174,10 +183,14 @@ impl Summary {
 
     /// The table: name and value with unit, only what applies to this run.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let outcome = match self.fall_time_s {
-            Some(time) => format!("FELL after {time:.2} s"),
-            None if self.steps > 0 => "no fall".into(),
-            None => "completed".into(),
+        let outcome = match (self.fall_time_s, self.cut_short_by) {
+            (Some(time), None) => format!("FELL after {time:.2} s"),
+            (Some(time), Some(cause)) => {
+                format!("FELL after {time:.2} s, CUT SHORT after {:.2} s: {cause}", self.duration_s)
+            }
+            (None, Some(cause)) => format!("CUT SHORT after {:.2} s: {cause}", self.duration_s),
+            (None, None) if self.steps > 0 => "no fall".into(),
+            (None, None) => "completed".into(),
         };
         let mut lines = vec![
             ("outcome", outcome),
@@ -263,6 +276,7 @@ fn tidy(value: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::exit::Exit;
     use crate::record::fake::FakeWalk;
     use messages::scene::Scene;
     use messages::wire::Truth;
@@ -323,6 +337,21 @@ mod tests {
         assert!(json["natural_map_max"].is_null() && json["signorini_max"].is_number());
         assert!((json["period_s"].as_f64().unwrap() - 0.6).abs() < 1e-3);
         assert!(json["trajectory_hash"].as_str().unwrap().len() == 16);
+    }
+
+    #[test]
+    fn a_run_that_was_cut_short_says_by_what() {
+        let outcome = |exit| {
+            let fake = FakeWalk::new(0.06);
+            let truths = (0..500).map(|seq| fake.truth(seq, seq as f64 * 1e-3));
+            summary(truths).ended(Some(&Failure::new(exit, "why"))).lines()[0].1.clone()
+        };
+        for exit in [Exit::PeerMissing, Exit::Fault, Exit::SharedMemory, Exit::Unsolved, Exit::Interrupted] {
+            let text = outcome(exit);
+            assert!(text.starts_with("CUT SHORT after 0.50 s: ") && text.ends_with(exit.cause().unwrap()), "{text}");
+        }
+        assert!(!outcome(Exit::Fell).contains("CUT SHORT"), "a fall is an outcome of its own");
+        assert_eq!(summary([]).lines()[0].1, "completed");
     }
 
     #[test]

@@ -30,6 +30,9 @@ fn a_problem_that_is_not_solved_ends_the_run_and_can_be_solved_from_its_file() {
             assert!(errors.contains(words), "{errors} does not say {words}");
         }
         assert!(folder.join(name).exists(), "{errors}");
+        let summary = String::from_utf8_lossy(&output.stdout);
+        assert!(summary.contains(" s: unsolved contact problem"), "{summary}");
+        assert!(!summary.contains("completed") && !summary.contains("no fall"), "{summary}");
 
         let all = biped(&folder, &["contact", name]);
         let table = String::from_utf8_lossy(&all.stdout);

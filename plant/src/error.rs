@@ -83,15 +83,13 @@ pub enum PlantError {
         /// Simulated time [s].
         time: f64,
     },
-    /// An implicit step whose iteration does not settle.
-    #[error(
-        "the implicit step at t = {time:.4} s still changes by {change:.1e} after many rounds: plant.dt is too long"
-    )]
+    /// A step whose iteration or error control does not settle.
+    #[error("the step at t = {time:.4} s does not settle: {reason}")]
     Unsettled {
         /// Simulated time at the step's beginning [s].
         time: f64,
-        /// Change of the mean velocity in the last round, relative.
-        change: f64,
+        /// What goes on changing.
+        reason: String,
     },
 }
 

@@ -21,6 +21,9 @@ const FEW: u32 = 20;
 /// Starts by pivoting: what contacts yield by, and what counts as zero.
 const PIVOTING: [(f64, Care); 5] = [(0.0, QUICK), (0.0, FINE), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
 
+/// What contacts yield by on the way to rigid ones.
+const HARDENING: [f64; 10] = [1.0, 0.3, 0.1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
+
 /// Workspace and last solution of the laws that have no basis along the problem's tangents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cones {
@@ -32,6 +35,7 @@ pub(super) struct Cones {
     facets: Facets,
     scaled: Scaled,
     proximal: Scaled,
+    yielding: Round,
     swept: Vec<f64>,
     best: Vec<f64>,
     /// Friction bound or shift of v_N that the present iterate is solved with.
@@ -141,7 +145,34 @@ impl Cones {
             }
         }
         self.f = kept;
-        least <= SOLVED
+        least <= SOLVED || self.harden(rule, least, steps)
+    }
+
+    /// From contacts that yield much, where Newton's method settles from anywhere, to ones that yield ever less around the
+    /// impulse before; leaves the best.
+    fn harden(&mut self, rule: Rule<'_>, mut least: f64, steps: &mut u32) -> bool {
+        self.best.clone_from(&self.f);
+        for start in [true, false] {
+            if start {
+                self.f.fill(0.0);
+            }
+            for rho in HARDENING {
+                self.yielding.regularise(&self.round, rho, &self.f);
+                self.newton.polish(&self.yielding, rule, &mut self.f, &mut self.v, steps);
+                self.swept.clone_from(&self.f);
+                let error = self.newton.polish(&self.round, rule, &mut self.swept, &mut self.v, steps);
+                if error < least {
+                    least = error;
+                    self.best.clone_from(&self.swept);
+                }
+                if least <= SOLVED {
+                    self.f.clone_from(&self.best);
+                    return true;
+                }
+            }
+            self.f.clone_from(&self.best);
+        }
+        false
     }
 
     /// A start by Lemke's method: of contacts that yield by `rho` around the present impulse.

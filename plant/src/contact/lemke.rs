@@ -26,6 +26,8 @@ pub(super) struct Care {
 /// Rounding is about 1e-15 but grows from pivot to pivot: wide enough that in redundant rows it does not choose. What
 /// that costs is made good when the impulse is computed afresh from the final basis.
 pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, afresh: false, most: 50 };
+/// The same for a path that is short or given up.
+pub(super) const SHORT: Care = Care { most: 2, ..QUICK };
 /// Ties as narrow as 1e-10 needs in a step of many contacts, and a path that is given up if it is long.
 pub(super) const FINE: Care = Care { zero: 1e-12, tie: 1e-12, afresh: false, most: 1 };
 /// Sees directions in which the feet hold each other by 1e-12 of what they weigh, at a hundred times the cost.

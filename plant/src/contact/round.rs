@@ -72,6 +72,13 @@ impl Round {
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
     }
 
+    /// Becomes the problem of one proximal round: A + rho I, b - rho f.
+    pub fn regularise(&mut self, original: &Round, rho: f64, f: &[f64]) {
+        self.clone_from(original);
+        self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
+        self.drift.iter_mut().zip(f).for_each(|(b, f)| *b -= rho * f);
+    }
+
     /// Copies itself for [`super::facets`], of which the rows of a contact need not be scaled alike.
     pub fn copy_to(&self, scaled: &mut Scaled) {
         (scaled.contacts, scaled.tangents, scaled.size) = (self.contacts, 2, self.size);

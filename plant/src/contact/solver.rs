@@ -7,7 +7,7 @@ use super::basis::Block;
 use super::cones::Cones;
 use super::energy_qp::{EnergyQp, minimises_energy};
 use super::facets::Facets;
-use super::lemke::{CAREFUL, Care, FINE, QUICK};
+use super::lemke::{CAREFUL, Care, FINE, QUICK, SHORT};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, Scaled, YIELD};
 use super::{Memory, Problem, Report, active_set};
@@ -104,7 +104,7 @@ impl Solver {
         let (alone, few, many) = (count == 1, count <= FEW, count > MANY);
         !self.on_rays() && self.settle(law, pivots)
             // where its path is short, Lemke's method ends at a basis that is solved to rounding
-            || (alone || few && law == Law::Complementarity) && self.pivot(law, QUICK, pivots)
+            || (alone || few && law == Law::Complementarity) && self.pivot(law, SHORT, pivots)
             || self.yielding(|solver| (few || !solver.on_rays()) && solver.settle(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)

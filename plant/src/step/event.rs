@@ -47,6 +47,8 @@ const NEARLY_STOPPED: f64 = 1e-6;
 const LOCATED: f64 = 1e-13;
 /// Events in a step at most. Where they crowd (a ball at the end of its bounces) the rest of the step is one impulse.
 const EVENTS: u32 = 40;
+/// Parts of a step at most. Where a law's forces jump at random (an iteration that has not converged) none is short enough.
+const PARTS: u32 = 2000;
 /// Trials of locating an event at most; it takes about eight.
 const TRIALS: usize = 100;
 /// Shortest step of the error control, as a part of dt: short enough that a bend of the acceleration costs nothing to speak of,
@@ -87,8 +89,16 @@ impl Plant {
     }
 
     fn through_events(&mut self, h: f64, tableau: &Tableau, controlled: bool) -> Result<(), PlantError> {
-        let (mut done, mut events) = (0.0, 0);
+        let (mut done, mut events, mut parts) = (0.0, 0, 0);
         while done < h {
+            if parts == PARTS {
+                let (time, law) = (self.steps as f64 * self.settings.h, self.settings.law);
+                let reason = format!(
+                    "after {PARTS} parts it is not done; the forces of {law} jump too much for its error control"
+                );
+                return Err(PlantError::Unsettled { time, reason });
+            }
+            parts += 1;
             if events == EVENTS {
                 return self.midpoint_moreau(h - done);
             }

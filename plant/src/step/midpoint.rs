@@ -75,7 +75,9 @@ impl Plant {
             }
         }
         if change > ENOUGH {
-            return Err(PlantError::Unsettled { time: self.steps as f64 * self.settings.h, change });
+            let reason =
+                format!("its velocity still changes by {change:.1e} after {ROUNDS} rounds; plant.dt is too long");
+            return Err(PlantError::Unsettled { time: self.steps as f64 * self.settings.h, reason });
         }
         self.record_contacts();
         let Workspace { stages, mean, change, .. } = &mut self.work;
