@@ -73,6 +73,11 @@ impl Lemke {
         if care.afresh {
             self.original.copy(&self.dictionary);
         }
+        // room for the worst at once: nothing is taken from the heap on the way
+        for list in [&mut self.ties, &mut self.entering, &mut self.leaving] {
+            list.clear();
+            list.reserve(n);
+        }
         self.basic.clear();
         self.basic.extend(0..n);
         self.nonbasic.clear();
