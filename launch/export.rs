@@ -56,12 +56,19 @@ enum Format {
 /// A scene that is refused.
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &args.settings, list::SCENES)?;
-    let robot = Robot::new(&scene)?;
     say(match args.format {
-        Format::Urdf => urdf::text(&scene, &robot),
-        Format::Mjcf => mjcf::text(&scene, &robot)?,
+        Format::Urdf => urdf::text(&scene, &Robot::new(&scene)?),
+        Format::Mjcf => mjcf(&scene)?,
     });
     Ok(())
+}
+
+/// The robot and its ground as MJCF.
+///
+/// # Errors
+/// A scene that is refused.
+pub fn mjcf(scene: &Scene) -> Result<String, PlantError> {
+    mjcf::text(scene, &Robot::new(scene)?)
 }
 
 /// A scene's bodies, in its order, the payload being part of them.

@@ -6,7 +6,7 @@ use crate::progress::Progress;
 use crate::realtime::RealtimeArgs;
 use crate::record::Recorder;
 use crate::summary::Summary;
-use crate::{PaceArgs, SceneArgs, guarded, report, say};
+use crate::{PaceArgs, SceneArgs, export, guarded, report, say};
 use clap::Args;
 use messages::load;
 use messages::port::{Contract, PortError, RecorderPort};
@@ -46,6 +46,9 @@ pub struct RunArgs {
     /// Program to be the controller, with its arguments: it finds the session in its environment, see docs/WIRE.md
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
     controller: Option<String>,
+    /// Program to be the plant, likewise: another simulator, or a robot's driver
+    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
+    plant: Option<String>,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -64,6 +67,7 @@ impl RunArgs {
             session: None,
             respawn: 0,
             controller: None,
+            plant: None,
             out: Some("out/walk".into()),
             quiet: false,
             in_process: false,
@@ -208,11 +212,12 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     let bar = watch.progress.bar.clone();
     let start = |child: usize| {
-        if let (1, Some(command)) = (child, &args.controller) {
-            return Role::foreign("controller", command, &environment(args, scene, &swept.0, &contract)?, &bar);
+        let name = ["plant", "controller"][child];
+        if let Some(command) = [&args.plant, &args.controller][child] {
+            return Role::foreign(name, command, &environment(args, scene, &swept.0, &contract)?, &bar);
         }
         let arguments = [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
-        Role::start(["plant", "controller"][child], &arguments, &bar)
+        Role::start(name, &arguments, &bar)
     };
     let mut roles = vec![start(0)?];
     if scene.controller.is_some() {
@@ -253,9 +258,11 @@ fn environment(
     session: &Session,
     contract: &Contract,
 ) -> Result<Vec<(&'static str, String)>, Failure> {
+    let robot = export::mjcf(scene)?;
     let scene = serde_json::to_string(scene).map_err(|error| Failure::new(Exit::Fault, error))?;
     let mut environment = contract.environment(session);
-    environment.extend([("BIPED_PATIENCE", args.pace.patience.to_string()), ("BIPED_SCENE", scene)]);
+    let patience = args.pace.patience.to_string();
+    environment.extend([("BIPED_PATIENCE", patience), ("BIPED_SCENE", scene), ("BIPED_MJCF", robot)]);
     Ok(environment)
 }
 

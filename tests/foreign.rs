@@ -1,5 +1,5 @@
-//! Claims about programs that are not ours: controllers in Python keep the robot up as our own does, what fails is named,
-//! and other engines read the exported robot as the same equations of motion.
+//! Claims about programs that are not ours: controllers in Python keep the robot up as our own does, MuJoCo's robot walks
+//! as ours does, what fails is named, and other engines read the exported robot as the same equations of motion.
 //!
 //! Python's packages come into a virtual environment under the target folder, once.
 
@@ -9,6 +9,7 @@ mod common;
 
 use common::{fresh_path, scene};
 use messages::scene::Base;
+use messages::session::Session;
 use nalgebra::{UnitQuaternion, Vector3};
 use plant::dynamics;
 use plant::kinematics::{self, Pose};
@@ -106,6 +107,29 @@ fn the_paper_in_numpy_goes_on_amid_the_step_in_which_it_died() {
     let distance = number(&summary, "distance_m");
     assert!((0.2..0.3).contains(&distance), "{distance} m");
     [script, once].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+#[test]
+fn our_controller_walks_the_robot_of_mujoco_as_far_as_ours() {
+    let session = format!("mujoco-{}", std::process::id());
+    let command = format!("{} plant/foreign/mujoco/plant.py", python().display());
+    let (output, theirs) = run("walk", &["--plant", &command, "--set", "duration=4", "--session", &session]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && theirs["fell"] == false, "{}: {errors}", output.status);
+    let left = Session::named(&session).expect("a good name").leftovers();
+    assert!(left.is_empty(), "{left:?}");
+    let (_, ours) = run("walk", &["--set", "duration=4"]);
+    for key in ["distance_m", "period_s", "peak_force_n"] {
+        println!("{key}: {} beside {}", theirs[key], ours[key]);
+    }
+    let distance = (number(&theirs, "distance_m"), number(&ours, "distance_m"));
+    assert!(distance.1 > 0.2 && (distance.0 / distance.1 - 1.0).abs() < 0.02, "{distance:?} m");
+    assert_eq!(theirs["steps"], ours["steps"]);
+
+    let (output, _) = run("walk", &["--plant", &command, "--set", "plant.push_impulse=[0,1,0]"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("the plant failed") && errors.contains("plant.push_impulse"), "{errors}");
 }
 
 #[test]

@@ -1,4 +1,5 @@
-"""A controller's end of a biped session: iceoryx2 in, iceoryx2 out, and the manners of docs/WIRE.md in between.
+"""A controller's end of a biped session: iceoryx2 in, iceoryx2 out, and the manners of docs/WIRE.md in between. What a
+plant has in common with it is here as well; the rest of a plant's end is plant/foreign/mujoco/link.py.
 
     python3 -m pip install iceoryx2==0.10.0 numpy
     biped run stand --controller "python3 controller/foreign/python/stand.py"
@@ -43,6 +44,13 @@ def is_sound(message):
     return (stamp.magic, stamp.schema, stamp.crc) == (wire.MAGIC, wire.SCHEMA, check_sum(message))
 
 
+def sealed(message):
+    """The message with magic, schema and check sum."""
+    message.stamp.magic, message.stamp.schema = wire.MAGIC, wire.SCHEMA
+    message.stamp.crc = check_sum(message)
+    return message
+
+
 class Members:
     """The lock by which the members of a session know of each other; the last one out clears up."""
 
@@ -61,16 +69,16 @@ class Members:
 
 
 class Session:
-    """What `biped run --controller` put into the environment, and the two topics of a controller."""
+    """What `biped run` put into the environment, and two topics: the one that is read and the one that is written."""
 
-    def __init__(self):
+    def __init__(self, role="controller"):
         if "BIPED_SESSION" not in os.environ:
-            fail(2, 'start me by: biped run SCENE --controller "python3 …"')
+            fail(2, f'start me by: biped run SCENE --{role} "python3 …"')
         env = {key[6:].lower(): value for key, value in os.environ.items() if key.startswith("BIPED_")}
         self.scene, self.patience = json.loads(env["scene"]), float(env["patience"])
         contract = dict(line.split("=", 1) for line in env["contract"].splitlines())
         if contract["wire schema"] != f"{wire.SCHEMA:016x}":
-            fail(INCOMPATIBLE, f"the plant speaks schema {contract['wire schema']}: make wire.py anew by biped wire python")
+            fail(INCOMPATIBLE, f"the others speak schema {contract['wire schema']}: make wire.py anew by biped wire python")
         self.members = Members(env["prefix"])
         iox2.set_log_level(iox2.LogLevel.Fatal)
         config = iox2.config.default()
@@ -82,30 +90,31 @@ class Session:
         self.contract = iox2.AttributeVerifier.new()
         for key, value in contract.items():
             self.contract = self.contract.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(value))
-        sensors = self.topic("biped/sensors", wire.Sensors)
-        command = self.topic("biped/command", wire.Command)
-        self.reader = sensors.subscriber_builder().buffer_size(1).create()
-        self.writer = command.publisher_builder().max_loaned_samples(1).create()
-        self.awaken = self.event("biped/command").notifier_builder().create()
-        self.bell = self.event("biped/sensors").listener_builder().create()
+        topics = [("biped/sensors", wire.Sensors), ("biped/command", wire.Command)]
+        (hears, self.heard), (says, said) = topics if role == "controller" else topics[::-1]
+        self.reader = self.topic(hears, self.heard).subscriber_builder().buffer_size(1).create()
+        self.writer = self.topic(says, said).publisher_builder().max_loaned_samples(1).create()
+        self.awaken = self.event(says).notifier_builder().create()
+        self.bell = self.event(hears).listener_builder().create()
 
-    def topic(self, name, message):
+    def topic(self, name, message, readers=4, buffer=1, history=1, overflow=True):
         """Opens or makes a topic as docs/WIRE.md has it, with the contract as its attributes."""
         builder = self.node.service_builder(iox2.ServiceName.new(name)).publish_subscribe(message)
-        builder = builder.max_publishers(1).max_subscribers(4).history_size(1).subscriber_max_buffer_size(1)
-        builder = builder.subscriber_max_borrowed_samples(1).enable_safe_overflow(True)
+        builder = builder.max_publishers(1).max_subscribers(readers).history_size(history)
+        builder = builder.subscriber_max_buffer_size(buffer).subscriber_max_borrowed_samples(1)
+        builder = builder.enable_safe_overflow(overflow)
         return patiently(lambda: builder.open_or_create_with_attributes(self.contract), name)
 
     def event(self, name):
         return patiently(lambda: self.node.service_builder(iox2.ServiceName.new(name)).event().open_or_create(), name)
 
     def read(self):
-        """The newest sensors, waited for at most a slice: spinning first, then asleep until the plant rings."""
+        """The newest message, waited for at most a slice: spinning first, then asleep until the other side rings."""
         start = time.monotonic_ns()
         while time.monotonic_ns() - start < SPIN_NS:
-            sensors = self.newest()
-            if sensors is not None:
-                return sensors
+            message = self.newest()
+            if message is not None:
+                return message
         self.bell.timed_wait(SLICE)
         return self.newest()
 
@@ -114,27 +123,25 @@ class Session:
         sample = self.reader.receive()
         if sample is None:
             return None
-        sensors = wire.Sensors.from_buffer_copy(sample.payload().contents)
+        message = self.heard.from_buffer_copy(sample.payload().contents)
         sample.delete()
-        return sensors
+        return message
 
-    def send(self, command):
+    def send(self, message):
         """Seals, writes and rings."""
-        command.stamp.magic, command.stamp.schema = wire.MAGIC, wire.SCHEMA
-        command.stamp.crc = check_sum(command)
-        self.writer.send_copy(command)
+        self.writer.send_copy(sealed(message))
         self.awaken.notify()
 
     def close(self):
-        """Ports first, then the node, then the lock."""
-        for port in ("reader", "writer", "awaken", "bell", "node"):
-            if hasattr(self, port):
-                delattr(self, port)
-        self.members.leave()
+        """Ports first, then the node, then the lock: the last made goes first."""
+        members = self.members
+        for part in reversed(list(vars(self))):
+            delattr(self, part)
+        members.leave()
 
 
 def patiently(open_it, name):
-    """Tries again for a while: the plant may be making the same thing at this moment."""
+    """Tries again for a while: the other side may be making the same thing at this moment."""
     for attempt in range(200):
         try:
             return open_it()
