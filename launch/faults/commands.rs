@@ -6,7 +6,6 @@ use messages::port::{Contract, ControllerPort, Pace, RecorderPort};
 use messages::scene::Scene;
 use messages::wire::{Command, REFUSALS, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
-use std::mem::offset_of;
 use std::time::{Duration, Instant};
 
 /// Bad commands that come before each good one.
@@ -65,10 +64,7 @@ impl Flaw {
             Flaw::Early => bad.stamp.ack += random.u64(2..1000),
             Flaw::Flipped => {
                 let mut bytes = bytemuck::bytes_of(&good.sealed()).to_vec();
-                // Not of `ack`: a damaged command that seems to answer is refused, and yet taken for an answer in lockstep.
-                let ack = 8 * offset_of!(Stamp, ack);
-                let bit = random.usize(64..8 * bytes.len());
-                let bit = (ack + bit) % (8 * bytes.len());
+                let bit = random.usize(0..8 * bytes.len());
                 bytes[bit / 8] ^= 1 << (bit % 8);
                 return bytemuck::pod_read_unaligned(&bytes);
             }

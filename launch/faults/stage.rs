@@ -2,7 +2,7 @@
 
 use crate::SceneArgs;
 use crate::exit::{Exit, Failure};
-use messages::port::{Contract, Pace, RecorderPort};
+use messages::port::{Ask, Contract, Pace, RecorderPort, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
@@ -136,10 +136,11 @@ impl Stage {
         Ok(stage)
     }
 
-    /// Waits until plant and controller have both entered the session.
+    /// Waits until the controller drives the plant.
     pub fn is_set(&mut self) -> Result<(), String> {
-        let session = self.session.clone();
-        eventually("plant and controller enter", LONG, || session.members().len() >= 3)
+        eventually("the robot is driven", LONG, || {
+            ask(&self.session, Ask::Rearm).is_ok_and(|reply| reply.stamp.seq > 1)
+        })
     }
 
     /// Numbers of its living processes of a role.

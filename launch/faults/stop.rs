@@ -15,7 +15,7 @@ const WINDOW: Duration = Duration::from_secs(3);
 pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -> Trial {
     let folder = std::env::temp_dir().join(format!("biped-stop-{}-{:x}", std::process::id(), random.u32(..)));
     let out = folder.to_string_lossy().into_owned();
-    let mut stage = Stage::run(&["--set", "duration=14", "--out", &out])?;
+    let mut stage = Stage::run(&["--set", "duration=60", "--out", &out])?;
     stage.is_set()?;
     let number = stage.wait_for(victim)?;
     send(number, Signal::SIGSTOP)?;
@@ -38,7 +38,7 @@ pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -
 pub fn reference() -> Result<String, String> {
     let folder = std::env::temp_dir().join(format!("biped-reference-{}", std::process::id()));
     let out = folder.to_string_lossy().into_owned();
-    let run = Stage::run(&["--set", "duration=14", "--out", &out])?;
+    let run = Stage::run(&["--set", "duration=60", "--out", &out])?;
     run.must_end_some_time(Instant::now())?;
     let hash = hash(&folder);
     let _ = std::fs::remove_dir_all(&folder);

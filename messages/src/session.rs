@@ -23,8 +23,8 @@ use std::time::Duration;
 const SHARED_MEMORY: &str = "/dev/shm";
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
-/// A segment that has no size for so long never gets one.
-const STILLBORN: Duration = Duration::from_millis(100);
+/// What is half made for so long is never finished.
+const HALF_MADE: Duration = Duration::from_millis(100);
 
 /// Name of a session and of everything that belongs to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -94,17 +94,15 @@ impl Session {
         Ok(())
     }
 
-    /// Removes the segments whose makers were killed between making them and giving them a size: whoever opens one as root
-    /// waits for ever (iceoryx2 0.10). A living maker takes microseconds.
-    pub(crate) fn clear_stillborn(&self) {
-        let unsized_yet = |path: &PathBuf| {
-            let is_empty = |file: Metadata| file.is_file() && file.len() == 0 && file.mode() & 0o777 == 0o200;
-            path.symlink_metadata().is_ok_and(is_empty)
-        };
-        let young: Vec<PathBuf> = self.leftovers().into_iter().filter(unsized_yet).collect();
+    /// Removes what was left half made: segments without a size, for which whoever opens one as root waits for ever, and
+    /// services of which not all was written (iceoryx2 0.10). A living maker takes microseconds.
+    pub(crate) fn clear_half_made(&self) {
+        let services = std::fs::read_dir(self.root().join("services")).into_iter().flatten().flatten();
+        let all = self.leftovers().into_iter().chain(services.map(|entry| entry.path()));
+        let young: Vec<PathBuf> = all.filter(|path| is_half_made(path)).collect();
         if !young.is_empty() {
-            std::thread::sleep(STILLBORN);
-            young.iter().filter(|path| unsized_yet(path)).for_each(|path| _ = std::fs::remove_file(path));
+            std::thread::sleep(HALF_MADE);
+            young.iter().filter(|path| is_half_made(path)).for_each(|path| _ = std::fs::remove_file(path));
         }
     }
 
@@ -177,6 +175,16 @@ impl Room {
             ))),
         }
     }
+}
+
+/// A segment may be read only when it is finished, a service only then no longer be written.
+fn is_half_made(path: &Path) -> bool {
+    let is_service = path.extension().is_some_and(|end| end == "service");
+    let is_it = |file: Metadata| match is_service {
+        true => file.mode() & 0o200 != 0,
+        false => file.is_file() && file.len() == 0 && file.mode() & 0o777 == 0o200,
+    };
+    path.symlink_metadata().is_ok_and(is_it)
 }
 
 /// What is in shared memory under names that begin so, in order.

@@ -136,6 +136,27 @@ fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
 }
 
 #[test]
+fn a_recorder_that_begins_late_gets_every_truth_too() {
+    const COUNT: u64 = 10_000; // more than the buffer holds
+    let session = Session::unique();
+    let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
+    std::thread::scope(|scope| {
+        let plant = scope.spawn(|| {
+            let port = PlantPort::open(&session, &contract()).expect("plant");
+            (1..=COUNT).for_each(|_| port.record(Truth::default()).expect("truth"));
+            port.finish();
+        });
+        std::thread::sleep(Duration::from_millis(300));
+        let (mut seen, start) = (0, Instant::now());
+        while seen < COUNT && start.elapsed() < Duration::from_secs(20) {
+            seen += u64::from(recorder.read().expect("recorder").is_some());
+        }
+        assert_eq!(seen, COUNT);
+        plant.join().expect("plant");
+    });
+}
+
+#[test]
 fn in_real_time_a_full_recorder_loses_truth_and_the_plant_never_waits() {
     let session = Session::unique();
     let contract = Contract { pace: Pace::RealTime, ..contract() };

@@ -8,7 +8,7 @@ use crate::watchdog::Mode;
 use messages::clock::{Patience, now_ns, sleep_until};
 use messages::port::{Pace, PlantPort};
 use messages::scene::Scene;
-use messages::wire::{Sensors, Truth};
+use messages::wire::{Sensors, Stamped, Truth};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -75,7 +75,9 @@ impl<'a> Link<'a> {
                 Some(command) => {
                     simulation.hear(&command);
                     let stamp = command.stamp;
-                    let answers = stamp.run == sensors.stamp.run && stamp.ack == sensors.stamp.seq;
+                    // nothing that a damaged one says is believed
+                    let answers =
+                        command.is_sound() && stamp.run == sensors.stamp.run && stamp.ack == sensors.stamp.seq;
                     if answers && simulation.intake().has_begun() {
                         break;
                     }

@@ -65,7 +65,7 @@ impl Place {
         config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| broken("naming", e))?);
         // New nodes clear away what dead ones left; at its end a node need not, for the last one out does.
         config.global.node.cleanup_dead_nodes_on_destruction = false;
-        session.clear_stillborn();
+        session.clear_half_made();
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| broken("joining the session", e))?;

@@ -2,12 +2,13 @@
 
 use super::contract::Pace;
 use super::error::{PortError, broken};
-use super::place::{Place, TRUTH, Topic};
+use super::place::{Place, TRUTH, TRUTH_BUFFER, Topic};
 use crate::wire::{Stamped, Truth};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::{BackpressureAction, BackpressureInfo};
 use iceoryx2::prelude::*;
+use std::cell::Cell;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
@@ -23,6 +24,10 @@ pub(super) struct TruthOutlet {
     /// A recorder rings once it has read something.
     bell: Listener<ipc::Service>,
     lost: Arc<AtomicU64>,
+    pace: Pace,
+    sent: Cell<usize>,
+    /// Whether a recorder has begun to read.
+    is_read: Cell<bool>,
 }
 
 impl TruthOutlet {
@@ -44,7 +49,7 @@ impl TruthOutlet {
         let builder = topic.publisher_builder().max_loaned_samples(1).set_backpressure_handler(when_full);
         let writer = builder.create().map_err(|e| broken("writing", e))?;
         let bell = place.event(TRUTH)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(TruthOutlet { topic, writer, bell, lost })
+        Ok(TruthOutlet { topic, writer, bell, lost, pace, sent: Cell::new(0), is_read: Cell::new(false) })
     }
 
     /// Messages that a recorder did not get.
@@ -53,14 +58,18 @@ impl TruthOutlet {
     }
 
     pub fn send(&self, truth: Truth) -> Result<(), PortError> {
+        // One that has not begun to read does not count as connected: what no longer fits would be dropped in silence.
+        if self.pace == Pace::Lockstep && self.sent.replace(self.sent.get() + 1) == TRUTH_BUFFER {
+            self.linger();
+        }
         self.writer.send_copy(truth.sealed()).map_err(|e| broken("writing", e))?;
         Ok(())
     }
 
     /// Waits until a recorder has begun to read: it then reads the rest also after the plant has gone.
     pub fn linger(&self) {
-        if self.topic.dynamic_config().number_of_subscribers() > 0 {
-            let _ = self.bell.timed_wait(|_| (), RECORDER_PATIENCE);
+        if !self.is_read.get() && self.topic.dynamic_config().number_of_subscribers() > 0 {
+            self.is_read.set(self.bell.timed_wait(|_| (), RECORDER_PATIENCE).is_ok_and(|rings| rings > 0));
         }
     }
 }
