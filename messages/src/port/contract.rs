@@ -73,4 +73,35 @@ impl Contract {
             ("BIPED_CONTRACT", contract),
         ]
     }
+
+    /// Reads `BIPED_CONTRACT` back, if it is one.
+    pub fn read(text: &str) -> Option<Contract> {
+        let part = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
+        let hash = |name: &str| u64::from_str_radix(part(name)?, 16).ok();
+        let number = |name: &str, unit: &str| part(name)?.strip_suffix(unit)?.parse().ok();
+        Some(Contract {
+            schema: hash("wire schema")?,
+            model: hash("model")?,
+            rate: number("rate", " Hz")?,
+            dt: number("dt", " s")?,
+            pace: [Pace::Lockstep, Pace::RealTime].into_iter().find(|pace| part("pace") == Some(pace.name()))?,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_contract_reads_back_from_the_environment() {
+        for pace in [Pace::Lockstep, Pace::RealTime] {
+            let contract = Contract { schema: SCHEMA_HASH, model: 7, rate: 1e3, dt: 1.0 / 3e3, pace };
+            let (_, text) = contract.environment(&Session::unique()).remove(3);
+            assert_eq!(Contract::read(&text), Some(contract));
+            for line in text.lines() {
+                assert_eq!(Contract::read(&text.replace(line, "")), None, "without {line}");
+            }
+        }
+    }
 }

@@ -1,0 +1,151 @@
+//! The controller's end of a session, in plain Rust: the manners of docs/WIRE.md around a [`ControllerPort`].
+
+use crate::failure::{BIPED_INCOMPATIBLE, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
+use crate::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
+use messages::clock::{Patience, now_ns, random};
+use messages::port::{Contract, ControllerPort, PortError};
+use messages::scene::Scene;
+use messages::session::Session;
+use messages::wire::{Command, Encoders, SCHEMA_HASH, Sensors, Stamp, Stamped, Telemetry, Torques};
+use std::env;
+use std::f64::consts::TAU;
+use std::ffi::c_int;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::thread::ThreadId;
+use std::time::Duration;
+
+/// Whether somebody wants an end.
+pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
+
+/// A controller's place in a session.
+#[derive(Debug)]
+pub struct Controller {
+    port: ControllerPort,
+    /// What came last; number 0 before anything came.
+    sensors: Sensors,
+    answer: Command,
+    is_answered: bool,
+    patience: Duration,
+    /// What does not change of it.
+    robot: Status,
+    owner: ThreadId,
+}
+
+impl Controller {
+    /// The place that the environment names.
+    pub(crate) fn open() -> Result<Controller, Failure> {
+        let session = Session::named(&variable("SESSION")?)?;
+        let contract = variable("CONTRACT")?;
+        let contract = Contract::read(&contract).ok_or_else(|| {
+            Failure::misuse(format!("BIPED_CONTRACT has not the lines of docs/WIRE.md: {contract:?}"))
+        })?;
+        if contract.schema != SCHEMA_HASH {
+            let session = session.name();
+            let theirs = contract.schema;
+            let sentence = format!(
+                "session `{session}` speaks wire schema {theirs:016x}, this library {SCHEMA_HASH:016x}: build it anew"
+            );
+            return Err(Failure::new(BIPED_INCOMPATIBLE, sentence));
+        }
+        let patience = variable("PATIENCE")?;
+        let patience = patience.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+        let patience = patience.ok_or_else(|| Failure::misuse("BIPED_PATIENCE is no number of seconds"))?;
+        let scene: Scene = serde_json::from_str(&variable("SCENE")?)
+            .map_err(|error| Failure::misuse(format!("BIPED_SCENE is no scene: {error}")))?;
+        Ok(Controller {
+            port: ControllerPort::open(&session, &contract)?,
+            sensors: Sensors::default(),
+            answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
+            is_answered: true,
+            patience,
+            robot: robot(&scene),
+            owner: std::thread::current().id(),
+        })
+    }
+
+    /// Whether this is the thread that opened it.
+    pub(crate) fn is_ours(&self) -> bool {
+        self.owner == std::thread::current().id()
+    }
+
+    /// The next encoders, and what they are.
+    pub(crate) fn wait(&mut self) -> Result<c_int, Failure> {
+        let mut waiting = Patience::new("plant", self.patience);
+        while !STOP.load(Relaxed) {
+            let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
+                match waiting.is_over() {
+                    true => return Err(self.no_plant()),
+                    false => continue,
+                }
+            };
+            if sensors.last != 0 {
+                self.is_answered = true;
+                return Ok(BIPED_GOODBYE);
+            }
+            let asked = sensors.stamp;
+            let begins = self.answer.stamp.run != asked.run;
+            if begins {
+                self.answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..self.answer.stamp };
+            } else if self.answer.stamp.ack == asked.seq {
+                self.send()?; // sensors that come again get the same answer
+                continue;
+            }
+            (self.sensors, self.is_answered) = (sensors, false);
+            return Ok(if begins { BIPED_BEGIN } else { BIPED_TICK });
+        }
+        Err(Failure::new(BIPED_STOPPED, "stopped by biped_stop"))
+    }
+
+    fn no_plant(&self) -> Failure {
+        Failure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
+    }
+
+    /// What the joints report.
+    pub(crate) fn encoders(&self) -> Result<Encoders, Failure> {
+        match self.sensors.stamp.seq {
+            0 => Err(Failure::misuse("there are no encoders yet: call biped_wait first")),
+            _ => Ok(self.sensors.encoders),
+        }
+    }
+
+    /// Answers what came last.
+    pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), Failure> {
+        if self.is_answered {
+            return Err(Failure::misuse("nothing waits for an answer: call biped_wait, then biped_write once"));
+        }
+        if let Some(joint) = torques.torque.iter().position(|torque| !torque.is_finite()) {
+            return Err(Failure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
+        }
+        (self.answer.torques, self.answer.telemetry) = (torques, telemetry);
+        self.send()?;
+        self.is_answered = true;
+        Ok(())
+    }
+
+    fn send(&mut self) -> Result<(), PortError> {
+        let (asked, seq) = (self.sensors.stamp, self.answer.stamp.seq + 1);
+        self.answer.stamp = Stamp { seq, ack: asked.seq, sim_ns: asked.sim_ns, mono_ns: now_ns(), ..self.answer.stamp };
+        self.port.send(self.answer)
+    }
+
+    /// Where it is.
+    pub(crate) fn status(&self) -> Status {
+        let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
+        Status { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
+    }
+}
+
+/// A variable that `biped run --controller` sets.
+fn variable(name: &str) -> Result<String, Failure> {
+    env::var(format!("BIPED_{name}")).map_err(|_| {
+        Failure::misuse(format!("BIPED_{name} is not set: start this by biped run SCENE --controller COMMAND"))
+    })
+}
+
+/// What a controller needs to know of the robot.
+fn robot(scene: &Scene) -> Status {
+    let mut start = [0.0; 8];
+    start.iter_mut().zip(&scene.initial.joints).for_each(|(start, &angle)| *start = angle);
+    let count = TAU / 2_f64.powi(scene.plant.encoder_bits as i32);
+    Status { rate: scene.rate, count, torque_limit: scene.plant.torque_limit, start, ..Status::default() }
+}

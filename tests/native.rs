@@ -1,0 +1,134 @@
+//! Claims about controllers in C and C++: they keep the robot up, wrong use gives a code and a sentence, nothing stays.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+
+mod common;
+
+use common::{fresh_path, scene};
+use messages::port::{Contract, Pace};
+use messages::session::Session;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Where cargo puts the library for this test.
+fn libraries() -> PathBuf {
+    let folder = Path::new(env!("CARGO_BIN_EXE_biped")).parent().expect("a folder").join("deps");
+    assert!(folder.join("libbiped_c.so").exists(), "no libbiped_c.so in {}", folder.display());
+    folder
+}
+
+/// Compiles a source of this repository, and gives the program.
+fn compile(compiler: &str, standard: &str, source: &str) -> PathBuf {
+    let (program, libraries) = (fresh_path("native"), libraries());
+    let output = Command::new(compiler)
+        .args([standard, "-O2", "-Wall", "-Wextra", "-Werror", source, "-o"])
+        .arg(&program)
+        .args(["-Icontroller/foreign/c", "-Imessages/include", "-L"])
+        .arg(&libraries)
+        .args(["-lbiped_c", "-lm", &format!("-Wl,-rpath,{}", libraries.display())])
+        .output()
+        .unwrap_or_else(|error| panic!("there is no compiler `{compiler}` ({error}): install g++, which brings both"));
+    assert!(output.status.success(), "{source}: {}", String::from_utf8_lossy(&output.stderr));
+    program
+}
+
+/// A run with such a program as the controller: it must end well, and leave nothing.
+fn run(scene: &str, program: &Path, settings: &[&str]) -> Value {
+    let (folder, session) = (fresh_path("native-run"), Session::unique());
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["run", scene, "--quiet", "--session", session.name(), "--controller"])
+        .arg(program)
+        .args(settings.iter().flat_map(|setting| ["--set", setting]))
+        .arg("--out")
+        .arg(&folder)
+        .output()
+        .expect("the program starts");
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    let _ = std::fs::remove_dir_all(folder);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!((output.status.code(), &*errors), (Some(0), ""), "{}", program.display());
+    assert_eq!(session.leftovers(), [""; 0].map(PathBuf::from), "left in shared memory");
+    serde_json::from_str(&summary).expect("a summary")
+}
+
+/// A program by itself, in the environment of a session that nobody else is in; variables may be replaced.
+fn alone(program: &Path, replaced: &[(&str, &str)]) -> Output {
+    let (session, scene) = (Session::unique(), scene("stand", &[]));
+    let output = Command::new(program)
+        .envs(Contract::of(&scene, Pace::Lockstep).environment(&session))
+        .env("BIPED_SCENE", serde_json::to_string(&scene).expect("JSON"))
+        .env("BIPED_PATIENCE", "0.3")
+        .envs(replaced.iter().copied())
+        .output()
+        .expect("the program starts");
+    assert_eq!(session.leftovers(), [""; 0].map(PathBuf::from), "left in shared memory");
+    output
+}
+
+#[test]
+fn a_spring_and_a_damper_stand_in_c_and_in_cpp() {
+    let c = compile("cc", "-std=c11", "controller/foreign/c/stand.c");
+    let cpp = compile("c++", "-std=c++17", "controller/foreign/cpp/stand.cpp");
+    let stand = ["controller.gait=\"stand\"", "duration=2"];
+    for program in [&c, &cpp] {
+        for (scene, settings) in [("stand", &stand[1..]), ("walk", &stand)] {
+            let summary = run(scene, program, settings);
+            assert_eq!(summary["fell"], false);
+            let distance = summary["distance_m"].as_f64().expect("a number");
+            assert!(distance.abs() < 5e-3, "{scene}: it stays where it is: {distance}");
+        }
+    }
+    let hashes = [&c, &cpp].map(|program| run("stand", program, &stand)["trajectory_hash"].clone());
+    assert_eq!(hashes[0], hashes[1], "the same law, the same bits");
+    [c, cpp].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+#[test]
+fn a_wrong_session_gives_a_code_and_a_sentence() {
+    let c = compile("cc", "-std=c11", "controller/foreign/c/stand.c");
+    let cpp = compile("c++", "-std=c++17", "controller/foreign/cpp/stand.cpp");
+    let older = "wire schema=0123456789abcdef\npace=lockstep\nrate=1000 Hz\ndt=0.001 s\nmodel=0\n";
+    let cases = [
+        ("BIPED_PATIENCE", "0.3", 3, "no plant sent sensors within 300ms"),
+        ("BIPED_SESSION", "no/such", 2, "cannot name a session"),
+        ("BIPED_CONTRACT", "pace=lockstep", 2, "BIPED_CONTRACT"),
+        ("BIPED_CONTRACT", older, 5, "0123456789abcdef"),
+        ("BIPED_SCENE", "{", 2, "BIPED_SCENE"),
+        ("BIPED_PATIENCE", "-1", 2, "BIPED_PATIENCE"),
+    ];
+    for program in [&c, &cpp] {
+        for (variable, value, code, words) in cases {
+            let output = alone(program, &[(variable, value)]);
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.code() == Some(code) && errors.contains(words), "{}: {errors}", output.status);
+            assert!(errors.starts_with("error: ") && errors.lines().count() == 1, "{errors}");
+        }
+        let by_hand = Command::new(program).env_remove("BIPED_SESSION").output().expect("the program starts");
+        let errors = String::from_utf8_lossy(&by_hand.stderr);
+        assert!(by_hand.status.code() == Some(2) && errors.contains("biped run SCENE --controller"), "{errors}");
+    }
+    [c, cpp].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+#[test]
+fn a_session_with_another_contract_is_refused() {
+    let program = compile("cc", "-std=c11", "controller/foreign/c/stand.c");
+    let other = "BIPED_CONTRACT=$(echo \"$BIPED_CONTRACT\" | sed s/lockstep/realtime/)";
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["run", "stand", "--quiet", "--controller", &format!("sh -c '{other} exec {}'", program.display())])
+        .output()
+        .expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(5) && errors.contains("realtime"), "{}: {errors}", output.status);
+    std::fs::remove_file(program).expect("our own file");
+}
+
+#[test]
+fn misuse_gives_codes_and_sentences() {
+    let program = compile("cc", "-std=c11", "tests/foreign/misuse.c");
+    let output = alone(&program, &[]);
+    let found = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && found.is_empty(), "{}: {found}", output.status);
+    std::fs::remove_file(program).expect("our own file");
+}
