@@ -2,7 +2,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::say;
-use clap::Args;
+use clap::{Args, Subcommand};
 use messages::port::{Ask, Verdict, ask};
 use messages::session::Session;
 use messages::wire::STATES;
@@ -105,20 +105,21 @@ fn vector(text: &str) -> Result<[f64; 3], String> {
 }
 
 /// What can be said at a desk.
+#[derive(Subcommand)]
 pub enum Wish {
-    /// Stand still.
+    /// Let time stand still in a running session
     Pause(PlainArgs),
-    /// Go on.
+    /// Let it go on
     Resume(PlainArgs),
-    /// Run for a few periods.
+    /// Let it go on for a few control periods
     Step(StepArgs),
-    /// Begin anew.
+    /// Begin a running session anew
     Reset(ResetArgs),
-    /// Push a body.
+    /// Push a body of a running session
     Push(PushArgs),
-    /// Switch the drives on again.
+    /// Switch the drives of a running session on again after a fault
     Rearm(PlainArgs),
-    /// Change the gait.
+    /// Change speed and period of the gait in a running session
     Set(SetArgs),
 }
 

@@ -46,7 +46,6 @@ mod summary;
 mod wire;
 
 use clap::{Args, Parser, Subcommand};
-use desk::Wish;
 use exit::{Exit, Failure};
 use messages::load::load;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
@@ -89,20 +88,8 @@ enum Command {
     Plant(RoleArgs),
     /// Be the controller of a session
     Controller(RoleArgs),
-    /// Let time stand still in a running session
-    Pause(desk::PlainArgs),
-    /// Let it go on
-    Resume(desk::PlainArgs),
-    /// Let it go on for a few control periods
-    Step(desk::StepArgs),
-    /// Begin a running session anew
-    Reset(desk::ResetArgs),
-    /// Push a body of a running session
-    Push(desk::PushArgs),
-    /// Switch the drives of a running session on again after a fault
-    Rearm(desk::PlainArgs),
-    /// Change speed and period of the gait in a running session
-    Set(desk::SetArgs),
+    #[command(flatten)]
+    Desk(desk::Wish),
     /// Hurt real processes in many ways, and check that nothing hangs, lies or is left
     Faults(faults::FaultsArgs),
     /// Walk for a long time, and watch memory, open files, shared memory and latency
@@ -221,13 +208,7 @@ fn main() -> ExitCode {
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
-        Some(Command::Pause(args)) => desk::run(Wish::Pause(args)),
-        Some(Command::Resume(args)) => desk::run(Wish::Resume(args)),
-        Some(Command::Step(args)) => desk::run(Wish::Step(args)),
-        Some(Command::Reset(args)) => desk::run(Wish::Reset(args)),
-        Some(Command::Push(args)) => desk::run(Wish::Push(args)),
-        Some(Command::Rearm(args)) => desk::run(Wish::Rearm(args)),
-        Some(Command::Set(args)) => desk::run(Wish::Set(args)),
+        Some(Command::Desk(wish)) => desk::run(wish),
         Some(Command::Faults(args)) => faults::run(&args, &stop),
         Some(Command::Soak(args)) => soak::run(&args, &stop),
         Some(Command::Doctor) => doctor::doctor(),

@@ -8,7 +8,7 @@ use crate::watchdog::Mode;
 use messages::clock::{Patience, now_ns, sleep_until};
 use messages::port::{Pace, PlantPort};
 use messages::scene::Scene;
-use messages::wire::{Sensors, Stamped, Truth};
+use messages::wire::{Sensors, Stamp, Stamped, Truth};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -149,8 +149,7 @@ impl<'a> Link<'a> {
             self.patience.renew();
             if now_ns() - alive > SIGN_OF_LIFE {
                 alive = now_ns();
-                self.port
-                    .send(Sensors { stamp: messages::wire::Stamp { mono_ns: alive, ..sensors.stamp }, ..*sensors })?;
+                self.port.send(Sensors { stamp: Stamp { mono_ns: alive, ..sensors.stamp }, ..*sensors })?;
             }
             std::thread::sleep(DESK);
         }
