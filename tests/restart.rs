@@ -81,13 +81,13 @@ fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_a_fiftie
 #[test]
 fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() {
     for (role, words) in [("controller", "1 controller replaced"), ("plant", "starting it anew")] {
-        let mut walk = Running::start(role, &["--respawn", "1", "--set", "duration=60"]);
+        let mut walk = Running::start(role, &["--respawn", "1", "--set", "duration=300"]);
         walk.until("walking", |truth| truth.telemetry.steps > 5);
         walk.leave();
         walk.signal(role, Signal::SIGKILL);
         let (code, out, errors) = walk.wait();
         assert_eq!(code, Some(0), "{role}: {errors}");
         assert!(errors.contains(&format!("the {role} died")) && errors.contains(words), "{errors}");
-        assert!(out.contains("no fall") && out.contains("60.00 s"), "{role}: {out}");
+        assert!(out.contains("no fall") && out.contains("300.00 s"), "{role}: {out}");
     }
 }

@@ -125,7 +125,7 @@ fn sessions_side_by_side_never_meet_and_a_name_is_taken_once() {
     let folders = ["alone", "left", "right"].map(fresh_folder);
     let walk = |folder: &Path, extra: &[&str]| {
         let out = folder.to_string_lossy().into_owned();
-        start(&[&["run", "walk", "--quiet", "--set", "duration=3", "--out", &out], extra].concat())
+        start(&[&["run", "walk", "--quiet", "--set", "duration=100", "--out", &out], extra].concat())
     };
     assert_eq!(end(walk(&folders[0], &["--in-process"])), (Some(0), String::new()));
     let (left, right) = (session("left"), session("right"));

@@ -138,9 +138,17 @@ impl Stage {
 
     /// Waits until the controller drives the plant.
     pub fn is_set(&mut self) -> Result<(), String> {
+        let mut is_over = false;
         eventually("the robot is driven", LONG, || {
-            ask(&self.session, Ask::Rearm).is_ok_and(|reply| reply.stamp.seq > 1)
-        })
+            is_over = self.launcher.as_mut().is_none_or(Process::has_ended);
+            is_over || ask(&self.session, Ask::Rearm).is_ok_and(|reply| reply.stamp.seq > 1)
+        })?;
+        match &mut self.launcher {
+            Some(launcher) if is_over => {
+                Err(format!("the run was over before it was seen to begin: {}", launcher.words()))
+            }
+            _ => Ok(()),
+        }
     }
 
     /// Numbers of its living processes of a role.

@@ -8,6 +8,8 @@ use std::time::{Duration, Instant};
 
 /// A stopped recorder's buffer of 4096 periods is full after this long.
 const FULL: Duration = Duration::from_millis(4500);
+/// Simulated time of a lockstep run that is still under way when it has been seen to begin: seconds of real time [s].
+const LENGTH: &str = "duration=300";
 /// What the loop's lateness is measured over.
 const WINDOW: Duration = Duration::from_secs(3);
 
@@ -15,7 +17,7 @@ const WINDOW: Duration = Duration::from_secs(3);
 pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -> Trial {
     let folder = std::env::temp_dir().join(format!("biped-stop-{}-{:x}", std::process::id(), random.u32(..)));
     let out = folder.to_string_lossy().into_owned();
-    let mut stage = Stage::run(&["--set", "duration=60", "--out", &out])?;
+    let mut stage = Stage::run(&["--set", LENGTH, "--out", &out])?;
     stage.is_set()?;
     let number = stage.wait_for(victim)?;
     send(number, Signal::SIGSTOP)?;
@@ -38,7 +40,7 @@ pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -
 pub fn reference() -> Result<String, String> {
     let folder = std::env::temp_dir().join(format!("biped-reference-{}", std::process::id()));
     let out = folder.to_string_lossy().into_owned();
-    let run = Stage::run(&["--set", "duration=60", "--out", &out])?;
+    let run = Stage::run(&["--set", LENGTH, "--out", &out])?;
     run.must_end_some_time(Instant::now())?;
     let hash = hash(&folder);
     let _ = std::fs::remove_dir_all(&folder);
