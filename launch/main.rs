@@ -20,6 +20,7 @@
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
 //! | what a smaller model saves | [`model`] |
+//! | recordings and their replay | [`recording`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
 mod chart;
@@ -37,6 +38,7 @@ mod model;
 mod progress;
 mod realtime;
 mod record;
+mod recording;
 mod report;
 mod robustness;
 mod run;
@@ -105,6 +107,12 @@ enum Command {
     /// Be somebody else's program
     #[command(hide = true)]
     Become(children::BecomeArgs),
+    /// Say what a recording has
+    Info(recording::info::InfoArgs),
+    /// Make tables of a recording
+    Convert(recording::table::ConvertArgs),
+    /// Feed recorded sensors to a controller, or recorded torques to a plant, and compare
+    Replay(recording::replay::ReplayArgs),
     /// List the built-in scenes
     List {
         /// List every key of a scene instead: type, default, meaning
@@ -219,6 +227,9 @@ fn main() -> ExitCode {
         }
         Some(Command::Become(args)) => children::become_other(&args),
         Some(Command::Export(args)) => export::run(&args),
+        Some(Command::Info(args)) => recording::info::run(&args),
+        Some(Command::Convert(args)) => recording::table::run(&args),
+        Some(Command::Replay(args)) => recording::replay::run(&args),
         Some(Command::List { keys: false }) => list::scenes(),
         Some(Command::List { keys: true }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),

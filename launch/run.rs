@@ -5,11 +5,12 @@ use crate::exit::{Exit, Failure};
 use crate::progress::Progress;
 use crate::realtime::RealtimeArgs;
 use crate::record::Recorder;
+use crate::recording::Writer;
 use crate::summary::Summary;
 use crate::{PaceArgs, SceneArgs, export, guarded, report, say};
 use clap::Args;
 use messages::load;
-use messages::port::{Contract, PortError, RecorderPort};
+use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
@@ -36,6 +37,9 @@ pub struct RunArgs {
     /// Write summary, trajectory and report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Record the run into this MCAP file, as it goes on
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
     /// Name of the session, for `biped pause`, `push` and the like; without it, one that nobody else has
     #[arg(long, conflicts_with = "in_process")]
     session: Option<String>,
@@ -69,6 +73,7 @@ impl RunArgs {
             controller: None,
             plant: None,
             out: Some("out/walk".into()),
+            record: None,
             quiet: false,
             in_process: false,
         }
@@ -83,16 +88,18 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.system.suits(args.pace.pace())?;
     let scene = args.scene.load()?;
     let mut watch = Watch::new(&scene, args.quiet);
+    watch.tape = args.record.as_deref().map(|path| Writer::create(path, &scene)).transpose()?;
     let start = Instant::now();
     let outcome = match args.in_process {
         true => in_process(&scene, |truth| {
-            watch.take(truth);
+            watch.take(truth)?;
             watch.progress.show(truth);
             goes_on(&watch.recorder, stop)
         }),
         false => two_processes(args, &scene, &mut watch, stop),
     };
     watch.progress.finish();
+    let outcome = outcome.and(watch.tape.take().map_or(Ok(()), Writer::finish));
     if watch.lost > 0 {
         eprintln!("{} control periods were not recorded", watch.lost);
     }
@@ -126,6 +133,7 @@ struct Watch {
     recorder: Recorder,
     progress: Progress,
     latest: Truth,
+    tape: Option<Writer>,
     /// Gaps in the sequence: records that were dropped on the way.
     lost: u64,
 }
@@ -133,11 +141,11 @@ struct Watch {
 impl Watch {
     fn new(scene: &Scene, quiet: bool) -> Watch {
         let (recorder, progress) = (Recorder::new(scene), Progress::new(scene, quiet));
-        Watch { scene: scene.clone(), recorder, progress, latest: Truth::default(), lost: 0 }
+        Watch { scene: scene.clone(), recorder, progress, latest: Truth::default(), tape: None, lost: 0 }
     }
 
     /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
-    fn take(&mut self, truth: &Truth) {
+    fn take(&mut self, truth: &Truth) -> Result<(), Failure> {
         if self.latest.stamp.run != truth.stamp.run && self.latest.stamp.seq > 0 {
             self.recorder = Recorder::new(&self.scene);
             self.latest.stamp.seq = 0;
@@ -146,12 +154,13 @@ impl Watch {
         self.latest = *truth;
         self.recorder.push(truth);
         self.progress.update(truth);
+        self.tape.as_mut().map_or(Ok(()), |tape| tape.push(truth))
     }
 
     /// Takes all there is.
-    fn drain(&mut self, port: &mut RecorderPort) -> Result<(), PortError> {
+    fn drain(&mut self, port: &mut RecorderPort) -> Result<(), Failure> {
         while let Some(truth) = port.read()? {
-            self.take(&truth);
+            self.take(&truth)?;
         }
         if self.latest.stamp.seq > 0 {
             self.progress.show(&self.latest);

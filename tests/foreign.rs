@@ -1,5 +1,6 @@
 //! Claims about programs that are not ours: controllers in Python keep the robot up as our own does, MuJoCo's robot walks
-//! as ours does, what fails is named, and other engines read the exported robot as the same equations of motion.
+//! as ours does, what fails is named, other engines read the exported robot as the same equations of motion, and other
+//! readers our recordings.
 //!
 //! Python's packages come into a virtual environment under the target folder, once.
 
@@ -21,7 +22,16 @@ use std::process::{Command, Output};
 use std::sync::OnceLock;
 
 /// The wheels that the controllers and the comparison need.
-const WHEELS: [&str; 4] = ["iceoryx2==0.10.0", "numpy", "mujoco==4.0.0", "pin==4.1.0"];
+const WHEELS: [&str; 8] = [
+    "iceoryx2==0.10.0",
+    "numpy",
+    "mujoco==4.0.0",
+    "pin==4.1.0",
+    "mcap==1.6.0",
+    "mcap-protobuf-support==0.6.0",
+    "foxglove-schemas-protobuf==0.4.0",
+    "jsonschema==4.26.0",
+];
 
 /// A Python that has them.
 fn python() -> &'static PathBuf {
@@ -237,4 +247,20 @@ fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot(
     for engine in ["mujoco", "pinocchio"] {
         assert!(number(&without, engine) > 1e-3, "negative control: {engine} must miss the drives, {without}");
     }
+}
+
+#[test]
+fn a_recording_reads_as_its_own_schemas_and_foxglove_s_say() {
+    let file = fresh_path("walk.mcap");
+    let (output, summary) = run("walk", &["--record", &file.to_string_lossy(), "--set", "duration=4"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = Command::new(python()).arg("tests/foreign/recording.py").arg(&file).output().expect("Python");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words}");
+    let seen: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    std::fs::remove_file(file).expect("our own file");
+    let counts = ["/truth", "/sensors", "/command", "/telemetry", "/tf", "/forces", "/robot"]
+        .map(|topic| seen["counts"][topic].as_u64().unwrap_or(0));
+    assert_eq!(counts, [4001, 4001, 4000, 4000, 201, 201, 1], "{seen}");
+    assert_eq!(seen["steps"], summary["steps"], "{summary}");
 }

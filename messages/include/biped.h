@@ -12,7 +12,7 @@
 #endif
 
 #define BIPED_MAGIC 0x42504944u
-#define BIPED_SCHEMA 0x35f6a11c7f5b860full
+#define BIPED_SCHEMA 0x7f670e4326987e79ull
 #define BIPED_JOINTS 8
 #define BIPED_CONTACTS 16
 
@@ -193,8 +193,11 @@ typedef struct {
     uint32_t age; /* Age of the command in force [control periods]. */
     biped_Tally tally; /* What the plant met so far. */
     biped_Telemetry telemetry; /* As the last command had it. */
+    biped_Stamp command; /* Head of that command: the newest accepted before this instant; zero before the first. */
+    biped_Torques asked; /* What it asked for. */
+    biped_Encoders encoders; /* What the joints report at this instant. */
 } biped_Truth;
-BIPED_ASSERT(sizeof(biped_Truth) == 1184, "layout");
+BIPED_ASSERT(sizeof(biped_Truth) == 1376, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, stamp) == 0, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, base_position) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, base_orientation) == 88, "layout");
@@ -220,6 +223,9 @@ BIPED_ASSERT(offsetof(biped_Truth, state) == 840, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, age) == 844, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, tally) == 848, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, telemetry) == 984, "layout");
+BIPED_ASSERT(offsetof(biped_Truth, command) == 1184, "layout");
+BIPED_ASSERT(offsetof(biped_Truth, asked) == 1248, "layout");
+BIPED_ASSERT(offsetof(biped_Truth, encoders) == 1312, "layout");
 
 /* Somebody at the plant's or the controller's desk. */
 typedef struct {

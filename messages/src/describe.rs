@@ -46,8 +46,8 @@ pub fn c_header() -> String {
 
 fn c_struct(out: &mut String, Message { name, doc, size, fields }: &Message) {
     let _ = writeln!(out, "\n/*{} */\ntypedef struct {{", doc.join("\n  "));
-    for Field { name, kind, doc, .. } in *fields {
-        let (kind, count) = shape(kind);
+    for field @ Field { name, doc, .. } in *fields {
+        let (kind, count) = field.shape();
         let kind = match kind {
             "u32" => "uint32_t",
             "u64" => "uint64_t",
@@ -82,8 +82,8 @@ pub fn python_module() -> String {
             "\n\nclass {name}(ctypes.Structure):\n    \"\"\"{}\"\"\"\n\n    _fields_ = [",
             plain(doc.join(" ").trim())
         );
-        for Field { name, kind, .. } in *fields {
-            let (kind, count) = shape(kind);
+        for field @ Field { name, .. } in *fields {
+            let (kind, count) = field.shape();
             let kind = match kind {
                 "u32" => "ctypes.c_uint32",
                 "u64" => "ctypes.c_uint64",
@@ -119,12 +119,6 @@ pub fn markdown() -> String {
         let _ = writeln!(out, "| {meaning} | {} |", names.join(" · "));
     }
     out
-}
-
-/// Element type and length of an array, `[f64; 8]`, or a plain type.
-fn shape(kind: &str) -> (&str, Option<&str>) {
-    let array = kind.strip_prefix('[').and_then(|kind| kind.strip_suffix(']')).and_then(|kind| kind.split_once(';'));
-    array.map_or((kind, None), |(kind, count)| (kind, Some(count.trim())))
 }
 
 /// A name that can be part of a constant's; a sentence cannot.

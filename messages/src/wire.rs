@@ -44,8 +44,8 @@ macro_rules! wire {
         pub const SCHEMA: &str = concat!($(
             $wire_name, "{", $( stringify!($field), ":", stringify!($type), ";", )* "}",
         )*);
-        /// The wire format as a table, for [`describe`](crate::describe).
-        pub(crate) const LAYOUT: &[Message] = &[$( Message {
+        /// The wire format as a table, for those who describe or convert it.
+        pub const LAYOUT: &[Message] = &[$( Message {
             name: stringify!($name),
             doc: &[$($doc),*],
             size: $size,
@@ -60,21 +60,49 @@ macro_rules! wire {
 }
 
 /// A message as [`LAYOUT`] has it.
-pub(crate) struct Message {
+#[derive(Debug)]
+pub struct Message {
+    /// Its name.
     pub name: &'static str,
+    /// What it is, a line each.
     pub doc: &'static [&'static str],
+    /// [bytes].
     pub size: usize,
+    /// In the order of their offsets, without gaps.
     pub fields: &'static [Field],
 }
 
 /// A field of a message.
-pub(crate) struct Field {
+#[derive(Debug)]
+pub struct Field {
+    /// Its name.
     pub name: &'static str,
     /// Type as Rust writes it.
     pub kind: &'static str,
+    /// What it is, a line each.
     pub doc: &'static [&'static str],
     /// From the beginning of the message [bytes].
     pub offset: usize,
+}
+
+impl Field {
+    /// Type of an element, and their number if it is an array.
+    pub fn shape(&self) -> (&'static str, Option<usize>) {
+        let array = self.kind.strip_prefix('[').and_then(|kind| kind.strip_suffix(']'));
+        let parts = array.and_then(|kind| kind.split_once(';'));
+        parts.map_or((self.kind, None), |(kind, count)| (kind, count.trim().parse().ok()))
+    }
+
+    /// What it is made of, if that is a message.
+    pub fn message(&self) -> Option<&'static Message> {
+        LAYOUT.iter().find(|message| message.name == self.kind)
+    }
+
+    /// [bytes].
+    pub fn size(&self) -> usize {
+        let (kind, count) = self.shape();
+        self.message().map_or_else(|| if kind == "u32" { 4 } else { 8 * count.unwrap_or(1) }, |message| message.size)
+    }
 }
 
 wire! {
@@ -179,7 +207,7 @@ wire! {
     }
 
     /// What only a simulation knows; for recording, never for control.
-    struct Truth "biped.Truth" 1184 {
+    struct Truth "biped.Truth" 1376 {
         /// Head; `seq` as in the sensors of the same instant.
         stamp: Stamp,
         /// Position of the base frame in W [m].
@@ -230,6 +258,12 @@ wire! {
         tally: Tally,
         /// As the last command had it.
         telemetry: Telemetry,
+        /// Head of that command: the newest accepted before this instant; zero before the first.
+        command: Stamp,
+        /// What it asked for.
+        asked: Torques,
+        /// What the joints report at this instant.
+        encoders: Encoders,
     }
 
     /// Somebody at the plant's or the controller's desk.

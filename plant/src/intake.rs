@@ -9,7 +9,7 @@ use crate::gate::{Admission, Gate};
 use crate::inject::Injector;
 use crate::watchdog::{Mode, Watchdog};
 use messages::scene::Scene;
-use messages::wire::{Command, Encoders, JOINTS, Sensors, Stamp, Tally, Telemetry, Torques};
+use messages::wire::{Command, Encoders, JOINTS, Sensors, Stamp, Tally, Torques};
 use std::f64::consts::TAU;
 
 /// Damping of an abandoned joint, D [N·m·s/rad].
@@ -111,20 +111,15 @@ impl Intake {
         self.newest.is_some()
     }
 
-    /// The newest accepted command.
-    pub fn newest(&self) -> Option<&Command> {
-        self.newest.as_ref()
+    /// The newest accepted command; before the first, a blank one.
+    pub fn newest(&self) -> Command {
+        self.newest.unwrap_or_default()
     }
 
     /// From sending the sensors to sending of the command that answers them, if that is the newest [ns].
     pub fn reply_ns(&self, asked: &Stamp) -> u64 {
-        let answer = self.newest().filter(|newest| newest.stamp.ack == asked.seq);
+        let answer = self.newest.filter(|newest| newest.stamp.ack == asked.seq);
         answer.map_or(0, |answer| answer.stamp.mono_ns.saturating_sub(asked.mono_ns))
-    }
-
-    /// What its sender thought.
-    pub fn telemetry(&self) -> Telemetry {
-        self.newest.map_or_else(Telemetry::default, |command| command.telemetry)
     }
 
     /// What drove the last period.

@@ -55,12 +55,16 @@ impl Simulation {
 
     /// What only a simulation knows, at the same instant.
     pub fn truth(&self) -> Truth {
+        let Command { stamp: command, torques: asked, telemetry } = self.intake.newest();
         Truth {
             stamp: self.stamp,
             state: self.intake.mode() as u32,
             age: self.intake.age() as u32,
             tally: *self.intake.tally(),
-            telemetry: self.intake.telemetry(),
+            telemetry,
+            command,
+            asked,
+            encoders: self.encoders,
             ..self.plant.truth()
         }
     }

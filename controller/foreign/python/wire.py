@@ -3,7 +3,7 @@
 import ctypes
 
 MAGIC = 0x42504944
-SCHEMA = 0x35f6a11c7f5b860f
+SCHEMA = 0x7f670e4326987e79
 JOINTS = 8
 CONTACTS = 16
 
@@ -182,6 +182,9 @@ class Truth(ctypes.Structure):
         ("age", ctypes.c_uint32),
         ("tally", Tally),
         ("telemetry", Telemetry),
+        ("command", Stamp),
+        ("asked", Torques),
+        ("encoders", Encoders),
     ]
 
     @staticmethod
@@ -189,7 +192,7 @@ class Truth(ctypes.Structure):
         return "biped.Truth"
 
 
-assert ctypes.sizeof(Truth) == 1184
+assert ctypes.sizeof(Truth) == 1376
 
 
 class Request(ctypes.Structure):

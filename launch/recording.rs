@@ -1,0 +1,85 @@
+//! Recordings: a run as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open as it is.
+//!
+//! | topic | message | when |
+//! |---|---|---|
+//! | `/sensors` | `biped.Sensors` | each control period |
+//! | `/command`, `/telemetry` | `biped.Command` without its telemetry, `biped.Telemetry` | when a new one has been accepted |
+//! | `/truth` | `biped.Truth` without what the others have | each control period |
+//! | `/events` | `foxglove.Log` | when something happens |
+//! | `/tf`, `/robot`, `/forces` | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` | 50 Hz, once, 50 Hz |
+//!
+//! The scene is the metadata record `biped`. Messages are Protocol Buffers ([`protobuf`]), those of Foxglove JSON. All times are
+//! simulated times; after a reset the clock of the file goes on.
+
+mod drawing;
+mod events;
+pub mod info;
+mod protobuf;
+mod reader;
+pub mod replay;
+pub mod table;
+mod writer;
+
+pub use reader::{Content, Reader};
+pub use writer::Writer;
+
+use crate::exit::{Exit, Failure};
+use messages::wire::{LAYOUT, Message};
+use std::path::Path;
+
+/// Name of the metadata record.
+const METADATA: &str = "biped";
+
+/// A topic that has a message of the wire.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Topic {
+    /// `/sensors`.
+    Sensors,
+    /// `/command`.
+    Command,
+    /// `/telemetry`.
+    Telemetry,
+    /// `/truth`.
+    Truth,
+}
+
+impl Topic {
+    /// All of them.
+    pub const ALL: [Topic; 4] = [Topic::Sensors, Topic::Command, Topic::Telemetry, Topic::Truth];
+
+    /// Its name.
+    pub fn name(self) -> &'static str {
+        match self {
+            Topic::Sensors => "/sensors",
+            Topic::Command => "/command",
+            Topic::Telemetry => "/telemetry",
+            Topic::Truth => "/truth",
+        }
+    }
+
+    /// Its message.
+    fn message(self) -> &'static Message {
+        let name = match self {
+            Topic::Sensors => "Sensors",
+            Topic::Command => "Command",
+            Topic::Telemetry => "Telemetry",
+            Topic::Truth => "Truth",
+        };
+        LAYOUT.iter().find(|message| message.name == name).unwrap_or(&LAYOUT[0])
+    }
+
+    /// Fields that other topics have.
+    fn without(self) -> &'static [&'static str] {
+        match self {
+            Topic::Sensors => &["last"],
+            Topic::Command => &["telemetry"],
+            Topic::Telemetry => &[],
+            Topic::Truth => &["telemetry", "command", "asked", "encoders"],
+        }
+    }
+}
+
+/// A failure about a file.
+fn failed(path: &Path, what: &str, error: impl std::fmt::Display) -> Failure {
+    Failure::new(Exit::Fault, format!("{} {what}: {error}", path.display()))
+}

@@ -1,0 +1,153 @@
+//! `biped replay`: recorded sensors into a controller, or recorded torques into a plant; what comes out must be what was
+//! recorded, bit for bit.
+
+use super::Reader;
+use crate::exit::{Exit, Failure};
+use crate::say;
+use clap::Args;
+use controller::Controller;
+use controller::process::ProcessError;
+use messages::scene::{LinkScene, Scene};
+use messages::wire::{Command, Stamp, Stamped, Truth};
+use plant::Simulation;
+use std::collections::VecDeque;
+use std::path::PathBuf;
+
+/// Sensors that a late command may answer.
+const RECENT: usize = 4096;
+
+/// Arguments of `biped replay`.
+#[derive(Args)]
+pub struct ReplayArgs {
+    /// The recording
+    file: PathBuf,
+    /// Feed the torques to a plant and compare its states, instead of the sensors to a controller
+    #[arg(long)]
+    plant: bool,
+}
+
+/// What a comparison found.
+#[derive(Default)]
+struct Comparison {
+    /// Compared.
+    count: u64,
+    /// Not equal bit for bit.
+    differ: u64,
+    /// Greatest difference.
+    greatest: f64,
+    /// When the first one was [s].
+    first: Option<f64>,
+    /// Controllers or plants begun.
+    beginnings: u64,
+    /// Whether somebody asked for something at the plant's desk, which is not recorded.
+    is_asked: bool,
+}
+
+impl Comparison {
+    fn of(&mut self, time_ns: u64, ours: &[f64], theirs: &[f64]) {
+        self.count += 1;
+        if ours.iter().zip(theirs).any(|(ours, theirs)| ours.to_bits() != theirs.to_bits()) {
+            self.differ += 1;
+            self.first.get_or_insert(time_ns as f64 * 1e-9);
+            let off = ours.iter().zip(theirs).map(|(ours, theirs)| (ours - theirs).abs());
+            self.greatest = off.fold(self.greatest, f64::max);
+        }
+    }
+}
+
+/// Replays it.
+///
+/// # Errors
+/// If anything differs; see also [`Reader::open`].
+pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
+    let mut reader = Reader::open(&args.file)?;
+    let found = if args.plant { plant(&mut reader)? } else { controller(&mut reader)? };
+    let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
+    let Comparison { count, differ, greatest, first, beginnings, is_asked } = found;
+    say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
+    if beginnings > 1 {
+        say(format_args!("begun anew {} times, as recorded\n", beginnings - 1));
+    }
+    if let Some(why) = reader.cut {
+        say(format_args!("the file is cut short after them: {why}\n"));
+    }
+    let asked = if is_asked { "; what was asked for at the desks is not recorded, and something was" } else { "" };
+    match first {
+        Some(first) => Err(Failure::new(
+            Exit::Fault,
+            format!("{differ} of {count} {what} differ, first at {first:.3} s, by up to {greatest:.3e} {unit}{asked}"),
+        )),
+        None if count == 0 => Err(Failure::new(Exit::Usage, format!("there are no {what} in it to be compared"))),
+        None => Ok(()),
+    }
+}
+
+/// Recorded sensors to a controller: each of its commands beside the recorded one that answers the same sensors.
+fn controller(reader: &mut Reader) -> Result<Comparison, Failure> {
+    let scene = reader.scene()?;
+    let (mut found, mut truth) = (Comparison::default(), Truth::default());
+    let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
+    while reader.next_truth(&mut truth).is_some() {
+        found.is_asked |= truth.tally.requests > 0;
+        let Truth { stamp, command, asked, encoders, .. } = truth;
+        if (command.run, command.epoch, command.seq) != (last.run, last.epoch, last.seq) && command.run == stamp.run {
+            if (command.run, command.epoch) != (last.run, last.epoch) {
+                (controller, last) = (None, Stamp { ack: command.ack - 1, ..command });
+                found.beginnings += 1;
+            }
+            let controller = match &mut controller {
+                Some(controller) => controller,
+                none => none.insert(Controller::new(&scene).map_err(ProcessError::from)?),
+            };
+            // As many commands as sensors between the last two: they were answered, and the answers lost.
+            let is_lost = command.seq - last.seq == command.ack - last.ack;
+            let heard = if is_lost { last.ack + 1..=command.ack } else { command.ack..=command.ack };
+            let mut torques = None;
+            for (_, encoders) in sensors.iter().filter(|(seq, _)| heard.contains(seq)) {
+                torques = Some(controller.tick(encoders).map_err(ProcessError::from)?.torque);
+            }
+            if let Some(torques) = torques {
+                found.of(stamp.sim_ns, &torques, &asked.torque);
+            }
+            last = command;
+        }
+        sensors.push_back((stamp.seq, encoders));
+        if sensors.len() > RECENT {
+            sensors.pop_front();
+        }
+    }
+    Ok(found)
+}
+
+/// Recorded torques to a plant: each of its states beside the recorded one.
+fn plant(reader: &mut Reader) -> Result<Comparison, Failure> {
+    // What the link did to the commands is in the record already.
+    let scene = Scene { link: LinkScene::default(), ..reader.scene()? };
+    let (mut found, mut truth) = (Comparison::default(), Truth::default());
+    let mut simulation = None::<Simulation>;
+    while reader.next_truth(&mut truth).is_some() {
+        found.is_asked |= truth.tally.requests > 0;
+        let Truth { stamp, command, asked: torques, telemetry, .. } = truth;
+        let simulation = match &mut simulation {
+            Some(simulation) if simulation.sensors().stamp.run == stamp.run => {
+                if command.run == stamp.run {
+                    simulation.hear(&Command { stamp: command, torques, telemetry }.sealed());
+                }
+                simulation.advance()?;
+                simulation
+            }
+            other => {
+                found.beginnings += 1;
+                other.insert(Simulation::new(&scene, stamp.run, stamp.epoch)?)
+            }
+        };
+        found.of(stamp.sim_ns, &state(&simulation.truth()), &state(&truth));
+    }
+    Ok(found)
+}
+
+/// Pose and velocity of the base and the joints.
+fn state(truth: &Truth) -> Vec<f64> {
+    let Truth { base_position, base_orientation, base_velocity, base_spin, angle, rate, .. } = truth;
+    [&base_position[..], base_orientation, base_velocity, base_spin, angle, rate].concat()
+}

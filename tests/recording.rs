@@ -1,0 +1,146 @@
+//! Claims about recordings: what was recorded happens again, bit for bit; a file that was cut short is readable up to its
+//! last good chunk, and a foreign one is refused with a sentence.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+
+mod common;
+
+#[path = "common/live.rs"]
+mod live;
+
+use common::fresh_path;
+use live::{Running, biped};
+use messages::port::Ask;
+use std::path::{Path, PathBuf};
+
+/// Exit code and both outputs of a command on a recording.
+fn on(file: &Path, command: &[&str]) -> (Option<i32>, String) {
+    let output =
+        biped(&[&command[..1], &[&file.to_string_lossy()], &command[1..]].concat()).output().expect("it starts");
+    let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(!words.contains("panicked"), "{command:?} {}: {words}", file.display());
+    (output.status.code(), words)
+}
+
+/// A recorded run.
+fn record(scene: &str, arguments: &[&str]) -> PathBuf {
+    let file = fresh_path("run.mcap");
+    let name = file.to_string_lossy().into_owned();
+    let all = [&["run", scene, "--quiet", "--record", name.as_str()], arguments].concat();
+    let output = biped(&all).output().expect("it starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    file
+}
+
+/// How many were compared, all being equal.
+fn equal(file: &Path, command: &[&str]) -> u64 {
+    let (code, words) = on(file, command);
+    assert!(code == Some(0) && words.contains(" 0 differ"), "{code:?}: {words}");
+    let count = words.split(": ").nth(1).and_then(|words| words.split(' ').next());
+    count.and_then(|count| count.parse().ok()).unwrap_or_else(|| panic!("no count in {words}"))
+}
+
+#[test]
+fn controller_and_plant_do_again_what_was_recorded_bit_for_bit() {
+    let quiet: &[&str] = &["--set", "duration=3"];
+    let late = [quiet, &["--set", "link.delay_ms=2", "--set", "link.jitter_ms=2", "--set", "link.loss=0.2"]].concat();
+    let single = [quiet, &["--in-process", "--set", "plant.encoder_bits=14"]].concat();
+    for (arguments, commands) in [(quiet, 3000..=3000), (&late, 1500..=2900), (&single, 3000..=3000)] {
+        let file = record("walk", arguments);
+        let count = equal(&file, &["replay"]);
+        assert!(commands.contains(&count), "{arguments:?}: {count} commands");
+        assert_eq!(equal(&file, &["replay", "--plant"]), 3001);
+        std::fs::remove_file(file).expect("our own file");
+    }
+}
+
+/// The negative control: what the recording does not know must be seen.
+#[test]
+fn a_push_from_outside_makes_another_walk_and_is_named() {
+    let file = fresh_path("pushed.mcap");
+    let mut walk =
+        Running::start("pushed", &["--realtime", "--record", &file.to_string_lossy(), "--set", "duration=4"]);
+    walk.until("walking", |truth| truth.telemetry.steps > 0);
+    walk.ask(Ask::Push { body: 4, impulse: [0.5, 0.0, 0.0], duration: 0.05 });
+    let (code, _, errors) = walk.wait();
+    assert_eq!(code, Some(0), "{errors}");
+    let (code, words) = on(&file, &["replay", "--plant"]);
+    assert_eq!(code, Some(4), "{words}");
+    assert!(words.contains("differ, first at") && words.contains("asked for at the desks"), "{words}");
+    // The controller saw the push in its sensors, which are recorded.
+    assert!(equal(&file, &["replay"]) > 1000);
+    std::fs::remove_file(file).expect("our own file");
+}
+
+#[test]
+fn a_killed_recorder_leaves_a_file_that_is_good_up_to_its_last_chunk() {
+    let file = fresh_path("killed.mcap");
+    let mut walk = Running::start("killed", &["--record", &file.to_string_lossy(), "--set", "duration=100000"]);
+    walk.until("two chunks", |truth| truth.stamp.seq > 5000);
+    walk.end();
+    let (code, words) = on(&file, &["info"]);
+    assert!(code == Some(0) && words.contains("cut short"), "{words}");
+    assert!(equal(&file, &["replay"]) > 1000);
+    std::fs::remove_file(file).expect("our own file");
+}
+
+#[test]
+fn a_file_of_any_length_and_with_any_damage_is_read_up_to_there_or_refused() {
+    let whole = record("walk", &["--in-process", "--set", "duration=1.5"]);
+    let bytes = std::fs::read(&whole).expect("a recording");
+    let seed = std::process::id().into();
+    println!("seed {seed}");
+    let (mut random, mut read) = (fastrand::Rng::with_seed(seed), 0);
+    let damaged = fresh_path("damaged.mcap");
+    for trial in 0..60 {
+        let mut some = bytes[..if trial % 2 == 0 { random.usize(..bytes.len()) } else { bytes.len() }].to_vec();
+        if trial % 3 > 0 && !some.is_empty() {
+            let at = random.usize(..some.len());
+            some[at] ^= 1 << random.u8(..8);
+        }
+        std::fs::write(&damaged, some).expect("a file");
+        let (code, words) = on(&damaged, &["info"]);
+        assert!(matches!(code, Some(0 | 2 | 5)) && words.contains("damaged.mcap"), "trial {trial}: {code:?}: {words}");
+        read += usize::from(code == Some(0));
+    }
+    assert!(read > 20, "only {read} of 60 could be read");
+    [whole, damaged].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+#[test]
+fn what_is_no_recording_is_refused() {
+    let file = fresh_path("no.mcap");
+    for text in ["", "hello", "\u{89}MCAP0\r\n"] {
+        std::fs::write(&file, text).expect("a file");
+        for command in [&["info"][..], &["replay"], &["replay", "--plant"], &["convert", "--csv", "/nonexistent"]] {
+            let (code, words) = on(&file, command);
+            assert!(code == Some(2) && words.contains("no.mcap: this is no recording"), "{code:?}: {words}");
+        }
+    }
+    std::fs::remove_file(&file).expect("our own file");
+    let (code, words) = on(&file, &["info"]);
+    assert!(code == Some(2) && words.contains("cannot be opened"), "{words}");
+    let output = biped(&["run", "walk", "--quiet", "--record", "/nonexistent/run.mcap"]).output().expect("it starts");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(4) && words.contains("/nonexistent/run.mcap cannot be written"), "{words}");
+}
+
+#[test]
+fn tables_have_every_message_and_every_bit() {
+    let file = record("walk", &["--in-process", "--set", "duration=0.5"]);
+    let folder = fresh_path("tables");
+    let (code, words) = on(&file, &["convert", "--csv", &folder.to_string_lossy()]);
+    assert!(code == Some(0) && words.contains("truth.csv: 501 rows"), "{words}");
+    let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
+    let rows = |name: &str| table(name).lines().count() - 1;
+    assert_eq!(["sensors.csv", "command.csv", "telemetry.csv"].map(rows), [501, 500, 500]);
+    let truth = table("truth.csv");
+    let mut lines = truth.lines().map(|line| line.split(',').collect::<Vec<_>>());
+    let head = lines.next().expect("names");
+    let hash = head.iter().position(|name| *name == "hash").expect("the hash");
+    let last = lines.next_back().expect("a row");
+    assert_eq!((last.len(), last[0]), (head.len(), "0.500000000"));
+    let summary = common::run("walk", &["duration=0.5"]);
+    assert_eq!(format!("{:016x}", last[hash].parse::<u64>().expect("a number")), summary.hash());
+    std::fs::remove_file(file).and_then(|()| std::fs::remove_dir_all(folder)).expect("our own files");
+}
