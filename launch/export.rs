@@ -1,4 +1,4 @@
-//! `biped export`: the robot of a scene for other programs, as URDF or as MJCF.
+//! `biped export`: the robot of a scene for other programs, as URDF or as MJCF, and as TOML to be edited.
 //!
 //! | | URDF | MJCF |
 //! |---|---|---|
@@ -12,10 +12,11 @@
 //! a site marks the point itself.
 
 mod mjcf;
+mod toml;
 mod urdf;
 
 use crate::exit::Failure;
-use crate::{list, say};
+use crate::{fitted, list, say};
 use clap::{Args, ValueEnum};
 use messages::load::load;
 use messages::robot::{Joint, JointKind, Sphere};
@@ -36,6 +37,9 @@ pub struct ExportArgs {
     /// Built-in scene (see `biped list`) or path of a TOML file; the default has the robot of the paper's Table 1
     #[arg(default_value = "walk")]
     scene: String,
+    /// Put the robot of this TOML or URDF file into the scene first
+    #[arg(long, value_name = "FILE")]
+    robot: Option<String>,
     /// Replace a value of the scene, for example plant.drive_inertia=0; repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
@@ -48,6 +52,8 @@ enum Format {
     Urdf,
     /// For MuJoCo: with the ground, motors in wire order, and the scene's gravity, friction and step
     Mjcf,
+    /// For this program: to be edited and read by --robot
+    Toml,
 }
 
 /// Prints it.
@@ -55,10 +61,11 @@ enum Format {
 /// # Errors
 /// A scene that is refused.
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
-    let scene = load(&args.scene, &args.settings, list::SCENES)?;
+    let scene = load(&args.scene, &fitted(&args.robot, &args.settings), list::SCENES)?;
     say(match args.format {
         Format::Urdf => urdf::text(&scene, &Robot::new(&scene)?),
         Format::Mjcf => mjcf(&scene)?,
+        Format::Toml => toml::text(&scene),
     });
     Ok(())
 }

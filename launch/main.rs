@@ -126,6 +126,9 @@ enum Command {
 struct SceneArgs {
     /// Built-in scene (see `biped list`) or path of a TOML file
     scene: String,
+    /// Put the robot of this TOML or URDF file into the scene, which is fitted to it; `biped export toml` prints one to edit
+    #[arg(long, value_name = "FILE")]
+    robot: Option<String>,
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
@@ -137,17 +140,22 @@ struct SceneArgs {
 impl SceneArgs {
     /// The scene, on the smallest model that gives its answer.
     fn load(&self) -> Result<Scene, Failure> {
-        let scene = load(&self.scene, &self.settings, list::SCENES)?;
+        let scene = load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?;
         // a scene that cannot be simulated says so where it is
         Ok(if self.full { scene } else { plant::smallest::smallest(&scene).map_or(scene, |plan| plan.scene) })
     }
 
     /// What that model has and costs, beside the scene's own.
     fn model(&self) -> Result<RunModel, Failure> {
-        let scene = load(&self.scene, &self.settings, list::SCENES)?;
+        let scene = load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?;
         let plan = plant::smallest::smallest(&scene).map_err(plant::process::ProcessError::from)?;
         Ok(RunModel::of(&scene, &plan, self.full))
     }
+}
+
+/// The settings of a scene, its robot before all others.
+fn fitted(robot: &Option<String>, settings: &[String]) -> Vec<String> {
+    robot.iter().map(|path| format!("robot={path}")).chain(settings.iter().cloned()).collect()
 }
 
 /// How the two processes speak.

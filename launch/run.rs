@@ -7,7 +7,7 @@ use crate::realtime::RealtimeArgs;
 use crate::record::Recorder;
 use crate::recording::Writer;
 use crate::summary::Summary;
-use crate::{PaceArgs, SceneArgs, export, guarded, report, say};
+use crate::{PaceArgs, SceneArgs, export, fitted, guarded, report, say};
 use clap::Args;
 use messages::load;
 use messages::port::{Contract, RecorderPort};
@@ -65,7 +65,7 @@ impl RunArgs {
     /// What `biped` does without arguments.
     pub fn main_job() -> RunArgs {
         RunArgs {
-            scene: SceneArgs { scene: "walk".into(), settings: vec![], full: false },
+            scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![], full: false },
             pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
             system: RealtimeArgs::default(),
             session: None,
@@ -276,7 +276,8 @@ fn environment(
 }
 
 fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
-    let settings = args.scene.settings.iter().flat_map(|setting| ["--set".to_string(), setting.clone()]);
+    let settings = fitted(&args.scene.robot, &args.scene.settings);
+    let settings = settings.into_iter().flat_map(|setting| ["--set".to_string(), setting]);
     let mut arguments = vec![args.scene.scene.clone(), "--session".into(), session.name().into()];
     arguments.extend(["--patience".into(), args.pace.patience.to_string()]);
     if args.pace.realtime {

@@ -14,6 +14,8 @@ use std::time::Duration;
 pub struct Summary {
     /// Name of the scene.
     pub scene: String,
+    /// Name of the robot.
+    pub robot: String,
     /// Whether the trunk came down; always false for robots without two feet.
     pub fell: bool,
     /// When it did [s].
@@ -119,6 +121,7 @@ impl Summary {
         let (period_s, period_std_s) = gait.period(LAST_STEPS);
         Summary {
             scene: scene.into(),
+            robot: recorder.robot.name.clone(),
             fell: extremes.fall.is_some(),
             fall_time_s: extremes.fall,
             duration_s,
@@ -194,6 +197,7 @@ impl Summary {
         };
         let mut lines = vec![
             ("outcome", outcome),
+            ("robot", self.robot.clone()),
             (
                 "simulated",
                 format!("{:.2} s in {:.2} s, {:.0} x real time", self.duration_s, self.wall_s, self.realtime_factor),

@@ -8,7 +8,7 @@
 
 mod common;
 
-use common::{fresh_path, scene};
+use common::{RobotFile, fresh_path, scene, shanks, similar};
 use messages::scene::Base;
 use messages::session::Session;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -143,6 +143,23 @@ fn our_controller_walks_the_robot_of_mujoco_as_far_as_ours() {
 }
 
 #[test]
+fn another_robot_is_walked_by_the_paper_in_numpy_and_by_mujoco_as_by_ours() {
+    let robot = RobotFile::new(&shanks(1.2));
+    let setting = robot.setting();
+    let settings = ["duration=4", &setting];
+    let (_, ours) = run("walk", &["--robot", robot.path(), "--set", settings[0]]);
+    let numpy = run_python("walk", "walk.py", &settings);
+    let mujoco = format!("{} plant/foreign/mujoco/plant.py", python().display());
+    let (output, mujoco) = run("walk", &["--plant", &mujoco, "--set", settings[0], "--set", settings[1]]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let ours = number(&ours, "distance_m");
+    for (theirs, share) in [(&numpy, 0.01), (&mujoco, 0.02)] {
+        let theirs = number(theirs, "distance_m");
+        assert!(ours > 0.2 && (theirs / ours - 1.0).abs() < share, "{theirs} m beside {ours} m");
+    }
+}
+
+#[test]
 fn a_foreign_controller_that_dies_or_never_answers_is_named_and_nothing_stays() {
     let crash = format!("{} -c \"raise ValueError('no legs')\"", python().display());
     let (output, _) = run("stand", &["--controller", &crash, "--respawn", "1"]);
@@ -235,7 +252,12 @@ fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot(
         "bodies.trunk.com=[0.01,-0.02,0.03]",
     ];
     let free = ["plant.base=quaternion"];
-    for (name, settings) in [("walk", &free[..]), ("walk", &loaded), ("known/double-pendulum", &[])] {
+    let files = [similar(1.5), shanks(1.2)].map(|robot| RobotFile::new(&robot));
+    let [large, long] = files.each_ref().map(RobotFile::setting);
+    let (large, long) = ([&*large, free[0]], [&*long, free[0]]);
+    for (name, settings) in
+        [("walk", &free[..]), ("walk", &loaded), ("walk", &large), ("walk", &long), ("known/double-pendulum", &[])]
+    {
         let found = differences(name, settings, settings);
         println!("{name} {settings:?}: {found}");
         for engine in ["mujoco", "pinocchio"] {

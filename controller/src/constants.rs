@@ -6,6 +6,7 @@
 use crate::error::ControllerError;
 use crate::rate;
 use crate::support::{Chain, Joints, Posture, TaskVector};
+use messages::robot::CROUCH;
 use messages::scene::{ControllerScene, PlantScene};
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, SMatrix, Vector3};
@@ -31,19 +32,14 @@ const SOLE_SHARE: f64 = 0.95;
 const INERTIA_MARGIN: f64 = 2.0;
 
 impl Constants {
-    /// Computes them at height z_c, x_2 = .4 W_2 and the swing foot .02 m up, amid a step.
+    /// Computes them at height z_c, x_2 = .4 W_2 and the swing foot up, amid a step.
     ///
     /// # Errors
-    /// If no posture near `guess` [rad, support order] has its centre of gravity that high.
-    pub fn new(
-        chain: &Chain,
-        scene: &ControllerScene,
-        plant: &PlantScene,
-        guess: &Joints,
-    ) -> Result<Self, ControllerError> {
-        let width = chain.leg_width();
-        let target = TaskVector::from([0.0, 0.4 * width, scene.com_height, 0.0, width, 0.02, 0.0]);
-        let s = posture(chain, &target, guess).ok_or(ControllerError::Height {
+    /// If no posture with bent knees has its centre of gravity that high.
+    pub fn new(chain: &Chain, scene: &ControllerScene, plant: &PlantScene) -> Result<Self, ControllerError> {
+        let (width, up) = (chain.leg_width(), chain.measures.mid_swing);
+        let target = TaskVector::from([0.0, 0.4 * width, scene.com_height, 0.0, width, up, 0.0]);
+        let s = posture(chain, &target, &Joints::from(CROUCH)).ok_or(ControllerError::Height {
             height: scene.com_height,
             low: 0.6 * chain.task(&Joints::zeros()).x[2],
             high: 0.95 * chain.task(&Joints::zeros()).x[2],

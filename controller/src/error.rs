@@ -20,12 +20,20 @@ pub enum ControllerError {
         high: f64,
     },
     /// Gait set-points that no robot of this kind can follow.
-    #[error("a period of {period} s at {speed} m/s cannot be walked: .3 to 2 s and steps up to .15 m can")]
+    #[error(
+        "a period of {period} s at {speed} m/s cannot be walked: {shortest:.2} to {longest:.2} s and steps up to {longest_step:.3} m can"
+    )]
     SetPoint {
         /// Period asked for [s].
         period: f64,
         /// Speed asked for [m/s].
         speed: f64,
+        /// Shortest period [s].
+        shortest: f64,
+        /// Longest period [s].
+        longest: f64,
+        /// Longest step [m].
+        longest_step: f64,
     },
     /// An angle or a rate is no number: the task cannot be resolved.
     #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight or an encoder reads nonsense")]

@@ -7,6 +7,7 @@
 //! the time; the sagittal one is stabilised by where the foot lands, or by the paper's energy rule (42).
 
 use crate::constants::Constants;
+use crate::measures::Measures;
 use crate::pendulum::{Motion, lateral_energy, sagittal_energy, turning_point, virtual_input};
 use crate::support::{Chain, Task, TaskVector};
 use crate::swing::{Lift, Travel};
@@ -41,6 +42,7 @@ pub struct GaitModel {
     lift: Lift,
     /// x_2 at which the first step is released [m].
     release: f64,
+    pub(crate) measures: Measures,
     /// Control period [s].
     h: f64,
 }
@@ -85,18 +87,6 @@ pub struct Reference {
     pub time_left: Option<f64>,
 }
 
-const STAND: f64 = 0.5; // [s]
-const SWAY: f64 = 0.8; // [s]
-const LIFT: f64 = 0.3; // [s]
-const LAND: f64 = 0.5; // [s]
-/// Part of the lift in which the weight leaves the swing foot [s].
-const UNLOAD: f64 = 0.1;
-/// Least time between two exchanges [s].
-const LEAST_STEP: f64 = 0.1;
-/// Change of the step length from one step to the next [m].
-const STEP_SLEW: f64 = 0.015;
-/// Time before landing from which the target stays as it is [s].
-const FREEZE: f64 = 0.012;
 /// Limit of the lateral and sagittal virtual inputs, against flottage [m/s²].
 const INPUT_LIMIT: [f64; 2] = [0.5, 0.6];
 
@@ -105,14 +95,14 @@ impl GaitModel {
     pub fn new(scene: &ControllerScene, chain: &Chain, constants: &Constants, h: f64) -> Self {
         let width = chain.leg_width();
         let inner = turning_point(constants.omega[1], width, scene.period);
-        let slow = scene.period > 0.8; // then the foot's acceleration no longer matters
         GaitModel {
             scene: scene.clone(),
             omega: constants.omega,
-            swing_coupling: if slow { 0.0 } else { 0.3 * constants.swing_coupling },
+            swing_coupling: if scene.period > chain.measures.slow { 0.0 } else { 0.3 * constants.swing_coupling },
             width,
             lift: Lift { height: scene.swing_height, reach: 0.5 * width - inner },
             release: scene.release_x2.unwrap_or(inner),
+            measures: chain.measures,
             h,
         }
     }
@@ -136,13 +126,17 @@ impl GaitModel {
     /// Whether the legs are to change roles now: x_2 has come to W_2/2 and moves on.
     pub fn exchange_due(&self, state: &GaitState) -> bool {
         let [_, lateral] = state.com;
-        state.phase == Phase::Walk && lateral.x >= 0.5 * self.width && lateral.v > 0.0 && state.since >= LEAST_STEP
+        state.phase == Phase::Walk
+            && lateral.x >= 0.5 * self.width
+            && lateral.v > 0.0
+            && state.since >= self.measures.least_step
     }
 
     /// Hands the plan over to the other support. `task` is measured before, in the old support frame.
     pub fn exchange(&self, state: &mut GaitState, task: &Task) {
         let swing = task.swing();
-        state.trim = (state.trim + 0.3 * (swing.x - state.landing)).clamp(-0.02, 0.02);
+        let Measures { trim, step_slew, .. } = self.measures;
+        state.trim = (state.trim + 0.3 * (swing.x - state.landing)).clamp(-trim, trim);
         let [sagittal, lateral] = &mut state.com;
         sagittal.x -= swing.x;
         // The exchange comes up to one period late, beyond W_2/2. Seen from the new foot that is as far short of it, and
@@ -161,7 +155,7 @@ impl GaitModel {
             return;
         }
         let wanted = if stopping { 0.0 } else { self.step_length() };
-        state.step += (wanted - state.step).clamp(-STEP_SLEW, STEP_SLEW);
+        state.step += (wanted - state.step).clamp(-step_slew, step_slew);
     }
 
     /// W_1 that the scene asks for [m].
@@ -186,12 +180,13 @@ impl GaitModel {
     /// Plans one period: advances the state and says what to do.
     pub fn plan(&self, state: &mut GaitState, task: &Task) -> Reference {
         self.change_phase(state);
+        let [_, sway, _, land] = self.measures.phases;
         let reference = match state.phase {
             Phase::Stand | Phase::Rest => self.hold(state, task),
-            Phase::Sway => self.shift(state, task, [0.0, self.release], SWAY),
+            Phase::Sway => self.shift(state, task, [0.0, self.release], sway),
             Phase::Lift => self.raise(state, task),
             Phase::Walk => self.walk(state, task),
-            Phase::Land => self.shift(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], LAND),
+            Phase::Land => self.shift(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], land),
         };
         state.since += self.h;
         state.time += self.h;
@@ -199,13 +194,14 @@ impl GaitModel {
     }
 
     fn change_phase(&self, state: &mut GaitState) {
+        let [stand, sway, lift, land] = self.measures.phases;
         let next = match state.phase {
-            Phase::Stand if self.scene.gait == Gait::Walk && state.since >= STAND && !self.stopping(state) => {
+            Phase::Stand if self.scene.gait == Gait::Walk && state.since >= stand && !self.stopping(state) => {
                 Phase::Sway
             }
-            Phase::Sway if state.since >= SWAY => Phase::Lift,
-            Phase::Lift if state.since >= LIFT => Phase::Walk,
-            Phase::Land if state.since >= LAND => Phase::Rest,
+            Phase::Sway if state.since >= sway => Phase::Lift,
+            Phase::Lift if state.since >= lift => Phase::Walk,
+            Phase::Land if state.since >= land => Phase::Rest,
             _ => return,
         };
         state.phase = next;
@@ -230,7 +226,7 @@ impl GaitModel {
     fn shift(&self, state: &mut GaitState, task: &Task, target: [f64; 2], duration: f64) -> Reference {
         let left = duration - state.since;
         for (axis, target) in state.com.iter_mut().zip(target) {
-            *axis = if left > FREEZE { axis.toward(target, left, self.h) } else { Travel::at(axis.x) };
+            *axis = if left > self.measures.freeze { axis.toward(target, left, self.h) } else { Travel::at(axis.x) };
         }
         self.hold(state, task)
     }
@@ -238,10 +234,11 @@ impl GaitModel {
     /// The weight leaves the swing foot, then the foot leaves the ground.
     fn raise(&self, state: &mut GaitState, task: &Task) -> Reference {
         let height = self.height_at(state.com[1]);
-        let r = (state.since / LIFT).min(1.0);
+        let Measures { phases: [_, _, lift, _], unload, .. } = self.measures;
+        let r = (state.since / lift).min(1.0);
         let rise = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r); // least jerk
-        let rate = 30.0 * r * r * (1.0 - r).powi(2) / LIFT;
-        let load = 1.0 - state.com[1].x / self.width * (1.0 - state.since / UNLOAD).max(0.0);
+        let rate = 30.0 * r * r * (1.0 - r).powi(2) / lift;
+        let load = 1.0 - state.com[1].x / self.width * (1.0 - state.since / unload).max(0.0);
         self.follow(state, task, height * rise, [0.0, height * rate], load)
     }
 
@@ -251,7 +248,8 @@ impl GaitModel {
         let [energy_1, energy_2] = self.energies(state);
         let [reference_1, reference_2] = self.energy_references(state);
         let [sagittal, lateral] = state.com;
-        let u_2 = virtual_input(self.scene.energy_gain, reference_2, energy_2, lateral.v, INPUT_LIMIT[1]); // (39)
+        let Measures { fading, starting, .. } = self.measures;
+        let u_2 = virtual_input(self.scene.energy_gain, reference_2 - energy_2, lateral.v, fading, INPUT_LIMIT[1]); // (39)
         let left = self.time_left(lateral);
         state.com[1] = pendulum(lateral, self.omega[1], u_2, self.h); // (32)
         let lateral = state.com[1];
@@ -263,10 +261,11 @@ impl GaitModel {
             Sagittal::Energy => {
                 state.landing = 2.0 * Motion { x: sagittal.x, v: sagittal.v }.after(self.omega[0], 0.0, left).x;
                 state.foot = Travel { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
-                if sagittal.v.abs() < 0.02 {
+                if sagittal.v.abs() < starting {
                     INPUT_LIMIT[0].copysign(state.step) * f64::from(state.step != 0.0) // leave the rest point
                 } else {
-                    virtual_input(self.scene.sagittal_energy_gain, reference_1, energy_1, sagittal.v, INPUT_LIMIT[0])
+                    let missing = reference_1 - energy_1;
+                    virtual_input(self.scene.sagittal_energy_gain, missing, sagittal.v, fading, INPUT_LIMIT[0])
                 }
             }
         };
@@ -299,7 +298,7 @@ impl GaitModel {
     /// which x_t1 occurs; it is solved for. The paper writes only "a function of the gravity center".
     fn place_foot(&self, state: &mut GaitState, left: f64) {
         let (omega, gamma) = (self.omega[0], self.swing_coupling);
-        if left > FREEZE {
+        if left > self.measures.freeze {
             let [sagittal, _] = state.com;
             let foot = state.foot;
             let free = Motion { x: sagittal.x, v: sagittal.v }.after(omega, 0.0, left);
@@ -328,7 +327,8 @@ impl GaitModel {
 
     /// (30): task rates that make the measured task follow the plan.
     fn follow(&self, state: &mut GaitState, task: &Task, lift: f64, foot_rate: [f64; 2], load: f64) -> Reference {
-        let climb = (2.0 * (self.scene.com_height - state.height)).clamp(-0.1, 0.1);
+        let Measures { climb: fastest, climb_rate, .. } = self.measures;
+        let climb = (climb_rate * (self.scene.com_height - state.height)).clamp(-fastest, fastest);
         state.height += self.h * climb;
         let stepping = matches!(state.phase, Phase::Walk | Phase::Lift);
         let [sagittal, lateral] = state.com;

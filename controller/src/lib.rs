@@ -11,6 +11,7 @@
 //! | top (43) | swing foot | [`swing`] |
 //! | top | phases, exchange of support, foot placement | [`gait`] |
 //! | | constants of the robot | [`constants`] |
+//! | | choices that go with its size | [`measures`] |
 //! | | taking over amid a step | [`resume`] |
 //! | | encoders | [`encoder`] |
 //! | | the process around it | [`process`] |
@@ -21,6 +22,7 @@ pub mod constants;
 pub mod encoder;
 pub mod error;
 pub mod gait;
+pub mod measures;
 pub mod pendulum;
 pub mod process;
 pub mod rate;

@@ -60,14 +60,14 @@ pub fn turning_point(omega: f64, width: f64, period: f64) -> f64 {
     0.5 * width / (0.25 * omega * period).cosh()
 }
 
-/// Virtual input that drives the energy to its reference: u = k_E (E_ref − E)/v, held within ±`limit` [m/s²].
+/// Virtual input that drives the energy to its reference: u = k_E (E_ref − E)/v, held within ±`limit` [m/s²]; `missing` is
+/// E_ref − E.
 ///
-/// (39) is singular at v = 0, so v/(v² + v_0²) stands for 1/v: near the turning point the input fades instead of
+/// (39) is singular at v = 0, so v/(v² + v_0²) stands for 1/v, v_0 being `fading` [m/s]: near the turning point the input fades instead of
 /// jumping between its limits. Then dE/dt = k_E (E_ref − E) v²/(v² + v_0²), which is (41) but slower there.
 /// Source: (38), (39).
-pub fn virtual_input(gain: f64, reference: f64, energy: f64, v: f64, limit: f64) -> f64 {
-    const V_0: f64 = 0.03;
-    (gain * (reference - energy) * v / (v * v + V_0 * V_0)).clamp(-limit, limit) // (39)
+pub fn virtual_input(gain: f64, missing: f64, v: f64, fading: f64, limit: f64) -> f64 {
+    (gain * missing * v / (v * v + fading * fading)).clamp(-limit, limit) // (39)
 }
 
 #[cfg(test)]

@@ -7,17 +7,12 @@ use crate::gait::{GaitModel, GaitState, Phase};
 use crate::support::{Joints, Task};
 use crate::swing::Travel;
 
-/// A foot this far above the other swings [m].
-const AIRBORNE: f64 = 1e-3;
-/// With both feet down, a robot that sways faster than this is stepping [m/s].
-const UNDER_WAY: f64 = 0.05;
-
-/// Whether the right foot carries, seen from the left: it does if the left one is in the air, or, amid an exchange, if the
+/// Whether the right foot carries, seen from the left: it does if the left one is in the air, beyond `airborne` [m], or, amid an exchange, if the
 /// centre of gravity is nearer to it.
-pub fn right_supports(from_left: &Task, moving: bool) -> bool {
+pub fn right_supports(from_left: &Task, moving: bool, airborne: f64) -> bool {
     let swing = from_left.swing();
     match swing.z {
-        z if z.abs() > AIRBORNE => z < 0.0,
+        z if z.abs() > airborne => z < 0.0,
         _ => moving && from_left.com().y > 0.5 * swing.y,
     }
 }
@@ -29,8 +24,9 @@ impl GaitModel {
         let speed = task.jacobian * rate; // (27)
         let at = |k: usize| Travel { x: task.x[k], v: speed[k], a: 0.0 };
         let [sagittal, lateral, foot] = [at(0), at(1), at(3)];
-        let airborne = task.swing().z > AIRBORNE;
-        let exchanging = speed[1].abs() > UNDER_WAY && self.height_at(lateral) < 2.0 * AIRBORNE;
+        let airborne = task.swing().z > self.measures.airborne;
+        let exchanging =
+            speed[1].abs() > self.measures.under_way && self.height_at(lateral) < 2.0 * self.measures.airborne;
         if !airborne && !exchanging {
             return None;
         }

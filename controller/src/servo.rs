@@ -13,14 +13,13 @@ use crate::support::{Joints, mirror};
 use messages::scene::{ControllerScene, Switching};
 use messages::wire::JOINTS;
 
-/// Greatest acceleration that the switching element asks for [rad/s²].
-pub const REACH: f64 = 60.0;
-
 /// Constants of the eight servos, support order.
 #[derive(Clone, Debug)]
 pub struct ServoModel {
     /// J_n [kg·m²].
     pub nominal_inertia: Joints,
+    /// Greatest acceleration that the switching element asks for [rad/s²].
+    pub reach: f64,
     /// κ = 1/T_s [1/s].
     pub switch_rate: f64,
     /// g [rad/s].
@@ -43,10 +42,11 @@ pub struct ServoState {
 }
 
 impl ServoModel {
-    /// Servos of the scene with the nominal inertias given [kg·m²].
+    /// Servos of the scene with the nominal inertias [kg·m²] given, sampled each `period` [s], of the reach of Table 1's.
     pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64) -> Self {
         ServoModel {
             nominal_inertia,
+            reach: 60.0,
             switch_rate: scene.switch_rate,
             observer_bandwidth: scene.observer_bandwidth,
             switching: scene.switching,
@@ -84,9 +84,9 @@ impl ServoModel {
     ) -> (Joints, Joints) {
         let surface = rate - reference; // σ
         let switch = surface.map(|sigma| match self.switching {
-            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-REACH, REACH),
+            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-self.reach, self.reach),
             Switching::Relay if sigma == 0.0 => 0.0,
-            Switching::Relay => REACH.copysign(sigma),
+            Switching::Relay => self.reach.copysign(sigma),
         });
         let wanted = feed_forward + state.disturbance - self.nominal_inertia.component_mul(&switch);
         let torque = wanted.zip_map(limit, |torque, limit| torque.clamp(-limit, limit));

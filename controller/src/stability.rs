@@ -17,7 +17,6 @@
 use crate::constants::Constants;
 use crate::error::ControllerError;
 use crate::support::{Chain, Joints};
-use crate::tick::crouch;
 use messages::scene::{Method, Scene};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::TAU;
@@ -53,7 +52,7 @@ const U: usize = 3;
 /// If the scene has no controller for its robot.
 pub fn loops(scene: &Scene) -> Result<Vec<ServoLoop>, ControllerError> {
     let settings = scene.controller.as_ref().ok_or(ControllerError::NoController)?;
-    let constants = Constants::new(&Chain::new(&scene.bodies)?, settings, &scene.plant, &crouch())?;
+    let constants = Constants::new(&Chain::new(&scene.bodies)?, settings, &scene.plant)?;
     let scale: Joints = constants.nominal_inertia.map(f64::sqrt);
     // Eigenvalues of J_n^{-1/2} M J_n^{-1/2} are 1/λ.
     let scaled = constants.inertia.map_with_location(|i, j, m| m / (scale[i] * scale[j]));
@@ -137,7 +136,7 @@ mod tests {
         let scene = Scene { controller: Some(ControllerScene::default()), ..Scene::default() };
         let settings = ControllerScene::default();
         let chain = Chain::new(&scene.bodies).expect("the paper's robot");
-        let constants = Constants::new(&chain, &settings, &scene.plant, &crouch()).expect("its posture");
+        let constants = Constants::new(&chain, &settings, &scene.plant).expect("its posture");
         let inverse = constants.inertia.try_inverse().expect("it has mass");
         let coupling = inverse * nalgebra::SMatrix::from_diagonal(&constants.nominal_inertia); // M⁻¹J_n
         let loops = of_the_paper();

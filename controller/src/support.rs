@@ -6,6 +6,7 @@
 //! Joints in *support order* run from the supporting foot to the swing foot.
 
 use crate::error::ControllerError;
+use crate::measures::Measures;
 use messages::robot::{Body, LEFT_FOOT, RIGHT_FOOT, TRUNK};
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, SMatrix, SVector, Unit, UnitQuaternion, Vector3};
@@ -43,6 +44,8 @@ pub struct Chain {
     pub sole_half: [f64; 2],
     /// Mass of the robot [kg].
     pub total_mass: f64,
+    /// What goes with its size.
+    pub measures: Measures,
 }
 
 /// Where everything is at one set of angles; frame as for [`Chain`] (axis 2 is minus the second coordinate).
@@ -118,6 +121,7 @@ impl Chain {
             swing_sole: right - left,
             sole_half: [extent(0), extent(1)],
             total_mass: bodies.iter().map(|body| body.mass).sum(),
+            measures: Measures::of(bodies),
         })
     }
 

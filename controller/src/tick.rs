@@ -4,6 +4,7 @@ use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Phase, Reference};
+use crate::measures::Measures;
 use crate::rate;
 use crate::resume;
 use crate::servo::{ServoModel, ServoState};
@@ -41,13 +42,6 @@ pub struct Controller {
     telemetry: Telemetry,
 }
 
-/// Periods of two steps that a set-point may have [s].
-const PERIODS: std::ops::RangeInclusive<f64> = 0.3..=2.0;
-/// Longest step that a set-point may ask for [m].
-const LONGEST_STEP: f64 = 0.15;
-/// Greatest joint rate that is asked for [rad/s].
-const RATE_LIMIT: f64 = 12.0;
-
 impl Controller {
     /// A controller for the scene.
     ///
@@ -57,13 +51,16 @@ impl Controller {
         let settings = scene.controller.clone().ok_or(ControllerError::NoController)?;
         let period = 1.0 / scene.rate;
         let chain = Chain::new(&scene.bodies)?;
-        let constants = Constants::new(&chain, &settings, &scene.plant, &crouch())?;
+        let constants = Constants::new(&chain, &settings, &scene.plant)?;
         let model = Model {
             gravity: scene.plant.gravity,
             torque_limit: scene.plant.torque_limit,
             encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
-            servo: ServoModel::new(&settings, constants.nominal_inertia, period),
+            servo: ServoModel {
+                reach: chain.measures.reach,
+                ..ServoModel::new(&settings, constants.nominal_inertia, period)
+            },
             scene: settings,
             chain,
             constants,
@@ -112,8 +109,10 @@ impl Controller {
         scene.period = period.unwrap_or(scene.period);
         scene.speed = speed.unwrap_or(scene.speed);
         let step = 0.5 * scene.period * scene.speed;
-        if !(PERIODS.contains(&scene.period) && step.abs() <= LONGEST_STEP) {
-            return Err(ControllerError::SetPoint { period: scene.period, speed: scene.speed });
+        let Measures { periods: [shortest, longest], longest_step, .. } = model.chain.measures;
+        if !((shortest..=longest).contains(&scene.period) && step.abs() <= longest_step) {
+            let (period, speed) = (scene.period, scene.speed);
+            return Err(ControllerError::SetPoint { period, speed, shortest, longest, longest_step });
         }
         model.gait = GaitModel::new(&scene, &model.chain, &model.constants, model.servo.period);
         model.scene = scene;
@@ -137,7 +136,10 @@ impl Model {
     /// In the first two ticks: on which foot the robot stands, and whether it is already stepping. One that stands still
     /// on both feet is taken as standing on the left.
     fn take_over(&self, state: &mut State) {
-        let side = |moving| resume::right_supports(&self.chain.task(&state.encoder.angle), moving);
+        let side = |moving| {
+            let from_left = self.chain.task(&state.encoder.angle);
+            resume::right_supports(&from_left, moving, self.chain.measures.airborne)
+        };
         match state.encoder.readings {
             1 => state.right = side(false),
             2 => {
@@ -191,14 +193,15 @@ impl Model {
         rate: &Joints,
         feed_forward: &Joints,
     ) -> Option<Joints> {
-        let bias = rate::bias(task.swing_pitch);
+        let measures = &self.chain.measures;
+        let bias = rate::bias(task.swing_pitch / measures.time);
         let free = rate::resolve(&task.jacobian, &plan.xdot, &bias)?;
         let within = |free: Joints, low: &Joints, high: &Joints| free.zip_zip_map(low, high, f64::clamp);
-        let hard = Joints::repeat(RATE_LIMIT);
+        let hard = Joints::repeat(measures.rate_limit);
         if self.scene.rate_limit.is_none() && self.scene.torque_bound.is_none() {
             return Some(within(free, &-hard, &hard));
         }
-        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(RATE_LIMIT));
+        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(measures.rate_limit));
         let mut low = -high;
         if let Some(bound) = self.scene.torque_bound {
             let [least, most] = self.servo.rates_within(&state.servo, rate, feed_forward, bound);
@@ -216,8 +219,9 @@ impl Model {
     /// new stance foot is still being loaded, before the next one the swing foot is about to touch.
     fn torque_limits(&self, gait: &GaitState, plan: &Reference) -> Joints {
         let [roll, pitch] = self.constants.ankle_limit;
+        let Measures { loading, touching, .. } = self.chain.measures;
         let stepping = gait.phase == Phase::Walk;
-        let loaded = if stepping && gait.steps > 0 { 0.15 + 0.85 * (gait.since / 0.04).min(1.0) } else { 1.0 };
+        let loaded = if stepping && gait.steps > 0 { 0.15 + 0.85 * (gait.since / loading).min(1.0) } else { 1.0 };
         let stance = loaded * plan.load;
         let mut limit = Joints::repeat(self.torque_limit);
         let mut ankle = |j: usize, bound: f64| limit[j] = bound.min(self.torque_limit);
@@ -227,7 +231,7 @@ impl Model {
             ankle(JOINTS - 1, roll * (1.0 - plan.load));
             ankle(JOINTS - 2, pitch * (1.0 - plan.load));
         } else {
-            let touching = plan.time_left.is_some_and(|left| left < 0.02);
+            let touching = plan.time_left.is_some_and(|left| left < touching);
             let light = if touching { 0.3 } else { 1.0 };
             ankle(JOINTS - 1, light * SWING_SHARE[0] * roll);
             ankle(JOINTS - 2, light * SWING_SHARE[1] * pitch);
@@ -254,8 +258,3 @@ impl Model {
 
 /// Share of the stance limits that the swinging ankle gets: roll 3 and pitch 4 N·m for the paper's robot.
 const SWING_SHARE: [f64; 2] = [0.46, 0.31];
-
-/// The bent-kneed posture from which the search for others starts [rad, support order].
-pub(crate) fn crouch() -> Joints {
-    Joints::from([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])
-}

@@ -1,6 +1,6 @@
 //! A robot as URDF.
 
-use super::{Part, Robot, kind, numbers};
+use super::{Part, Robot, kind, numbers, plain};
 use messages::robot::Joint;
 use messages::scene::{Base, Scene};
 
@@ -8,8 +8,10 @@ use messages::scene::{Base, Scene};
 pub fn text(scene: &Scene, robot: &Robot) -> String {
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<!-- Made by `biped export urdf`. Frames are parallel at zero angles: x forward, y \
-         left, z up. -->\n<robot name=\"biped\" xmlns:drake=\"http://drake.mit.edu\">\n",
+         left, z up. -->\n",
     );
+    let name = plain(scene.robot.as_deref().unwrap_or("biped"));
+    out += &format!("<robot name=\"{name}\" xmlns:drake=\"http://drake.mit.edu\">\n");
     let limit = scene.plant.torque_limit;
     for part in &robot.parts {
         link(&mut out, part);

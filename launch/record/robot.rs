@@ -10,6 +10,8 @@ use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion
 
 /// The scene's robot, arranged for walking the tree from the base outwards.
 pub struct Robot {
+    /// What it is called.
+    pub name: String,
     /// Bodies as in the scene.
     pub bodies: Vec<Body>,
     /// Contact points and balls in wire order, each with its body.
@@ -71,7 +73,7 @@ impl Robot {
         let feet =
             find(LEFT_FOOT).zip(find(RIGHT_FOOT)).map(|(left, right)| [left, right].map(|i| Foot::new(i, &bodies[i])));
         let (trunk, links) = (or_base(TRUNK), links(&bodies, base));
-        Robot { bodies, contacts, feet, trunk, links, lumps }
+        Robot { name: scene.robot_name().into(), bodies, contacts, feet, trunk, links, lumps }
     }
 
     /// Names of the joints, in wire order: those of the bodies that they move.

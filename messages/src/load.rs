@@ -4,9 +4,12 @@
 
 mod bodies;
 mod check;
+mod robot;
 mod setting;
+mod urdf;
 
 pub use check::validate;
+pub use robot::{read, with_robot};
 
 use crate::scene::Scene;
 use thiserror::Error;
@@ -49,6 +52,14 @@ pub enum SceneError {
         /// What is wrong with it.
         reason: String,
     },
+    /// A robot that cannot take part.
+    #[error("{origin}: {reason}")]
+    Robot {
+        /// Its file, or the scene that it is put into.
+        origin: String,
+        /// What keeps it from that.
+        reason: String,
+    },
     /// A value out of range.
     #[error("{origin}: {key} = {value}, but {rule}")]
     Invalid {
@@ -65,26 +76,30 @@ pub enum SceneError {
 
 /// Loads a built-in scene, or a file by its path, applies overrides `key=value` in order and checks the result.
 ///
-/// Keys are dotted (`plant.dt`, `bodies.trunk.mass`, `initial.joints.1`); a value is TOML, or else a bare string.
+/// Keys are dotted (`plant.dt`, `bodies.trunk.mass`, `initial.joints.1`); a value is TOML, or else a bare string. The key
+/// `robot` puts the robot of a file into the scene, which is fitted to it: see [`with_robot`].
 ///
 /// # Errors
 /// One sentence on whatever is wrong: see [`SceneError`].
 pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Scene, SceneError> {
     let (mut origin, text) = match built_in.iter().find(|(known, _)| *known == name) {
         Some((_, text)) => (format!("scene {name}"), text.to_string()),
-        None => (name.to_string(), read(name, built_in)?),
+        None => (name.to_string(), text_of(name, built_in)?),
     };
-    let mut scene = parse(&text, &origin)?;
+    let mut scene = robot::resolved(parse(&text, &origin)?, &text, &origin)?;
     for setting in settings {
-        scene = setting::replaced(&scene, setting)
-            .map_err(|reason| SceneError::Override { setting: setting.clone(), reason })?;
+        let refused = |reason| SceneError::Override { setting: setting.clone(), reason };
+        scene = match setting::robot(setting) {
+            Some(path) => with_robot(&scene, &read(path.as_ref())?).map_err(refused)?,
+            None => setting::replaced(&scene, setting).map_err(refused)?,
+        };
         origin += &format!(" --set {setting}");
     }
     validate(&scene, &origin)?;
     Ok(scene)
 }
 
-fn read(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
+fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
     std::fs::read_to_string(path).map_err(|reason| match reason.kind() {
         std::io::ErrorKind::NotFound => {
             let known = built_in.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");

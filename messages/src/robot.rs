@@ -3,6 +3,12 @@
 //! [`table_1`] is the robot of Fujimoto & Kawamura (1995), Table 1. All frames are parallel to the world frame W
 //! (x forward, y left, z up) when every joint angle is zero.
 
+mod biped;
+mod similarity;
+
+pub use biped::arranged;
+pub use similarity::{Scale, stance};
+
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -115,12 +121,54 @@ impl Body {
     }
 }
 
+/// A robot as it stands in a file of its own: another biped in the place of Table 1.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Robot {
+    /// What it is called in results; absent: as its file.
+    #[serde(default)]
+    pub name: String,
+    /// Its drives.
+    #[serde(default)]
+    pub drives: Drives,
+    /// A trunk and two legs; without the right leg it is the left one's mirror image.
+    pub bodies: Vec<Body>,
+}
+
+/// The drives of a robot, all alike. What is absent is as on the robot whose place it takes, by dynamic similarity.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Drives {
+    /// Inertia reflected at each joint, J_r [kg·m²].
+    pub inertia: Option<f64>,
+    /// Viscous damping of each joint, D [N·m·s/rad].
+    pub damping: Option<f64>,
+    /// Greatest torque [N·m].
+    pub torque_limit: Option<f64>,
+    /// Encoder resolution: counts per turn are 2 to this power [bit].
+    pub encoder_bits: Option<u32>,
+}
+
 /// Name of the left foot in [`table_1`].
 pub const LEFT_FOOT: &str = "left foot";
 /// Name of the right foot in [`table_1`].
 pub const RIGHT_FOOT: &str = "right foot";
 /// Name of the trunk in [`table_1`].
 pub const TRUNK: &str = "trunk";
+/// Names of a biped's bodies, from the left foot to the right one.
+pub const BIPED: [&str; 9] = [
+    LEFT_FOOT,
+    "left ankle",
+    "left shank",
+    "left thigh",
+    TRUNK,
+    "right thigh",
+    "right shank",
+    "right ankle",
+    RIGHT_FOOT,
+];
+/// Joint angles at which the robot of [`table_1`] stands with bent knees, its centre of gravity .27 m high [rad].
+pub const CROUCH: [f64; 8] = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0];
 
 /// Table 1 as read: links #0 (left foot) … #8 (right foot), so that the joints, in the order of the bodies that carry
 /// them, are left ankle roll, ankle pitch, knee, hip, right hip, knee, ankle pitch, ankle roll.

@@ -5,7 +5,7 @@
 mod defaults;
 
 pub use crate::law::{Iteration, Law};
-use crate::robot::Body;
+use crate::robot::{Body, table_1};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -29,8 +29,20 @@ pub struct Scene {
     /// The walking controller; absent: nothing drives the joints.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub controller: Option<ControllerScene>,
+    /// Robot: a TOML or URDF file, its path being relative to the scene's; what the scene leaves out follows from it by dynamic
+    /// similarity. Beside `bodies` it is but their name.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub robot: Option<String>,
     /// Bodies, the base being the one without a joint; absent: the robot of the paper's Table 1.
     pub bodies: Vec<Body>,
+}
+
+impl Scene {
+    /// What its robot is called.
+    pub fn robot_name(&self) -> &str {
+        let own = if self.bodies == table_1() { "Table 1" } else { "bodies of the scene" };
+        self.robot.as_deref().unwrap_or(own)
+    }
 }
 
 /// How the plant simulates.

@@ -3,6 +3,7 @@
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
+use messages::robot::{Drives, Robot, table_1};
 use messages::scene::Scene;
 use serde_json::Value;
 use std::ops::RangeInclusive;
@@ -103,4 +104,63 @@ pub fn scene(name: &str, settings: &[&str]) -> Scene {
     let path = format!("{}/launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
     messages::load::load(&path, &settings, &[]).expect("a good scene")
+}
+
+/// A robot in a file, for as long as this lives.
+pub struct RobotFile {
+    path: PathBuf,
+}
+
+impl RobotFile {
+    /// Of a robot as TOML.
+    pub fn new(robot: &Robot) -> RobotFile {
+        RobotFile::of("toml", &toml::to_string(robot).expect("TOML"))
+    }
+
+    /// Of any text.
+    pub fn of(kind: &str, text: &str) -> RobotFile {
+        let path = fresh_path(&format!("robot.{kind}"));
+        std::fs::write(&path, text).expect("a file");
+        RobotFile { path }
+    }
+
+    /// Its path.
+    pub fn path(&self) -> &str {
+        self.path.to_str().expect("a path of plain letters")
+    }
+
+    /// The setting that puts it into a scene.
+    pub fn setting(&self) -> String {
+        format!("robot={}", self.path())
+    }
+}
+
+impl Drop for RobotFile {
+    fn drop(&mut self) {
+        let _ = std::fs::remove_file(&self.path);
+    }
+}
+
+/// The robot of Table 1 with every length times this and every mass times its cube.
+pub fn similar(length: f64) -> Robot {
+    let mut bodies = table_1();
+    for body in &mut bodies {
+        body.mass *= length.powi(3);
+        let joint = body.joint.iter_mut().map(|joint| &mut joint.at);
+        for vector in [&mut body.size, &mut body.com].into_iter().chain(&mut body.contacts).chain(joint) {
+            *vector = vector.map(|x| length * x);
+        }
+    }
+    Robot { name: format!("Table 1 times {length}"), drives: Drives::default(), bodies }
+}
+
+/// The robot of Table 1 with shanks this much longer.
+pub fn shanks(length: f64) -> Robot {
+    let mut bodies = table_1();
+    for (shank, ankle) in [(2, 1), (6, 7)] {
+        bodies[shank].size[2] *= length;
+        bodies[shank].com[2] *= length;
+        bodies[ankle].joint.as_mut().expect("an ankle").at[2] *= length;
+    }
+    Robot { name: format!("shanks times {length}"), drives: Drives::default(), bodies }
 }

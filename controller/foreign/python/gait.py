@@ -51,23 +51,23 @@ class Travel:
         return max(0.0, min(longest, log((width + root) / (2 * a)) / omega))
 
 
-def virtual_input(gain, reference, energy, v, limit):
-    """u that drives the energy to its reference; v/(v² + v_0²) for the 1/v of (39), singular at rest."""
-    return clip(gain * (reference - energy) * v / (v * v + 0.03**2), limit)
+def virtual_input(gain, missing, v, fading, limit):
+    """u that adds the missing energy; v/(v² + v_0²) for the 1/v of (39), singular at rest."""
+    return clip(gain * missing * v / (v * v + fading**2), limit)
 
 
 STAND, SWAY, LIFT, WALK, LAND, REST = range(6)  # as wire.PHASE
+# for the robot of Table 1; another's go with its size, see Chain
 DURATION = {STAND: 0.5, SWAY: 0.8, LIFT: 0.3, LAND: 0.5}  # [s]
 FREEZE = 0.012  # so long before landing the target stays as it is [s]
-
 AIRBORNE = 1e-3  # a foot this far above the other swings [m]
 
 
-def right_supports(from_left, moving):
+def right_supports(from_left, moving, airborne):
     """Whether the right foot carries, seen from the left: the left one is in the air, or, amid an exchange, the centre of
     gravity is nearer to the right one."""
     x = from_left.x
-    return x[5] < 0 if abs(x[5]) > AIRBORNE else moving and x[1] > 0.5 * x[4]
+    return x[5] < 0 if abs(x[5]) > airborne else moving and x[1] > 0.5 * x[4]
 
 
 @dataclass
@@ -85,7 +85,10 @@ class Gait:
     def __init__(self, scene, chain, constants, h, task):
         self.scene, self.h, self.omega, self.width = scene, h, constants.omega, chain.width
         T = self.T = scene["period"]
-        self.gamma = 0.3 * constants.gamma_0 if T <= 0.8 else 0.0
+        self.L, self.t = chain.length, chain.time
+        self.duration = {phase: time * self.t for phase, time in DURATION.items()}
+        self.freeze, self.airborne, self.fading = FREEZE * self.t, AIRBORNE * self.L, 0.03 * self.L / self.t
+        self.gamma = 0.3 * constants.gamma_0 if T <= 0.8 * self.t else 0.0
         inner = 0.5 * self.width / cosh(0.25 * self.omega[1] * T)  # turning point of the orbit of (40)
         self.release = scene.get("release_x2") or inner
         self.reach = 0.5 * self.width - inner  # h_d of (43)
@@ -99,8 +102,8 @@ class Gait:
         robot is standing."""
         x, v = task.x.tolist(), speed.tolist()
         lateral = Travel(x[1], v[1])
-        exchanging = abs(v[1]) > 0.05 and self.f_h(lateral)[0] < 2 * AIRBORNE
-        if x[5] <= AIRBORNE and not exchanging:
+        exchanging = abs(v[1]) > 0.05 * self.L / self.t and self.f_h(lateral)[0] < 2 * self.airborne
+        if x[5] <= self.airborne and not exchanging:
             return False
         self.phase, self.steps, self.W_1 = WALK, 1, 0.5 * self.scene["speed"] * self.T
         self.since = max(0.0, 0.5 * self.T - self.time_left(lateral))
@@ -112,12 +115,12 @@ class Gait:
 
     def exchange_due(self):
         lateral = self.com[1]
-        return self.phase == WALK and lateral.x >= 0.5 * self.width and lateral.v > 0 and self.since >= 0.1
+        return self.phase == WALK and lateral.x >= 0.5 * self.width and lateral.v > 0 and self.since >= 0.1 * self.t
 
     def exchange(self, task):
         """Hands the plan over to the other support; `task` is measured before, in the old support frame."""
         t_1, t_3 = task.x[[3, 5]].tolist()
-        self.trim = clip(self.trim + 0.3 * (t_1 - self.landing), 0.02)
+        self.trim = clip(self.trim + 0.3 * (t_1 - self.landing), 0.02 * self.L)
         sagittal, lateral = self.com
         x = self.width - lateral.x  # up to a period late: along the orbit to the other foot
         v = -sqrt(max(0.0, lateral.v**2 - self.omega[1] ** 2 * (lateral.x**2 - x**2)))
@@ -129,7 +132,7 @@ class Gait:
             self.phase = LAND
             return
         wanted = 0.0 if self.stopping() else 0.5 * self.scene["speed"] * self.T
-        self.W_1 += clip(wanted - self.W_1, 0.015)
+        self.W_1 += clip(wanted - self.W_1, 0.015 * self.L)
 
     def plan(self, task):
         self.change_phase()
@@ -148,7 +151,7 @@ class Gait:
         return plan
 
     def change_phase(self):
-        if self.since < DURATION.get(self.phase, float("inf")):
+        if self.since < self.duration.get(self.phase, float("inf")):
             return
         if self.phase == STAND and (self.scene["gait"] != "walk" or self.stopping()):
             return
@@ -164,17 +167,17 @@ class Gait:
 
     def shift(self, task, target):
         """Both feet down, the centre of gravity on its way."""
-        left = DURATION[self.phase] - self.since
-        move = lambda axis, to: axis.toward(to, left, self.h) if left > FREEZE else Travel(axis.x)
+        left = self.duration[self.phase] - self.since
+        move = lambda axis, to: axis.toward(to, left, self.h) if left > self.freeze else Travel(axis.x)
         self.com = [move(axis, to) for axis, to in zip(self.com, target)]
         return self.hold(task)
 
     def rise(self, task):
         """The weight leaves the swing foot, then the foot leaves the ground."""
         height, _ = self.f_h(self.com[1])
-        r = min(1.0, self.since / DURATION[LIFT])
-        load = 1.0 - self.com[1].x / self.width * max(0.0, 1.0 - self.since / 0.1)
-        rate = 30 * r * r * (1 - r) ** 2 / DURATION[LIFT]
+        r = min(1.0, self.since / self.duration[LIFT])
+        load = 1.0 - self.com[1].x / self.width * max(0.0, 1.0 - self.since / (0.1 * self.t))
+        rate = 30 * r * r * (1 - r) ** 2 / self.duration[LIFT]
         return self.follow(task, height * r**3 * (10 - 15 * r + 6 * r * r), 0.0, height * rate, load)
 
     def walk(self, task):
@@ -183,14 +186,15 @@ class Gait:
             axis.x += self.scene["com_feedback"] * self.h * (measured - axis.x)
         energy, reference = self.energies(), self.references()
         sagittal, lateral = self.com
-        u_2 = virtual_input(self.scene["energy_gain"], reference[1], energy[1], lateral.v, 0.6)  # (39)
+        u_2 = virtual_input(self.scene["energy_gain"], reference[1] - energy[1], lateral.v, self.fading, 0.6)  # (39)
         left = self.time_left(lateral)
         lateral = lateral.after(self.omega[1], u_2, self.h)  # (32)
         if self.scene["sagittal"] == "energy":  # the paper's: x_t1 = 2 x_c1, and (42)
             self.landing = 2 * sagittal.after(self.omega[0], 0.0, left).x
             self.foot = Travel(2 * sagittal.x, 2 * sagittal.v, 2 * sagittal.a)
-            u_1 = virtual_input(self.scene["sagittal_energy_gain"], reference[0], energy[0], sagittal.v, 0.5)
-            if abs(sagittal.v) < 0.02:
+            missing, gain = reference[0] - energy[0], self.scene["sagittal_energy_gain"]
+            u_1 = virtual_input(gain, missing, sagittal.v, self.fading, 0.5)
+            if abs(sagittal.v) < 0.02 * self.L / self.t:
                 u_1 = copysign(0.5, self.W_1) * (self.W_1 != 0.0)  # leave the rest point
         else:
             self.place_foot(sagittal, left)
@@ -215,7 +219,7 @@ class Gait:
     def place_foot(self, sagittal, left):
         """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The
         prediction holds the foot's own effect γ ẍ_t, in which x_t1 occurs; it is solved for."""
-        if left <= FREEZE:
+        if left <= self.freeze:
             self.foot = Travel(self.foot.x + self.h * self.foot.v, self.foot.v)
             return
         w, g, foot, quarter = self.omega[0], self.gamma, self.foot, 0.25 * self.omega[0] * self.T
@@ -230,7 +234,8 @@ class Gait:
 
     def follow(self, task, lift, foot_rate, lift_rate, load):
         """(30): task rates that make the measured task follow the plan."""
-        climb = clip(2.0 * (self.scene["com_height"] - self.height), 0.1)
+        low = self.scene["com_height"] - self.height
+        climb = clip(2.0 * low, 0.1 * self.L) / self.t
         self.height += self.h * climb
         sagittal, lateral = self.com
         command = np.array([sagittal.x, lateral.x, self.height, self.foot.x, self.width, lift, 0.0])

@@ -17,6 +17,9 @@ PITCH_SUM = np.array([0.0, 1, 1, 1, 1, 1, 1, 0])  # s: these angles add up to th
 CROUCH = np.array([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])  # near which postures are sought [rad]
 
 
+UPRIGHT = 4.475 / 14  # height of Table 1's centre of gravity at zero angles [m]
+
+
 def mirror(q):
     """Wire order to support order of the right foot, and back."""
     s = -q[::-1]
@@ -63,6 +66,9 @@ class Chain:
         self.joint = joint - left
         self.sole = right - left
         self.width = abs(self.sole[1])  # W_2
+        # of another robot than Table 1's, by dynamic similarity: lengths and times are so many times as large
+        self.length = self.mass @ self.com[:, 2] / self.total / UPRIGHT
+        self.time = sqrt(self.length)
         self.sole_half = np.abs(origin[0] + bodies[0]["contacts"] - left).max(axis=0)
         # outward from each joint to the next, to the centres of mass, and the mass outside
         self.step = np.diff(self.joint, axis=0)
@@ -135,7 +141,7 @@ class Constants:
     """ω_1, ω_2, γ_0, J_n and the ankles' limits, from the robot's full inverse dynamics amid a step, at rest."""
 
     def __init__(self, chain, height, plant):
-        s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02, 0.0]))
+        s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02 * chain.length, 0.0]))
         joint, com, _, axis = chain.place(s)
         tilt = roll(s[0])
         joint, com, axis = (v @ tilt.T for v in (joint, com, axis))

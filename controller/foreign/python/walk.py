@@ -11,7 +11,7 @@ from math import exp, tau
 import numpy as np
 
 import session
-from gait import WALK, Gait, right_supports
+from gait import AIRBORNE, WALK, Gait, right_supports
 from robot import Chain, Constants, level, mirror, resolve
 
 RATE_LIMIT = 12.0  # greatest joint rate that is asked for [rad/s]
@@ -20,8 +20,8 @@ RATE_LIMIT = 12.0  # greatest joint rate that is asked for [rad/s]
 class Servo:
     """Sliding mode on each joint's rate with a disturbance observer: τ = τ_ff − J_n sat(κσ) + d̂, σ = q̇ − q̇_ref."""
 
-    def __init__(self, scene, nominal_inertia, h):
-        self.J_n, self.h = nominal_inertia, h
+    def __init__(self, scene, nominal_inertia, h, time):
+        self.J_n, self.h, self.reach = nominal_inertia, h, 60.0 / time**2
         self.kappa, self.relay = scene["switch_rate"], scene["switching"] == "relay"
         self.forget = exp(-scene["observer_bandwidth"] * h)
         self.disturbance, self.effort, self.rate = np.zeros(8), np.zeros(8), None
@@ -35,7 +35,7 @@ class Servo:
 
     def drive(self, rate, reference, feed_forward, limit):
         sigma = rate - reference
-        switch = 60.0 * np.sign(sigma) if self.relay else np.clip(self.kappa * sigma, -60.0, 60.0)
+        switch = self.reach * np.sign(sigma) if self.relay else np.clip(self.kappa * sigma, -self.reach, self.reach)
         torque = np.clip(feed_forward + self.disturbance - self.J_n * switch, -limit, limit)  # (24)
         self.effort = torque - feed_forward  # after the limit, or the observer winds up
         return torque, sigma
@@ -53,7 +53,7 @@ class Walk:
             session.fail(2, "controller.rate_limit and torque_bound need a QP with bounds, which walk.py has not")
         self.chain = Chain(scene["bodies"])
         self.constants = Constants(self.chain, self.scene["com_height"], self.plant)
-        self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h)
+        self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
         self.count = tau / 2 ** self.plant["encoder_bits"]  # [rad]
         self.share = 1.0 - exp(-tau * self.scene["rate_filter_hz"] * self.h)
         self.angle, self.rate, self.gait, self.right, self.readings = None, np.zeros(8), None, False, 0
@@ -69,15 +69,15 @@ class Walk:
         """In the first two ticks: on which foot the robot stands, and whether it is already stepping."""
         from_left = self.chain.task(self.angle)
         if self.readings == 1:
-            self.right = bool(right_supports(from_left, False))
+            self.right = bool(right_supports(from_left, False, AIRBORNE * self.chain.length))
             return
-        before, self.right = self.right, bool(right_supports(from_left, True))
+        before, self.right = self.right, bool(right_supports(from_left, True, AIRBORNE * self.chain.length))
         rate = self.rate / self.share  # without the filter's delay
         task = self.chain.task(self.ordered(self.angle))
         gait = self.new_gait(task)
         if gait.resume(task, task.jacobian @ self.ordered(rate)):  # (27)
             self.gait, self.rate = gait, rate
-            self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h)
+            self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
         else:
             self.right = before
 
@@ -99,8 +99,9 @@ class Walk:
         rate = self.ordered(self.rate)
         self.servo.observe(rate)
         feed_forward = self.feed_forward(task, plan)
-        reference = resolve(task.jacobian, plan.xdot, level(task.swing_pitch))  # (28), (29)
-        reference = np.clip(reference, -RATE_LIMIT, RATE_LIMIT)
+        reference = resolve(task.jacobian, plan.xdot, level(task.swing_pitch / self.chain.time))  # (28), (29)
+        fastest = RATE_LIMIT / self.chain.time
+        reference = np.clip(reference, -fastest, fastest)
         torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(plan))  # (24)
         self.tell(telemetry, task, sigma)
         return self.ordered(torque)
@@ -125,11 +126,11 @@ class Walk:
         """The drives' limits, and at the ankles what leaves the soles flat on the ground [N·m]."""
         gait, roll_limit, pitch_limit = self.gait, self.constants.ankle_roll, self.constants.ankle_pitch
         stepping = gait.phase == WALK and gait.steps > 0
-        stance = plan.load * (0.15 + 0.85 * min(1.0, gait.since / 0.04) if stepping else 1.0)
+        stance = plan.load * (0.15 + 0.85 * min(1.0, gait.since / (0.04 * self.chain.time)) if stepping else 1.0)
         if plan.load < 1.0:
             swing = (1.0 - plan.load, 1.0 - plan.load)
         else:
-            light = 0.3 if plan.time_left is not None and plan.time_left < 0.02 else 1.0
+            light = 0.3 if plan.time_left is not None and plan.time_left < 0.02 * self.chain.time else 1.0
             swing = (0.46 * light, 0.31 * light)
         limit = np.full(8, self.plant["torque_limit"])
         ankles = [roll_limit * stance, pitch_limit * stance, pitch_limit * swing[1], roll_limit * swing[0]]

@@ -1,6 +1,7 @@
 //! The rules that the values of a scene must keep, each with the words for breaking it.
 
 use super::SceneError;
+use crate::robot::{Drives, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use toml::Value;
@@ -19,6 +20,25 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     check.bodies(&scene.bodies)?;
     check.initial(scene)?;
     scene.controller.as_ref().map_or(Ok(()), |controller| check.controller(scene, controller))
+}
+
+/// Checks every value of a robot; `origin` names it in the error.
+pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
+    let check = Check { origin };
+    let table = Value::try_from(robot).map_err(|error| check.fail("robot", error, "it cannot be written as TOML"))?;
+    check.finite(&table, "")?;
+    let Drives { inertia, damping, torque_limit, encoder_bits } = robot.drives;
+    check.not_negative("drives.inertia", inertia.unwrap_or(0.0))?;
+    check.not_negative("drives.damping", damping.unwrap_or(0.0))?;
+    check.positive("drives.torque_limit", torque_limit.unwrap_or(1.0))?;
+    check.encoder_bits("drives.encoder_bits", encoder_bits.unwrap_or(8))?;
+    check.bodies(&robot.bodies)?;
+    robot.bodies.iter().try_for_each(|body| {
+        let [a, b, c] = body.moments();
+        let solid = 2.0 * a.max(b).max(c) <= (a + b + c) * (1.0 + 1e-9);
+        let rule = "of the moments of a body none exceeds the sum of the other two";
+        check.require(solid, &format!("bodies.{}.inertia", body.name), format!("{:?}", [a, b, c]), rule)
+    })
 }
 
 /// Rules, each with the words for breaking it.
@@ -43,6 +63,10 @@ impl Check<'_> {
 
     pub(super) fn not_negative(&self, key: &str, value: f64) -> Checked {
         self.require(value >= 0.0, key, value, "it must not be negative")
+    }
+
+    fn encoder_bits(&self, key: &str, bits: u32) -> Checked {
+        self.require((8..=30).contains(&bits), key, bits, "it must be 8 to 30")
     }
 
     /// Every number is finite; the path to the one that is not is spelt out.
@@ -92,8 +116,7 @@ impl Check<'_> {
         self.not_negative("plant.drive_inertia", plant.drive_inertia)?;
         self.not_negative("plant.joint_damping", plant.joint_damping)?;
         self.not_negative("plant.torque_limit", plant.torque_limit)?;
-        let bits = plant.encoder_bits;
-        self.require((8..=30).contains(&bits), "plant.encoder_bits", bits, "it must be 8 to 30")?;
+        self.encoder_bits("plant.encoder_bits", plant.encoder_bits)?;
         let ticks = plant.latency_ticks;
         self.require(ticks <= 1000, "plant.latency_ticks", ticks, "it must be at most 1000")?;
         let stale = plant.stale_probability;

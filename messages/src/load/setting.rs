@@ -4,6 +4,12 @@ use crate::scene::Scene;
 use serde::Deserialize;
 use toml::{Table, Value};
 
+/// The path of `robot=PATH`, bare or as a TOML string; nothing of another key.
+pub(super) fn robot(setting: &str) -> Option<&str> {
+    let (key, path) = setting.split_once('=')?;
+    (key.trim() == "robot").then(|| path.trim().trim_matches('"'))
+}
+
 /// The scene with one value replaced, found by walking the scene as a table: so every key exists that serde knows.
 pub(super) fn replaced(scene: &Scene, setting: &str) -> Result<Scene, String> {
     let (key, text) = setting.split_once('=').ok_or("an override is key=value, for example plant.dt=0.001")?;

@@ -13,6 +13,7 @@ impl Default for Scene {
             link: LinkScene::default(),
             initial: Initial::default(),
             controller: None,
+            robot: None,
             bodies: robot::table_1(),
         }
     }

@@ -1,0 +1,84 @@
+//! Times, lengths and speeds that were found for the robot of Table 1, carried to another by dynamic similarity.
+//!
+//! The scene's own numbers are carried over where a robot is put into it (`messages/src/load/robot.rs`); these are those that
+//! nobody sets.
+
+use messages::robot::{Body, Scale, table_1};
+
+/// The controller's own choices, at the size of its robot. Accelerations keep to gravity, so they have no scale.
+#[derive(Clone, Copy, Debug)]
+pub struct Measures {
+    /// Duration of the phases stand, sway, lift and land [s].
+    pub phases: [f64; 4],
+    /// Part of the lift in which the weight leaves the swing foot [s].
+    pub unload: f64,
+    /// Least time between two exchanges [s].
+    pub least_step: f64,
+    /// Time before landing from which the target stays as it is [s].
+    pub freeze: f64,
+    /// Period of two steps above which the swing foot's acceleration no longer matters [s].
+    pub slow: f64,
+    /// Time in which the new stance foot is loaded, and that before landing in which the swing ankle is soft [s].
+    pub loading: f64,
+    /// See `loading` [s].
+    pub touching: f64,
+    /// Periods of two steps that a set-point may have [s].
+    pub periods: [f64; 2],
+    /// Longest step that a set-point may ask for [m].
+    pub longest_step: f64,
+    /// Change of the step length from one step to the next [m].
+    pub step_slew: f64,
+    /// Greatest trim of the landing [m].
+    pub trim: f64,
+    /// A foot this far above the other swings [m].
+    pub airborne: f64,
+    /// Height of the swing foot amid a step, for the constants [m].
+    pub mid_swing: f64,
+    /// Below this the 1/v of (39) fades [m/s].
+    pub fading: f64,
+    /// Slower than this the paper's sagittal rule starts by a kick [m/s].
+    pub starting: f64,
+    /// With both feet down, a robot that sways faster than this is stepping [m/s].
+    pub under_way: f64,
+    /// Greatest speed at which the centre of gravity is raised [m/s].
+    pub climb: f64,
+    /// Rate at which it is [1/s].
+    pub climb_rate: f64,
+    /// Greatest joint rate that is asked for [rad/s].
+    pub rate_limit: f64,
+    /// Greatest joint acceleration that the switching element asks for [rad/s²].
+    pub reach: f64,
+    /// Times over those of Table 1 [-].
+    pub time: f64,
+}
+
+impl Measures {
+    /// For the robot of these bodies.
+    pub fn of(bodies: &[Body]) -> Measures {
+        let scale = Scale::between(&table_1(), bodies);
+        let (t, l, v) = (scale.time(), scale.length, scale.speed());
+        Measures {
+            phases: [0.5 * t, 0.8 * t, 0.3 * t, 0.5 * t],
+            unload: 0.1 * t,
+            least_step: 0.1 * t,
+            freeze: 0.012 * t,
+            slow: 0.8 * t,
+            loading: 0.04 * t,
+            touching: 0.02 * t,
+            periods: [0.3 * t, 2.0 * t],
+            longest_step: 0.15 * l,
+            step_slew: 0.015 * l,
+            trim: 0.02 * l,
+            airborne: 1e-3 * l,
+            mid_swing: 0.02 * l,
+            fading: 0.03 * v,
+            starting: 0.02 * v,
+            under_way: 0.05 * v,
+            climb: 0.1 * v,
+            climb_rate: 2.0 / t,
+            rate_limit: 12.0 / t,
+            reach: 60.0 / (t * t),
+            time: t,
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Another robot in the place of a scene's own: read from a file, and the scene's numbers carried over to it.
+//!
+//! | by dynamic similarity, see [`Scale`] | as it is |
+//! |---|---|
+//! | gait: period √L, speed √L, heights L | duration, rates, steps, ground, gravity |
+//! | gains and bandwidths of planner and servos, 1/√L | gains without dimension |
+//! | drives where the robot's file says nothing: J_r M L², D M L√L, limit M L | payload, pushes, delays |
+//! | posture at the start: the centre of gravity over the same place of the soles | |
+
+use super::{SceneError, check, urdf};
+use crate::robot::{CROUCH, Robot, Scale, arranged, stance};
+use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
+use serde::Deserialize;
+use std::path::Path;
+use toml::{Table, Value};
+
+/// Reads the robot of a file: URDF where the name ends so or the text is XML, else TOML. It comes arranged and checked.
+///
+/// # Errors
+/// One sentence on what keeps it from being a biped.
+pub fn read(path: &Path) -> Result<Robot, SceneError> {
+    let origin = path.display().to_string();
+    let refused = |reason| SceneError::Robot { origin: origin.clone(), reason };
+    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+        std::io::ErrorKind::NotFound => refused("there is no such file of a robot".into()),
+        _ => SceneError::Unreadable { path: origin.clone(), reason: error },
+    })?;
+    let is_urdf = path.extension().is_some_and(|end| end == "urdf") || text.trim_start().starts_with('<');
+    let mut robot: Robot = match is_urdf {
+        true => urdf::parse(&text).map_err(refused)?,
+        false => toml::from_str(&text)
+            .map_err(|reason| SceneError::Malformed { origin: origin.clone(), reason: Box::new(reason) })?,
+    };
+    check::robot(&robot, &origin)?;
+    robot.bodies = arranged(&robot.bodies).map_err(refused)?;
+    if robot.name.is_empty() {
+        robot.name = path.file_stem().unwrap_or_default().to_string_lossy().into();
+    }
+    Ok(robot)
+}
+
+/// A scene as its file means it: where that names a robot, the defaults are those of `walk` carried over to the robot.
+pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<Scene, SceneError> {
+    let given: Table = text.parse().unwrap_or_default();
+    let Some(path) = scene.robot.clone() else { return Ok(scene) };
+    let refused = |reason: String| SceneError::Robot { origin: origin.into(), reason };
+    if given.contains_key("bodies") {
+        let is_file = [".toml", ".urdf"].iter().any(|end| path.ends_with(end));
+        let both = format!("robot = {path} is a file, but the scene has bodies of its own: leave out one of them");
+        return if is_file { Err(refused(both)) } else { Ok(scene) };
+    }
+    let beside = Path::new(origin).parent().unwrap_or(Path::new(""));
+    let mut defaults = Scene {
+        controller: Some(ControllerScene::default()),
+        initial: Initial { clearance: Some(0.0), joints: CROUCH.into(), ..Initial::default() },
+        ..Scene::default()
+    };
+    defaults = with_robot(&defaults, &read(&beside.join(path))?).map_err(refused)?;
+    defaults.controller = defaults.controller.filter(|_| scene.controller.is_some());
+    let name = defaults.robot.clone();
+    let mut whole = Value::try_from(defaults).map_err(|error| refused(error.to_string()))?;
+    overlay(&mut whole, Value::Table(given));
+    let scene = Scene::deserialize(whole).map_err(|error| refused(error.to_string()))?;
+    Ok(Scene { robot: name, ..scene })
+}
+
+/// Tables are merged, all else is replaced.
+fn overlay(under: &mut Value, over: Value) {
+    match (under, over) {
+        (Value::Table(under), Value::Table(over)) => {
+            over.into_iter().for_each(|(key, value)| match under.get_mut(&key) {
+                Some(place) => overlay(place, value),
+                None => drop(under.insert(key, value)),
+            })
+        }
+        (place, value) => *place = value,
+    }
+}
+
+/// The scene with another robot in the place of its own: see the table above. The same robot again changes no bit.
+///
+/// # Errors
+/// If the scene's own bodies are no biped, so that nothing can be compared, or the robot cannot stand as they do.
+pub fn with_robot(scene: &Scene, robot: &Robot) -> Result<Scene, String> {
+    let springs = scene.bodies.iter().flat_map(|body| &body.joint).any(|joint| joint.stiffness != 0.0);
+    let own = arranged(&scene.bodies).ok().filter(|own| *own == scene.bodies && !springs);
+    let own = own.ok_or("only a biped without springs, such as that of `walk`, can give its place to another robot")?;
+    let scale = Scale::between(&own, &robot.bodies);
+    if scale.length.is_nan() || scale.length <= 0.0 {
+        return Err("its centre of gravity is not above its soles at zero angles".into());
+    }
+    Ok(Scene {
+        plant: plant(&scene.plant, robot, scale),
+        controller: scene.controller.as_ref().map(|controller| carried(controller, scale)),
+        initial: Initial { joints: stance(&own, &scene.initial.joints, &robot.bodies)?, ..scene.initial.clone() },
+        robot: Some(robot.name.clone()),
+        bodies: robot.bodies.clone(),
+        ..scene.clone()
+    })
+}
+
+fn plant(plant: &PlantScene, robot: &Robot, scale: Scale) -> PlantScene {
+    let drives = robot.drives;
+    PlantScene {
+        drive_inertia: drives.inertia.unwrap_or(plant.drive_inertia * scale.inertia()),
+        joint_damping: drives.damping.unwrap_or(plant.joint_damping * scale.torque() * scale.time()),
+        torque_limit: drives.torque_limit.unwrap_or(plant.torque_limit * scale.torque()),
+        encoder_bits: drives.encoder_bits.unwrap_or(plant.encoder_bits),
+        ..plant.clone()
+    }
+}
+
+fn carried(from: &ControllerScene, scale: Scale) -> ControllerScene {
+    let Scale { length, .. } = scale;
+    let (time, speed) = (scale.time(), scale.speed());
+    ControllerScene {
+        period: from.period * time,
+        speed: from.speed * speed,
+        com_height: from.com_height * length,
+        swing_height: from.swing_height * length,
+        release_x2: from.release_x2.map(|release| release * length),
+        energy_gain: from.energy_gain / time,
+        sagittal_energy_gain: from.sagittal_energy_gain / time,
+        com_feedback: from.com_feedback / time,
+        com_gain: from.com_gain / time,
+        swing_gain: from.swing_gain / time,
+        rate_limit: from.rate_limit.map(|rate| rate / time),
+        torque_bound: from.torque_bound.map(|torque| torque * scale.torque()),
+        switch_rate: from.switch_rate / time,
+        observer_bandwidth: from.observer_bandwidth / time,
+        rate_filter_hz: from.rate_filter_hz / time,
+        ..from.clone()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::load::parse;
+    use crate::robot::{Drives, table_1};
+
+    fn walk() -> Scene {
+        let text = "duration = 14.0\n[initial]\njoints = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, \
+                    0.0]\n[controller]\nspeed = 0.2\n";
+        parse(text, "walk").expect("good TOML")
+    }
+
+    fn paper() -> Robot {
+        Robot { name: "paper".into(), drives: Drives::default(), bodies: table_1() }
+    }
+
+    #[test]
+    fn the_same_robot_changes_nothing_but_the_name() {
+        let same = with_robot(&walk(), &paper()).expect("Table 1");
+        assert_eq!(same, Scene { robot: Some("paper".into()), ..walk() });
+        assert_eq!(same.robot_name(), "paper");
+    }
+
+    #[test]
+    fn there_and_back_again_is_where_it_began() {
+        let mut robot = paper();
+        for body in &mut robot.bodies {
+            body.mass *= 2.0;
+            body.com[2] *= 1.25;
+            body.joint.iter_mut().for_each(|joint| joint.at[2] *= 1.25);
+            body.contacts.iter_mut().for_each(|point| point[2] *= 1.25);
+        }
+        let there = with_robot(&walk(), &robot).expect("a biped");
+        let time = there.controller.as_ref().expect("a controller").period / 0.6;
+        assert!((time - 1.25f64.sqrt()).abs() < 1e-12, "{time}");
+        assert!((there.plant.torque_limit - 100.0).abs() < 1e-9 && (there.plant.drive_inertia - 0.3125).abs() < 1e-9);
+        let back = with_robot(&there, &paper()).expect("Table 1").controller.expect("a controller");
+        let controller = walk().controller.expect("a controller");
+        assert!((back.period - controller.period).abs() + (back.com_gain - controller.com_gain).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_a_file_says_stands_and_what_it_leaves_out_follows_from_its_robot() {
+        let folder = std::env::temp_dir().join(format!("biped-robot-{}", std::process::id()));
+        std::fs::create_dir_all(&folder).expect("a folder");
+        let robot = Robot { drives: Drives { inertia: Some(0.5), ..Drives::default() }, ..paper() };
+        let text = toml::to_string(&robot).expect("TOML").replace("mass = ", "mass = 1");
+        std::fs::write(folder.join("heavy.toml"), text).expect("a file");
+        let scene = "robot = \"heavy.toml\"\n[plant]\nfriction = 0.4\n[controller]\nspeed = 0.3\n";
+        let file = folder.join("scene.toml").display().to_string();
+        std::fs::write(&file, scene).expect("a file");
+        let scene = crate::load::load(&file, &[], &[]).expect("a good scene");
+        assert_eq!((scene.robot_name(), scene.bodies[4].mass), ("paper", 13.0));
+        assert_eq!((scene.plant.friction, scene.plant.drive_inertia), (0.4, 0.5));
+        assert!(scene.plant.torque_limit > 100.0 && scene.initial.joints.len() == 8);
+        assert_eq!(scene.controller.as_ref().map(|controller| controller.speed), Some(0.3));
+        let again = parse(&crate::load::text(&scene), "written").expect("good TOML");
+        assert_eq!(again, scene);
+        std::fs::remove_dir_all(folder).expect("our own folder");
+    }
+}
