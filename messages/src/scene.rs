@@ -5,7 +5,7 @@
 mod defaults;
 
 pub use crate::law::{Iteration, Law};
-use crate::robot::{Body, table_1};
+use crate::robot::Body;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,14 +35,6 @@ pub struct Scene {
     pub robot: Option<String>,
     /// Bodies, the base being the one without a joint; absent: the robot of the paper's Table 1.
     pub bodies: Vec<Body>,
-}
-
-impl Scene {
-    /// What its robot is called.
-    pub fn robot_name(&self) -> &str {
-        let own = if self.bodies == table_1() { "Table 1" } else { "bodies of the scene" };
-        self.robot.as_deref().unwrap_or(own)
-    }
 }
 
 /// How the plant simulates.

@@ -19,6 +19,14 @@ impl Default for Scene {
     }
 }
 
+impl Scene {
+    /// What its robot is called.
+    pub fn robot_name(&self) -> &str {
+        let own = if self.bodies == robot::table_1() { "Table 1" } else { "bodies of the scene" };
+        self.robot.as_deref().unwrap_or(own)
+    }
+}
+
 impl Default for PlantScene {
     fn default() -> Self {
         PlantScene {
