@@ -1,6 +1,7 @@
 //! What can go wrong, and the exit code that says so.
 
 use crate::contact::Case;
+use controller::ControllerError;
 use messages::load::SceneError;
 use messages::port::PortError;
 use plant::PlantError;
@@ -135,7 +136,8 @@ impl From<controller::process::ProcessError> for Failure {
         match error {
             E::Port(error) => error.into(),
             E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
-            E::Controller(_) => Failure::new(Exit::Fault, error),
+            E::Controller(ControllerError::Singular { .. }) => Failure::new(Exit::Fault, error),
+            E::Controller(_) => Failure::new(Exit::Usage, error), // it began with the scene
             E::Interrupted => Failure::new(Exit::Interrupted, error),
         }
     }

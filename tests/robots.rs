@@ -200,6 +200,10 @@ fn a_file_that_is_no_biped_is_refused_with_a_sentence() {
         assert_eq!(output.status.code(), Some(2), "{errors}");
         words.iter().for_each(|word| assert!(errors.contains(word), "{errors} does not say {word}"));
     }
+    let low = biped(&["run", "walk", "--in-process", "--robot", RobotFile::new(&thighs(0.3)).path()]);
+    let errors = String::from_utf8_lossy(&low.stderr);
+    assert_eq!(low.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("no posture reaches it"), "{errors}");
     let both = RobotFile::of("toml", "robot = \"my.toml\"\nbodies = []\n");
     let errors = biped(&["run", both.path()]).stderr;
     assert!(String::from_utf8_lossy(&errors).contains("leave out one of them"));
