@@ -23,11 +23,13 @@ use clap::Args;
 use stage::{Outcome, Role, Trial};
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 use std::time::Duration;
 
 /// A process started anew is to drive within this time.
 const RESPAWN: Duration = Duration::from_millis(250);
+/// Trials at a time of those that mostly wait.
+const ABREAST: usize = 4;
 /// Failures that are told of each kind.
 const TOLD: usize = 3;
 
@@ -222,14 +224,14 @@ impl Fault {
             all
         };
         match self {
-            Kill(victim) => times(count, &mut |_| kill::at_random(victim, chance)),
+            Kill(victim) => side_by_side(count, chance, stop, &|_, chance| kill::at_random(victim, chance)),
             KillAtCall(victim) => match kill::calls(victim) {
                 Err(error) => vec![Err(error)],
                 Ok(calls) => {
                     let step = (calls.len() / count).max(1);
                     let first = if step > 1 { chance.usize(0..step) } else { 0 };
                     let chosen: Vec<_> = calls.iter().skip(first).step_by(step).collect();
-                    times(chosen.len(), &mut |nth| kill::at_call(victim, chosen[nth]))
+                    side_by_side(chosen.len(), chance, stop, &|nth, _| kill::at_call(victim, chosen[nth]))
                 }
             },
             KillAndRespawn(victim) => kill::and_respawn(victim, count, chance).unwrap_or_else(|error| vec![Err(error)]),
@@ -237,7 +239,7 @@ impl Fault {
                 Err(error) => vec![Err(error)],
                 Ok(reference) => times(count, &mut |_| stop::and_continue(victim, &reference, chance)),
             },
-            StopForEver(victim) => times(count, &mut |_| stop::for_ever(victim, chance)),
+            StopForEver(victim) => side_by_side(count, chance, stop, &|_, chance| stop::for_ever(victim, chance)),
             StoppedLauncher => times(count, &mut |_| stop::the_launcher_for_ever()),
             StalledRecorder => times(count, &mut |_| stop::the_recorder(5)),
             FullMemory | FillingMemory if !memory::is_permitted() => {
@@ -253,4 +255,40 @@ impl Fault {
             OtherContract => times(count, &mut |_| peers::other_contract()),
         }
     }
+}
+
+/// Trials that mostly wait, [`ABREAST`] at a time, each worker with a shared memory of its own; one by one, where that is
+/// not permitted.
+fn side_by_side(
+    count: usize,
+    random: &mut fastrand::Rng,
+    stop: &AtomicBool,
+    trial: &(dyn Fn(usize, &mut fastrand::Rng) -> Trial + Sync),
+) -> Vec<Trial> {
+    let progress = Counter::new(false, count, 0, "trials");
+    let next = AtomicUsize::new(0);
+    let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
+    let work = &|first: bool| {
+        let mut told: Vec<(usize, Trial)> = vec![];
+        // the first may work in the memory of all
+        if memory::of_ones_own().is_err() && !first {
+            return told;
+        }
+        while !stop.load(Relaxed)
+            && let nth = next.fetch_add(1, Relaxed)
+            && nth < count
+        {
+            told.push((nth, trial(nth, &mut fastrand::Rng::with_seed(seeds[nth]))));
+            progress.step();
+        }
+        told
+    };
+    let mut all = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..ABREAST.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
+        let failed = || vec![(count, Err("the thread of the trials failed".into()))];
+        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|_| failed())).collect::<Vec<_>>()
+    });
+    progress.finish();
+    all.sort_by_key(|(nth, _)| *nth);
+    all.into_iter().map(|(_, told)| told).collect()
 }

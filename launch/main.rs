@@ -276,11 +276,13 @@ fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// What both roles begin with.
 fn begin(args: &RoleArgs) -> Result<(Scene, Session), Failure> {
+    let session = Session::named(&args.session)?;
     if let Some(parent) = args.parent {
-        children::die_with(parent)?;
+        // Nobody else may be left to clear up after it.
+        children::die_with(parent).inspect_err(|_| session.sweep())?;
     }
     args.system.suits(args.pace.pace())?;
-    Ok((args.scene.load()?, Session::named(&args.session)?))
+    Ok((args.scene.load()?, session))
 }
 
 /// What both roles ask of the system, now that all their shared memory is there.

@@ -218,7 +218,6 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     }
     let swept = Swept(session);
     let contract = Contract::of(scene, args.pace.pace());
-    let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     let bar = watch.progress.bar.clone();
     let start = |child: usize| {
         let name = ["plant", "controller"][child];
@@ -228,10 +227,11 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         let arguments = [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
         Role::start(name, &arguments, &bar)
     };
+    // The controller before there are any files: if we are killed at once, it clears up. The plant when we listen to it.
+    let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
+    let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     let mut roles = vec![start(0)?];
-    if scene.controller.is_some() {
-        roles.push(start(1)?);
-    }
+    roles.extend(controller);
     let mut lives = args.respawn;
     let outcome = loop {
         watch.drain(&mut port)?;

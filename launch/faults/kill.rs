@@ -16,11 +16,10 @@ const SPAN: u64 = 1000;
 /// Kills one process of a run at a random time: the others must say so, and end.
 pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
-    let mut stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
+    let stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
     let wait = Duration::from_millis(random.u64(0..SPAN));
     std::thread::sleep(wait);
     let number = stage.wait_for(victim)?;
-    stage.is_abandoned = stage.session.members().iter().all(|member| *member == number);
     let start = Instant::now();
     send(number, Signal::SIGKILL)?;
     let (took, _, words) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
@@ -77,8 +76,9 @@ pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
     peer.done = false;
     let mut lost = None;
     let answered = eventually("a successor is answered", LIMIT, || {
+        let has_ended = successor.has_ended(); // before the look at its last words
         lost = peer.answer().err();
-        peer.done || lost.is_some() || successor.has_ended()
+        peer.done || lost.is_some() || has_ended
     });
     let took = start.elapsed();
     if let Some(error) = answered.err().or(lost) {
@@ -149,7 +149,7 @@ impl Peer {
 }
 
 /// Kills plant or controller of a lockstep walk that starts them anew, time and again; measures from each kill to the first
-/// command of the new process that the plant accepts.
+/// command of the new process that the plant accepts, beside what the host takes to run this program at all.
 pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> Result<Vec<Trial>, String> {
     let most = trials.to_string();
     let mut stage = Stage::run(&["--respawn", &most, "--set", "duration=100000"])?;
@@ -168,8 +168,9 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
         wrong.map_or(Ok(()), Err)?;
         found.ok_or_else(|| what.into())
     };
-    let mut results = vec![];
+    let (mut results, mut host) = (vec![], vec![]);
     for _ in 0..trials {
+        host.push(start_of_a_process()?);
         let now = now_ns();
         let before = next("a walk", &|truth| truth.stamp.mono_ns > now && truth.state == 1)?;
         let files = *files.get_or_insert_with(|| stage.session.leftovers().len());
@@ -183,7 +184,14 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
         };
         let first = next("a new process drives", &is_new);
         let time = first.map(|first| Duration::from_nanos(first.stamp.mono_ns - killed));
-        let remark = format!("the session had {files} files, and has {}", stage.session.leftovers().len());
+        host.sort_unstable();
+        let of_host = [host.len() / 2, host.len() - 1].map(|nth| host[nth].as_millis());
+        let remark = format!(
+            "the host starts a program in {}, at most {} ms; the session had {files} files, and has {}",
+            of_host[0],
+            of_host[1],
+            stage.session.leftovers().len()
+        );
         results.push(time.map(|time| Outcome { time: Some(time), remark }));
         if results.last().is_some_and(Result::is_err) {
             break;
@@ -193,4 +201,12 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
     send(stage.wait_for(Role::Launcher)?, Signal::SIGTERM)?;
     stage.must_end(Instant::now())?;
     Ok(results)
+}
+
+/// Time to start this program and have it do nothing.
+fn start_of_a_process() -> Result<Duration, String> {
+    let start = Instant::now();
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    std::process::Command::new(program).arg("--version").output().map_err(|error| error.to_string())?;
+    Ok(start.elapsed())
 }

@@ -1,6 +1,8 @@
-//! A full /dev/shm: in a mount namespace of its own, where it is as small as one likes.
+//! Mount namespaces, in which /dev/shm is as small as one likes, or one's own.
 
 use super::stage::{LIMIT, Outcome, Process, Trial};
+use nix::mount::{MsFlags, mount};
+use nix::sched::{CloneFlags, unshare};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -37,4 +39,16 @@ pub fn is_permitted() -> bool {
     let mut try_it = Command::new("unshare");
     try_it.args(["--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/dev/shm"]);
     Process::start(&mut try_it).and_then(|tried| tried.end(LIMIT)).is_ok_and(|(status, _)| status.success())
+}
+
+/// Gives the calling thread, and whatever it starts, a shared memory of its own, so that trials side by side neither see
+/// nor sweep each other's files.
+///
+/// # Errors
+/// If the system does not let us: only root may.
+pub fn of_ones_own() -> nix::Result<()> {
+    const NOTHING: Option<&str> = None;
+    unshare(CloneFlags::CLONE_NEWNS)?;
+    mount(NOTHING, "/", NOTHING, MsFlags::MS_REC | MsFlags::MS_PRIVATE, NOTHING)?;
+    mount(Some("tmpfs"), "/dev/shm", Some("tmpfs"), MsFlags::empty(), NOTHING)
 }

@@ -2,7 +2,7 @@
 
 use crate::SceneArgs;
 use crate::exit::{Exit, Failure};
-use messages::port::{Ask, Contract, Pace, RecorderPort, ask};
+use messages::port::{Ask, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
@@ -117,14 +117,12 @@ pub struct Stage {
     /// Its name is an argument of each of its processes.
     pub session: Session,
     launcher: Option<Process>,
-    /// Whether the only process in it is to be killed.
-    pub is_abandoned: bool,
 }
 
 impl Stage {
     /// Nobody is on it yet.
     pub fn empty() -> Stage {
-        Stage { session: Session::unique(), launcher: None, is_abandoned: false }
+        Stage { session: Session::unique(), launcher: None }
     }
 
     /// `biped run walk` with more arguments.
@@ -195,12 +193,6 @@ impl Stage {
         let (status, words) = launcher.end(LONG)?;
         eventually("every process ends", LONG, || self.living().is_empty())?;
         let took = start.elapsed();
-        if self.is_abandoned {
-            // Nobody was there to clear up: the next session that begins must.
-            let (_, scene) = walk(&[])?;
-            let next = RecorderPort::open(&Session::unique(), &Contract::of(&scene, Pace::Lockstep));
-            next.map_err(|error| error.to_string())?;
-        }
         let left = self.session.leftovers();
         match left.first() {
             Some(file) => Err(format!("{} files are left, such as {}", left.len(), file.display())),

@@ -35,6 +35,16 @@ impl Spread {
         made.map(Spread).map_err(|error| Failure::new(Exit::Fault, error))
     }
 
+    /// Counts durations.
+    ///
+    /// # Errors
+    /// Never; see [`Spread::new`].
+    pub fn of(times: impl IntoIterator<Item = u64>) -> Result<Spread, Failure> {
+        let mut spread = Spread::new()?;
+        times.into_iter().for_each(|ns| spread.add(ns));
+        Ok(spread)
+    }
+
     /// Counts a duration.
     pub fn add(&mut self, ns: u64) {
         self.0.saturating_record(ns);

@@ -18,10 +18,12 @@ pub struct Talk<'a> {
     latest: Stamp,
     /// When the last command came.
     pub heard_ns: u64,
-    there: Spread,
-    back: Spread,
-    trip: Spread,
+    /// Times there, back and of the whole trip [ns]; made histograms of at the end, which would take part of them.
+    times: Vec<[u64; 3]>,
 }
+
+/// More exchanges than a conversation has.
+const MOST: usize = 1 << 16;
 
 impl<'a> Talk<'a> {
     /// Takes the plant's place in a session.
@@ -35,8 +37,7 @@ impl<'a> Talk<'a> {
         stop: &'a AtomicBool,
     ) -> Result<Talk<'a>, Failure> {
         let port = guarded(|| PlantPort::open(session, contract))?.waiting(waiting);
-        let (there, back, trip) = (Spread::new()?, Spread::new()?, Spread::new()?);
-        Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, there, back, trip })
+        Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, times: Vec::with_capacity(MOST) })
     }
 
     /// A first exchange, which is not counted: until it has come, the other side may not have.
@@ -52,12 +53,12 @@ impl<'a> Talk<'a> {
     ///
     /// # Errors
     /// If the link breaks, nobody answers for long, or the user wants to stop.
+    #[inline]
     pub fn exchange(&mut self, sensors: Sensors) -> Result<Command, Failure> {
         let command = self.ask(&sensors)?;
         let (sent, stamped) = (sensors.stamp.mono_ns, command.stamp.mono_ns);
-        self.there.add(stamped.saturating_sub(sent));
-        self.back.add(self.heard_ns.saturating_sub(stamped));
-        self.trip.add(self.heard_ns - sent);
+        let (there, back) = (stamped.saturating_sub(sent), self.heard_ns.saturating_sub(stamped));
+        self.times.push([there, back, self.heard_ns - sent]);
         Ok(command)
     }
 
@@ -65,6 +66,7 @@ impl<'a> Talk<'a> {
     ///
     /// # Errors
     /// As [`Talk::exchange`].
+    #[inline]
     pub fn ask(&mut self, sensors: &Sensors) -> Result<Command, Failure> {
         self.latest = sensors.stamp;
         self.port.send(*sensors)?;
@@ -90,9 +92,9 @@ impl<'a> Talk<'a> {
     pub fn end(self, results: &mut Results, section: &'static str) -> Result<(), Failure> {
         let stamp = Stamp { seq: self.latest.seq + 1, mono_ns: now_ns(), ..self.latest };
         self.port.send(Sensors { stamp, last: 1, ..Sensors::default() })?;
-        results.put(section, "round trip", &self.trip);
-        results.put(section, "sensors to command", &self.there);
-        results.put(section, "command to plant", &self.back);
+        for (metric, which) in [("round trip", 2), ("sensors to command", 0), ("command to plant", 1)] {
+            results.put(section, metric, &Spread::of(self.times.iter().map(|times| times[which]))?);
+        }
         Ok(())
     }
 }

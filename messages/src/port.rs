@@ -77,6 +77,7 @@ impl PlantPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
+    #[inline]
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
         self.sensors.send(sensors, self.command.heard_ns)
     }
@@ -93,6 +94,7 @@ impl PlantPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
+    #[inline]
     pub fn take(&mut self) -> Result<Option<Command>, PortError> {
         self.command.next()
     }
@@ -110,8 +112,9 @@ impl PlantPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
+    #[inline]
     pub fn wait(&mut self) -> Result<Option<Command>, PortError> {
-        let command = self.command.wait()?;
+        let command = self.command.wait(|| self.sensors.prepare())?;
         if command.is_none() {
             self.sensors.catch_up()?;
         }
@@ -162,6 +165,7 @@ impl ControllerPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
+    #[inline]
     pub fn send(&self, command: Command) -> Result<(), PortError> {
         self.command.send(command, self.sensors.heard_ns)
     }
@@ -178,8 +182,9 @@ impl ControllerPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
+    #[inline]
     pub fn wait(&mut self) -> Result<Option<Sensors>, PortError> {
-        self.sensors.wait()
+        self.sensors.wait(|| self.command.prepare())
     }
 
     /// As [`PlantPort::asked`].

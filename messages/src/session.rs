@@ -2,8 +2,9 @@
 //!
 //! Every file that a session makes lies in /dev/shm and begins with a prefix of its own, so that sessions live side by
 //! side and one can be cleared away without touching another. Who is in it is told by locks (`member`), and so is what
-//! nobody is in any more (`remains`).
+//! nobody is in any more (`remains`). What somebody was killed amid making or removing is in `half_done`.
 
+mod half_done;
 mod member;
 mod remains;
 
@@ -14,17 +15,13 @@ use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
 pub use remains::Remains;
-use std::fs::{File, Metadata};
-use std::os::unix::fs::MetadataExt;
+use std::fs::File;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
 /// Where POSIX shared memory shows as files on Linux.
 const SHARED_MEMORY: &str = "/dev/shm";
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
-/// What is half made for so long is never finished.
-const HALF_MADE: Duration = Duration::from_millis(100);
 
 /// Name of a session and of everything that belongs to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -92,18 +89,6 @@ impl Session {
             }
         }
         Ok(())
-    }
-
-    /// Removes what was left half made: segments without a size, for which whoever opens one as root waits for ever, and
-    /// services of which not all was written (iceoryx2 0.10). A living maker takes microseconds.
-    pub(crate) fn clear_half_made(&self) {
-        let services = std::fs::read_dir(self.root().join("services")).into_iter().flatten().flatten();
-        let all = self.leftovers().into_iter().chain(services.map(|entry| entry.path()));
-        let young: Vec<PathBuf> = all.filter(|path| is_half_made(path)).collect();
-        if !young.is_empty() {
-            std::thread::sleep(HALF_MADE);
-            young.iter().filter(|path| is_half_made(path)).for_each(|path| _ = std::fs::remove_file(path));
-        }
     }
 
     /// Every session of this user that somebody is in now.
@@ -175,16 +160,6 @@ impl Room {
             ))),
         }
     }
-}
-
-/// A segment may be read only when it is finished, a service only then no longer be written.
-fn is_half_made(path: &Path) -> bool {
-    let is_service = path.extension().is_some_and(|end| end == "service");
-    let is_it = |file: Metadata| match is_service {
-        true => file.mode() & 0o200 != 0,
-        false => file.is_file() && file.len() == 0 && file.mode() & 0o777 == 0o200,
-    };
-    path.symlink_metadata().is_ok_and(is_it)
 }
 
 /// What is in shared memory under names that begin so, in order.

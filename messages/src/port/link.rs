@@ -10,10 +10,15 @@ use iceoryx2::port::publisher::{Publisher, PublisherCreateError};
 use iceoryx2::port::subscriber::Subscriber;
 use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
+use iceoryx2::sample::Sample;
+use iceoryx2::sample_mut::SampleMut;
+use std::cell::RefCell;
 use std::time::{Duration, Instant};
 
 /// A reader that spins looks so often, about 1 µs, before it does anything else.
 const LOOKS: u32 = 16;
+/// After so many, the other side has surely read what was written last.
+const SOON: u32 = 2;
 /// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
 const SPIN: Duration = Duration::from_micros(50);
 /// For so long after its own last message a reader is surely still spinning [ns].
@@ -48,6 +53,8 @@ impl Waiting {
 /// Writing end of a topic with a wake-up.
 #[derive(Debug)]
 pub(super) struct Outlet<M: Stamped> {
+    /// Room for the next message.
+    room: RefCell<Option<SampleMut<ipc::Service, M, ()>>>,
     writer: Publisher<ipc::Service, M, ()>,
     bell: Notifier<ipc::Service>,
     /// How the reader waits.
@@ -64,18 +71,21 @@ impl<M: Stamped> Outlet<M> {
             error => broken("writing", error),
         })?;
         let bell = place.event(name)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Outlet { writer, bell, waiting: Waiting::default() })
+        Ok(Outlet { room: RefCell::new(None), writer, bell, waiting: Waiting::default() })
     }
 
     /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
     /// this one since. A ring is a system call and costs more than a tick.
+    #[inline]
     pub fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
         self.write(message, M::seal, heard_ns)
     }
 
     /// The same, after `finish` on the message in its place.
+    #[inline]
     pub fn write(&self, message: M, finish: impl FnOnce(&mut M), heard_ns: u64) -> Result<(), PortError> {
-        let mut sample = self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(message);
+        let mut sample = self.room.take().map_or_else(|| self.take_room(), Ok)?;
+        *sample.payload_mut() = message;
         finish(sample.payload_mut());
         sample.send().map_err(|e| broken("writing", e))?;
         // what a damaged message says of the future is not believed
@@ -83,6 +93,20 @@ impl<M: Stamped> Outlet<M> {
             self.bell.notify().map_err(|e| broken("the wake-up", e))?;
         }
         Ok(())
+    }
+
+    /// Takes room for the next message beforehand, and writes there, so that its cache lines need not be fetched from the
+    /// other processor when the message is there: that is half of what sending costs.
+    pub fn prepare(&self) -> Result<(), PortError> {
+        let mut room = self.room.borrow_mut();
+        if room.is_none() {
+            *room = Some(self.take_room()?);
+        }
+        Ok(())
+    }
+
+    fn take_room(&self) -> Result<SampleMut<ipc::Service, M, ()>, PortError> {
+        Ok(self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(M::zeroed()))
     }
 
     /// Gives the last message to a reader that has come since, and wakes it.
@@ -112,26 +136,43 @@ impl<M: Stamped> Inlet<M> {
     }
 
     /// The next message, as it came.
+    #[inline]
     pub fn next(&mut self) -> Result<Option<M>, PortError> {
-        let message = self.reader.next()?;
-        if let Some(message) = &message {
-            self.heard_ns = message.stamp().mono_ns;
-        }
-        Ok(message)
+        let found = self.reader.look()?;
+        Ok(self.copy(found))
     }
 
-    /// Spins first and sleeps then, as `waiting` says; gives up after a slice.
-    pub fn wait(&mut self) -> Result<Option<M>, PortError> {
-        let message = self.look()?; // most answers come before a clock need be read, which takes as long as a look
-        if message.is_some() {
-            return Ok(message);
+    /// Spins first and sleeps then, as `waiting` says; gives up after a slice. `meanwhile` is done after a few looks.
+    #[inline]
+    pub fn wait(&mut self, meanwhile: impl FnOnce() -> Result<(), PortError>) -> Result<Option<M>, PortError> {
+        let found = self.find(meanwhile)?;
+        Ok(self.copy(found))
+    }
+
+    /// The only copy: its slot is free again at once.
+    #[inline]
+    fn copy(&mut self, found: Option<Found<M>>) -> Option<M> {
+        let message = *found?;
+        self.heard_ns = message.stamp().mono_ns;
+        Some(message)
+    }
+
+    fn find(&self, meanwhile: impl FnOnce() -> Result<(), PortError>) -> Result<Option<Found<M>>, PortError> {
+        // Most answers come before a clock need be read, which takes as long as a look.
+        let mut found = self.look(SOON)?;
+        if found.is_none() {
+            meanwhile()?;
+            found = self.look(LOOKS)?;
+        }
+        if found.is_some() {
+            return Ok(found);
         }
         let start = Instant::now();
         loop {
             let waited = start.elapsed(); // before the look: what comes after it is rung for, once we may sleep
-            let message = self.look()?;
-            if message.is_some() || waited >= SLICE {
-                return Ok(message);
+            let found = self.look(LOOKS)?;
+            if found.is_some() || waited >= SLICE {
+                return Ok(found);
             }
             match self.waiting {
                 Waiting::Spin => (),
@@ -146,17 +187,20 @@ impl<M: Stamped> Inlet<M> {
     }
 
     /// Looks for a message, a few times if it may come any moment.
-    fn look(&mut self) -> Result<Option<M>, PortError> {
-        for _ in 0..if self.waiting == Waiting::Event { 1 } else { LOOKS } {
-            let message = self.next()?;
-            if message.is_some() {
-                return Ok(message);
+    fn look(&self, times: u32) -> Result<Option<Found<M>>, PortError> {
+        for _ in 0..if self.waiting == Waiting::Event { 1 } else { times } {
+            let found = self.reader.look()?;
+            if found.is_some() {
+                return Ok(found);
             }
             std::hint::spin_loop();
         }
         Ok(None)
     }
 }
+
+/// A message in its slot.
+type Found<M> = Sample<ipc::Service, M, ()>;
 
 /// Reading end of a topic.
 #[derive(Debug)]
@@ -169,6 +213,10 @@ impl<M: Stamped> Reader<M> {
 
     /// A copy of the next message; its slot is free again at once.
     pub fn next(&self) -> Result<Option<M>, PortError> {
-        Ok(self.0.receive().map_err(|e| broken("reading", e))?.map(|sample| *sample))
+        Ok(self.look()?.map(|sample| *sample))
+    }
+
+    fn look(&self) -> Result<Option<Found<M>>, PortError> {
+        self.0.receive().map_err(|e| broken("reading", e))
     }
 }

@@ -69,6 +69,7 @@ impl Place {
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| broken("joining the session", e))?;
+        session.clear_half_removed(); // the new node has removed those of the dead
         Ok(Place { node, contract, membership })
     }
 
