@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `EnergyQp` | the minimum of (14) under (15), (16), as printed | principal pivoting (`energy_qp`) |
 //! | `EnergyQpGap` | the same with two tangents and v_N + gap/h >= mu |v_F|, as convex engines have it \[1\] | the same |
-//! | `Complementarity` | (17)-(22), one tangent | active set, shifted energy program, Lemke (`solver`) |
+//! | `Complementarity` | (17)-(22), one tangent | active set, shifted energy program, Lemke in 16 and 32 digits (`solver`) |
 //! | `Aligned` | (17)-(22), two tangents, landing at the ground | the same |
 //! | `Facets(d)` | (17)-(22), d directions fixed in the world \[2\] | semismooth Newton (`newton`), the same behind it |
 //! | `Cone` | (17)-(22), round cone \[3\] | the same (`cones`) |
@@ -43,6 +43,7 @@ mod scaled;
 mod solver;
 mod spring_damper;
 mod sweep;
+mod twofold;
 
 pub use solver::Solver;
 

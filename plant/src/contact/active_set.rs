@@ -95,6 +95,18 @@ pub(super) fn slide(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) {
     }
 }
 
+/// Writes the basis as a complementary one: what sticks is carried by one facet of each tangent, which `f` tells.
+pub(super) fn complement(scaled: &Scaled, f: &[f64], basis: &mut [u8]) {
+    let (d, stride) = (scaled.facets(), scaled.stride());
+    for (bits, f) in basis.iter_mut().zip(f.chunks_exact(stride)) {
+        let guess = Guess::read(*bits, d);
+        *bits = match guess {
+            Guess::Sticks => (1..stride).fold(1, |bits, k| bits | 1 << (2 * k - 1 + usize::from(f[k] > 0.0))),
+            _ => guess.write(d),
+        };
+    }
+}
+
 /// What a contact does.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Guess {

@@ -3,10 +3,10 @@
 use super::cone_qp::ConeQp;
 use super::facets::Facets;
 use super::fixed_point::{self, MINIMA};
-use super::lemke::{Care, FINE, QUICK};
+use super::lemke::{Care, EXACT, FINE, QUICK};
 use super::newton::Newton;
 use super::round::{Round, Rule};
-use super::scaled::Scaled;
+use super::scaled::{HAIR, Scaled};
 use super::sweep::sweep;
 use super::{Memory, Problem, Report, spring_damper};
 use messages::scene::{Iteration, Law};
@@ -19,7 +19,10 @@ const BURSTS: [u32; 4] = [3, 12, 50, 200];
 /// Energy minima after which a start is good enough.
 const FEW: u32 = 20;
 /// Starts by pivoting: what contacts yield by, and what counts as zero.
-const PIVOTING: [(f64, Care); 5] = [(0.0, QUICK), (0.0, FINE), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
+const PIVOTING: [(f64, Care); 6] =
+    [(0.0, QUICK), (0.0, FINE), (HAIR, EXACT), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
+/// More contacts have too many facets for 32 digits.
+const MANY: usize = 8;
 
 /// What contacts yield by on the way to rigid ones.
 const HARDENING: [f64; 10] = [1.0, 0.3, 0.1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
@@ -132,6 +135,7 @@ impl Cones {
         let ways = PIVOTING.map(Some).into_iter().chain([None]);
         for way in ways {
             match way {
+                Some((_, care)) if care.exact && self.round.contacts > MANY => continue,
                 Some((rho, care)) => self.pivot(rule, rho, care, steps),
                 None => _ = fixed_point::iterate(self, Iteration::Aclm, FEW, steps),
             }

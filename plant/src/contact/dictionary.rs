@@ -1,58 +1,66 @@
 //! A dictionary: basic variables as affine functions of the nonbasic ones, and the exchange of two of them.
 
+use super::twofold::Number;
+
 /// `basic = entry · (nonbasic, 1)`, row-major; the last column holds the constants.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Dictionary {
+pub(super) struct Dictionary<N> {
     pub rows: usize,
     pub width: usize,
-    entry: Vec<f64>,
-    pivot_row: Vec<f64>,
+    entry: Vec<N>,
+    pivot_row: Vec<N>,
 }
 
-impl Dictionary {
+impl<N: Number> Dictionary<N> {
     /// All zeros, `rows` basic variables and `width - 1` nonbasic ones.
     pub fn reset(&mut self, rows: usize, width: usize) {
         (self.rows, self.width) = (rows, width);
         self.entry.clear();
-        self.entry.resize(rows * width, 0.0);
-        self.pivot_row.resize(width, 0.0);
+        self.entry.resize(rows * width, N::default());
+        self.pivot_row.resize(width, N::default());
     }
 
     /// Becomes the same dictionary, in the buffers it has.
-    pub fn copy(&mut self, original: &Dictionary) {
+    pub fn copy(&mut self, original: &Dictionary<N>) {
         (self.rows, self.width) = (original.rows, original.width);
         self.entry.clone_from(&original.entry);
         self.pivot_row.clone_from(&original.pivot_row);
     }
 
-    pub fn at(&self, row: usize, column: usize) -> f64 {
+    pub fn at(&self, row: usize, column: usize) -> N {
         self.entry[row * self.width + column]
     }
 
-    pub fn constant(&self, row: usize) -> f64 {
+    /// Magnitude of the largest entry of a row.
+    pub fn largest(&self, row: usize) -> f64 {
+        let entries = &self.entry[row * self.width..(row + 1) * self.width];
+        entries.iter().fold(0.0, |most: f64, &x| most.max(Into::<f64>::into(x).abs()))
+    }
+
+    pub fn constant(&self, row: usize) -> N {
         self.entry[(row + 1) * self.width - 1]
     }
 
-    pub fn row_mut(&mut self, row: usize) -> &mut [f64] {
+    pub fn row_mut(&mut self, row: usize) -> &mut [N] {
         &mut self.entry[row * self.width..(row + 1) * self.width]
     }
 
     /// The basic variable of `row` and the nonbasic one of `column` change places.
     pub fn exchange(&mut self, row: usize, column: usize) {
         let width = self.width;
-        let inverse = 1.0 / self.at(row, column);
+        let inverse = N::from(1.0) / self.at(row, column);
         let pivot = &mut self.entry[row * width..(row + 1) * width];
-        pivot.iter_mut().for_each(|x| *x *= -inverse);
+        pivot.iter_mut().for_each(|x| *x = *x * -inverse);
         pivot[column] = inverse;
         self.pivot_row.copy_from_slice(pivot);
         for (i, other) in self.entry.chunks_exact_mut(width).enumerate() {
             let factor = other[column];
-            if i == row || factor == 0.0 {
+            if i == row || factor == N::default() {
                 continue;
             }
-            other[column] = 0.0;
-            for (x, p) in other.iter_mut().zip(&self.pivot_row) {
-                *x += factor * p;
+            other[column] = N::default();
+            for (x, &p) in other.iter_mut().zip(&self.pivot_row) {
+                *x = *x + factor * p;
             }
         }
     }

@@ -18,103 +18,162 @@
 //! A ray would need an impulse in the cone with A f = 0 and f·b + (lift) < 0; but A f = 0 means K f = 0, and b is in the
 //! range of K^T, so f·b = 0: there is none.
 
-use super::lemke::{Care, Lemke};
+use super::lemke::{Care, EXACT, Lemke, NEAR};
 use super::project::corner;
 use super::scaled::Scaled;
+use super::solver::FEW;
+use super::twofold::{Number, Twofold};
 
-/// Assembly of the problem and the reading of its solution.
+/// Assembly of the problem, pivoting, and the reading of its solution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
-    lemke: Lemke,
-    /// d_j of every contact in its scaled rows, and its weight c_j.
-    facet: Vec<([f64; 3], f64)>,
-    /// d.
-    count: usize,
-    /// Facet j of each contact, along which it slides at the start.
-    start: Vec<usize>,
-    /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
-    push: Vec<[f64; 3]>,
-    /// For each pair: coefficients with which the basic partner reads the contact's velocity.
-    read: Vec<[f64; 3]>,
-    combined: Vec<f64>,
+    quick: Pairs<f64>,
+    exact: Pairs<Twofold>,
 }
 
 impl Facets {
     /// Solves and writes the basis, one bit per basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed.
     /// Adds the pivots to `count`; false when there is no solution to be found.
     pub fn pivot(&mut self, scaled: &Scaled, care: Care, basis: &mut [u8], count: &mut u32) -> bool {
-        self.count = scaled.facets();
-        self.facet.clear();
-        for ratio in scaled.ratio.chunks_exact(scaled.stride()) {
-            self.facet.extend((0..self.count).map(|j| {
-                let (row, sign) = Scaled::facet(j);
-                let mut unit = [0.0; 3];
-                unit[row] = sign;
-                (unit, ratio[row])
-            }));
+        self.quick.along_tangents(scaled);
+        let solved = self.quick.lemke.run(care, count);
+        if solved {
+            self.quick.basis(basis);
         }
-        if !self.run(scaled, care, count) {
-            return false;
+        solved
+    }
+
+    /// The same in 32 digits, with the impulse. Of few contacts the path from the start is short; of others it begins
+    /// at the given basis, if it can.
+    pub fn pivot_exactly(&mut self, scaled: &Scaled, basis: &mut [u8], f: &mut Vec<f64>, count: &mut u32) -> bool {
+        let exact = &mut self.exact;
+        exact.along_tangents(scaled);
+        let size = exact.count + 2;
+        let start = &exact.start;
+        let entered = |pair: usize| {
+            let (i, local) = (pair / size, pair % size);
+            (basis[i] >> local & 1 == 1) != at_start(start[i], size, local)
+        };
+        let mut solved = basis.len() > FEW && exact.lemke.run_from(entered, NEAR, count);
+        if !solved {
+            exact.along_tangents(scaled);
+            solved = exact.lemke.run(EXACT, count);
         }
-        let size = self.count + 2;
-        for (i, bits) in basis.iter_mut().enumerate() {
-            // Basic at the start are the facet of the slide and s, of the other pairs the velocities.
-            let at_start = |local| local == 1 + self.start[i] || local == size - 1;
-            let basic = |local: &usize| at_start(*local) != self.lemke.entered(i * size + local);
-            *bits = (0..size).filter(basic).map(|local| 1 << local).sum();
+        if solved {
+            exact.basis(basis);
+            exact.impulse(scaled, f);
         }
-        true
+        solved
     }
 
     /// Solves with `d` directions around each contact, whose rows are scaled alike, and writes the impulse to within the
     /// rounding of the pivots; what it returns and counts is likewise.
     pub fn around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>, count: &mut u32) -> bool {
+        let Facets { quick, exact } = self;
+        if care.exact {
+            exact.solve_around(scaled, d, care, f, count)
+        } else {
+            quick.solve_around(scaled, d, care, f, count)
+        }
+    }
+}
+
+/// The pairs of the problem, `d + 2` of each contact.
+#[derive(Clone, Debug, Default)]
+struct Pairs<N> {
+    lemke: Lemke<N>,
+    /// d_j of every contact in its scaled rows, and its weight c_j.
+    facet: Vec<([N; 3], N)>,
+    /// d.
+    count: usize,
+    /// Facet j of each contact, along which it slides at the start.
+    start: Vec<usize>,
+    /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
+    push: Vec<[N; 3]>,
+    /// For each pair: coefficients with which the basic partner reads the contact's velocity.
+    read: Vec<[N; 3]>,
+}
+
+/// Whether the partner of a pair is basic at the start: the facet of the slide, and the slip speed.
+fn at_start(slides: usize, size: usize, local: usize) -> bool {
+    local == 1 + slides || local == size - 1
+}
+
+impl<N: Number> Pairs<N> {
+    /// Writes the problem with friction there and back along each tangent.
+    fn along_tangents(&mut self, scaled: &Scaled) {
+        self.count = scaled.facets();
+        self.facet.clear();
+        for ratio in scaled.ratio.chunks_exact(scaled.stride()) {
+            self.facet.extend((0..self.count).map(|j| {
+                let (row, sign) = Scaled::facet(j);
+                let mut unit = [N::default(); 3];
+                unit[row] = sign.into();
+                (unit, ratio[row].into())
+            }));
+        }
+        self.directions(scaled);
+        self.assemble(scaled);
+    }
+
+    /// Solves with friction in `d` directions of equal angles.
+    fn solve_around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>, count: &mut u32) -> bool {
         self.count = d;
         self.facet.clear();
         for _ in 0..scaled.contacts {
             self.facet.extend((0..d).map(|j| {
                 let [x, y] = corner(d, j);
-                ([0.0, x, y], 1.0)
+                ([0.0, x, y].map(N::from), 1.0.into())
             }));
         }
-        if !self.run(scaled, care, count) {
-            return false;
-        }
-        f.clear();
-        f.resize(scaled.drift.len(), 0.0);
-        for (pair, push) in self.push.iter().enumerate() {
-            let amount = self.lemke.partner(pair) * scaled.size;
-            let first = pair / (d + 2) * 3;
-            f[first..].iter_mut().zip(push).for_each(|(f, push)| *f += amount * push);
-        }
-        true
-    }
-
-    fn run(&mut self, scaled: &Scaled, care: Care, count: &mut u32) -> bool {
         self.directions(scaled);
         self.assemble(scaled);
-        self.lemke.run(care, count)
+        let solved = self.lemke.run(care, count);
+        if solved {
+            self.impulse(scaled, f);
+        }
+        solved
+    }
+
+    fn basis(&self, basis: &mut [u8]) {
+        let size = self.count + 2;
+        for (i, bits) in basis.iter_mut().enumerate() {
+            let basic = |local: &usize| at_start(self.start[i], size, *local) != self.lemke.entered(i * size + local);
+            *bits = (0..size).filter(basic).map(|local| 1 << local).sum();
+        }
+    }
+
+    fn impulse(&self, scaled: &Scaled, f: &mut Vec<f64>) {
+        f.clear();
+        for push in self.push.chunks_exact(self.count + 2).enumerate() {
+            let (first, push) = (push.0 * (self.count + 2), push.1);
+            let of = |row: usize| {
+                let parts = push.iter().enumerate().map(|(k, push)| self.lemke.partner(first + k) * push[row]);
+                parts.fold(N::default(), |sum, part| sum + part).into() * scaled.size
+            };
+            f.extend((0..scaled.stride()).map(of));
+        }
     }
 
     /// Chooses the facets of the start and from them what each variable pushes and reads.
     fn directions(&mut self, scaled: &Scaled) {
-        let (d, stride) = (self.count, scaled.stride());
+        let (d, stride, zero) = (self.count, scaled.stride(), N::default());
         self.start.clear();
         self.push.clear();
         self.read.clear();
         for (i, facet) in self.facet.chunks_exact(d).enumerate() {
             // The facet against which the contact freely slips fastest.
             let slip = |j: usize| {
-                let (unit, weight) = &facet[j];
-                -(1..stride).map(|k| unit[k] * scaled.drift[i * stride + k]).sum::<f64>() / weight
+                let (unit, weight) = facet[j];
+                -(1..stride).fold(zero, |sum, k| sum + unit[k] * scaled.drift[i * stride + k].into()) / weight
             };
             let j = (1..d).fold(0, |best, j| if slip(j) > slip(best) { j } else { best });
             let (against, weight) = facet[j];
             self.start.push(j);
             for local in 0..d + 2 {
-                let mut e = [0.0; 3];
+                let mut e = [zero; 3];
                 if local == 0 {
-                    e[0] = 1.0;
+                    e[0] = 1.0.into();
                 } else if local == d + 1 {
                     e = against.map(|x| -x / weight);
                 } else if local != 1 + j {
@@ -123,8 +182,8 @@ impl Facets {
                 }
                 self.read.push(e);
                 if local == 0 {
-                    e = against.map(|x| x * scaled.friction[i] / weight);
-                    e[0] = 1.0;
+                    e = against.map(|x| x * scaled.friction[i].into() / weight);
+                    e[0] = 1.0.into();
                 }
                 self.push.push(e);
             }
@@ -133,20 +192,20 @@ impl Facets {
 
     /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
     fn assemble(&mut self, scaled: &Scaled) {
-        let Facets { lemke, facet, count, start, push, read, combined } = self;
-        let (d, stride) = (*count, scaled.stride());
+        let Pairs { lemke, facet, count, start, push, read } = self;
+        let (d, stride, m) = (*count, scaled.stride(), scaled.drift.len());
         let (size, n) = (d + 2, push.len());
         lemke.reset(n);
         for (r, e) in read.iter().enumerate() {
-            let first = r / size * stride;
-            let e = &e[..stride];
+            let weights = || (r / size * stride..).zip(&e[..stride]).filter(|(_, e)| **e != N::default());
+            let read = |column: usize| {
+                weights().fold(N::default(), |sum, (k, &e)| sum + e * scaled.delassus[k * m + column].into())
+            };
             let entries = lemke.dictionary.row_mut(r);
-            let b = e.iter().zip(&scaled.drift[first..]).map(|(e, b)| e * b).sum::<f64>();
-            entries[n + 1] = b / scaled.size;
-            scaled.combine(first, e, combined);
-            let contacts = entries.chunks_exact_mut(size).zip(push.chunks_exact(size));
-            for ((columns, push), a) in contacts.zip(combined.chunks_exact(stride)) {
-                let a = [a[0], a[1], if stride == 3 { a[2] } else { 0.0 }];
+            let b = weights().fold(N::default(), |sum, (k, &e)| sum + e * scaled.drift[k].into());
+            entries[n + 1] = b / scaled.size.into();
+            for (i, (columns, push)) in entries.chunks_exact_mut(size).zip(push.chunks_exact(size)).enumerate() {
+                let a: [N; 3] = [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { N::default() });
                 for (entry, e) in columns.iter_mut().zip(push) {
                     *entry = a[0] * e[0] + a[1] * e[1] + a[2] * e[2];
                 }
@@ -155,11 +214,15 @@ impl Facets {
         for (i, &j) in start.iter().enumerate() {
             let ratio = |k: usize| facet[i * d + k].1;
             let first = i * size;
-            let mut couple = |row: usize, column: usize, x: f64| lemke.dictionary.row_mut(first + row)[column] += x;
-            couple(0, n, 1.0);
-            couple(1 + j, first, scaled.friction[i] / ratio(j));
-            couple(1 + j, first + d + 1, -1.0 / ratio(j));
-            couple(d + 1, first + 1 + j, 1.0 / ratio(j));
+            let mut couple = |row: usize, column: usize, x: N| {
+                let entry = &mut lemke.dictionary.row_mut(first + row)[column];
+                *entry = *entry + x;
+            };
+            let one = N::from(1.0);
+            couple(0, n, one);
+            couple(1 + j, first, N::from(scaled.friction[i]) / ratio(j));
+            couple(1 + j, first + d + 1, -one / ratio(j));
+            couple(d + 1, first + 1 + j, one / ratio(j));
             for k in (0..d).filter(|&k| k != j) {
                 couple(1 + j, first + 1 + k, -ratio(k) / ratio(j));
                 couple(1 + k, first + 1 + j, ratio(k) / ratio(j));

@@ -5,10 +5,15 @@
 //! by its partner entering, until t leaves. Ties are broken as if row i of q were larger by eps^i, so no basis comes twice
 //! and redundant contacts (singular M) do not cycle. For a copositive M the path ends at a solution.
 //!
+//! In 16 digits that is so unless contacts all but hold each other; in 32 ([`EXACT`]) always. There the path may also begin
+//! at a guess, whose contradictions t makes good.
+//!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.
 
 use super::dictionary::Dictionary;
+use super::twofold::Number;
+use std::cmp::Ordering;
 
 /// What counts as rounding on the way.
 #[derive(Clone, Copy, Debug)]
@@ -17,28 +22,37 @@ pub(super) struct Care {
     pub zero: f64,
     /// Rows that come this close to zero together are ties; q is at most about 1.
     pub tie: f64,
-    /// Whether the dictionary is made afresh after each pivot.
-    pub afresh: bool,
+    /// Whether ties are relative to the largest entry of their row, and the dictionary is made afresh after each pivot
+    /// that is [`FAR`] from 1.
+    pub exact: bool,
     /// Pivots per pair at most.
     pub most: usize,
 }
 
 /// Rounding is about 1e-15 but grows from pivot to pivot: wide enough that in redundant rows it does not choose. What
 /// that costs is made good when the impulse is computed afresh from the final basis.
-pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, afresh: false, most: 50 };
+pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, exact: false, most: 50 };
 /// The same for a path that is short or given up.
 pub(super) const SHORT: Care = Care { most: 2, ..QUICK };
 /// Ties as narrow as 1e-10 needs in a step of many contacts, and a path that is given up if it is long.
-pub(super) const FINE: Care = Care { zero: 1e-12, tie: 1e-12, afresh: false, most: 1 };
-/// Sees directions in which the feet hold each other by 1e-12 of what they weigh, at a hundred times the cost.
-pub(super) const CAREFUL: Care = Care { zero: 1e-13, tie: 1e-14, afresh: true, most: 50 };
+pub(super) const FINE: Care = Care { zero: 1e-12, tie: 1e-12, exact: false, most: 1 };
+/// For 32 digits and contacts that yield by [`super::scaled::HAIR`]: entries reach its inverse, their rounding 1e-20.
+pub(super) const EXACT: Care = Care { zero: 1e-16, tie: 1e-28, exact: true, most: 50 };
+/// The same from a guess; if that is a bad one, better from the start.
+pub(super) const NEAR: Care = Care { most: 2, ..EXACT };
+/// A pivot so much smaller or larger than 1 has cost digits.
+const FAR: f64 = 1e3;
+/// Its multiples have fractions far from each other.
+const GOLDEN: f64 = 0.618_033_988_75;
+/// What parts the rows of q in 32 digits: far above their rounding, far below any residual.
+const PARTED: f64 = 1e-14;
 
 /// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lemke {
+pub(super) struct Lemke<N> {
     /// n rows; columns: the n partners, t, constants.
-    pub dictionary: Dictionary,
-    original: Dictionary,
+    pub dictionary: Dictionary<N>,
+    original: Dictionary<N>,
     basic: Vec<usize>,
     nonbasic: Vec<usize>,
     /// Row of a basic variable, or n + column of a nonbasic one.
@@ -48,7 +62,7 @@ pub(super) struct Lemke {
     leaving: Vec<usize>,
 }
 
-impl Lemke {
+impl<N: Number> Lemke<N> {
     /// Empties the dictionary for n pairs.
     pub fn reset(&mut self, n: usize) {
         self.dictionary.reset(n, n + 2);
@@ -61,22 +75,69 @@ impl Lemke {
     }
 
     /// Value of that partner in the solution.
-    pub fn partner(&self, i: usize) -> f64 {
+    pub fn partner(&self, i: usize) -> N {
         let n = self.dictionary.rows;
         let place = self.place[n + i];
-        if place < n { self.dictionary.constant(place) } else { 0.0 }
+        if place < n { self.dictionary.constant(place) } else { N::default() }
     }
 
     /// Runs to a complementary basis and adds the pivots to `count`; false on a ray or after too many.
     pub fn run(&mut self, care: Care, count: &mut u32) -> bool {
-        let n = self.dictionary.rows;
-        if care.afresh {
+        if care.exact {
+            self.part();
             self.original.copy(&self.dictionary);
         }
+        self.begin();
+        self.follow(care, count)
+    }
+
+    /// The same from the basis that the partners of these rows have entered; false also if it is singular.
+    ///
+    /// There t lifts each negative row, by a little more than it needs, so that no two reach zero together. In the rows of
+    /// the start, of which the dictionary is made afresh, that is B c: c what t adds to the basic variables, B their columns.
+    pub fn run_from(&mut self, entered: impl Fn(usize) -> bool, care: Care, count: &mut u32) -> bool {
+        let n = self.dictionary.rows;
+        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = N::default());
+        self.part();
+        self.original.copy(&self.dictionary);
+        self.begin();
+        self.entering.extend((0..n).filter(|&i| entered(i)));
+        self.leaving.clone_from(&self.entering);
+        *count += 1;
+        if !self.gather(care) {
+            return false;
+        }
+        for r in 0..n {
+            let lift = greater(-self.dictionary.constant(r), N::default());
+            self.dictionary.row_mut(r)[n] = lift * N::from(1.0 + r as f64 / n as f64);
+        }
+        for r in 0..n {
+            let lift = |place: usize| if place < n { self.dictionary.at(place, n) } else { N::default() };
+            let columns = (0..n).filter(|i| self.place[n + i] < n);
+            let lifts = columns.map(|i| self.original.at(r, i) * lift(self.place[n + i]));
+            self.original.row_mut(r)[n] = lift(self.place[r]) - lifts.fold(N::default(), |sum, x| sum + x);
+        }
+        self.follow(care, count)
+    }
+
+    /// Adds to each row of q what no residual shows, so that no two are tied: a tie that rounding decides wrongly among
+    /// feet that hold each other ends on a ray.
+    fn part(&mut self) {
+        let n = self.dictionary.rows;
+        for r in 0..n {
+            let hair = PARTED * (1.0 + (r as f64 * GOLDEN).fract());
+            let q = &mut self.dictionary.row_mut(r)[n + 1];
+            *q = *q + hair.into();
+        }
+    }
+
+    /// The basis of the start.
+    fn begin(&mut self) {
+        let n = self.dictionary.rows;
         // room for the worst at once: nothing is taken from the heap on the way
         for list in [&mut self.ties, &mut self.entering, &mut self.leaving] {
             list.clear();
-            list.reserve(n);
+            list.reserve(n + 1);
         }
         self.basic.clear();
         self.basic.extend(0..n);
@@ -84,28 +145,33 @@ impl Lemke {
         self.nonbasic.extend(n..=2 * n);
         self.place.clear();
         self.place.extend((0..n).chain(n..=2 * n));
+    }
+
+    /// Lets t enter, then partners until it leaves.
+    fn follow(&mut self, care: Care, count: &mut u32) -> bool {
+        let n = self.dictionary.rows;
         let Some(mut row) = self.first_row() else { return true };
         let mut column = n;
         for _ in 0..care.most * n {
             *count += 1;
             let left = self.basic[row];
+            let pivot = self.dictionary.at(row, column).into().abs();
             self.exchange(row, column);
             if left == 2 * n {
                 return true;
             }
-            column = self.place[(left + n) % (2 * n)] - n;
-            if care.afresh {
-                self.refresh();
-                column = self.place[(left + n) % (2 * n)] - n;
+            if care.exact && !(1.0 / FAR..FAR).contains(&pivot) && !self.refresh(care) {
+                return false;
             }
+            column = self.place[(left + n) % (2 * n)] - n;
             let Some(next) = self.leaving(column, care) else { return false };
             row = next;
         }
         false
     }
 
-    /// Makes the dictionary of the present basis from the original one, the largest pivots first.
-    fn refresh(&mut self) {
+    /// Makes the dictionary of the present basis from the original one.
+    fn refresh(&mut self, care: Care) -> bool {
         let n = self.dictionary.rows;
         self.dictionary.copy(&self.original);
         self.entering.clear();
@@ -116,14 +182,24 @@ impl Lemke {
         self.basic.extend(0..n);
         self.nonbasic.clear();
         self.nonbasic.extend(n..=2 * n);
+        self.gather(care)
+    }
+
+    /// Exchanges the rows of `leaving` for the columns of `entering`, the largest pivots first; false if one is nothing.
+    fn gather(&mut self, care: Care) -> bool {
+        let n = self.dictionary.rows;
         while !self.entering.is_empty() {
-            let (mut best, mut size) = ((0, 0), -1.0);
+            let (mut best, mut size) = ((0, 0), care.zero);
             for (i, &row) in self.leaving.iter().enumerate() {
                 for (j, &column) in self.entering.iter().enumerate() {
-                    if self.dictionary.at(row, column).abs() > size {
-                        (best, size) = ((i, j), self.dictionary.at(row, column).abs());
+                    let entry = self.dictionary.at(row, column).into().abs();
+                    if entry > size {
+                        (best, size) = ((i, j), entry);
                     }
                 }
+            }
+            if size <= care.zero {
+                return false;
             }
             let (row, column) = (self.leaving.swap_remove(best.0), self.entering.swap_remove(best.1));
             self.dictionary.exchange(row, column);
@@ -135,14 +211,15 @@ impl Lemke {
         for (column, &variable) in self.nonbasic.iter().enumerate() {
             self.place[variable] = n + column;
         }
+        true
     }
 
     /// Row that t must lift most; of equal ones the last, whose perturbation is smallest.
     fn first_row(&self) -> Option<usize> {
-        let n = self.dictionary.rows;
+        let (n, zero) = (self.dictionary.rows, N::default());
         let lift = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
-        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > 0.0 && lift(r) > 0.0);
-        lifted.max_by(|&a, &b| lift(a).total_cmp(&lift(b)))
+        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > zero && lift(r) > zero);
+        lifted.max_by(|&a, &b| order(lift(a), lift(b)))
     }
 
     fn exchange(&mut self, row: usize, column: usize) {
@@ -158,10 +235,12 @@ impl Lemke {
         let n = self.dictionary.rows;
         let Lemke { dictionary, place, ties, .. } = self;
         let slope = |r: usize| -dictionary.at(r, column);
-        let ratio = |r: usize| dictionary.constant(r).max(0.0) / slope(r);
-        let least = (0..n).filter(|&r| slope(r) > care.zero).map(ratio).fold(f64::INFINITY, f64::min);
+        let ratio = |r: usize| greater(dictionary.constant(r), N::default()) / slope(r);
+        let tie = |r: usize| N::from(care.tie * if care.exact { dictionary.largest(r) } else { 1.0 });
+        let falling = (0..n).filter(|&r| slope(r) > care.zero.into());
+        let least = falling.clone().map(ratio).min_by(|&a, &b| order(a, b))?;
         ties.clear();
-        ties.extend((0..n).filter(|&r| slope(r) > care.zero && dictionary.constant(r) - least * slope(r) <= care.tie));
+        ties.extend(falling.filter(|&r| dictionary.constant(r) - least * slope(r) <= tie(r)));
         if let Some(&end) = ties.iter().find(|&&r| place[2 * n] == r) {
             return Some(end);
         }
@@ -170,10 +249,19 @@ impl Lemke {
                 break;
             }
             // Coefficient of this power of eps in row r: the perturbed variable itself, or minus its column.
-            let power = |r: usize| if at >= n { -dictionary.at(r, at - n) } else { f64::from(at == r) };
-            let least = ties.iter().map(|&r| power(r) / slope(r)).fold(f64::INFINITY, f64::min);
-            ties.retain(|&r| power(r) - least * slope(r) <= care.tie);
+            let power = |r: usize| if at >= n { -dictionary.at(r, at - n) } else { f64::from(at == r).into() };
+            let least = ties.iter().map(|&r| power(r) / slope(r)).min_by(|&a, &b| order(a, b))?;
+            ties.retain(|&r| power(r) - least * slope(r) <= tie(r));
         }
-        ties.iter().copied().max_by(|&a, &b| slope(a).total_cmp(&slope(b)))
+        ties.iter().copied().max_by(|&a, &b| order(slope(a), slope(b)))
     }
+}
+
+/// What is no number is equal to all.
+fn order<N: Number>(a: N, b: N) -> Ordering {
+    a.partial_cmp(&b).unwrap_or(Ordering::Equal)
+}
+
+fn greater<N: Number>(a: N, b: N) -> N {
+    if a > b { a } else { b }
 }

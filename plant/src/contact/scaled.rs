@@ -15,6 +15,10 @@ const IMMOVABLE: f64 = 1e-20;
 /// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
 pub(super) const YIELD: f64 = 2e-11;
 
+/// The same for pivoting in 32 digits: far above the rounding of A, so that there is one solution, and far below what
+/// counts as solved.
+pub(super) const HAIR: f64 = 4e-12;
+
 /// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
 /// impulse.
 #[derive(Clone, Debug, Default)]

@@ -1,23 +1,24 @@
 //! The solver: from the cheapest way to a complementary basis to the surest, each judged by its residual alone.
 
 mod fall_back;
+#[cfg(test)]
+mod hard;
 mod slide;
 
 use super::basis::Block;
 use super::cones::Cones;
 use super::energy_qp::{EnergyQp, minimises_energy};
 use super::facets::Facets;
-use super::lemke::{CAREFUL, Care, FINE, QUICK, SHORT};
+use super::lemke::{Care, FINE, SHORT};
 use super::residual::{self, Yardstick};
-use super::scaled::{self, Scaled, YIELD};
+use super::scaled::{self, HAIR, Scaled, YIELD};
 use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
-use slide::Shift;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
 const SOLVED: f64 = 4e-11;
 /// Contacts of one foot: so few settle even from a poor guess.
-const FEW: usize = 4;
+pub(super) const FEW: usize = 4;
 /// More contacts than two feet have.
 const MANY: usize = 8;
 /// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
@@ -36,8 +37,8 @@ pub struct Solver {
     block: Block,
     basis: Vec<u8>,
     rays: Vec<u8>,
-    /// What is added to each v_N in the shifted energy program.
-    shift: Vec<Shift>,
+    /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
+    shift: Vec<f64>,
     f: Vec<f64>,
     v: Vec<f64>,
     best: Vec<f64>,
@@ -54,9 +55,10 @@ impl Solver {
     /// 2. for Coulomb's law, that basis corrected contact by contact (of one, or of few with one tangent, then Lemke's
     ///    method); for the energy program, principal pivoting;
     /// 3. the same with contacts that yield by rounding (`scaled::YIELD`);
-    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program, and Lemke's method with a
-    ///    dictionary made afresh at each pivot; then Lemke's method for contacts that do not yield;
-    /// 5. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
+    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program;
+    /// 5. Lemke's method in 32 digits from what that guessed, of few contacts from the start. Contacts yield by a hair
+    ///    there: such a problem has a solution, and the path ends at it;
+    /// 6. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
     ///
     /// Nothing is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the
     /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
@@ -98,23 +100,23 @@ impl Solver {
     /// Finds the solution, the way that most steps take first; false if every way failed.
     fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
         if minimises_energy(law) {
-            return self.minimise(law, pivots) || self.yielding(|solver| solver.minimise(law, pivots));
+            return self.minimise(law, pivots) || self.yielding(YIELD, |solver| solver.minimise(law, pivots));
         }
         let count = self.scaled.contacts;
         let (alone, few, many) = (count == 1, count <= FEW, count > MANY);
         !self.on_rays() && self.settle(law, pivots)
             // where its path is short, Lemke's method ends at a basis that is solved to rounding
             || (alone || few && law == Law::Complementarity) && self.pivot(law, SHORT, pivots)
-            || self.yielding(|solver| (few || !solver.on_rays()) && solver.settle(law, pivots))
+            || self.yielding(YIELD, |solver| (few || !solver.on_rays()) && solver.settle(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)
-            || self.yielding(|solver| solver.slide(law, pivots) || solver.pivot(law, CAREFUL, pivots))
-            || self.pivot(law, QUICK, pivots)
+            || !few && self.yielding(YIELD, |solver| solver.slide(law, pivots))
+            || self.yielding(HAIR, |solver| solver.pivot_exactly(law, pivots))
     }
 
-    /// A way that sees the finest directions: the same for contacts that yield.
-    fn yielding(&mut self, way: impl FnOnce(&mut Solver) -> bool) -> bool {
-        self.scaled.give(YIELD);
+    /// A way that sees the finest directions: the same for contacts that yield by so much.
+    fn yielding(&mut self, give: f64, way: impl FnOnce(&mut Solver) -> bool) -> bool {
+        self.scaled.give(give);
         let found = way(self);
         if !found {
             self.scaled.give(0.0);
@@ -180,6 +182,25 @@ impl Solver {
     /// Lemke's pivoting on the complementarity problem.
     fn pivot(&mut self, law: Law, care: Care, pivots: &mut u32) -> bool {
         self.facets.pivot(&self.scaled, care, &mut self.basis, pivots) && self.is_solved(law)
+    }
+
+    /// The same in 32 digits, where it ends at a solution: that of its basis, or its own where that is singular.
+    fn pivot_exactly(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let Solver { facets, scaled, basis, f, best, .. } = self;
+        active_set::complement(scaled, f, basis);
+        if !facets.pivot_exactly(scaled, basis, best, pivots) {
+            return false;
+        }
+        if self.is_solved(law) {
+            return true;
+        }
+        let Solver { scaled, f, v, best, .. } = self;
+        f.clone_from(best);
+        scaled.velocity(f, v);
+        scaled.harden(f, v);
+        let error = residual::natural_map(scaled, f, v, yardstick(law));
+        self.note(error);
+        error <= SOLVED
     }
 
     /// Whether the basis comes from the energy program, where [`Solver::slide`] goes on from it.
