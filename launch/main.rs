@@ -21,6 +21,7 @@
 //! | contact problems as files | [`contact`] |
 //! | what a smaller model saves | [`model`] |
 //! | recordings and their replay | [`recording`] |
+//! | the run in 3-D, in the terminal | [`view`], [`top`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
 mod chart;
@@ -45,11 +46,13 @@ mod run;
 mod soak;
 mod study;
 mod summary;
+mod top;
+mod view;
 mod wire;
 
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
-use messages::load::load;
+use messages::load::{load, text};
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::scene::Scene;
 use messages::session::Session;
@@ -92,6 +95,10 @@ enum Command {
     Controller(RoleArgs),
     #[command(flatten)]
     Desk(desk::Wish),
+    /// Show a running session in a browser, in 3-D, and let it be pushed and led from there
+    View(view::live::ViewArgs),
+    /// Show how a running session is, in the terminal
+    Top(top::TopArgs),
     /// Hurt real processes in many ways, and check that nothing hangs, lies or is left
     Faults(faults::FaultsArgs),
     /// Walk for a long time, and watch memory, open files, shared memory and latency
@@ -225,6 +232,8 @@ fn main() -> ExitCode {
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
         Some(Command::Desk(wish)) => desk::run(wish),
+        Some(Command::View(args)) => view::live::run(&args, &stop),
+        Some(Command::Top(args)) => top::run(&args, &stop),
         Some(Command::Faults(args)) => faults::run(&args, &stop),
         Some(Command::Soak(args)) => soak::run(&args, &stop),
         Some(Command::Doctor) => doctor::doctor(),
@@ -255,6 +264,7 @@ fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let (scene, session) = begin(args)?;
     let contract = Contract::of(&scene, args.pace.pace());
     let port = guarded(|| PlantPort::open(&session, &contract))?;
+    session.tell_scene(&text(&scene))?;
     ready(args)?;
     let PaceArgs { speed, .. } = args.pace;
     let options = plant::process::Options { pace: args.pace.pace(), speed, patience: args.pace.patience() };

@@ -10,12 +10,14 @@ mod gait;
 mod histogram;
 mod robot;
 mod sample;
+mod worst;
 
 pub use extremes::Extremes;
 pub use gait::{Gait, Lateral};
 pub use histogram::Histogram;
 pub use robot::{Foot, Robot};
 pub use sample::{Sample, normal_forces};
+pub use worst::Worst;
 
 use messages::scene::Scene;
 use messages::wire::Truth;
@@ -27,6 +29,8 @@ pub struct Row {
     pub truth: Truth,
     /// Derived quantities.
     pub sample: Sample,
+    /// What came in peaks since the row before.
+    pub worst: Worst,
 }
 
 /// Listens to a run.
@@ -50,6 +54,8 @@ pub struct Recorder {
     /// Integration steps in one control period.
     pub steps_per_period: u64,
     row_ns: u64,
+    /// Peaks since the last row.
+    worst: Worst,
 }
 
 /// Histograms of quantities that are looked at by order of magnitude.
@@ -89,6 +95,7 @@ impl Recorder {
             dropped: 0,
             steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
             row_ns: ROW_NS,
+            worst: Worst::default(),
         }
     }
 
@@ -114,18 +121,24 @@ impl Recorder {
         if self.extremes.fall.is_none() {
             self.gait.push(&sample);
         }
-        self.keep(Row { truth: *truth, sample });
+        self.worst = self.worst.and(&Worst::of(truth));
+        self.keep(Row { truth: *truth, sample, worst: self.worst });
     }
 
     fn keep(&mut self, row: Row) {
         let slot = |row: &Row| row.truth.stamp.sim_ns / self.row_ns;
         if self.rows.last().is_none_or(|last| slot(last) < slot(&row)) {
             self.rows.push(row.clone());
+            self.worst = Worst::default();
         }
         if self.rows.len() > MAX_ROWS {
-            let mut even = false;
-            self.rows.retain(|_| {
+            let (mut even, mut gone) = (false, Worst::default());
+            self.rows.retain_mut(|row| {
                 even = !even;
+                match even {
+                    true => row.worst = row.worst.and(&gone),
+                    false => gone = row.worst,
+                }
                 even
             });
             self.row_ns *= 2;
@@ -246,6 +259,25 @@ mod tests {
         assert!(recorder.rows.len() <= MAX_ROWS && recorder.rows.len() > MAX_ROWS / 3, "{}", recorder.rows.len());
         let gaps = recorder.rows.windows(2).map(|w| w[1].truth.stamp.sim_ns - w[0].truth.stamp.sim_ns);
         assert!(gaps.into_iter().all(|gap| gap == recorder.row_ns));
+    }
+
+    #[test]
+    fn no_peak_is_lost_between_rows_however_thin_they_are() {
+        let mut recorder = Recorder::new(&Scene::default());
+        let mut truth = FakeWalk::new(0.0).truth(0, 0.0);
+        for tick in 0..200_000_u64 {
+            truth.stamp.sim_ns = tick * 1_000_000;
+            truth.late_ns = if tick == 77_777 { 5 } else { 0 };
+            truth.torque[3] = if tick == 123_456 { -9.0 } else { 1.0 };
+            recorder.push(&truth);
+        }
+        let at =
+            |is: fn(&Worst) -> bool| recorder.rows.iter().filter(move |row| is(&row.worst)).map(|row| row.sample.time);
+        for (times, peak) in [(at(|worst| worst.late_ns == 5), 77.777), (at(|worst| worst.torque[3] == -9.0), 123.456)]
+        {
+            let (times, period) = (times.collect::<Vec<_>>(), recorder.row_ns as f64 * 1e-9);
+            assert!(matches!(times[..], [time] if (0.0..=period).contains(&(time - peak))), "{times:?} for {peak}");
+        }
     }
 
     #[test]

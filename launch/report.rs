@@ -14,6 +14,8 @@ mod trajectory;
 use crate::csv;
 use crate::record::{Recorder, Row};
 use crate::summary::Summary;
+use crate::view::film;
+use crate::view::page::Page;
 use messages::scene::Scene;
 use std::path::Path;
 use std::{fs, io};
@@ -70,7 +72,7 @@ pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scen
     fs::create_dir_all(folder.join("figures"))?;
     write_whole(&folder.join("summary.json"), &summary.json())?;
     write_whole(&folder.join("trajectory.csv"), &csv::table(recorder))?;
-    write_whole(&folder.join("report.html"), &page(&figures, summary, &scene.description, text))?;
+    write_whole(&folder.join("report.html"), &page(&figures, recorder, summary, scene, text))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
         write_whole(&folder.join("figures").join(panel.name).with_extension("svg"), &panel.svg)?;
     }
@@ -85,8 +87,8 @@ pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
     fs::rename(&draft, path).map_err(named)
 }
 
-/// The page, complete in itself: styles and drawings inline.
-fn page(figures: &[Figure], summary: &Summary, description: &str, scene: &str) -> String {
+/// The page: the run in 3-D, its summary, and every figure.
+fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> String {
     let rows = summary.lines().into_iter().map(|(name, value)| {
         let class = match name {
             "outcome" if summary.fell => " class=\"bad\"",
@@ -95,6 +97,7 @@ fn page(figures: &[Figure], summary: &Summary, description: &str, scene: &str) -
         };
         format!("<tr><td>{name}</td><td{class}>{}</td></tr>\n", plot::escaped(&value))
     });
+    let table = format!("<section>\n<table class=\"facts\">\n{}</table>\n</section>\n", rows.collect::<String>());
     let drawings = figures.iter().map(|figure| {
         let panels: String = figure.panels.iter().map(|panel| inline(&panel.svg)).collect();
         format!(
@@ -102,14 +105,20 @@ fn page(figures: &[Figure], summary: &Summary, description: &str, scene: &str) -
             figure.title, figure.caption
         )
     });
-    // The scene comes last: whatever it contains is not taken for a place to fill in.
-    include_str!("report/page.html")
-        .replace("{{title}}", &plot::escaped(&format!("biped: {}", summary.scene)))
-        .replace("{{summary}}", rows.collect::<String>().trim_end())
-        .replace("{{figures}}", &drawings.collect::<String>())
-        .replace("{{description}}", &plot::escaped(description))
-        .replace("{{scene}}", &plot::escaped(scene))
+    Page {
+        title: &format!("biped: {}", summary.scene),
+        description: &scene.description,
+        about: &film::about(&recorder.robot, scene),
+        film: &film::film(recorder),
+        below: &[table, drawings.collect(), SOURCE.into()].concat(),
+        scene: text,
+    }
+    .html()
 }
+
+/// Whose figures these are.
+const SOURCE: &str = "<p class=\"lead\">Figures 6 to 9 are drawn after Y. Fujimoto and A. Kawamura, \"Three Dimensional Digital \
+    Simulation and Autonomous Walking Control for Eight-Axis Biped Robot\", 1995.</p>\n";
 
 /// The drawing in the colours of the page, light or dark.
 pub fn inline(svg: &str) -> String {
@@ -149,7 +158,8 @@ mod tests {
         }
         let summary = Summary::new("<walk>", &recorder, Duration::from_secs(1), 2);
         let figures = figures(&recorder);
-        let page = page(&figures, &summary, "fourteen & more", "note = \"{{figures}}\"");
+        let scene = Scene { description: "fourteen & more".into(), ..scene.clone() };
+        let page = page(&figures, &recorder, &summary, &scene, "note = \"{{figures}}\"");
         (figures, page)
     }
 
@@ -157,7 +167,9 @@ mod tests {
     fn the_page_holds_everything_and_fetches_nothing() {
         let (figures, page) = report(&Scene::default(), 14);
         assert_eq!(figures.len(), 8);
-        assert!(page.len() < 3_000_000, "{} bytes", page.len());
+        assert!(page.len() < 5_000_000, "{} bytes", page.len());
+        let (page, scripts) = page.split_once("<script").unwrap();
+        assert_eq!(scripts.matches("</script>").count(), 4, "no data or library ends its script");
         assert_eq!(page.matches("<svg").count(), figures.iter().map(|figure| figure.panels.len()).sum::<usize>());
         assert!(page.contains("&lt;walk&gt;") && page.contains("fourteen &amp; more"));
         assert_eq!(page.matches("{{").count(), 1, "the scene's own braces stay, every place is filled");

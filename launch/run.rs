@@ -230,6 +230,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     // The controller before there are any files: if we are killed at once, it clears up. The plant when we listen to it.
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
+    swept.0.tell_scene(&load::text(scene))?;
     let mut roles = vec![start(0)?];
     roles.extend(controller);
     let mut lives = args.respawn;

@@ -8,6 +8,7 @@ use super::steps::LOADS;
 use super::{draw, failures};
 use crate::report::plot::escaped;
 use crate::report::{inline, write_whole};
+use crate::view::page::STYLE;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
@@ -24,6 +25,7 @@ pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::
     let [precision, steps, failures, models] =
         views.map(|view| view.iter().map(|(_, svg)| inline(svg)).collect::<String>());
     let page = include_str!("page.html")
+        .replace("{{style}}", STYLE)
         .replace("{{remark}}", &escaped(remark))
         .replace("{{precision}}", &precision)
         .replace("{{steps}}", &steps)

@@ -4,6 +4,7 @@ use super::draw;
 use super::results::{Results, micros};
 use crate::report::plot::escaped;
 use crate::report::{inline, write_whole};
+use crate::view::page::STYLE;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
@@ -18,6 +19,7 @@ pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
         write_whole(&folder.join(name).with_extension("svg"), svg)?;
     }
     let page = include_str!("page.html")
+        .replace("{{style}}", STYLE)
         .replace("{{host}}", &escaped(&results.host.to_string()))
         .replace("{{drawings}}", &drawings.iter().map(|(_, svg)| inline(svg)).collect::<String>())
         .replace("{{targets}}", &targets(results))

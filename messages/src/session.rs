@@ -7,6 +7,7 @@
 mod half_done;
 mod member;
 mod remains;
+mod scene;
 
 use crate::port::PortError;
 use crate::wire::{FNV_START, fnv1a};

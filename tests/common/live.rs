@@ -109,6 +109,15 @@ impl Running {
         (status.code(), String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
     }
 
+    /// Ends, and with it somebody who looks on.
+    pub fn end_with(mut self, mut onlooker: Child) {
+        self.leave();
+        self.launcher.kill().expect("our own child");
+        let status = onlooker.wait().expect("our own child");
+        assert!(status.success(), "who looks on ends with the session: {status}");
+        self.end();
+    }
+
     /// Kills the launcher; the others end by themselves, and the last one clears up.
     pub fn end(mut self) {
         self.leave();

@@ -1,0 +1,57 @@
+// All of it together.
+const part = (id) => document.getElementById(id);
+const about = JSON.parse(part("about").textContent);
+const film = new Film(about.layout);
+film.append(bytesOf(part("film").textContent));
+
+const robot = new Robot(about), marks = new Marks(about);
+let stage;
+try {
+  stage = new Stage(part("stage"), robot, marks);
+} catch (error) {
+  part("facts").textContent = `No 3-D picture: this browser gives no WebGL (${error.message}).`;
+}
+
+/// Draws an instant everywhere.
+function show(time) {
+  if (film.length === 0) return;
+  const row = film.row(time), next = Math.min(row + 1, film.length - 1);
+  const gap = film.get(next, "time") - film.get(row, "time");
+  const share = gap > 0 && gap < .1 ? Math.min((time - film.get(row, "time")) / gap, 1) : 0;
+  robot.pose(film, row, share);
+  marks.show(film, row, share, robot);
+  plots.show(time);
+  if (!stage) return;
+  if (part("follow").checked) stage.follow(marks.com.position.x, marks.com.position.y);
+  stage.isStale = true;
+  tell(row);
+}
+
+/// The instant in words.
+function tell(row) {
+  const get = (name, index) => film.get(row, name, index);
+  const side = about.feet.length < 2 ? "" : `, ${["left", "right"][get("support")]} foot supports`;
+  const speed = Math.hypot(get("velocity", 0), get("velocity", 1));
+  part("facts").textContent = [
+    `${about.phases[get("phase")] ?? "?"}${side}`,
+    `step ${get("steps")}, ${speed.toFixed(2)} m/s, x ${get("com", 0).toFixed(2)} m`,
+    `drives: ${about.states[get("state")] ?? "?"}, ${get("refused")} commands refused, ${get("lost")} lost`,
+  ].join("\n");
+}
+
+const player = new Player(film, show);
+const plots = new Plots(part("plots"), about, film, (time) => { player.play(false); player.seek(time); });
+plots.hover = (time) => plots.tell(time ?? player.time);
+document.querySelectorAll("#cameras button").forEach((button) => button.addEventListener("click", () => stage?.look(...button.dataset.from.split(",").map(Number))));
+part("forces").addEventListener("change", (event) => { marks.forces.visible = event.target.checked; player.isStale = true; });
+part("prints").addEventListener("change", (event) => { marks.prints.visible = event.target.checked; player.isStale = true; });
+part("follow").addEventListener("change", () => { player.isStale = true; });
+
+const live = about.live && new Live(about, film, player, plots, marks);
+player.isStale = true;
+player.play(!about.live && !matchMedia("(prefers-reduced-motion)").matches);
+requestAnimationFrame(function frame(now) {
+  player.tick(now);
+  if (stage?.isStale) stage.draw(marks.com.position.toArray());
+  requestAnimationFrame(frame);
+});

@@ -1,0 +1,83 @@
+// The stage: ground, light, a camera that orbits, pans and follows.
+
+/// A grid on the ground, of short lines: some renderers lose long ones that begin behind the camera.
+function mesh(count, side) {
+  const ends = [];
+  for (let x = 0; x < count; x++) {
+    for (let y = 0; y < count; y++) ends.push(x, y, 0, x + 1, y, 0, x, y, 0, x, y + 1, 0);
+  }
+  const places = new THREE.Float32BufferAttribute(ends, 3);
+  return new THREE.BufferGeometry().setAttribute("position", places).translate(-count / 2, -count / 2, 0).scale(side, side, 1);
+}
+
+class Stage {
+  constructor(place, robot, marks) {
+    this.robot = robot;
+    this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer.shadowMap.enabled = true;
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    place.prepend(this.renderer.domElement);
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(32, 1, .1, 40);
+    this.camera.up.set(0, 0, 1);
+    this.controls = new THREE.OrbitControls(this.camera, this.renderer.domElement);
+    this.controls.maxPolarAngle = 1.55;
+    this.controls.addEventListener("change", () => { this.isStale = true; });
+    this.controls.target.set(0, 0, .26);
+    this.sun = new THREE.DirectionalLight("#ffffff", 2.2);
+    this.sun.castShadow = true;
+    this.sun.shadow.mapSize.set(1024, 1024);
+    Object.assign(this.sun.shadow.camera, { left: -.8, right: .8, top: .8, bottom: -.8, near: .5, far: 6 });
+    this.sky = new THREE.HemisphereLight("#ffffff", "#8d98a5", 1.6);
+    this.ground = new THREE.Mesh(new THREE.PlaneGeometry(40, 40), new THREE.MeshStandardMaterial({ roughness: 1, depthWrite: false }));
+    this.ground.renderOrder = -2; // what lies on the ground is drawn over it, in this order
+    this.ground.receiveShadow = true;
+    this.scene.add(robot.base, marks.group, this.sun, this.sun.target, this.sky, this.ground);
+    this.look(1, -2.2, .9);
+    whenThemed(() => this.paint());
+    new ResizeObserver(() => this.fit(place.clientWidth, place.clientHeight)).observe(place);
+  }
+
+  paint() {
+    this.scene.background = new THREE.Color(isDark() ? "#12161b" : "#eef1f4");
+    this.ground.material.color.set(isDark() ? "#20262e" : "#ffffff");
+    if (this.grid) this.scene.remove(this.grid);
+    const line = isDark() ? "#38424e" : "#ccd3da";
+    this.grid = new THREE.LineSegments(mesh(80, .1), new THREE.LineBasicMaterial({ color: line, depthWrite: false }));
+    this.grid.renderOrder = -1;
+    this.scene.add(this.grid);
+    this.isStale = true;
+  }
+
+  /// Looks at the robot from a direction.
+  look(x, y, z) {
+    const far = Math.max(1, .75 / Math.max(this.camera.aspect, .4));
+    this.camera.position.copy(this.controls.target).add(new THREE.Vector3(x, y, z).multiplyScalar(.72 * far));
+    this.controls.update();
+    this.isStale = true;
+  }
+
+  fit(width, height) {
+    this.renderer.setSize(width, height, false);
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.isStale = true;
+  }
+
+  /// Goes along with a place on the ground.
+  follow(x, y) {
+    const move = new THREE.Vector3(x - this.controls.target.x, y - this.controls.target.y, 0);
+    this.camera.position.add(move);
+    this.controls.target.add(move);
+  }
+
+  draw(com) {
+    const [x, y] = com;
+    this.sun.target.position.set(x, y, .2);
+    this.sun.position.set(x + .9, y - 1.3, 2.2);
+    [this.ground, this.grid].forEach((part) => { part.position.x = Math.round(x * 5) / 5; part.position.y = Math.round(y * 5) / 5; });
+    this.renderer.render(this.scene, this.camera);
+    this.isStale = false;
+  }
+}
+

@@ -1,0 +1,83 @@
+//! What the page shows: frames of named numbers, and what stays as it is during a run.
+
+use crate::record::{Lateral, Recorder, Robot, Sample, Worst};
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use messages::scene::Scene;
+use messages::wire::{PHASES, STATES, Truth};
+use serde_json::{Value, json};
+
+/// One instant: names of its quantities, and their values in SI units, W, or as the message has them. The page reads them in
+/// this order, as 32-bit floats: these are pictures.
+pub fn frame(robot: &Robot, truth: &Truth, sample: &Sample, worst: &Worst) -> Vec<(&'static str, Vec<f64>)> {
+    let joints = robot.joints().len().min(truth.angle.len());
+    let lateral = Lateral::new(sample)
+        .map_or([f64::NAN; 3], |lateral| [lateral.position, lateral.velocity, lateral.support as f64]);
+    let soles = sample.soles.iter().flatten();
+    let tally = &truth.tally;
+    vec![
+        ("time", vec![sample.time]),
+        ("position", truth.base_position.to_vec()),
+        ("orientation", truth.base_orientation.to_vec()),
+        ("angle", truth.angle[..joints].to_vec()),
+        ("com", sample.com.as_slice().to_vec()),
+        ("velocity", sample.com_velocity.as_slice().to_vec()),
+        ("zmp", sample.zmp.as_slice().to_vec()),
+        ("soles", soles.flat_map(|sole| [sole.centre.x, sole.centre.y, sole.centre.z, sole.yaw, sole.load]).collect()),
+        ("lateral", lateral.to_vec()),
+        ("force", truth.contact_force[..3 * robot.contacts.len()].to_vec()),
+        ("torque", worst.torque[..joints].to_vec()),
+        ("energy", truth.telemetry.energy.to_vec()),
+        ("reference", truth.telemetry.energy_ref.to_vec()),
+        ("residual", vec![worst.natural_map, worst.signorini]),
+        ("age", vec![f64::from(worst.age)]),
+        ("reply", vec![worst.reply_ns as f64 * 1e-6]),
+        ("late", vec![worst.late_ns as f64 * 1e-6]),
+        ("phase", vec![f64::from(truth.telemetry.phase)]),
+        ("support", vec![f64::from(truth.telemetry.support)]),
+        ("steps", vec![truth.telemetry.steps as f64]),
+        ("state", vec![f64::from(truth.state)]),
+        ("refused", vec![tally.refused.iter().sum::<u64>() as f64]),
+        ("lost", vec![tally.lost as f64]),
+    ]
+}
+
+/// The numbers of a frame as the page reads them.
+pub fn bytes(frame: &[(&'static str, Vec<f64>)]) -> impl Iterator<Item = u8> {
+    frame.iter().flat_map(|(_, values)| values).flat_map(|value| (*value as f32).to_le_bytes())
+}
+
+/// What stays as it is during a run: the robot, and how a frame is laid out.
+pub fn about(robot: &Robot, scene: &Scene) -> Value {
+    let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
+    let sample = Sample::new(robot, &truth, &robot.place(&truth));
+    let layout: Vec<_> = frame(robot, &truth, &sample, &Worst::default())
+        .into_iter()
+        .map(|(name, values)| json!([name, values.len()]))
+        .collect();
+    let contacts: Vec<_> =
+        robot.contacts.iter().map(|(body, ball)| json!({"body": body, "at": ball.at, "radius": ball.radius})).collect();
+    let feet: Vec<_> =
+        (robot.feet.iter().flatten()).map(|foot| json!({"body": foot.body, "half": foot.half})).collect();
+    json!({
+        "layout": layout,
+        "bodies": robot.bodies,
+        "contacts": contacts,
+        "feet": feet,
+        "trunk": robot.trunk,
+        "joints": robot.joints(),
+        "phases": PHASES,
+        "states": STATES,
+        "duration": scene.duration,
+        "period": 1.0 / scene.rate,
+    })
+}
+
+/// All that was recorded.
+pub fn film(recorder: &Recorder) -> String {
+    let rows = recorder.rows.iter();
+    let bytes: Vec<u8> = rows
+        .flat_map(|row| bytes(&frame(&recorder.robot, &row.truth, &row.sample, &row.worst)).collect::<Vec<_>>())
+        .collect();
+    BASE64_STANDARD.encode(bytes)
+}

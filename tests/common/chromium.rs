@@ -1,0 +1,163 @@
+//! A real browser without a window, spoken to over two pipes: Chrome's DevTools protocol, one JSON object after the other, each
+//! ended by a zero byte.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+#![allow(dead_code, reason = "each test file uses a part of this")]
+
+use super::fresh_path;
+use serde_json::{Value, json};
+use std::fs::File;
+use std::io::{BufRead, BufReader, Write};
+use std::path::PathBuf;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything: far more than it takes on a busy machine.
+const LONG: Duration = Duration::from_secs(90);
+
+/// A browser with one page.
+pub struct Browser {
+    process: Child,
+    commands: File,
+    events: BufReader<File>,
+    folder: PathBuf,
+    page: String,
+    count: u64,
+    /// What the page has complained of.
+    pub complaints: Vec<String>,
+    /// Addresses that it asked for.
+    pub requests: Vec<String>,
+}
+
+impl Browser {
+    /// Starts it, and opens a page of a size.
+    pub fn open(address: &str, width: u32, height: u32) -> Browser {
+        let folder = fresh_path("chromium");
+        std::fs::create_dir(&folder).expect("a folder of our own");
+        let [commands, events] = ["commands", "events"].map(|name| folder.join(name));
+        for pipe in [&commands, &events] {
+            nix::unistd::mkfifo(pipe, nix::sys::stat::Mode::S_IRWXU).expect("a pipe");
+        }
+        let program = ["chromium", "chromium-browser", "google-chrome"].into_iter().find(|name| {
+            Command::new(name).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
+        });
+        let program = program.expect("Chromium is needed: apt-get install chromium");
+        // A shell, because only it hands over pipes as 3 and 4.
+        let process = Command::new("sh")
+            .args(["-c", "exec \"$0\" \"$@\" 3<\"$COMMANDS\" 4>\"$EVENTS\"", program])
+            .args(["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            .args(["--remote-debugging-pipe", "--disable-background-networking", "--no-first-run", "--hide-scrollbars"])
+            .arg(format!("--user-data-dir={}", folder.join("profile").display()))
+            .envs([("COMMANDS", &commands), ("EVENTS", &events)])
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::null())
+            .spawn()
+            .expect("a shell");
+        let commands = File::options().write(true).open(&commands).expect("our own pipe");
+        let events = BufReader::new(File::open(&events).expect("our own pipe"));
+        let (complaints, requests) = (vec![], vec![]);
+        let mut browser =
+            Browser { process, commands, events, folder, page: String::new(), count: 0, complaints, requests };
+        let target = browser.call("Target.createTarget", json!({"url": "about:blank"}));
+        let session = browser.call("Target.attachToTarget", json!({"targetId": target["targetId"], "flatten": true}));
+        browser.page = session["sessionId"].as_str().expect("a session").into();
+        for domain in ["Runtime", "Log", "Network", "Page"] {
+            browser.call(&format!("{domain}.enable"), json!({}));
+        }
+        browser.resize(width, height);
+        browser.call("Page.navigate", json!({"url": address}));
+        browser.until("document.readyState === 'complete'");
+        browser
+    }
+
+    /// As a screen of this size; narrow ones are phones'.
+    pub fn resize(&mut self, width: u32, height: u32) {
+        let screen = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
+        self.call("Emulation.setDeviceMetricsOverride", screen);
+    }
+
+    /// As a system that prefers dark or light.
+    pub fn prefers(&mut self, scheme: &str) {
+        let features = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
+        self.call("Emulation.setEmulatedMedia", features);
+    }
+
+    /// The value of an expression in the page.
+    pub fn value(&mut self, expression: &str) -> Value {
+        let wish = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
+        let answer = self.call("Runtime.evaluate", wish);
+        assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+        answer["result"]["value"].clone()
+    }
+
+    /// The same, as a number.
+    pub fn number(&mut self, expression: &str) -> f64 {
+        self.value(expression).as_f64().unwrap_or_else(|| panic!("{expression} is no number"))
+    }
+
+    /// Waits until an expression is true.
+    pub fn until(&mut self, expression: &str) {
+        let start = Instant::now();
+        while self.value(expression) != json!(true) {
+            assert!(start.elapsed() < LONG, "{expression} did not come true; {:?}", self.complaints);
+            std::thread::sleep(Duration::from_millis(20));
+        }
+    }
+
+    /// What it looks like, as PNG in base 64.
+    pub fn picture(&mut self) -> Vec<u8> {
+        use base64::Engine;
+        let picture = self.call("Page.captureScreenshot", json!({"format": "png"}));
+        let text = picture["data"].as_str().expect("a picture");
+        base64::prelude::BASE64_STANDARD.decode(text).expect("base 64")
+    }
+
+    fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.count += 1;
+        let mut message = json!({"id": self.count, "method": method, "params": parameters});
+        if !self.page.is_empty() {
+            message["sessionId"] = json!(self.page);
+        }
+        self.commands.write_all(format!("{message}\0").as_bytes()).expect("a browser that listens");
+        loop {
+            let mut answer = vec![];
+            self.events.read_until(0, &mut answer).expect("a browser that speaks");
+            answer.pop().unwrap_or_else(|| panic!("the browser ended amid {method}"));
+            let answer: Value = serde_json::from_slice(&answer).expect("JSON");
+            match answer["id"].as_u64() {
+                Some(id) if id == self.count => {
+                    assert!(answer.get("error").is_none(), "{method}: {answer}");
+                    return answer["result"].clone();
+                }
+                _ => self.note(&answer),
+            }
+        }
+    }
+
+    fn note(&mut self, event: &Value) {
+        let what = &event["params"];
+        match event["method"].as_str() {
+            Some("Runtime.exceptionThrown") => self.complaints.push(what["exceptionDetails"].to_string()),
+            Some("Runtime.consoleAPICalled") if what["type"] == "error" => {
+                self.complaints.push(what["args"].to_string())
+            }
+            Some("Log.entryAdded") if what["entry"]["level"] == "error" => {
+                self.complaints.push(what["entry"]["text"].to_string());
+            }
+            Some("Network.requestWillBeSent") => {
+                self.requests.push(what["request"]["url"].as_str().unwrap_or("?").into());
+            }
+            _ => (),
+        }
+    }
+}
+
+impl Drop for Browser {
+    fn drop(&mut self) {
+        // Also its children end when they have nobody to speak to.
+        let _ = self.process.kill();
+        let _ = self.process.wait();
+        let _ = std::fs::remove_dir_all(&self.folder);
+    }
+}
