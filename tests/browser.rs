@@ -97,6 +97,26 @@ fn the_report_walks_scrubs_and_draws_without_a_network_or_an_error() {
 }
 
 #[test]
+#[ignore = "prints how long a browser takes over a walk of ten minutes"]
+fn ten_minutes_open_and_scrub() {
+    let (folder, address) = report(&["duration=600"]);
+    let size = std::fs::metadata(folder.join("report.html")).unwrap().len();
+    let mut page = Browser::open(&address, 1280, 720);
+    let opened = page.number("performance.getEntriesByType('navigation')[0].domComplete");
+    page.value("player.play(false)");
+    let scrub = page.number(
+        "(() => { const begin = performance.now(); \
+         for (let i = 0; i < 100; i++) { player.seek(6 * i); player.tick(0); stage.draw(marks.com.position.toArray()); } \
+         return (performance.now() - begin) / 100; })()",
+    );
+    println!("{:.1} MB, open after {opened:.0} ms, {scrub:.1} ms per place that is scrubbed to", size as f64 * 1e-6);
+    assert!(page.number("film.end") > 599.0);
+    assert_eq!(page.complaints, Vec::<String>::new());
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
 fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
     let mut walk = Running::start("page", &["--set", "duration=100000", "--set", "controller.speed=0"]);
     walk.until("stamping", |truth| truth.telemetry.steps > 4);

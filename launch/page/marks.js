@@ -15,6 +15,11 @@ class Marks {
     this.plumb.frustumCulled = false;
     [this.com, this.plumb].forEach((part) => { part.material.depthTest = false; part.renderOrder = 9; }); // seen through the body
     this.prints = new THREE.Group();
+    this.soles = about.feet.map(({ half, body }) => {
+      const geometry = new THREE.PlaneGeometry(2 * half[0], 2 * half[1]), color = Robot.colour(about.bodies[body].name);
+      const skin = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: .13, depthWrite: false });
+      return { geometry, skin, outline: new THREE.EdgesGeometry(geometry), line: new THREE.LineBasicMaterial({ color }) };
+    });
     this.seen = 0;
     this.landed = about.feet.map(() => undefined);
     this.group.add(this.forces, this.com, this.shadow, this.zmp, this.plumb, this.prints);
@@ -54,7 +59,7 @@ class Marks {
     this.zmp.position.set(x, y, .003);
     this.walk(film);
     const time = film.get(row, "time");
-    this.prints.children.forEach((print) => { print.visible = print.since <= time; });
+    this.prints.children.forEach((print) => { print.visible = print.since <= time && Math.abs(print.position.x - com[0]) < 4; });
   }
 
   /// Leaves a print wherever a foot stood that has been lifted, as far as the film goes.
@@ -74,12 +79,8 @@ class Marks {
 
   print(side, [x, y, yaw], landed, since) {
     if (since - landed < .1) return; // it only brushed the ground
-    const { half, body } = this.about.feet[side];
-    const geometry = this.soles?.[side] ?? new THREE.PlaneGeometry(2 * half[0], 2 * half[1]);
-    (this.soles ??= [])[side] = geometry;
-    const skin = new THREE.MeshBasicMaterial({ color: Robot.colour(this.about.bodies[body].name), transparent: true, opacity: .13, depthWrite: false });
-    const print = Object.assign(new THREE.Mesh(geometry, skin), { since });
-    print.add(new THREE.LineSegments(new THREE.EdgesGeometry(geometry), new THREE.LineBasicMaterial({ color: skin.color })));
+    const { geometry, outline, skin, line } = this.soles[side];
+    const print = Object.assign(new THREE.Mesh(geometry, skin), { since }).add(new THREE.LineSegments(outline, line));
     print.position.set(x, y, .0012);
     print.rotation.z = yaw;
     this.prints.add(print);

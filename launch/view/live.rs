@@ -168,21 +168,20 @@ impl Desk {
             _ if value("token") != Some(&self.token) => {
                 text(403, "This address is not, or no longer, good: open the one that `biped view` printed last.\n")
             }
-            (Method::Get, "/") => text(200, &self.page).with_header(header("Content-Type", "text/html; charset=utf-8")),
+            (Method::Get, "/") => with(text(200, &self.page), "Content-Type", "text/html; charset=utf-8"),
             (Method::Get, "/frames") => self.frames(value("run"), value("from")),
             (Method::Post, "/ask") => self.ask(&mut request),
             _ => text(404, "There is nothing here.\n"),
         };
-        let _ = request.respond(response.with_header(header("Cache-Control", "no-store")));
+        let _ = request.respond(with(response, "Cache-Control", "no-store"));
     }
 
     fn frames(&self, run: Option<&str>, from: Option<&str>) -> Response<Cursor<Vec<u8>>> {
         let reel = self.reel.lock().unwrap_or_else(|broken| broken.into_inner());
         let is_same = run == Some(&reel.runs.to_string());
         let from = from.filter(|_| is_same).and_then(|from| from.parse().ok()).unwrap_or(0);
-        Response::from_data(reel.from(from))
-            .with_header(header("Run", &reel.runs.to_string()))
-            .with_header(header("Next", &reel.next.to_string()))
+        let response = with(Response::from_data(reel.from(from)), "Run", &reel.runs.to_string());
+        with(response, "Next", &reel.next.to_string())
     }
 
     fn ask(&self, request: &mut Request) -> Response<Cursor<Vec<u8>>> {
@@ -232,7 +231,10 @@ fn text(status: u16, words: &str) -> Response<Cursor<Vec<u8>>> {
     Response::from_string(words).with_status_code(status)
 }
 
-#[expect(clippy::unwrap_used, reason = "names and values here are ASCII without control characters")]
-fn header(name: &str, value: &str) -> Header {
-    Header::from_bytes(name, value).unwrap()
+/// With one header more, of plain ASCII.
+fn with(response: Response<Cursor<Vec<u8>>>, name: &str, value: &str) -> Response<Cursor<Vec<u8>>> {
+    match Header::from_bytes(name, value) {
+        Ok(header) => response.with_header(header),
+        Err(()) => response,
+    }
 }
