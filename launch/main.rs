@@ -13,9 +13,11 @@
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
+//! | another controller amid the walk | [`swap`] |
 //! | the wire format for other languages | [`wire`] |
 //! | the robot for other programs | [`export`] |
 //! | asking a running session | [`desk`] |
+//! | whether somebody else's program keeps to the wire | [`conform`] |
 //! | faults on purpose, a long time | [`faults`], [`soak`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
@@ -25,6 +27,7 @@
 
 mod chart;
 mod children;
+mod conform;
 mod contact;
 mod csv;
 mod desk;
@@ -45,10 +48,12 @@ mod run;
 mod soak;
 mod study;
 mod summary;
+mod swap;
 mod wire;
 
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
+use messages::invitation::Invitation;
 use messages::load::load;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::scene::Scene;
@@ -92,6 +97,8 @@ enum Command {
     Controller(RoleArgs),
     #[command(flatten)]
     Desk(desk::Wish),
+    /// Check whether a controller or plant of yours keeps to the rules of the wire
+    Conform(conform::ConformArgs),
     /// Hurt real processes in many ways, and check that nothing hangs, lies or is left
     Faults(faults::FaultsArgs),
     /// Walk for a long time, and watch memory, open files, shared memory and latency
@@ -194,18 +201,35 @@ fn seconds(text: &str) -> Result<f64, String> {
 
 #[derive(Args)]
 struct RoleArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
+    /// Built-in scene (see `biped list`) or path of a TOML file; without it, all is as in the environment that
+    /// `--controller` and `--plant` of another biped made
+    scene: Option<String>,
+    /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
+    settings: Vec<String>,
+    /// Keep the model as the scene has it, where a smaller one would give the same answer
+    #[arg(long, requires = "scene")]
+    full: bool,
     #[command(flatten)]
     pace: PaceArgs,
     #[command(flatten)]
     system: realtime::RealtimeArgs,
     /// Name of the session that plant and controller share
-    #[arg(long, default_value = "biped")]
+    #[arg(long, default_value = "biped", requires = "scene")]
     session: String,
     /// Process to die with
     #[arg(long, hide = true)]
     parent: Option<i32>,
+}
+
+impl RoleArgs {
+    /// Where to take part: as the arguments say, or the environment.
+    fn invitation(&self) -> Result<Invitation, Failure> {
+        let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
+        let scene = SceneArgs { scene, settings: self.settings.clone(), full: self.full }.load()?;
+        let (session, contract) = (Session::named(&self.session)?, Contract::of(&scene, self.pace.pace()));
+        Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })
+    }
 }
 
 fn main() -> ExitCode {
@@ -225,6 +249,7 @@ fn main() -> ExitCode {
         Some(Command::Plant(args)) => plant(&args, &stop),
         Some(Command::Controller(args)) => controller(&args, &stop),
         Some(Command::Desk(wish)) => desk::run(wish),
+        Some(Command::Conform(args)) => conform::run(&args, &stop),
         Some(Command::Faults(args)) => faults::run(&args, &stop),
         Some(Command::Soak(args)) => soak::run(&args, &stop),
         Some(Command::Doctor) => doctor::doctor(),
@@ -252,12 +277,10 @@ fn main() -> ExitCode {
 }
 
 fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let (scene, session) = begin(args)?;
-    let contract = Contract::of(&scene, args.pace.pace());
+    let Invitation { session, contract, patience, scene, .. } = begin(args)?;
     let port = guarded(|| PlantPort::open(&session, &contract))?;
-    ready(args)?;
-    let PaceArgs { speed, .. } = args.pace;
-    let options = plant::process::Options { pace: args.pace.pace(), speed, patience: args.pace.patience() };
+    ready(args, contract.pace)?;
+    let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience };
     let (tally, result) = plant::process::run(&scene, port, options, stop);
     let remarks = tally.to_string();
     if !remarks.is_empty() {
@@ -267,27 +290,29 @@ fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let (scene, session) = begin(args)?;
-    let contract = Contract::of(&scene, args.pace.pace());
-    let port = guarded(|| ControllerPort::open(&session, &contract))?;
-    ready(args)?;
-    Ok(controller::process::run(&scene, port, args.pace.patience(), stop)?)
+    let Invitation { session, contract, patience, scene, succeeds } = begin(args)?;
+    let port = match succeeds {
+        true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
+        false => guarded(|| ControllerPort::open(&session, &contract))?,
+    };
+    ready(args, contract.pace)?;
+    Ok(controller::process::run(&scene, port, patience, stop)?)
 }
 
 /// What both roles begin with.
-fn begin(args: &RoleArgs) -> Result<(Scene, Session), Failure> {
-    let session = Session::named(&args.session)?;
+fn begin(args: &RoleArgs) -> Result<Invitation, Failure> {
+    let invitation = args.invitation()?;
     if let Some(parent) = args.parent {
         // Nobody else may be left to clear up after it.
-        children::die_with(parent).inspect_err(|_| session.sweep())?;
+        children::die_with(parent).inspect_err(|_| invitation.session.sweep())?;
     }
-    args.system.suits(args.pace.pace())?;
-    Ok((args.scene.load()?, session))
+    args.system.suits(invitation.contract.pace)?;
+    Ok(invitation)
 }
 
 /// What both roles ask of the system, now that all their shared memory is there.
-fn ready(args: &RoleArgs) -> Result<(), Failure> {
-    if args.pace.realtime {
+fn ready(args: &RoleArgs, pace: Pace) -> Result<(), Failure> {
+    if pace == Pace::RealTime {
         realtime::wake_on_time();
     }
     args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));

@@ -60,7 +60,7 @@ impl PlantPort {
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<PlantPort, PortError> {
         let place = Place::open(session, contract)?;
-        let sensors = Outlet::open(&place, SENSORS, "plant")?;
+        let sensors = Outlet::open(&place, SENSORS, "plant", || false)?;
         let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
         let desk = Desk::open(&place, desk::PLANT)?;
         place.reserve()?;
@@ -80,6 +80,14 @@ impl PlantPort {
     #[inline]
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
         self.sensors.send(sensors, self.command.heard_ns)
+    }
+
+    /// Sends sensors as they are, sealed or not: bad ones on purpose.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn pass_on(&self, sensors: Sensors) -> Result<(), PortError> {
+        self.sensors.write(sensors, |_| (), self.command.heard_ns)
     }
 
     /// Seals and sends truth to whoever records.
@@ -135,9 +143,10 @@ impl PlantPort {
 /// The controller's end.
 #[derive(Debug)]
 pub struct ControllerPort {
+    // Before the command, whose place a successor waits for: fields are dropped in order.
+    desk: Desk,
     command: Outlet<Command>,
     sensors: Inlet<Sensors>,
-    desk: Desk,
     _place: Place,
 }
 
@@ -147,12 +156,24 @@ impl ControllerPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<ControllerPort, PortError> {
+        ControllerPort::succeed(session, contract, || false)
+    }
+
+    /// The same after whoever has the place now, once it is free; `waits` is asked whether to wait on.
+    ///
+    /// # Errors
+    /// See [`PortError`].
+    pub fn succeed(
+        session: &Session,
+        contract: &Contract,
+        waits: impl Fn() -> bool,
+    ) -> Result<ControllerPort, PortError> {
         let place = Place::open(session, contract)?;
-        let command = Outlet::open(&place, COMMAND, "controller")?;
         let sensors = Inlet::open(&place, SENSORS)?;
+        let command = Outlet::open(&place, COMMAND, "controller", waits)?;
         let desk = Desk::open(&place, desk::CONTROLLER)?;
         place.reserve()?;
-        Ok(ControllerPort { command, sensors, desk, _place: place })
+        Ok(ControllerPort { desk, command, sensors, _place: place })
     }
 
     /// As [`PlantPort::waiting`].
