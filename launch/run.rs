@@ -242,7 +242,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let mut roles = vec![start(0)?];
     roles.extend(controller);
     let mut lives = args.respawn;
-    let mut succession = Succession::new(&args.swap, &swept.0, args.pace.pace());
+    let mut succession = Succession::new(&args.swap, &swept.0, &contract);
     let succeed = |command: &str| {
         let heir = Invitation { succeeds: true, ..invitation.clone() };
         Role::foreign("controller", command, &children::environment(&heir)?, &bar)

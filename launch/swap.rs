@@ -1,13 +1,13 @@
 //! Hot swap: another controller takes the robot over while it walks.
 //!
 //! A successor is started while the one before still drives, and waits for its place, all else being ready. When it is
-//! time the one before is asked to end, and the place is free. In lockstep the plant waits for an answer anyway; time
-//! stands still as well while a successor is not ready yet. In real time the watchdog bridges the gap. The plant moves from
-//! the torques of the one to those of the other (`plant/src/handover.rs`).
+//! time the one before is asked to end, and the place is free. In lockstep the plant's desk lets time stand still at that
+//! very control period, until the successor drives. In real time the watchdog bridges the gap. The plant moves from the
+//! torques of the one to those of the other (`plant/src/handover.rs`).
 
 use crate::children::{self, Role};
 use crate::exit::Failure;
-use messages::port::{Ask, Pace, ask};
+use messages::port::{Ask, Contract, Pace, ask};
 use messages::session::Session;
 use nix::unistd::{Pid, getpgid};
 use std::collections::VecDeque;
@@ -45,12 +45,11 @@ impl FromStr for Swap {
 /// The controllers that are still to come.
 pub struct Succession {
     session: Session,
-    pace: Pace,
+    contract: Contract,
     left: VecDeque<Swap>,
     /// The next one.
     heir: Option<Heir>,
     looked: Instant,
-    stands_still: bool,
 }
 
 struct Heir {
@@ -61,11 +60,11 @@ struct Heir {
 
 impl Succession {
     /// In order of time.
-    pub fn new(swaps: &[Swap], session: &Session, pace: Pace) -> Succession {
+    pub fn new(swaps: &[Swap], session: &Session, contract: &Contract) -> Succession {
         let mut left = swaps.to_vec();
         left.sort_by(|a, b| a.time.total_cmp(&b.time));
         let (left, session) = (left.into(), session.clone());
-        Succession { session, pace, left, heir: None, looked: Instant::now(), stands_still: false }
+        Succession { session, contract: *contract, left, heir: None, looked: Instant::now() }
     }
 
     /// Looks whether it is time for the next one, at this simulated time [s], and lets it take the place of the incumbent.
@@ -79,26 +78,34 @@ impl Succession {
         start: impl FnOnce(&str) -> Result<Role, Failure>,
         mut meanwhile: impl FnMut(),
     ) -> Result<(), Failure> {
-        let Some(next) = self.left.front() else { return Ok(()) };
+        let Some(next) = self.left.front().cloned() else { return Ok(()) };
         if self.heir.is_none() {
             self.heir = Some(Heir { role: start(&next.command)?, joined: None });
+            self.stand_still_at(next.time);
         }
-        let is_due = time >= next.time;
-        let is_ready = self.is_ready()?;
-        if is_due && !is_ready && self.pace == Pace::Lockstep && !self.stands_still {
-            // a plant without a desk goes on meanwhile
-            self.stands_still = ask(&self.session, Ask::Pause).is_ok();
-        }
-        if let (true, Some(heir)) = (is_due && is_ready, self.heir.take_if(|_| is_due && is_ready)) {
+        let is_due = time >= next.time - 0.5 / self.contract.rate && self.is_ready()?;
+        if let Some(heir) = self.heir.take_if(|_| is_due) {
             incumbent.ask_to_end();
             children::wait(std::slice::from_mut(incumbent), LEAVE, &mut meanwhile);
             *incumbent = heir.role; // whoever has not left is killed
             self.left.pop_front();
-            if std::mem::take(&mut self.stands_still) {
+            if self.left.is_empty() && self.contract.pace == Pace::Lockstep {
                 let _ = ask(&self.session, Ask::Resume);
             }
         }
         Ok(())
+    }
+
+    /// In lockstep, lets time run to this one [s], and stand still there. A plant without a desk goes on.
+    fn stand_still_at(&self, time: f64) {
+        if self.contract.pace == Pace::RealTime {
+            return;
+        }
+        if let Ok(reply) = ask(&self.session, Ask::Pause) {
+            let there = (time * self.contract.rate).round() as u64 + 1;
+            let periods = there.saturating_sub(reply.stamp.seq);
+            let _ = (periods > 0).then(|| ask(&self.session, Ask::Step { periods }));
+        }
     }
 
     /// Whether the next one waits for nothing but its place.
