@@ -5,6 +5,7 @@ use crate::export;
 use clap::Args;
 use indicatif::ProgressBar;
 use messages::invitation::Invitation;
+use messages::session::Session;
 use nix::sys::prctl;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::{Pid, getppid};
@@ -188,6 +189,15 @@ pub fn environment(invitation: &Invitation) -> Result<Vec<(&'static str, String)
     let path = std::env::var("PATH").into_iter().chain(ours);
     environment.push(("PATH", path.collect::<Vec<_>>().join(":")));
     Ok(environment)
+}
+
+/// A session that is cleared away when it is dropped, after every process of it has ended.
+pub struct Swept(pub Session);
+
+impl Drop for Swept {
+    fn drop(&mut self) {
+        self.0.sweep();
+    }
 }
 
 /// Arguments of `biped become`, which this program gives to itself.

@@ -4,6 +4,7 @@
 //! | what | where |
 //! |---|---|
 //! | the main job | [`run`] |
+//! | plant and controller by themselves | [`roles`] |
 //! | tables of many runs | [`study`] |
 //! | speed against accuracy | [`chart`] |
 //! | how much delay, jitter and loss it bears | [`robustness`] |
@@ -44,6 +45,7 @@ mod record;
 mod recording;
 mod report;
 mod robustness;
+mod roles;
 mod run;
 mod soak;
 mod study;
@@ -53,11 +55,9 @@ mod wire;
 
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
-use messages::invitation::Invitation;
 use messages::load::load;
-use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
+use messages::port::{Pace, PortError};
 use messages::scene::Scene;
-use messages::session::Session;
 use model::RunModel;
 use std::io::Write;
 use std::process::ExitCode;
@@ -92,9 +92,9 @@ enum Command {
     /// Solve the contact problem that a run could not solve, by every law
     Contact(contact::ContactArgs),
     /// Be the plant of a session
-    Plant(RoleArgs),
+    Plant(roles::RoleArgs),
     /// Be the controller of a session
-    Controller(RoleArgs),
+    Controller(roles::RoleArgs),
     #[command(flatten)]
     Desk(desk::Wish),
     /// Check whether a controller or plant of yours keeps to the rules of the wire
@@ -199,39 +199,6 @@ fn seconds(text: &str) -> Result<f64, String> {
     good.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
 }
 
-#[derive(Args)]
-struct RoleArgs {
-    /// Built-in scene (see `biped list`) or path of a TOML file; without it, all is as in the environment that
-    /// `--controller` and `--plant` of another biped made
-    scene: Option<String>,
-    /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
-    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
-    settings: Vec<String>,
-    /// Keep the model as the scene has it, where a smaller one would give the same answer
-    #[arg(long, requires = "scene")]
-    full: bool,
-    #[command(flatten)]
-    pace: PaceArgs,
-    #[command(flatten)]
-    system: realtime::RealtimeArgs,
-    /// Name of the session that plant and controller share
-    #[arg(long, default_value = "biped", requires = "scene")]
-    session: String,
-    /// Process to die with
-    #[arg(long, hide = true)]
-    parent: Option<i32>,
-}
-
-impl RoleArgs {
-    /// Where to take part: as the arguments say, or the environment.
-    fn invitation(&self) -> Result<Invitation, Failure> {
-        let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
-        let scene = SceneArgs { scene, settings: self.settings.clone(), full: self.full }.load()?;
-        let (session, contract) = (Session::named(&self.session)?, Contract::of(&scene, self.pace.pace()));
-        Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })
-    }
-}
-
 fn main() -> ExitCode {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
@@ -246,8 +213,8 @@ fn main() -> ExitCode {
         Some(Command::Latency(args)) => latency::run(&args, &stop),
         Some(Command::LatencyPeer(args)) => latency::peer(&args, &stop),
         Some(Command::Contact(args)) => contact::run(&args),
-        Some(Command::Plant(args)) => plant(&args, &stop),
-        Some(Command::Controller(args)) => controller(&args, &stop),
+        Some(Command::Plant(args)) => roles::plant(&args, &stop),
+        Some(Command::Controller(args)) => roles::controller(&args, &stop),
         Some(Command::Desk(wish)) => desk::run(wish),
         Some(Command::Conform(args)) => conform::run(&args, &stop),
         Some(Command::Faults(args)) => faults::run(&args, &stop),
@@ -274,49 +241,6 @@ fn main() -> ExitCode {
             failure.exit.into()
         }
     }
-}
-
-fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let Invitation { session, contract, patience, scene, .. } = begin(args)?;
-    let port = guarded(|| PlantPort::open(&session, &contract))?;
-    ready(args, contract.pace)?;
-    let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience };
-    let (tally, result) = plant::process::run(&scene, port, options, stop);
-    let remarks = tally.to_string();
-    if !remarks.is_empty() {
-        eprintln!("{remarks}");
-    }
-    Ok(result?)
-}
-
-fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let Invitation { session, contract, patience, scene, succeeds } = begin(args)?;
-    let port = match succeeds {
-        true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
-        false => guarded(|| ControllerPort::open(&session, &contract))?,
-    };
-    ready(args, contract.pace)?;
-    Ok(controller::process::run(&scene, port, patience, stop)?)
-}
-
-/// What both roles begin with.
-fn begin(args: &RoleArgs) -> Result<Invitation, Failure> {
-    let invitation = args.invitation()?;
-    if let Some(parent) = args.parent {
-        // Nobody else may be left to clear up after it.
-        children::die_with(parent).inspect_err(|_| invitation.session.sweep())?;
-    }
-    args.system.suits(invitation.contract.pace)?;
-    Ok(invitation)
-}
-
-/// What both roles ask of the system, now that all their shared memory is there.
-fn ready(args: &RoleArgs, pace: Pace) -> Result<(), Failure> {
-    if pace == Pace::RealTime {
-        realtime::wake_on_time();
-    }
-    args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
-    Ok(())
 }
 
 /// Opening a session takes milliseconds; but the remains of a process killed at the wrong instant can block it for

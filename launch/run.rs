@@ -1,6 +1,6 @@
 //! The main job: run a scene, watch over it, record it, and say what came out.
 
-use crate::children::{self, Role};
+use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
 use crate::progress::Progress;
 use crate::realtime::RealtimeArgs;
@@ -252,9 +252,9 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         if let Err(failure) = goes_on(&watch.recorder, stop) {
             break Err(failure);
         }
-        if let Some(incumbent) = roles.get_mut(1).filter(|_| watch.latest.stamp.seq > 0) {
-            let time = watch.latest.stamp.sim_ns as f64 * 1e-9;
-            if let Err(failure) = succession.look(time, incumbent, succeed, || drop(watch.drain(&mut port))) {
+        if let Some(incumbent) = roles.get_mut(1) {
+            let now = watch.latest.stamp;
+            if let Err(failure) = succession.look(&now, incumbent, succeed, || drop(watch.drain(&mut port))) {
                 break Err(failure);
             }
         }
@@ -294,13 +294,4 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments
-}
-
-/// A session that is cleared away when it is dropped, after every process of it has ended.
-pub struct Swept(pub Session);
-
-impl Drop for Swept {
-    fn drop(&mut self) {
-        self.0.sweep();
-    }
 }

@@ -9,6 +9,7 @@ use crate::children::{self, Role};
 use crate::exit::Failure;
 use messages::port::{Ask, Contract, Pace, ask};
 use messages::session::Session;
+use messages::wire::Stamp;
 use nix::unistd::{Pid, getpgid};
 use std::collections::VecDeque;
 use std::str::FromStr;
@@ -67,23 +68,24 @@ impl Succession {
         Succession { session, contract: *contract, left, heir: None, looked: Instant::now() }
     }
 
-    /// Looks whether it is time for the next one, at this simulated time [s], and lets it take the place of the incumbent.
+    /// Looks whether it is time for the next one, by the stamp of the latest truth, and lets it take the incumbent's place.
     ///
     /// # Errors
     /// If it cannot be started, or fails before its time.
     pub fn look(
         &mut self,
-        time: f64,
+        now: &Stamp,
         incumbent: &mut Role,
         start: impl FnOnce(&str) -> Result<Role, Failure>,
         mut meanwhile: impl FnMut(),
     ) -> Result<(), Failure> {
-        let Some(next) = self.left.front().cloned() else { return Ok(()) };
+        let Some(next) = self.left.front().cloned().filter(|_| now.seq > 0) else { return Ok(()) };
         if self.heir.is_none() {
             self.heir = Some(Heir { role: start(&next.command)?, joined: None });
             self.stand_still_at(next.time);
         }
-        let is_due = time >= next.time - 0.5 / self.contract.rate && self.is_ready()?;
+        let is_ready = self.is_ready()?; // or it has failed
+        let is_due = is_ready && now.sim_ns as f64 * 1e-9 >= next.time - 0.5 / self.contract.rate;
         if let Some(heir) = self.heir.take_if(|_| is_due) {
             incumbent.ask_to_end();
             children::wait(std::slice::from_mut(incumbent), LEAVE, &mut meanwhile);

@@ -184,7 +184,6 @@ fn who_breaks_a_rule_is_told_which() {
         &[
             ["stamp.seq + 1, asked.seq,", "stamp.seq + 1, asked.seq - 1,", "ack is the number of the sensors answered"],
             ["sys.exit(INTERRUPTED))", "None)", "TERM ends it in order within 3 s: it was still there"],
-            ["secrets.randbits(64)", "7", "it answers under another epoch"],
         ],
         &[
             [
@@ -201,6 +200,7 @@ fn who_breaks_a_rule_is_told_which() {
                 "sensors is None",
                 "whose check sum is wrong are not answered",
             ],
+            ["secrets.randbits(64)", "7", "it answers under another epoch"],
             ["                if stamp.run:\n", "                if False:\n", "takes a new run as a new robot"],
         ],
         &[

@@ -141,7 +141,7 @@ impl<'a> Link<'a> {
                     return Ok(next);
                 }
             }
-            if !self.desk.stands_still() {
+            if !self.desk.stands_still(sensors.stamp.seq) {
                 return Ok(Next::Period { late_ns: 0 });
             }
             self.go_on()?;

@@ -59,7 +59,8 @@ pub fn compile(compiler: &str, standard: &str, source: &str) -> PathBuf {
         .arg(&program)
         .args(["-Icontroller/foreign/c", "-Imessages/include", "-L"])
         .arg(&libraries)
-        .args(["-lbiped_c", "-lm", &format!("-Wl,-rpath,{}", libraries.display())])
+        // found there, whatever cargo has in LD_LIBRARY_PATH
+        .args(["-lbiped_c", "-lm", &format!("-Wl,--disable-new-dtags,-rpath,{}", libraries.display())])
         .output()
         .unwrap_or_else(|error| panic!("there is no compiler `{compiler}` ({error}): install g++, which brings both"));
     assert!(output.status.success(), "{source}: {}", String::from_utf8_lossy(&output.stderr));
