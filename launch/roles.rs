@@ -14,6 +14,9 @@ pub struct RoleArgs {
     /// Built-in scene (see `biped list`) or path of a TOML file; without it, all is as in the environment that
     /// `--controller` and `--plant` of another biped made
     scene: Option<String>,
+    /// Put the robot of this TOML or URDF file into the scene, which is fitted to it
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    robot: Option<String>,
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
     settings: Vec<String>,
@@ -36,7 +39,8 @@ impl RoleArgs {
     /// Where to take part: as the arguments say, or the environment.
     fn invitation(&self) -> Result<Invitation, Failure> {
         let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
-        let scene = SceneArgs { scene, settings: self.settings.clone(), full: self.full }.load()?;
+        let scene =
+            SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone(), full: self.full }.load()?;
         let (session, contract) = (Session::named(&self.session)?, Contract::of(&scene, self.pace.pace()));
         Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })
     }
