@@ -16,6 +16,7 @@
 //! | what goes wrong, exit codes | [`exit`] |
 //! | another controller amid the walk | [`swap`] |
 //! | the wire format for other languages | [`wire`] |
+//! | plant and controller on two machines | [`tunnel`] |
 //! | the robot for other programs | [`export`] |
 //! | asking a running session | [`desk`] |
 //! | whether somebody else's program keeps to the wire | [`conform`] |
@@ -51,6 +52,7 @@ mod soak;
 mod study;
 mod summary;
 mod swap;
+mod tunnel;
 mod wire;
 
 use clap::{Args, Parser, Subcommand};
@@ -107,6 +109,8 @@ enum Command {
     Doctor,
     /// Remove what dead sessions left in shared memory
     Clean,
+    /// Carry a session to another machine
+    Tunnel(tunnel::TunnelArgs),
     /// Print the wire format, for controllers and plants in other languages
     Wire(wire::WireArgs),
     /// Print the robot of a scene for other programs
@@ -225,6 +229,7 @@ fn main() -> ExitCode {
             wire::run(&args);
             Ok(())
         }
+        Some(Command::Tunnel(args)) => tunnel::run(&args, &stop),
         Some(Command::Become(args)) => children::become_other(&args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Info(args)) => recording::info::run(&args),

@@ -30,6 +30,9 @@ pub struct RoleArgs {
     /// Name of the session that plant and controller share
     #[arg(long, default_value = "biped", requires = "scene")]
     session: String,
+    /// Leave room for a tunnel to another machine, which `biped tunnel` opens
+    #[arg(long, requires = "scene")]
+    tunnel: bool,
     /// Process to die with
     #[arg(long, hide = true)]
     parent: Option<i32>,
@@ -41,7 +44,8 @@ impl RoleArgs {
         let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
         let scene =
             SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone(), full: self.full }.load()?;
-        let (session, contract) = (Session::named(&self.session)?, Contract::of(&scene, self.pace.pace()));
+        let contract = Contract::of(&scene, self.pace.pace()).tunnelled(self.tunnel);
+        let session = Session::named(&self.session)?;
         Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })
     }
 }

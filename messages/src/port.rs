@@ -35,6 +35,7 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 use link::{Inlet, Outlet, Reader};
 use place::{Place, TRUTH, TRUTH_BUFFER};
+use std::time::Duration;
 use truth::TruthOutlet;
 
 /// What carries the messages; both sides need this very version.
@@ -42,6 +43,8 @@ pub const TRANSPORT: &str = "iceoryx2 0.10.0";
 
 const SENSORS: &str = "biped/sensors";
 const COMMAND: &str = "biped/command";
+/// A tunnel has looked for messages within this time.
+const TUNNEL: Duration = Duration::from_millis(200);
 
 /// The plant's end.
 #[derive(Debug)]
@@ -50,7 +53,7 @@ pub struct PlantPort {
     command: Inlet<Command>,
     truth: TruthOutlet,
     desk: Desk,
-    _place: Place,
+    place: Place,
 }
 
 impl PlantPort {
@@ -64,7 +67,7 @@ impl PlantPort {
         let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
         let desk = Desk::open(&place, desk::PLANT)?;
         place.reserve()?;
-        Ok(PlantPort { sensors, command, truth, desk, _place: place })
+        Ok(PlantPort { sensors, command, truth, desk, place })
     }
 
     /// The same, waiting otherwise than [`Waiting::Hybrid`].
@@ -132,6 +135,14 @@ impl PlantPort {
     /// To be called when all is said: waits a little for a recorder that has not begun to read and would get nothing.
     pub fn finish(&self) {
         self.truth.linger();
+        self.let_go();
+    }
+
+    /// To be called after the last word, whatever the end: a tunnel, which looks for messages now and then, must still find it.
+    pub fn let_go(&self) {
+        if self.place.has_tunnel() {
+            std::thread::sleep(TUNNEL);
+        }
     }
 
     /// Messages of truth that a recorder did not get.

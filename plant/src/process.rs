@@ -77,7 +77,11 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
             link.port.finish();
             Ok(())
         }
-        Err(_) => link.port.send(goodbye(&simulation)),
+        Err(_) => {
+            let said = link.port.send(goodbye(&simulation));
+            link.port.let_go();
+            said
+        }
     };
     simulation.intake().tally_mut().unrecorded = link.port.unrecorded();
     let result = match (result, simulation.mode()) {
