@@ -37,7 +37,10 @@ fn the_tunnel_is_told_where_the_session_lies_and_ends_with_it() {
     let folder = fresh_path("tunnel");
     std::fs::create_dir(&folder).expect("a folder");
     let (program, told) = (folder.join("iox2-link-tunnel-zenoh"), folder.join("told"));
-    let script = format!("#!/bin/sh\n(echo \"$@\"; cat config/iceoryx2.toml zenoh.json5) > {0}.new; mv {0}.new {0}; exec sleep 60\n", told.display());
+    let script = format!(
+        "#!/bin/sh\n(echo \"$@\"; cat config/iceoryx2.toml zenoh.json5) > {0}.new; mv {0}.new {0}; exec sleep 60\n",
+        told.display()
+    );
     std::fs::write(&program, script).expect("a script");
     std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).expect("a script");
     let walk = Running::start("tunnelled", &["--realtime"]);
