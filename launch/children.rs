@@ -1,8 +1,11 @@
 //! The two processes: started, watched, and never left behind. Either may be somebody else's program.
 
 use crate::exit::{Exit, Failure};
+use crate::export;
 use clap::Args;
 use indicatif::ProgressBar;
+use messages::invitation::Invitation;
+use messages::session::Session;
 use nix::sys::prctl;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::{Pid, getppid};
@@ -173,6 +176,28 @@ pub fn wait(roles: &mut [Role], limit: Duration, mut meanwhile: impl FnMut()) {
 /// The first line of a panic, or of what Python says when it ends by an exception.
 fn is_a_crash(line: &str) -> bool {
     line.starts_with("thread '") || line.starts_with("Traceback ")
+}
+
+/// All that somebody else's program must know to take part: the invitation, and the robot. `biped` is among its programs.
+///
+/// # Errors
+/// If the scene has no robot that MJCF can say.
+pub fn environment(invitation: &Invitation) -> Result<Vec<(&'static str, String)>, Failure> {
+    let mut environment = invitation.environment();
+    environment.push(("BIPED_MJCF", export::mjcf(&invitation.scene)?));
+    let ours = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
+    let path = std::env::var("PATH").into_iter().chain(ours);
+    environment.push(("PATH", path.collect::<Vec<_>>().join(":")));
+    Ok(environment)
+}
+
+/// A session that is cleared away when it is dropped, after every process of it has ended.
+pub struct Swept(pub Session);
+
+impl Drop for Swept {
+    fn drop(&mut self) {
+        self.0.sweep();
+    }
 }
 
 /// Arguments of `biped become`, which this program gives to itself.

@@ -2,6 +2,7 @@
 
 use crate::contact::Case;
 use controller::ControllerError;
+use messages::invitation::InvitationError;
 use messages::load::SceneError;
 use messages::port::PortError;
 use plant::PlantError;
@@ -28,6 +29,8 @@ pub enum Exit {
     Unsolved = 8,
     /// The system refused what `--rt=require` asks for.
     Refused = 9,
+    /// A program breaks a rule of the wire.
+    Nonconforming = 10,
     /// Ctrl-C or TERM.
     Interrupted = 130,
 }
@@ -35,7 +38,7 @@ pub enum Exit {
 /// The same for people.
 pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
     5 incompatible processes, 6 shared memory, 7 the robot fell, \
-    8 unsolved contact problem, 9 real time refused, 130 interrupted";
+    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire broken, 130 interrupted";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -64,7 +67,7 @@ impl Exit {
     /// What cut a run short, in a few words; nothing for what is no early end.
     pub fn cause(self) -> Option<&'static str> {
         match self {
-            Exit::Ok | Exit::Fell => None,
+            Exit::Ok | Exit::Fell | Exit::Nonconforming => None,
             Exit::Usage | Exit::Refused => Some("refused"),
             Exit::PeerMissing => Some("other process missing"),
             Exit::Fault => Some("fault"),
@@ -97,6 +100,15 @@ impl Failure {
 impl From<SceneError> for Failure {
     fn from(error: SceneError) -> Self {
         Failure::new(Exit::Usage, error)
+    }
+}
+
+impl From<InvitationError> for Failure {
+    fn from(error: InvitationError) -> Self {
+        match error {
+            InvitationError::Malformed(_) => Failure::new(Exit::Usage, error),
+            InvitationError::Port(error) => error.into(),
+        }
     }
 }
 

@@ -4,6 +4,7 @@
 //! | what | where |
 //! |---|---|
 //! | the main job | [`run`] |
+//! | plant and controller by themselves | [`roles`] |
 //! | tables of many runs | [`study`] |
 //! | speed against accuracy | [`chart`] |
 //! | how much delay, jitter and loss it bears | [`robustness`] |
@@ -13,9 +14,12 @@
 //! | progress bar and live line | [`progress`] |
 //! | scenes and their keys | [`list`] |
 //! | what goes wrong, exit codes | [`exit`] |
+//! | another controller amid the walk | [`swap`] |
 //! | the wire format for other languages | [`wire`] |
+//! | plant and controller on two machines | [`tunnel`] |
 //! | the robot for other programs | [`export`] |
 //! | asking a running session | [`desk`] |
+//! | whether somebody else's program keeps to the wire | [`conform`] |
 //! | faults on purpose, a long time | [`faults`], [`soak`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
@@ -26,6 +30,7 @@
 
 mod chart;
 mod children;
+mod conform;
 mod contact;
 mod csv;
 mod desk;
@@ -42,20 +47,22 @@ mod record;
 mod recording;
 mod report;
 mod robustness;
+mod roles;
 mod run;
 mod soak;
 mod study;
 mod summary;
+mod swap;
 mod top;
+mod tunnel;
 mod view;
 mod wire;
 
 use clap::{Args, Parser, Subcommand};
 use exit::{Exit, Failure};
-use messages::load::{load, text};
-use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
+use messages::load::load;
+use messages::port::{Pace, PortError};
 use messages::scene::Scene;
-use messages::session::Session;
 use model::RunModel;
 use std::io::Write;
 use std::process::ExitCode;
@@ -90,15 +97,17 @@ enum Command {
     /// Solve the contact problem that a run could not solve, by every law
     Contact(contact::ContactArgs),
     /// Be the plant of a session
-    Plant(RoleArgs),
+    Plant(roles::RoleArgs),
     /// Be the controller of a session
-    Controller(RoleArgs),
+    Controller(roles::RoleArgs),
     #[command(flatten)]
     Desk(desk::Wish),
     /// Show a running session in a browser, in 3-D, and let it be pushed and led from there
     View(view::live::ViewArgs),
     /// Show how a running session is, in the terminal
     Top(top::TopArgs),
+    /// Check whether a controller or plant of yours keeps to the rules of the wire
+    Conform(conform::ConformArgs),
     /// Hurt real processes in many ways, and check that nothing hangs, lies or is left
     Faults(faults::FaultsArgs),
     /// Walk for a long time, and watch memory, open files, shared memory and latency
@@ -107,6 +116,8 @@ enum Command {
     Doctor,
     /// Remove what dead sessions left in shared memory
     Clean,
+    /// Carry a session to another machine
+    Tunnel(tunnel::TunnelArgs),
     /// Print the wire format, for controllers and plants in other languages
     Wire(wire::WireArgs),
     /// Print the robot of a scene for other programs
@@ -199,22 +210,6 @@ fn seconds(text: &str) -> Result<f64, String> {
     good.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
 }
 
-#[derive(Args)]
-struct RoleArgs {
-    #[command(flatten)]
-    scene: SceneArgs,
-    #[command(flatten)]
-    pace: PaceArgs,
-    #[command(flatten)]
-    system: realtime::RealtimeArgs,
-    /// Name of the session that plant and controller share
-    #[arg(long, default_value = "biped")]
-    session: String,
-    /// Process to die with
-    #[arg(long, hide = true)]
-    parent: Option<i32>,
-}
-
 fn main() -> ExitCode {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
@@ -229,11 +224,12 @@ fn main() -> ExitCode {
         Some(Command::Latency(args)) => latency::run(&args, &stop),
         Some(Command::LatencyPeer(args)) => latency::peer(&args, &stop),
         Some(Command::Contact(args)) => contact::run(&args),
-        Some(Command::Plant(args)) => plant(&args, &stop),
-        Some(Command::Controller(args)) => controller(&args, &stop),
+        Some(Command::Plant(args)) => roles::plant(&args, &stop),
+        Some(Command::Controller(args)) => roles::controller(&args, &stop),
         Some(Command::Desk(wish)) => desk::run(wish),
         Some(Command::View(args)) => view::live::run(&args, &stop),
         Some(Command::Top(args)) => top::run(&args, &stop),
+        Some(Command::Conform(args)) => conform::run(&args, &stop),
         Some(Command::Faults(args)) => faults::run(&args, &stop),
         Some(Command::Soak(args)) => soak::run(&args, &stop),
         Some(Command::Doctor) => doctor::doctor(),
@@ -242,6 +238,7 @@ fn main() -> ExitCode {
             wire::run(&args);
             Ok(())
         }
+        Some(Command::Tunnel(args)) => tunnel::run(&args, &stop),
         Some(Command::Become(args)) => children::become_other(&args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Info(args)) => recording::info::run(&args),
@@ -258,50 +255,6 @@ fn main() -> ExitCode {
             failure.exit.into()
         }
     }
-}
-
-fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let (scene, session) = begin(args)?;
-    let contract = Contract::of(&scene, args.pace.pace());
-    let port = guarded(|| PlantPort::open(&session, &contract))?;
-    session.tell_scene(&text(&scene))?;
-    ready(args)?;
-    let PaceArgs { speed, .. } = args.pace;
-    let options = plant::process::Options { pace: args.pace.pace(), speed, patience: args.pace.patience() };
-    let (tally, result) = plant::process::run(&scene, port, options, stop);
-    let remarks = tally.to_string();
-    if !remarks.is_empty() {
-        eprintln!("{remarks}");
-    }
-    Ok(result?)
-}
-
-fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let (scene, session) = begin(args)?;
-    let contract = Contract::of(&scene, args.pace.pace());
-    let port = guarded(|| ControllerPort::open(&session, &contract))?;
-    ready(args)?;
-    Ok(controller::process::run(&scene, port, args.pace.patience(), stop)?)
-}
-
-/// What both roles begin with.
-fn begin(args: &RoleArgs) -> Result<(Scene, Session), Failure> {
-    let session = Session::named(&args.session)?;
-    if let Some(parent) = args.parent {
-        // Nobody else may be left to clear up after it.
-        children::die_with(parent).inspect_err(|_| session.sweep())?;
-    }
-    args.system.suits(args.pace.pace())?;
-    Ok((args.scene.load()?, session))
-}
-
-/// What both roles ask of the system, now that all their shared memory is there.
-fn ready(args: &RoleArgs) -> Result<(), Failure> {
-    if args.pace.realtime {
-        realtime::wake_on_time();
-    }
-    args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
-    Ok(())
 }
 
 /// Opening a session takes milliseconds; but the remains of a process killed at the wrong instant can block it for

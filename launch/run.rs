@@ -1,14 +1,16 @@
 //! The main job: run a scene, watch over it, record it, and say what came out.
 
-use crate::children::{self, Role};
+use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
 use crate::progress::Progress;
 use crate::realtime::RealtimeArgs;
 use crate::record::Recorder;
 use crate::recording::Writer;
 use crate::summary::Summary;
-use crate::{PaceArgs, SceneArgs, export, fitted, guarded, report, say};
+use crate::swap::{Succession, Swap};
+use crate::{PaceArgs, SceneArgs, fitted, guarded, report, say};
 use clap::Args;
+use messages::invitation::Invitation;
 use messages::load;
 use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
@@ -53,6 +55,10 @@ pub struct RunArgs {
     /// Program to be the plant, likewise: another simulator, or a robot's driver
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
     plant: Option<String>,
+    /// Let another controller take over at this simulated time, as the robot walks on; COMMAND as for --controller, `biped
+    /// controller` being ours; repeatable
+    #[arg(long, value_name = "SECONDS=COMMAND", conflicts_with = "in_process")]
+    swap: Vec<Swap>,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
@@ -72,6 +78,7 @@ impl RunArgs {
             respawn: 0,
             controller: None,
             plant: None,
+            swap: vec![],
             out: Some("out/walk".into()),
             record: None,
             quiet: false,
@@ -219,10 +226,12 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let swept = Swept(session);
     let contract = Contract::of(scene, args.pace.pace());
     let bar = watch.progress.bar.clone();
+    let patience = args.pace.patience();
+    let invitation = Invitation { session: swept.0.clone(), contract, patience, scene: scene.clone(), succeeds: false };
     let start = |child: usize| {
         let name = ["plant", "controller"][child];
         if let Some(command) = [&args.plant, &args.controller][child] {
-            return Role::foreign(name, command, &environment(args, scene, &swept.0, &contract)?, &bar);
+            return Role::foreign(name, command, &children::environment(&invitation)?, &bar);
         }
         let arguments = [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
         Role::start(name, &arguments, &bar)
@@ -234,10 +243,21 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let mut roles = vec![start(0)?];
     roles.extend(controller);
     let mut lives = args.respawn;
+    let mut succession = Succession::new(&args.swap, &swept.0, &contract);
+    let succeed = |command: &str| {
+        let heir = Invitation { succeeds: true, ..invitation.clone() };
+        Role::foreign("controller", command, &children::environment(&heir)?, &bar)
+    };
     let outcome = loop {
         watch.drain(&mut port)?;
         if let Err(failure) = goes_on(&watch.recorder, stop) {
             break Err(failure);
+        }
+        if let Some(incumbent) = roles.get_mut(1) {
+            let now = watch.latest.stamp;
+            if let Err(failure) = succession.look(&now, incumbent, succeed, || drop(watch.drain(&mut port))) {
+                break Err(failure);
+            }
         }
         for (child, role) in roles.iter_mut().enumerate() {
             if let Some(cause) = role.death().filter(|_| lives > 0) {
@@ -256,24 +276,12 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         }
         std::thread::sleep(LOOK);
     };
+    if let Some(rest) = succession.rest() {
+        bar.suspend(|| eprintln!("{rest}"));
+    }
     children::end(&mut roles, || drop(watch.drain(&mut port)));
     watch.drain(&mut port)?;
     outcome
-}
-
-/// All that somebody else's program must know to take part.
-fn environment(
-    args: &RunArgs,
-    scene: &Scene,
-    session: &Session,
-    contract: &Contract,
-) -> Result<Vec<(&'static str, String)>, Failure> {
-    let robot = export::mjcf(scene)?;
-    let scene = serde_json::to_string(scene).map_err(|error| Failure::new(Exit::Fault, error))?;
-    let mut environment = contract.environment(session);
-    let patience = args.pace.patience.to_string();
-    environment.extend([("BIPED_PATIENCE", patience), ("BIPED_SCENE", scene), ("BIPED_MJCF", robot)]);
-    Ok(environment)
 }
 
 fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
@@ -287,13 +295,4 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments
-}
-
-/// A session that is cleared away when it is dropped, after every process of it has ended.
-pub struct Swept(pub Session);
-
-impl Drop for Swept {
-    fn drop(&mut self) {
-        self.0.sweep();
-    }
 }

@@ -1,14 +1,15 @@
 //! Claims about programs that are not ours: controllers in Python keep the robot up as our own does, MuJoCo's robot walks
 //! as ours does, what fails is named, other engines read the exported robot as the same equations of motion, and other
 //! readers our recordings.
-//!
-//! Python's packages come into a virtual environment under the target folder, once.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
 mod common;
+#[path = "common/languages.rs"]
+mod languages;
 
 use common::{RobotFile, fresh_path, scene, shanks, similar};
+use languages::python;
 use messages::scene::Base;
 use messages::session::Session;
 use nalgebra::{UnitQuaternion, Vector3};
@@ -17,39 +18,7 @@ use plant::kinematics::{self, Pose};
 use plant::model::Model;
 use plant::state::State;
 use serde_json::{Value, json};
-use std::path::PathBuf;
 use std::process::{Command, Output};
-use std::sync::OnceLock;
-
-/// The wheels that the controllers and the comparison need.
-const WHEELS: [&str; 8] = [
-    "iceoryx2==0.10.0",
-    "numpy",
-    "mujoco==4.0.0",
-    "pin==4.1.0",
-    "mcap==1.6.0",
-    "mcap-protobuf-support==0.6.0",
-    "foxglove-schemas-protobuf==0.4.0",
-    "jsonschema==4.26.0",
-];
-
-/// A Python that has them.
-fn python() -> &'static PathBuf {
-    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("python");
-        let (python, made) = (folder.join("bin/python3"), folder.join(WHEELS.join(" ")));
-        if !made.exists() {
-            let venv = Command::new("python3").args(["-m", "venv"]).arg(&folder).output().expect("Python 3");
-            assert!(venv.status.success(), "{}", String::from_utf8_lossy(&venv.stderr));
-            let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-            let pip = Command::new(&python).args(pip).args(WHEELS).output().expect("pip");
-            assert!(pip.status.success(), "{}", String::from_utf8_lossy(&pip.stderr));
-            std::fs::write(made, "").expect("a file of ours");
-        }
-        python
-    })
-}
 
 /// A run with a controller given by a command; also its summary, if it left one.
 fn run(scene: &str, arguments: &[&str]) -> (Output, Value) {
@@ -182,6 +151,89 @@ fn a_foreign_controller_that_dies_or_never_answers_is_named_and_nothing_stays() 
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(5), "{errors}");
     assert!(errors.contains("realtime"), "{errors}");
+}
+
+/// What `biped conform` finds in a program in Python: exit code, and all it says.
+fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["conform", role, &format!("{} {arguments}", python().display())])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("OPENBLAS_NUM_THREADS", "1")
+        .output()
+        .expect("the program starts");
+    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code(), told)
+}
+
+#[test]
+fn ours_in_python_keep_the_rules_of_the_wire() {
+    for controller in ["stand.py", "walk.py"] {
+        let (code, told) = conform("--controller", &format!("controller/foreign/python/{controller}"));
+        assert!(code == Some(0) && told.contains("32 rules kept"), "{controller}: {told}");
+    }
+    let (code, told) = conform("--plant", "plant/foreign/mujoco/plant.py");
+    assert!(code == Some(0) && told.contains("37 rules kept") && told.contains("lockstep alone"), "{told}");
+}
+
+/// A piece of session.py, what takes its place, and what must be said of that.
+type Flaw = [&'static str; 3];
+
+#[test]
+fn who_breaks_a_rule_is_told_which() {
+    let programs: [&[Flaw]; 4] = [
+        &[
+            ["stamp.seq + 1, asked.seq,", "stamp.seq + 1, asked.seq - 1,", "ack is the number of the sensors answered"],
+            ["sys.exit(INTERRUPTED))", "None)", "TERM ends it in order within 3 s: it was still there"],
+        ],
+        &[
+            [
+                "controller.tick(sensors.encoders.counts[:], answer.telemetry)",
+                "[float('nan')] * 8",
+                "torques are finite: torque[0]",
+            ],
+            ["if sensors.last:", "if False:", "`last` = 1 ends it in order within 3 s"],
+            ["stamp.ack = asked.run, 0, 0", "stamp.ack = asked.run, 5, 0", "seq counts its messages of a run from 1"],
+        ],
+        &[
+            [
+                "sensors is None or not is_sound(sensors)",
+                "sensors is None",
+                "whose check sum is wrong are not answered",
+            ],
+            ["secrets.randbits(64)", "7", "it answers under another epoch"],
+            ["                if stamp.run:\n", "                if False:\n", "takes a new run as a new robot"],
+        ],
+        &[
+            ["sealed(message))", "message)", "every message is sealed"],
+            ["fail(PEER_MISSING", "print(PEER_MISSING", "gives up without a plant"],
+        ],
+    ];
+    let ours = std::path::Path::new("controller/foreign/python");
+    let try_one = move |flaws: &[Flaw]| {
+        let folder = fresh_path("flawed");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        for file in ["stand.py", "wire.py"] {
+            std::fs::copy(ours.join(file), folder.join(file)).expect("a copy");
+        }
+        let mut text = std::fs::read_to_string(ours.join("session.py")).expect("our own file");
+        for [good, bad, _] in flaws {
+            assert!(text.contains(good), "session.py has no longer {good}");
+            text = text.replacen(good, bad, 1);
+        }
+        std::fs::write(folder.join("session.py"), text).expect("a file");
+        let (code, told) = conform("--controller", &folder.join("stand.py").display().to_string());
+        let broken = told.lines().filter(|line| line.starts_with("FAILED")).collect::<Vec<_>>().join("\n");
+        for [_, bad, rule] in flaws {
+            assert!(code == Some(10) && broken.contains(rule), "{bad}: {rule}: {told}");
+        }
+        std::fs::remove_dir_all(folder).expect("our own folder");
+    };
+    // most of their time is waiting for what must not come
+    std::thread::scope(|scope| {
+        for flaws in programs {
+            scope.spawn(move || try_one(flaws));
+        }
+    });
 }
 
 /// H and b of random states, for the comparison.

@@ -1,37 +1,18 @@
 //! Claims about controllers in C and C++: they keep the robot up, wrong use gives a code and a sentence, nothing stays.
 
-#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+#![expect(clippy::expect_used, reason = "a test may panic")]
 
 mod common;
+#[path = "common/languages.rs"]
+mod languages;
 
 use common::{fresh_path, scene};
+use languages::compile;
 use messages::port::{Contract, Pace};
 use messages::session::Session;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
-
-/// Where cargo puts the library for this test.
-fn libraries() -> PathBuf {
-    let folder = Path::new(env!("CARGO_BIN_EXE_biped")).parent().expect("a folder").join("deps");
-    assert!(folder.join("libbiped_c.so").exists(), "no libbiped_c.so in {}", folder.display());
-    folder
-}
-
-/// Compiles a source of this repository, and gives the program.
-fn compile(compiler: &str, standard: &str, source: &str) -> PathBuf {
-    let (program, libraries) = (fresh_path("native"), libraries());
-    let output = Command::new(compiler)
-        .args([standard, "-O2", "-Wall", "-Wextra", "-Werror", source, "-o"])
-        .arg(&program)
-        .args(["-Icontroller/foreign/c", "-Imessages/include", "-L"])
-        .arg(&libraries)
-        .args(["-lbiped_c", "-lm", &format!("-Wl,-rpath,{}", libraries.display())])
-        .output()
-        .unwrap_or_else(|error| panic!("there is no compiler `{compiler}` ({error}): install g++, which brings both"));
-    assert!(output.status.success(), "{source}: {}", String::from_utf8_lossy(&output.stderr));
-    program
-}
 
 /// A run with such a program as the controller: it must end well, and leave nothing.
 fn run(scene: &str, program: &Path, settings: &[&str]) -> Value {
@@ -82,6 +63,15 @@ fn a_spring_and_a_damper_stand_in_c_and_in_cpp() {
     let hashes = [&c, &cpp].map(|program| run("stand", program, &stand)["trajectory_hash"].clone());
     assert_eq!(hashes[0], hashes[1], "the same law, the same bits");
     [c, cpp].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+#[test]
+fn our_own_torques_walk_through_c_bit_for_bit() {
+    let program = compile("cc", "-std=c11", "controller/foreign/c/walk.c");
+    let theirs = run("walk", &program, &["duration=3"]);
+    let ours = common::run_two("walk", &["duration=3"]);
+    assert_eq!(theirs["trajectory_hash"], ours.hash());
+    std::fs::remove_file(program).expect("our own file");
 }
 
 #[test]

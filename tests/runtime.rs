@@ -182,6 +182,20 @@ fn plant_and_controller_start_by_hand_in_either_order() {
 }
 
 #[test]
+fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
+    let session = session("cannot");
+    let bad = ["--set", "plant.law=EnergyQp", "--set", "plant.method=EventDriven", "--session", session.name()];
+    let controller = start(&[&["controller", "walk", "--patience", "50"], &bad[..]].concat());
+    eventually("the controller's session", || session.leftovers().len() > 5);
+    let begun = Instant::now();
+    let (code, errors) = end(start(&[&["plant", "walk"], &bad[..]].concat()));
+    assert!(code == Some(4) && errors.contains("plant.law of the method EventDriven"), "{errors}");
+    assert_eq!(end(controller).0, Some(0));
+    assert!(begun.elapsed() < Duration::from_secs(40), "it waited out its patience");
+    assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+}
+
+#[test]
 fn ctrl_c_and_term_end_everything_in_order() {
     for signal in [Signal::SIGINT, Signal::SIGTERM] {
         let (launcher, roles) = walking();

@@ -85,6 +85,11 @@ impl Process {
         Ok(Process { child, words })
     }
 
+    /// Its number.
+    pub fn number(&self) -> u32 {
+        self.child.id()
+    }
+
     /// Whether it has ended.
     pub fn has_ended(&mut self) -> bool {
         matches!(self.child.try_wait(), Ok(Some(_)) | Err(_))

@@ -2,8 +2,8 @@
 
 use super::lines::{self, Lines};
 use super::peer::Peer;
+use crate::children::Swept;
 use crate::exit::{Exit, Failure};
-use crate::run::Swept;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use messages::session::Session;
 use std::io::IsTerminal;

@@ -8,10 +8,12 @@
 //! | scenes: TOML in, checked values out | [`scene`], [`load`] |
 //! | what may be asked of a running session | [`ask`] |
 //! | the link between two processes | [`port`], [`session`], [`clock`] |
+//! | how a program learns where it takes part | [`invitation`] |
 
 pub mod ask;
 pub mod clock;
 pub mod describe;
+pub mod invitation;
 mod law;
 pub mod load;
 pub mod port;

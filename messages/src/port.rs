@@ -35,6 +35,7 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 use link::{Inlet, Outlet, Reader};
 use place::{Place, TRUTH, TRUTH_BUFFER};
+use std::time::Duration;
 use truth::TruthOutlet;
 
 /// What carries the messages; both sides need this very version.
@@ -42,6 +43,8 @@ pub const TRANSPORT: &str = "iceoryx2 0.10.0";
 
 const SENSORS: &str = "biped/sensors";
 const COMMAND: &str = "biped/command";
+/// A tunnel has looked for messages within this time.
+const TUNNEL: Duration = Duration::from_millis(200);
 
 /// The plant's end.
 #[derive(Debug)]
@@ -50,7 +53,7 @@ pub struct PlantPort {
     command: Inlet<Command>,
     truth: TruthOutlet,
     desk: Desk,
-    _place: Place,
+    place: Place,
 }
 
 impl PlantPort {
@@ -60,11 +63,11 @@ impl PlantPort {
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<PlantPort, PortError> {
         let place = Place::open(session, contract)?;
-        let sensors = Outlet::open(&place, SENSORS, "plant")?;
+        let sensors = Outlet::open(&place, SENSORS, "plant", || false)?;
         let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
         let desk = Desk::open(&place, desk::PLANT)?;
         place.reserve()?;
-        Ok(PlantPort { sensors, command, truth, desk, _place: place })
+        Ok(PlantPort { sensors, command, truth, desk, place })
     }
 
     /// The same, waiting otherwise than [`Waiting::Hybrid`].
@@ -80,6 +83,14 @@ impl PlantPort {
     #[inline]
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
         self.sensors.send(sensors, self.command.heard_ns)
+    }
+
+    /// Sends sensors as they are, sealed or not: bad ones on purpose.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn pass_on(&self, sensors: Sensors) -> Result<(), PortError> {
+        self.sensors.write(sensors, |_| (), self.command.heard_ns)
     }
 
     /// Seals and sends truth to whoever records.
@@ -124,6 +135,14 @@ impl PlantPort {
     /// To be called when all is said: waits a little for a recorder that has not begun to read and would get nothing.
     pub fn finish(&self) {
         self.truth.linger();
+        self.let_go();
+    }
+
+    /// To be called after the last word, whatever the end: a tunnel, which looks for messages now and then, must still find it.
+    pub fn let_go(&self) {
+        if self.place.has_tunnel() {
+            std::thread::sleep(TUNNEL);
+        }
     }
 
     /// Messages of truth that a recorder did not get.
@@ -135,9 +154,10 @@ impl PlantPort {
 /// The controller's end.
 #[derive(Debug)]
 pub struct ControllerPort {
+    // Before the command, whose place a successor waits for: fields are dropped in order.
+    desk: Desk,
     command: Outlet<Command>,
     sensors: Inlet<Sensors>,
-    desk: Desk,
     _place: Place,
 }
 
@@ -147,12 +167,24 @@ impl ControllerPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<ControllerPort, PortError> {
+        ControllerPort::succeed(session, contract, || false)
+    }
+
+    /// The same after whoever has the place now, once it is free; `waits` is asked whether to wait on.
+    ///
+    /// # Errors
+    /// See [`PortError`].
+    pub fn succeed(
+        session: &Session,
+        contract: &Contract,
+        waits: impl Fn() -> bool,
+    ) -> Result<ControllerPort, PortError> {
         let place = Place::open(session, contract)?;
-        let command = Outlet::open(&place, COMMAND, "controller")?;
         let sensors = Inlet::open(&place, SENSORS)?;
+        let command = Outlet::open(&place, COMMAND, "controller", waits)?;
         let desk = Desk::open(&place, desk::CONTROLLER)?;
         place.reserve()?;
-        Ok(ControllerPort { command, sensors, desk, _place: place })
+        Ok(ControllerPort { desk, command, sensors, _place: place })
     }
 
     /// As [`PlantPort::waiting`].

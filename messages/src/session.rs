@@ -11,7 +11,7 @@ mod scene;
 
 use crate::port::PortError;
 use crate::wire::{FNV_START, fnv1a};
-pub(crate) use member::Membership;
+pub use member::Membership;
 use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
@@ -55,13 +55,13 @@ impl Session {
 
     /// Start of the name of every file of the session: a hash of user and name, because the paths of its sockets, which
     /// hold it twice, must stay below 108 bytes.
-    pub(crate) fn prefix(&self) -> String {
+    pub fn prefix(&self) -> String {
         let owner = fnv1a(FNV_START, &nix::unistd::getuid().as_raw().to_le_bytes());
         format!("biped_{:08x}_", fnv1a(owner, self.name.as_bytes()) as u32)
     }
 
     /// Folder of the session's other files.
-    pub(crate) fn root(&self) -> PathBuf {
+    pub fn root(&self) -> PathBuf {
         Path::new(SHARED_MEMORY).join(self.prefix() + "files")
     }
 

@@ -11,11 +11,11 @@ use messages::wire::{Reply, Request};
 const GREATEST_PUSH: f64 = 1000.0;
 const LONGEST_PUSH: f64 = 60.0;
 
-/// Whether time stands still, and after how many more periods.
+/// Whether time stands still, and from which control period on.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Desk {
     paused: bool,
-    steps: u64,
+    from: u64,
 }
 
 impl Desk {
@@ -25,13 +25,15 @@ impl Desk {
     /// If the scene cannot begin anew.
     pub fn handle(&mut self, request: &Request, simulation: &mut Simulation) -> Result<(Reply, Next), PlantError> {
         let mut next = Next::Period { late_ns: 0 };
+        let now = simulation.sensors().stamp.seq;
         let verdict = match Ask::of(request) {
             Err(verdict) => verdict,
             Ok(Ask::Pause) => self.stand(true, 0),
             Ok(Ask::Resume) => self.stand(false, 0),
-            Ok(Ask::Step { periods }) => self.stand(true, periods),
+            Ok(Ask::Step { periods }) => self.stand(true, now.saturating_add(periods)),
             Ok(Ask::Reset { seed }) => {
                 simulation.reset(random(), seed)?;
+                self.from = 0;
                 next = Next::Afresh;
                 Verdict::Done
             }
@@ -47,17 +49,13 @@ impl Desk {
         Ok((Reply { stamp: simulation.sensors().stamp, verdict: verdict as u64, state: state as u64 }, next))
     }
 
-    /// Whether time is to stand still now; counts the periods that it was asked to run for.
-    pub fn stands_still(&mut self) -> bool {
-        if self.paused && self.steps > 0 {
-            self.steps -= 1;
-            return false;
-        }
-        self.paused
+    /// Whether time is to stand still before the control period `now`.
+    pub fn stands_still(&self, now: u64) -> bool {
+        self.paused && now >= self.from
     }
 
-    fn stand(&mut self, paused: bool, steps: u64) -> Verdict {
-        *self = Desk { paused, steps };
+    fn stand(&mut self, paused: bool, from: u64) -> Verdict {
+        *self = Desk { paused, from };
         Verdict::Done
     }
 }

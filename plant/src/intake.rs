@@ -1,11 +1,12 @@
 //! What reaches the drives of what the controller says:
 //!
 //! ```text
-//!   link → injector (delay, loss, …) → gate → newest accepted command → its age → watchdog → torques
+//!   link → injector (delay, loss, …) → gate → newest accepted command → its age → watchdog → hand-over → torques
 //! ```
 //! Pure, in simulated time: the same in one process and in two, in lockstep and in real time.
 
 use crate::gate::{Admission, Gate};
+use crate::handover::Handover;
 use crate::inject::Injector;
 use crate::watchdog::{Mode, Watchdog};
 use messages::scene::Scene;
@@ -21,6 +22,9 @@ pub struct Intake {
     injector: Option<Injector>,
     gate: Gate,
     watchdog: Watchdog,
+    handover: Handover,
+    /// Torques of the last period [N·m].
+    applied: Torques,
     /// Control rate times radians per encoder count [rad/s].
     count_rate: f64,
     newest: Option<Command>,
@@ -39,6 +43,8 @@ impl Intake {
             injector: (!scene.link.is_perfect()).then(|| Injector::new(&scene.link, 1.0 / scene.rate)),
             gate: Gate::new(run, scene.plant.torque_limit),
             watchdog: Watchdog::new(scene.rate),
+            handover: Handover::new(scene.rate),
+            applied: Torques::default(),
             count_rate: scene.rate * TAU / f64::from(scene.plant.encoder_bits).exp2(),
             newest: None,
             fresh: false,
@@ -75,11 +81,12 @@ impl Intake {
             Mode::Fault => tally.faulted += 1,
             Mode::Wait | Mode::Run | Mode::Paused => (),
         }
-        match self.mode {
+        self.applied = match self.mode {
             Mode::Damp => self.damping(&sensors.encoders, &before),
             Mode::Fault => Torques::default(),
-            Mode::Wait | Mode::Run | Mode::Paused | Mode::Hold => newest.torques,
-        }
+            Mode::Wait | Mode::Run | Mode::Paused | Mode::Hold => self.handover.blend(newest.torques),
+        };
+        self.applied
     }
 
     /// Ends a fault.
@@ -93,6 +100,9 @@ impl Intake {
             Ok(Admission { lost, takeover }) => {
                 self.tally.lost += lost;
                 self.tally.takeovers += u64::from(takeover);
+                if takeover {
+                    self.handover.begin(self.applied);
+                }
                 (self.newest, self.fresh) = (Some(*command), true);
             }
             Err(reason) => self.tally.refused[reason as usize] += 1,

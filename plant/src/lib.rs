@@ -14,7 +14,7 @@
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
 //! | drives and encoders | [`drive`] |
-//! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`] |
+//! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`], [`handover`] |
 //! | the record of a control period | [`truth`] |
 //! | delay, jitter and loss of commands | [`inject`] |
 //! | a run: plant, intake and the count of periods | [`simulation`] |
@@ -32,6 +32,7 @@ pub mod dynamics;
 pub mod error;
 pub mod factor;
 pub mod gate;
+pub mod handover;
 pub mod inject;
 pub mod intake;
 pub mod kinematics;

@@ -26,6 +26,8 @@ pub(crate) struct Link<'a> {
     deadline: u64,
     desk: Desk,
     remarks: Remarks,
+    /// When the controller last heard of us [ns].
+    alive: u64,
 }
 
 impl<'a> Link<'a> {
@@ -41,6 +43,7 @@ impl<'a> Link<'a> {
             deadline: 0,
             desk: Desk::default(),
             remarks: Remarks::default(),
+            alive: 0,
         }
     }
 
@@ -70,6 +73,7 @@ impl<'a> Link<'a> {
     /// Waits for the answer to these very sensors; before the first command, for one that is accepted.
     fn answer(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<Next, ProcessError> {
         self.patience.renew();
+        self.alive = sensors.stamp.mono_ns;
         while self.is_driven {
             match self.port.wait()? {
                 Some(command) => {
@@ -83,7 +87,7 @@ impl<'a> Link<'a> {
                     }
                 }
                 None if self.serve(simulation, sensors)? == Next::Afresh => return Ok(Next::Afresh),
-                None => (),
+                None => self.sign_of_life(sensors)?,
             }
             self.go_on()?;
             if self.patience.is_over() {
@@ -128,10 +132,8 @@ impl<'a> Link<'a> {
         Ok(())
     }
 
-    /// Serves whoever is at the desk, and stays there while time stands still. The controller gets the same sensors again
-    /// now and then, as a sign of life.
+    /// Serves whoever is at the desk, and stays there while time stands still.
     fn serve(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<Next, ProcessError> {
-        let mut alive = now_ns();
         loop {
             while let Some(asked) = self.port.asked()? {
                 let (reply, next) = self.desk.handle(&asked.request, simulation)?;
@@ -141,18 +143,25 @@ impl<'a> Link<'a> {
                     return Ok(next);
                 }
             }
-            if !self.desk.stands_still() {
+            if !self.desk.stands_still(sensors.stamp.seq) {
                 return Ok(Next::Period { late_ns: 0 });
             }
             self.go_on()?;
             self.deadline = if self.deadline == 0 { 0 } else { now_ns() };
             self.patience.renew();
-            if now_ns() - alive > SIGN_OF_LIFE {
-                alive = now_ns();
-                self.port.send(Sensors { stamp: Stamp { mono_ns: alive, ..sensors.stamp }, ..*sensors })?;
-            }
+            self.sign_of_life(sensors)?;
             std::thread::sleep(DESK);
         }
+    }
+
+    /// Now and then the controller gets the same sensors again: it hears that we live, and what a link that loses messages,
+    /// such as one to another machine, may have lost. It answers them as before.
+    fn sign_of_life(&mut self, sensors: &Sensors) -> Result<(), ProcessError> {
+        if now_ns() - self.alive > SIGN_OF_LIFE {
+            self.alive = now_ns();
+            self.port.send(Sensors { stamp: Stamp { mono_ns: self.alive, ..sensors.stamp }, ..*sensors })?;
+        }
+        Ok(())
     }
 
     fn go_on(&self) -> Result<(), ProcessError> {

@@ -63,7 +63,12 @@ pub enum Next {
 pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) -> (Tally, Result<(), ProcessError>) {
     let mut simulation = match Simulation::new(scene, random(), random()) {
         Ok(simulation) => simulation,
-        Err(error) => return (Tally::default(), Err(error.into())),
+        Err(error) => {
+            // whoever waits for this plant need not wait on
+            let stamp = Stamp { run: random(), epoch: random(), seq: 1, mono_ns: now_ns(), ..Stamp::default() };
+            let told = port.send(Sensors { stamp, last: 1, ..Sensors::default() });
+            return (Tally::default(), told.map_err(Into::into).and(Err(error.into())));
+        }
     };
     let mut link = Link::new(scene, port, options, stop);
     let result = drive(&mut simulation, |simulation, sensors, truth| link.exchange(simulation, sensors, truth));
@@ -72,7 +77,11 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
             link.port.finish();
             Ok(())
         }
-        Err(_) => link.port.send(goodbye(&simulation)),
+        Err(_) => {
+            let said = link.port.send(goodbye(&simulation));
+            link.port.let_go();
+            said
+        }
     };
     simulation.intake().tally_mut().unrecorded = link.port.unrecorded();
     let result = match (result, simulation.mode()) {

@@ -23,7 +23,7 @@
 // No plant sent sensors.
 #define BIPED_NO_PLANT -3
 
-// A defect of this library.
+// A robot for which `biped_plan` knows no torques, or a defect of this library.
 #define BIPED_DEFECT -4
 
 // The session has another contract, or a controller already.
@@ -75,6 +75,14 @@ int biped_wait(biped_Controller *controller);
 //
 // `controller` is null or from `biped_open`; `encoders` is null or may be written.
 int biped_read(biped_Controller *controller, biped_Encoders *encoders);
+
+// What this project's own controller, in Rust, would answer to them, and what it thinks; telemetry may be NULL. Once for
+// each `biped_wait`, if at all: a place to begin from, or to add to.
+//
+// `controller` is null or from `biped_open`; `torques` and `telemetry` are null or may be written.
+int biped_plan(biped_Controller *controller,
+               biped_Torques *torques,
+               biped_Telemetry *telemetry);
 
 // Answers them by torques; telemetry may be NULL. Once for each `biped_wait`.
 //

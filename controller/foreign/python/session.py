@@ -93,9 +93,9 @@ class Session:
         topics = [("biped/sensors", wire.Sensors), ("biped/command", wire.Command)]
         (hears, self.heard), (says, said) = topics if role == "controller" else topics[::-1]
         self.reader = self.topic(hears, self.heard).subscriber_builder().buffer_size(1).create()
-        self.writer = self.topic(says, said).publisher_builder().max_loaned_samples(1).create()
         self.awaken = self.event(says).notifier_builder().create()
         self.bell = self.event(hears).listener_builder().create()
+        self.writer = self.place(self.topic(says, said).publisher_builder().max_loaned_samples(1), role)
 
     def topic(self, name, message, readers=4, buffer=1, history=1, overflow=True):
         """Opens or makes a topic as docs/WIRE.md has it, with the contract as its attributes."""
@@ -104,6 +104,16 @@ class Session:
         builder = builder.subscriber_max_buffer_size(buffer).subscriber_max_borrowed_samples(1)
         builder = builder.enable_safe_overflow(overflow)
         return patiently(lambda: builder.open_or_create_with_attributes(self.contract), name)
+
+    def place(self, builder, role):
+        """The one place of a writer: a successor waits until whoever has it leaves."""
+        while True:
+            try:
+                return builder.create()
+            except iox2.PublisherCreateError:
+                if "BIPED_SUCCEEDS" not in os.environ:
+                    fail(INCOMPATIBLE, f"session `{os.environ['BIPED_SESSION']}` already has a {role}")
+                time.sleep(0.0005)
 
     def event(self, name):
         return patiently(lambda: self.node.service_builder(iox2.ServiceName.new(name)).event().open_or_create(), name)
@@ -115,7 +125,10 @@ class Session:
             message = self.newest()
             if message is not None:
                 return message
-        self.bell.timed_wait(SLICE)
+        try:
+            self.bell.timed_wait(SLICE)
+        except iox2.ListenerWaitError:
+            pass  # a signal came, such as that to go on after a stop
         return self.newest()
 
     def newest(self):

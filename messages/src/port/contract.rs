@@ -35,6 +35,9 @@ pub struct Contract {
     pub dt: f64,
     /// Lockstep or real time.
     pub pace: Pace,
+    /// Whether there is room for a tunnel to another machine, which reads and writes the topics too: the second of two
+    /// plants is then refused by the gate and no longer at the door. Not agreed upon: whoever comes first decides.
+    pub tunnel: bool,
 }
 
 impl Contract {
@@ -48,7 +51,13 @@ impl Contract {
             rate: scene.rate,
             dt: scene.plant.dt,
             pace,
+            tunnel: false,
         }
+    }
+
+    /// The same with room for a tunnel, or without.
+    pub fn tunnelled(self, tunnel: bool) -> Contract {
+        Contract { tunnel, ..self }
     }
 
     /// The parts by name, as text.
@@ -85,6 +94,7 @@ impl Contract {
             rate: number("rate", " Hz")?,
             dt: number("dt", " s")?,
             pace: [Pace::Lockstep, Pace::RealTime].into_iter().find(|pace| part("pace") == Some(pace.name()))?,
+            tunnel: false,
         })
     }
 }
@@ -96,7 +106,7 @@ mod tests {
     #[test]
     fn a_contract_reads_back_from_the_environment() {
         for pace in [Pace::Lockstep, Pace::RealTime] {
-            let contract = Contract { schema: SCHEMA_HASH, model: 7, rate: 1e3, dt: 1.0 / 3e3, pace };
+            let contract = Contract { schema: SCHEMA_HASH, model: 7, rate: 1e3, dt: 1.0 / 3e3, pace, tunnel: false };
             let (_, text) = contract.environment(&Session::unique()).remove(3);
             assert_eq!(Contract::read(&text), Some(contract));
             for line in text.lines() {

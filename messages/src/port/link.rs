@@ -25,6 +25,8 @@ const SPIN: Duration = Duration::from_micros(50);
 const AWAKE_NS: u64 = SPIN.as_nanos() as u64 / 2;
 /// A sleeping reader looks around this often, so that a stop request or a restarted peer is noticed.
 const SLICE: Duration = Duration::from_millis(10);
+/// A successor tries its place this often.
+const SUCCESSION: Duration = Duration::from_micros(500);
 
 /// How a process waits for the other side. Both ends of a link should wait alike: a writer rings only for a reader that
 /// may be asleep, and one that sleeps unexpectedly looks around every 10 ms.
@@ -62,15 +64,25 @@ pub(super) struct Outlet<M: Stamped> {
 }
 
 impl<M: Stamped> Outlet<M> {
-    pub fn open(place: &Place, name: &str, role: &'static str) -> Result<Outlet<M>, PortError> {
+    /// Takes the one place of a writer; while somebody else has it, `waits` is asked whether to wait on.
+    pub fn open(
+        place: &Place,
+        name: &str,
+        role: &'static str,
+        waits: impl Fn() -> bool,
+    ) -> Result<Outlet<M>, PortError> {
         let topic = place.link::<M>(name)?;
-        let writer = topic.publisher_builder().max_loaned_samples(1).create().map_err(|error| match error {
-            PublisherCreateError::ExceedsMaxSupportedPublishers => {
-                PortError::Taken { session: place.session().into(), role }
-            }
-            error => broken("writing", error),
-        })?;
         let bell = place.event(name)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
+        let writer = loop {
+            match topic.publisher_builder().max_loaned_samples(1).create() {
+                Ok(writer) => break writer,
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) if waits() => std::thread::sleep(SUCCESSION),
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
+                    return Err(PortError::Taken { session: place.session().into(), role });
+                }
+                Err(error) => return Err(broken("writing", error)),
+            }
+        };
         Ok(Outlet { room: RefCell::new(None), writer, bell, waiting: Waiting::default() })
     }
 

@@ -79,7 +79,7 @@ impl Place {
         let required = self.required()?;
         let open = || {
             let builder = builder()
-                .max_publishers(1)
+                .max_publishers(if self.has_tunnel() { 2 } else { 1 })
                 .max_subscribers(shape.readers)
                 .history_size(shape.history)
                 .subscriber_max_buffer_size(shape.buffer)
@@ -157,6 +157,11 @@ impl Place {
     /// The name of the session.
     pub fn session(&self) -> &str {
         self.membership.session().name()
+    }
+
+    /// Whether there is room for a tunnel to another machine.
+    pub fn has_tunnel(&self) -> bool {
+        self.contract.is_some_and(|contract| contract.tunnel)
     }
 
     /// To be called when every topic is open: takes the room that they need.

@@ -15,7 +15,10 @@ const GLANCE: Duration = Duration::from_millis(2);
 
 impl Session {
     /// Enters the session. The first one in sweeps what killed processes left, here and in sessions that are dead.
-    pub(crate) fn enter(&self) -> Result<Membership, PortError> {
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn enter(&self) -> Result<Membership, PortError> {
         let path = self.list();
         let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
         loop {
@@ -49,7 +52,7 @@ pub(super) fn remove(path: &Path) {
 
 /// One process's part in a session. The last one out sweeps.
 #[derive(Debug)]
-pub(crate) struct Membership {
+pub struct Membership {
     session: Session,
     file: File,
     parent: u32,

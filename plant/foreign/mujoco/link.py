@@ -21,6 +21,7 @@ import wire
 
 FAULT = 4
 HOLD, DAMP = 0.01, 0.1  # age up to which torques are held, and joints damped [s]
+BLEND = 0.005  # over which a successor's torques come in [s]
 DAMPING = 2.0  # of an abandoned joint [N·m·s/rad]
 NONSENSE, FULL_SWING = 4.0, 2.0  # torques, and jumps of them, that no honest command has [torque limits]
 LINGER = iox2.Duration.from_secs(3)  # how long a recorder may take to begin
@@ -53,7 +54,10 @@ class Link(session.Session):
     def linger(self):
         """Stays until a recorder has begun to read, if there is one."""
         if self.truth.dynamic_config.number_of_subscribers > 0:
-            self.begun.timed_wait(LINGER)
+            try:
+                self.begun.timed_wait(LINGER)
+            except iox2.ListenerWaitError:
+                pass  # a signal came
 
 
 class Intake:
@@ -65,6 +69,8 @@ class Intake:
         self.count_rate = scene["rate"] * tau / 2 ** scene["plant"]["encoder_bits"]
         self.newest, self.fresh, self.retired = None, False, set()
         self.mode, self.age, self.before = "wait", 0, [0] * wire.JOINTS
+        self.blend = self.gone = max(1, round(BLEND * scene["rate"]))
+        self.applied = self.outgoing = [0.0] * wire.JOINTS
 
     def refusal(self, command, now):
         """Index of the first reason in wire.REFUSED, or None."""
@@ -93,11 +99,16 @@ class Intake:
         if self.newest and self.newest.stamp.epoch != command.stamp.epoch:
             self.retired.add(self.newest.stamp.epoch)
             self.tally.takeovers += 1
+            self.gone, self.outgoing = 0, self.applied
         elif self.newest:
             self.tally.lost += command.stamp.seq - self.newest.stamp.seq - 1
         self.newest, self.fresh = command, True
 
     def torques(self, counts, now):
+        self.applied = self.judged(counts, now)
+        return self.applied
+
+    def judged(self, counts, now):
         """For the period that begins with these counts, number `now` [N·m]; the drives clamp them."""
         before, self.before = self.before, counts
         if self.newest is None:
@@ -113,7 +124,9 @@ class Intake:
             return [-DAMPING * self.count_rate * (c - b) for c, b in zip(counts, before)]
         self.mode = "run" if fresh else "hold"
         self.tally.held += not fresh
-        return self.newest.torques.torque[:]
+        self.gone = min(self.gone + 1, self.blend)
+        w = self.gone / self.blend
+        return [(1 - w) * old + w * new for old, new in zip(self.outgoing, self.newest.torques.torque)]
 
 
 def serve(make):

@@ -1,13 +1,13 @@
 //! The controller's end of a session, in plain Rust: the manners of docs/WIRE.md around a [`ControllerPort`].
 
-use crate::failure::{BIPED_INCOMPATIBLE, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
+use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
 use crate::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
+use controller::{Controller as Planner, ControllerError};
 use messages::clock::{Patience, now_ns, random};
-use messages::port::{Contract, ControllerPort, PortError};
+use messages::invitation::Invitation;
+use messages::port::{ControllerPort, PortError};
 use messages::scene::Scene;
-use messages::session::Session;
-use messages::wire::{Command, Encoders, SCHEMA_HASH, Sensors, Stamp, Stamped, Telemetry, Torques};
-use std::env;
+use messages::wire::{Command, Encoders, Sensors, Stamp, Stamped, Telemetry, Torques};
 use std::f64::consts::TAU;
 use std::ffi::c_int;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -17,8 +17,10 @@ use std::time::Duration;
 /// Whether somebody wants an end.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 
+/// Run, number of the sensors seen last, and the controller.
+type Walker = (u64, u64, Box<Planner>);
+
 /// A controller's place in a session.
-#[derive(Debug)]
 pub struct Controller {
     port: ControllerPort,
     /// What came last; number 0 before anything came.
@@ -28,37 +30,26 @@ pub struct Controller {
     patience: Duration,
     /// What does not change of it.
     robot: Status,
+    scene: Scene,
+    /// This project's own controller, once it has been asked, and the number of the sensors that it has seen.
+    walker: Option<Walker>,
     owner: ThreadId,
 }
 
 impl Controller {
     /// The place that the environment names.
     pub(crate) fn open() -> Result<Controller, Failure> {
-        let session = Session::named(&variable("SESSION")?)?;
-        let contract = variable("CONTRACT")?;
-        let contract = Contract::read(&contract).ok_or_else(|| {
-            Failure::misuse(format!("BIPED_CONTRACT has not the lines of docs/WIRE.md: {contract:?}"))
-        })?;
-        if contract.schema != SCHEMA_HASH {
-            let session = session.name();
-            let theirs = contract.schema;
-            let sentence = format!(
-                "session `{session}` speaks wire schema {theirs:016x}, this library {SCHEMA_HASH:016x}: build it anew"
-            );
-            return Err(Failure::new(BIPED_INCOMPATIBLE, sentence));
-        }
-        let patience = variable("PATIENCE")?;
-        let patience = patience.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-        let patience = patience.ok_or_else(|| Failure::misuse("BIPED_PATIENCE is no number of seconds"))?;
-        let scene: Scene = serde_json::from_str(&variable("SCENE")?)
-            .map_err(|error| Failure::misuse(format!("BIPED_SCENE is no scene: {error}")))?;
+        let Invitation { session, contract, patience, scene, succeeds } = Invitation::received()?;
+        let waits = || succeeds && !STOP.load(Relaxed);
         Ok(Controller {
-            port: ControllerPort::open(&session, &contract)?,
+            port: ControllerPort::succeed(&session, &contract, waits)?,
             sensors: Sensors::default(),
             answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
             is_answered: true,
             patience,
             robot: robot(&scene),
+            scene,
+            walker: None,
             owner: std::thread::current().id(),
         })
     }
@@ -94,6 +85,24 @@ impl Controller {
             return Ok(if begins { BIPED_BEGIN } else { BIPED_TICK });
         }
         Err(Failure::new(BIPED_STOPPED, "stopped by biped_stop"))
+    }
+
+    /// What this project's own controller would answer, and thinks. It must see all encoders of a run, once each.
+    pub(crate) fn plan(&mut self) -> Result<(Torques, Telemetry), Failure> {
+        if self.is_answered {
+            return Err(Failure::misuse("nothing waits for an answer: call biped_wait, then biped_plan once"));
+        }
+        let fault = |error: ControllerError| Failure::new(BIPED_DEFECT, format!("no torques for this robot: {error}"));
+        let Stamp { run, seq, .. } = self.sensors.stamp;
+        let walker = match self.walker.take().filter(|(of, ..)| *of == run) {
+            Some(walker) => self.walker.insert(walker),
+            None => self.walker.insert((run, 0, Box::new(Planner::new(&self.scene).map_err(fault)?))),
+        };
+        if std::mem::replace(&mut walker.1, seq) == seq {
+            return Err(Failure::misuse("biped_plan has seen these encoders: call it once for each biped_wait"));
+        }
+        let torques = walker.2.tick(&self.sensors.encoders).map_err(fault)?;
+        Ok((torques, walker.2.telemetry()))
     }
 
     fn no_plant(&self) -> Failure {
@@ -133,13 +142,6 @@ impl Controller {
         let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
         Status { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
     }
-}
-
-/// A variable that `biped run --controller` sets.
-fn variable(name: &str) -> Result<String, Failure> {
-    env::var(format!("BIPED_{name}")).map_err(|_| {
-        Failure::misuse(format!("BIPED_{name} is not set: start this by biped run SCENE --controller COMMAND"))
-    })
 }
 
 /// What a controller needs to know of the robot.

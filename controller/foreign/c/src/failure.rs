@@ -1,5 +1,6 @@
 //! What may go wrong: a code below zero, and a sentence. Minus the code is the exit code that `biped` itself would end with.
 
+use messages::invitation::InvitationError;
 use messages::port::PortError;
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
@@ -9,7 +10,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 pub const BIPED_MISUSE: c_int = -2;
 /// No plant sent sensors.
 pub const BIPED_NO_PLANT: c_int = -3;
-/// A defect of this library.
+/// A robot for which `biped_plan` knows no torques, or a defect of this library.
 pub const BIPED_DEFECT: c_int = -4;
 /// The session has another contract, or a controller already.
 pub const BIPED_INCOMPATIBLE: c_int = -5;
@@ -46,6 +47,15 @@ impl From<PortError> for Failure {
             PortError::SharedMemory(_) => BIPED_SHARED_MEMORY,
         };
         Failure::new(code, error)
+    }
+}
+
+impl From<InvitationError> for Failure {
+    fn from(error: InvitationError) -> Failure {
+        match error {
+            InvitationError::Malformed(sentence) => Failure::misuse(sentence),
+            InvitationError::Port(error) => error.into(),
+        }
     }
 }
 

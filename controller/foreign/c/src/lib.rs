@@ -1,4 +1,4 @@
-//! A controller's end of a session for C, and for whatever speaks to C: [`messages::port`] behind eight functions.
+//! A controller's end of a session for C, and for whatever speaks to C: [`messages::port`] behind nine functions.
 //!
 //! `controller.h` is made of this file. Whoever calls gets a code and a sentence, never a panic: see [`failure`].
 
@@ -79,6 +79,31 @@ pub unsafe extern "C" fn biped_read(controller: *mut Controller, encoders: *mut 
         let found = unsafe { opened(controller) }?.encoders()?;
         // SAFETY: not null; the caller lets us write there.
         unsafe { place.write(found) };
+        Ok(0)
+    })
+}
+
+/// What this project's own controller, in Rust, would answer to them, and what it thinks; telemetry may be NULL. Once for
+/// each `biped_wait`, if at all: a place to begin from, or to add to.
+///
+/// # Safety
+/// `controller` is null or from `biped_open`; `torques` and `telemetry` are null or may be written.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn biped_plan(
+    controller: *mut Controller,
+    torques: *mut Torques,
+    telemetry: *mut Telemetry,
+) -> c_int {
+    guarded(|| {
+        let place = there(torques, "biped_plan: torques")?;
+        // SAFETY: as the caller promises.
+        let (planned, thought) = unsafe { opened(controller) }?.plan()?;
+        // SAFETY: not null; the caller lets us write there.
+        unsafe { place.write(planned) };
+        if !telemetry.is_null() {
+            // SAFETY: the same.
+            unsafe { telemetry.write(thought) };
+        }
         Ok(0)
     })
 }

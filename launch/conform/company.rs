@@ -1,0 +1,85 @@
+//! Whom a program must refuse, and when it must give up: the same for plant and controller.
+
+use super::Report;
+use super::guest::{GOODBYE, Guest, Host};
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
+use messages::session::Session;
+use std::time::{Duration, Instant};
+
+/// Exit code after TERM.
+pub const INTERRUPTED: i32 = 130;
+/// How long those wait who are left alone.
+const LONELY: Duration = Duration::from_secs(1);
+const REFUSAL: &str = "Topics";
+
+/// What is tested.
+#[derive(Clone, Copy, PartialEq)]
+pub enum Role {
+    Plant,
+    Controller,
+}
+
+/// The other side's place, taken and not used.
+#[expect(dead_code, reason = "held, not used")]
+enum Held {
+    Plant(Box<PlantPort>),
+    Controller(Box<ControllerPort>),
+}
+
+impl Role {
+    fn hold_other_side(self, session: &Session, contract: &Contract) -> Result<Held, PortError> {
+        Ok(match self {
+            Role::Controller => Held::Plant(Box::new(PlantPort::open(session, contract)?)),
+            Role::Plant => Held::Controller(Box::new(ControllerPort::open(session, contract)?)),
+        })
+    }
+
+    fn other(self) -> &'static str {
+        if self == Role::Plant { "controller" } else { "plant" }
+    }
+}
+
+/// Sessions with another contract, and sessions where nobody is: all at once.
+pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String> {
+    let mut alone = host.invitation(Pace::Lockstep);
+    alone.patience = LONELY;
+    let lonely = host.invite(&alone)?;
+
+    let ours = host.invitation(Pace::Lockstep).contract;
+    let others = [
+        ("another model", Contract { model: ours.model ^ 1, ..ours }),
+        ("another rate", Contract { rate: ours.rate * 2.0, ..ours }),
+        ("another pace", Contract { pace: Pace::RealTime, ..ours }),
+    ];
+    let mut refused = vec![];
+    for (what, other) in others {
+        let invitation = host.invitation(Pace::Lockstep);
+        let held = role.hold_other_side(&invitation.session, &other).map_err(|error| error.to_string())?;
+        refused.push((what, held, host.invite(&invitation)?));
+    }
+    let mut newer = host.invitation(Pace::Lockstep);
+    newer.contract.schema ^= 1;
+    let held = role.hold_other_side(&newer.session, &newer.contract).map_err(|error| error.to_string())?;
+    refused.push(("a wire schema that it was not built for", held, host.invite(&newer)?));
+
+    let deadline = Instant::now() + host.patience + GOODBYE;
+    let end = |guest: &mut Guest| guest.end(deadline.saturating_duration_since(Instant::now()));
+    for (what, held, mut guest) in refused {
+        let finding = end(&mut guest).and_then(|ended| ended.by_refusing());
+        report.rule(&format!("refuses a session with {what}, with a sentence"), REFUSAL, finding);
+        drop(held);
+    }
+    let mut lonely = lonely;
+    let finding = end(&mut lonely).and_then(|ended| ended.by_refusing());
+    let rule = format!("gives up without a {}, after its patience, with a sentence", role.other());
+    if report.rule(&rule, "Your own controller", finding) {
+        let left = alone.session.leftovers();
+        let left = match left.first() {
+            None => Ok(String::new()),
+            Some(file) => Err(format!("{} files, such as {}", left.len(), file.display())),
+        };
+        report.rule("leaves nothing in /dev/shm, as the last one of its session", "Topics", left);
+    }
+    alone.session.sweep();
+    Ok(())
+}

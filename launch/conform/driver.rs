@@ -1,0 +1,116 @@
+//! Our side of a plant's session: its controller, and a recorder.
+
+use super::Finding;
+use super::guest::{GOODBYE, Guest, Host};
+use super::stamps::{Expected, Stamps};
+use controller::Controller;
+use messages::clock::{now_ns, random};
+use messages::invitation::Invitation;
+use messages::port::{ControllerPort, PortError, RecorderPort};
+use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
+use std::time::{Duration, Instant};
+
+/// What does not come within this time does not come at all.
+const SILENCE: Duration = Duration::from_millis(100);
+
+/// Our side of a session, and what was heard of its plant.
+pub struct Driver {
+    port: ControllerPort,
+    recorder: RecorderPort,
+    pub controller: Controller,
+    rate: f64,
+    patience: Duration,
+    pub stamps: Stamps,
+    /// The latest sensors; number 0 before any came.
+    pub sensors: Sensors,
+    pub truths: Vec<Truth>,
+    /// Stamp of our last command.
+    pub stamp: Stamp,
+    since_ns: u64,
+}
+
+impl Driver {
+    pub fn new(host: &Host, invitation: &Invitation) -> Result<Driver, String> {
+        let words = |error: PortError| error.to_string();
+        Ok(Driver {
+            recorder: RecorderPort::open(&invitation.session, &invitation.contract).map_err(words)?,
+            port: ControllerPort::open(&invitation.session, &invitation.contract).map_err(words)?,
+            controller: Controller::new(&host.scene).map_err(|error| error.to_string())?,
+            rate: host.scene.rate,
+            patience: host.patience,
+            stamps: Stamps::default(),
+            sensors: Sensors::default(),
+            truths: vec![],
+            stamp: Stamp { epoch: random(), ..Stamp::default() },
+            since_ns: now_ns(),
+        })
+    }
+
+    /// Waits a slice for sensors that are new; what comes again is not.
+    pub fn look(&mut self) -> Result<bool, String> {
+        while let Some(truth) = self.recorder.read().map_err(|error| error.to_string())? {
+            self.truths.push(truth);
+        }
+        let Some(sensors) = self.port.wait().map_err(|error| error.to_string())? else { return Ok(false) };
+        let (now, before) = (sensors.stamp, self.sensors.stamp);
+        if (now.run, now.seq) == (before.run, before.seq) && sensors.is_sound() {
+            return Ok(false);
+        }
+        let sim_ns = (now.seq.saturating_sub(1) as f64 * 1e9 / self.rate).round() as u64;
+        self.stamps.look(&sensors, Expected { run: 0, ack: 0, sim_ns, sent_ns: [self.since_ns, now_ns()] });
+        if now.run != self.stamp.run {
+            self.stamp = Stamp { run: now.run, seq: 0, ..self.stamp };
+        }
+        self.sensors = sensors;
+        Ok(true)
+    }
+
+    /// The next sensors; why none came.
+    pub fn next(&mut self, guest: &mut Guest) -> Result<Sensors, String> {
+        let start = Instant::now();
+        while !self.look()? {
+            let before = self.sensors.stamp.seq;
+            if guest.has_ended() {
+                return Err(format!("it ended after sensors {before}: {}", guest.end(GOODBYE)?));
+            }
+            if start.elapsed() > self.patience {
+                return Err(format!("no sensors after number {before} within {} s", self.patience.as_secs_f64()));
+            }
+        }
+        Ok(self.sensors)
+    }
+
+    /// That none come.
+    pub fn silence(&mut self) -> Finding {
+        let start = Instant::now();
+        while start.elapsed() < SILENCE {
+            if self.look()? {
+                return Err(format!("sensors {} came", self.sensors.stamp.seq));
+            }
+        }
+        Ok(String::new())
+    }
+
+    /// The answer to the latest sensors, not yet sent.
+    pub fn answer(&mut self) -> Result<Command, String> {
+        let torques = self.controller.tick(&self.sensors.encoders).map_err(|error| error.to_string())?;
+        let Stamp { seq, sim_ns, .. } = self.sensors.stamp;
+        self.stamp = Stamp { seq: self.stamp.seq + 1, ack: seq, sim_ns, mono_ns: now_ns(), ..self.stamp };
+        Ok(Command { stamp: self.stamp, torques, ..Command::default() }.sealed())
+    }
+
+    pub fn pass_on(&mut self, command: Command) -> Result<(), String> {
+        self.since_ns = now_ns();
+        self.port.pass_on(command).map_err(|error| error.to_string())
+    }
+
+    /// Control periods in lockstep, until these sensors have come or the last ones.
+    pub fn drive(&mut self, guest: &mut Guest, until: u64) -> Result<(), String> {
+        while self.sensors.stamp.seq < until && self.sensors.last == 0 {
+            let command = self.answer()?;
+            self.pass_on(command)?;
+            self.next(guest)?;
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,283 @@
+//! The rules of a plant. We are its controller, and a recorder.
+
+use super::company::{self, Role};
+use super::driver::Driver;
+use super::guest::{Ended, GOODBYE, Guest, Host};
+use super::stamps::Stamps;
+use super::{Finding, Report};
+use controller::Controller;
+use messages::clock::random;
+use messages::port::Pace;
+use messages::wire::{Command, REFUSALS, STATES, Sensors, Stamp, Stamped, Truth};
+use nix::sys::signal::Signal;
+use std::f64::consts::TAU;
+use std::time::{Duration, Instant};
+
+const YOURS: &str = "Your own plant";
+const LOCKSTEP: &str = "A control period, step 3";
+const GATE: &str = "A control period, step 4";
+/// Simulated time of a run [s].
+const DURATION: f64 = 0.5;
+/// Control periods before something happens.
+const SHORT: u64 = 20;
+
+/// Checks them all.
+pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
+    let mut scene = host.scene.clone();
+    scene.duration = DURATION;
+    let host = &Host { command: host.command.clone(), scene, patience: host.patience };
+    conversation(host, report)?;
+    if report.goes_on() {
+        succession(host, report)?;
+    }
+    if report.goes_on() {
+        company::check(host, Role::Plant, report)?;
+    }
+    if report.goes_on() {
+        silence(host, report)?;
+    }
+    if report.goes_on() {
+        on_time(host, report)?;
+    }
+    Ok(())
+}
+
+/// Commands that must not be taken for the answer, before any has been: what, index into [`REFUSALS`], how.
+type Flaw = (&'static str, usize, fn(&mut Command));
+const RAW: [Flaw; 2] = [
+    ("without the magic", 0, |command| command.stamp.magic ^= 1),
+    ("whose check sum is wrong", 3, |command| command.torques.torque[2] += 1.0),
+];
+const SEALED: [Flaw; 5] = [
+    ("for another run", 1, |command| command.stamp.run ^= 1),
+    ("for sensors that were not sent yet", 5, |command| command.stamp.ack += 1),
+    ("with a torque that is no number", 6, |command| command.torques.torque[4] = f64::NAN),
+    ("beyond four times the torque limit", 7, |command| command.torques.torque[1] = 1e6),
+    ("of another schema", 0, |command| command.stamp.schema ^= 1),
+];
+
+/// One session from beginning to end.
+fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
+    let invitation = host.invitation(Pace::Lockstep);
+    let mut driver = Driver::new(host, &invitation)?;
+    let start = Instant::now();
+    let mut guest = host.invite(&invitation)?;
+    let first = driver.next(&mut guest).and_then(|first| match first.stamp.seq {
+        1 => Ok(format!("after {} ms", start.elapsed().as_millis())),
+        other => Err(format!("number {other} came")),
+    });
+    if !report.rule("opens the session with its contract, and sends sensors number 1", YOURS, first) {
+        return Ok(());
+    }
+    let is_member = guest.is_member_of(&invitation.session).then(String::new);
+    let is_member = is_member.ok_or_else(|| "it does not hold the file …_members open".into());
+    report.rule("is a member of the session, by its lock", "Topics", is_member);
+    report.rule("encoders count from the zero angle of the scene", YOURS, at_the_start(host, &driver.sensors));
+    report.rule("waits for the answer", LOCKSTEP, driver.silence());
+
+    let mut refused = [0; REFUSALS.len()];
+    let good = driver.answer()?;
+    for (flaws, is_sealed) in [(&RAW[..], false), (&SEALED[..], true)] {
+        for (what, reason, spoil) in flaws {
+            let mut bad = good;
+            spoil(&mut bad);
+            if is_sealed {
+                bad.stamp.crc = bad.check_sum();
+            }
+            driver.pass_on(bad)?;
+            refused[*reason] += 1;
+            report.rule(&format!("a command {what} is not taken for one"), GATE, driver.silence());
+        }
+    }
+    driver.pass_on(good)?;
+    let went = driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT));
+    let went = went.map(|()| String::new());
+    if !report.rule("goes on with a good one, in lockstep", LOCKSTEP, went) {
+        return Ok(());
+    }
+    driver.pass_on(good)?;
+    refused[4] += 1;
+    report.rule("a command of before is not taken for the answer", GATE, driver.silence());
+    driver.stamp = Stamp { epoch: random(), seq: 0, ..driver.stamp };
+    let taken = driver.drive(&mut guest, 2 * SHORT).map(|()| String::new());
+    report.rule("a controller with another epoch takes over", GATE, taken);
+
+    let periods = (DURATION * host.scene.rate).round() as u64;
+    let went = driver.drive(&mut guest, u64::MAX).and_then(|()| match driver.sensors.stamp.seq {
+        last if last == periods + 1 => Ok(format!("number {last}")),
+        other => Err(format!("number {other} was the last, not {}", periods + 1)),
+    });
+    if !report.rule("runs to the scene's end, and says so by `last` = 1", YOURS, went) {
+        return Ok(());
+    }
+    let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[]));
+    report.rule("then ends in order within 3 s, with exit code 0", YOURS, ended);
+    driver.look()?; // what is left of the truth
+    std::mem::take(&mut driver.stamps).report(report, false);
+    report.rule(
+        "records a Truth with each Sensors, with the same stamp",
+        YOURS,
+        is_complete(&driver.truths, periods + 1),
+    );
+    let tally = driver.truths.last().map(|truth| truth.tally).unwrap_or_default();
+    let told = REFUSALS.iter().enumerate().filter(|(reason, _)| tally.refused[*reason] != refused[*reason]);
+    let told: Vec<String> =
+        told.map(|(k, why)| format!("{} instead of {} {why}", tally.refused[k], refused[k])).collect();
+    let told = if told.is_empty() { Ok(String::new()) } else { Err(told.join("; ")) };
+    report.rule("counts every refusal by its reason", GATE, told);
+    let takeovers = match tally.takeovers {
+        1 => Ok(String::new()),
+        other => Err(format!("{other} instead of 1")),
+    };
+    report.rule("counts controllers that take over", GATE, takeovers);
+    Ok(())
+}
+
+/// The first counts are those of the scene's start, to one count.
+fn at_the_start(host: &Host, sensors: &Sensors) -> Finding {
+    let count = TAU / f64::from(host.scene.plant.encoder_bits).exp2();
+    for (joint, (&angle, &counts)) in host.scene.initial.joints.iter().zip(&sensors.encoders.counts).enumerate() {
+        let wanted = (angle / count).round() as i64;
+        if (counts - wanted).abs() > 1 {
+            return Err(format!("joint {joint} begins at {counts} counts instead of {wanted} ({angle} rad)"));
+        }
+    }
+    Ok(String::new())
+}
+
+/// As many truths as sensors, each sealed, of one run.
+fn is_complete(truths: &[Truth], wanted: u64) -> Finding {
+    for (truth, number) in truths.iter().zip(1..) {
+        if !truth.is_sound() {
+            return Err(format!("number {number} is not sealed"));
+        }
+        if truth.stamp.seq != number || truth.stamp.run != truths[0].stamp.run {
+            return Err(format!("number {} came instead of {number}", truth.stamp.seq));
+        }
+    }
+    match truths.len() as u64 {
+        count if count == wanted => Ok(format!("{count} records")),
+        count => Err(format!("{count} records of {wanted}")),
+    }
+}
+
+/// A plant that is killed and started anew, a second one beside it, and TERM.
+fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
+    let invitation = host.invitation(Pace::Lockstep);
+    let mut driver = Driver::new(host, &invitation)?;
+    let mut guest = host.invite(&invitation)?;
+    if driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT)).is_err() {
+        return Ok(()); // told before
+    }
+    let run = driver.sensors.stamp.run;
+    guest.signal(Signal::SIGKILL);
+    guest.end(GOODBYE)?;
+    driver.stamps = Stamps::default();
+    let mut guest = host.invite(&invitation)?;
+    let other = driver.next(&mut guest).and_then(|first| match (first.stamp.run == run, first.stamp.seq) {
+        (true, _) => Err(format!("run {run:x} is that of the one before: draw it at random")),
+        (false, 1) => Ok(String::new()),
+        (false, other) => Err(format!("it began with number {other}")),
+    });
+    if !report.rule("killed and started anew in the same session, it begins another run", YOURS, other) {
+        return Ok(());
+    }
+    driver.controller = Controller::new(&host.scene).map_err(|error| error.to_string())?;
+    let mut second = host.invite(&invitation)?;
+    let refused = second.end(host.patience).and_then(|ended| ended.by_refusing());
+    report.rule("a second one beside it ends with a sentence", "Topics", refused);
+    let goes_on = driver.drive(&mut guest, SHORT).map(|()| String::new());
+    report.rule("and the first goes on", "Topics", goes_on);
+    guest.signal(Signal::SIGTERM);
+    farewell(&mut driver, &mut guest, "TERM ends it", GOODBYE, report, |ended| ended.in_order(&[company::INTERRUPTED]));
+    Ok(())
+}
+
+/// It ends within a time, in some way, and its last sensors say so.
+fn farewell(
+    driver: &mut Driver,
+    guest: &mut Guest,
+    what: &str,
+    limit: Duration,
+    report: &mut Report,
+    how: impl Fn(&Ended) -> Finding,
+) {
+    let start = Instant::now();
+    while !guest.has_ended() && start.elapsed() < limit {
+        let _ = driver.look();
+    }
+    let _ = driver.look();
+    let ended = guest.end(Duration::ZERO).and_then(|ended| how(&ended));
+    report.rule(&format!("{what} within {:.0} s", limit.as_secs_f64()), YOURS, ended);
+    let last = match driver.sensors.last {
+        0 => Err("it left without a word".into()),
+        _ => Ok(String::new()),
+    };
+    report.rule("and its last sensors have `last` = 1", YOURS, last);
+}
+
+/// A controller that falls silent in lockstep.
+fn silence(host: &Host, report: &mut Report) -> Result<(), String> {
+    let mut invitation = host.invitation(Pace::Lockstep);
+    invitation.patience = Duration::from_secs(1);
+    let mut driver = Driver::new(host, &invitation)?;
+    let mut guest = host.invite(&invitation)?;
+    if driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT)).is_ok() {
+        let limit = invitation.patience + GOODBYE;
+        let what = "a silent controller ends it, after its patience, with a sentence,";
+        farewell(&mut driver, &mut guest, what, limit, report, Ended::by_refusing);
+    }
+    Ok(())
+}
+
+/// In real time: how many sensors come, and what the drives do when no command comes any more.
+fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
+    let mut host = Host { command: host.command.clone(), scene: host.scene.clone(), patience: host.patience };
+    host.scene.duration = 1e6;
+    let invitation = host.invitation(Pace::RealTime);
+    let mut driver = Driver::new(&host, &invitation)?;
+    let mut guest = host.invite(&invitation)?;
+    let why = match driver.next(&mut guest) {
+        Ok(first) if first.last == 0 => None,
+        Ok(_) => Some(guest.end(GOODBYE)?.to_string()),
+        Err(why) => Some(why),
+    };
+    if let Some(why) = why {
+        report.note(&format!("it does not run in real time: {why}"));
+        return Ok(());
+    }
+    let (start, span) = (Instant::now(), Duration::from_secs_f64(2.0 * DURATION));
+    while start.elapsed() < span {
+        let command = driver.answer()?;
+        driver.pass_on(command)?;
+        while !driver.look()? && start.elapsed() < span {}
+    }
+    let (periods, wanted) = (driver.sensors.stamp.seq, span.as_secs_f64() * host.scene.rate);
+    report.note(&format!("in real time {periods} control periods of {wanted:.0} came within {} s", span.as_secs_f64()));
+    let until = Instant::now() + Duration::from_millis(300);
+    while Instant::now() < until {
+        driver.look()?;
+    }
+    let limits = [0.01, 0.1].map(|limit: f64| ((limit * host.scene.rate).round() as u32).max(1));
+    let wrong = driver.truths.iter().find(|truth| {
+        !matches!((truth.age, truth.state), (_, 0 | 5)) && {
+            let late = (truth.age > limits[0]) as usize + (truth.age > limits[1]) as usize;
+            (truth.state == 4) != (late == 1) || late == 2
+        }
+    });
+    let seen = |state: u32| driver.truths.iter().any(|truth| truth.state == state);
+    let state = |truth: &Truth| STATES.get(truth.state as usize).copied().unwrap_or("?");
+    let finding = match wrong {
+        Some(truth) => Err(format!("at an age of {} periods its state was {}", truth.age, state(truth))),
+        None if !seen(4) || !seen(5) => Err("its truth shows no damp, or no fault".into()),
+        None => Ok(String::new()),
+    };
+    report.rule(
+        "holds up to 10 ms, damps up to 100 ms, then faults, when no command comes",
+        "A control period, step 5",
+        finding,
+    );
+    guest.signal(Signal::SIGTERM);
+    farewell(&mut driver, &mut guest, "TERM ends it", GOODBYE, report, |ended| ended.in_order(&[company::INTERRUPTED]));
+    Ok(())
+}

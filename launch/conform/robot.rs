@@ -1,0 +1,92 @@
+//! Our side of a controller's session: the robot.
+
+use super::Finding;
+use super::guest::{GOODBYE, Guest, Host};
+use super::stamps::{Expected, Stamps};
+use messages::clock::{now_ns, random};
+use messages::invitation::Invitation;
+use messages::port::PlantPort;
+use messages::wire::{Command, Sensors, Stamp, Torques};
+use plant::Simulation;
+use std::time::{Duration, Instant};
+
+/// What is not answered within this time is not answered at all.
+pub const SILENCE: Duration = Duration::from_millis(100);
+
+/// Our side of a session: the robot, and what was heard of its controller.
+pub struct Robot {
+    pub port: PlantPort,
+    pub simulation: Simulation,
+    pub stamps: Stamps,
+    pub limit: f64,
+    patience: Duration,
+    /// Torques of the latest answer.
+    pub torques: Torques,
+}
+
+impl Robot {
+    pub fn new(host: &Host, invitation: &Invitation) -> Result<Robot, String> {
+        let port = PlantPort::open(&invitation.session, &invitation.contract).map_err(|error| error.to_string())?;
+        let simulation = simulation(host)?;
+        let (stamps, limit) = (Stamps::default(), host.scene.plant.torque_limit);
+        Ok(Robot { port, simulation, stamps, limit, patience: host.patience, torques: Torques::default() })
+    }
+
+    /// Sends these sensors and waits for a command; why none came.
+    pub fn ask(&mut self, guest: &mut Guest, sensors: Sensors) -> Result<Command, String> {
+        let sensors = Sensors { stamp: Stamp { mono_ns: now_ns(), ..sensors.stamp }, ..sensors };
+        self.port.send(sensors).map_err(|error| error.to_string())?;
+        self.answer(guest, &sensors)
+    }
+
+    /// Waits for the command that answers these sensors.
+    pub fn answer(&mut self, guest: &mut Guest, sensors: &Sensors) -> Result<Command, String> {
+        let start = Instant::now();
+        loop {
+            if let Some(command) = self.port.wait().map_err(|error| error.to_string())? {
+                let Stamp { run, seq, sim_ns, mono_ns, .. } = sensors.stamp;
+                let expected = Expected { run, ack: seq, sim_ns, sent_ns: [mono_ns, now_ns()] };
+                self.stamps.look_at_command(&command, expected, self.limit);
+                self.torques = command.torques;
+                return Ok(command);
+            }
+            let asked = sensors.stamp.seq;
+            if guest.has_ended() {
+                return Err(format!("it ended at sensors {asked}: {}", guest.end(GOODBYE)?));
+            }
+            if start.elapsed() > self.patience {
+                return Err(format!("no answer to sensors {asked} within {} s", self.patience.as_secs_f64()));
+            }
+        }
+    }
+
+    /// Control periods in lockstep; the torques of each.
+    pub fn walk(&mut self, guest: &mut Guest, periods: usize) -> Result<Vec<Torques>, String> {
+        let mut torques = vec![];
+        for _ in 0..periods {
+            let command = self.ask(guest, self.simulation.sensors())?;
+            self.simulation.hear(&command);
+            self.simulation.advance().map_err(|error| format!("our robot cannot go on: {error}"))?;
+            torques.push(command.torques);
+        }
+        Ok(torques)
+    }
+
+    /// That nothing more comes.
+    pub fn silence(&mut self) -> Finding {
+        let start = Instant::now();
+        while start.elapsed() < SILENCE {
+            if let Some(command) = self.port.wait().map_err(|error| error.to_string())? {
+                return Err(format!("command {} came, for sensors {}", command.stamp.seq, command.stamp.ack));
+            }
+        }
+        Ok(String::new())
+    }
+}
+
+/// A robot at the scene's beginning, in a run that ends when we say so.
+pub fn simulation(host: &Host) -> Result<Simulation, String> {
+    let mut scene = host.scene.clone();
+    scene.duration = 1e6;
+    Simulation::new(&scene, random(), random()).map_err(|error| error.to_string())
+}

@@ -1,0 +1,128 @@
+//! What every message must be, whoever sends it; and every command.
+
+use super::Report;
+use messages::wire::{Command, JOINTS, Stamp, Stamped};
+
+const MESSAGE: &str = "Every message";
+const PERIOD: &str = "A control period";
+/// Torques that pass the gate [torque limits].
+const NONSENSE: f64 = 4.0;
+const FULL_SWING: f64 = 2.0;
+
+/// Rules of single messages, and their sections.
+const RULES: [(&str, &str); 7] = [
+    ("every message is sealed: magic, schema, check sum", MESSAGE),
+    ("run is the plant's run, and epoch stays the same", MESSAGE),
+    ("seq counts its messages of a run from 1, without repeats or gaps", MESSAGE),
+    ("ack is the number of the sensors answered; in sensors it is 0", MESSAGE),
+    ("sim_ns is the simulated time, mono_ns the monotonic clock when it was sent", MESSAGE),
+    ("torques are finite", PERIOD),
+    ("torques pass the gate: at most four times the torque limit, no jump beyond twice", PERIOD),
+];
+
+/// What the messages of one process broke first of each rule.
+#[derive(Default)]
+pub struct Stamps {
+    broken: [Option<String>; RULES.len()],
+    /// Of the last one.
+    before: Stamp,
+    torque: [f64; JOINTS],
+    /// How many commands had a torque that the drives clamp.
+    pub clamped: usize,
+    /// How many were looked at.
+    pub count: usize,
+}
+
+/// What a stamp should say.
+#[derive(Clone, Copy)]
+pub struct Expected {
+    /// 0 if it is the sender's to choose.
+    pub run: u64,
+    pub ack: u64,
+    pub sim_ns: u64,
+    /// Between what times it must have been sent.
+    pub sent_ns: [u64; 2],
+}
+
+impl Stamps {
+    /// Looks at a message; whether it is sealed.
+    pub fn look<M: Stamped>(&mut self, message: &M, expected: Expected) -> bool {
+        let (stamp, before) = (*message.stamp(), self.before);
+        self.count += 1;
+        let number = stamp.seq;
+        if !message.is_sound() {
+            let what = if message.is_ours() { "check sum" } else { "magic or schema" };
+            self.tell(0, || format!("the {what} of number {number} is wrong"));
+            return false;
+        }
+        let is_first = before.seq == 0;
+        let begins = before.run != stamp.run;
+        let Expected { run, ack, sim_ns, sent_ns: [from, to] } = expected;
+        if run != 0 && stamp.run != run {
+            self.tell(1, || format!("number {number} is for run {:x}, not {run:x}", stamp.run));
+        } else if stamp.run == 0 {
+            self.tell(1, || "the run is number 0".into());
+        } else if !is_first && stamp.epoch != before.epoch {
+            self.tell(1, || format!("epoch {:x} became {:x} at number {number}", before.epoch, stamp.epoch));
+        }
+        let next = if begins { 1 } else { before.seq + 1 };
+        if number != next {
+            self.tell(2, || format!("number {number} came instead of {next}"));
+        }
+        if stamp.ack != ack {
+            self.tell(3, || format!("number {number} has ack {} instead of {ack}", stamp.ack));
+        }
+        if stamp.sim_ns != sim_ns {
+            self.tell(4, || format!("number {number} has sim_ns {} instead of {sim_ns}", stamp.sim_ns));
+        } else if !(from..=to).contains(&stamp.mono_ns) {
+            self.tell(4, || {
+                format!("number {number} has mono_ns {}, which is not between {from} and {to}", stamp.mono_ns)
+            });
+        }
+        self.before = stamp;
+        true
+    }
+
+    /// Looks at a command; whether it is sealed.
+    pub fn look_at_command(&mut self, command: &Command, expected: Expected, limit: f64) -> bool {
+        let begins = self.before.run != command.stamp.run;
+        if !self.look(command, expected) {
+            return false;
+        }
+        let (number, torque) = (command.stamp.seq, command.torques.torque);
+        let before = if begins { [0.0; JOINTS] } else { self.torque };
+        if let Some(joint) = torque.iter().position(|torque| !torque.is_finite()) {
+            self.tell(5, || format!("torque[{joint}] of number {number} is {}", torque[joint]));
+            return true;
+        }
+        for (joint, (&now, &then)) in torque.iter().zip(&before).enumerate() {
+            if now.abs() > NONSENSE * limit {
+                self.tell(6, || format!("torque[{joint}] of number {number} is {now} N·m"));
+            } else if (now - then.clamp(-limit, limit)).abs() > FULL_SWING * limit {
+                self.tell(6, || format!("torque[{joint}] of number {number} jumps from {then} to {now} N·m"));
+            }
+        }
+        self.clamped += usize::from(torque.iter().any(|torque| torque.abs() > limit));
+        self.torque = torque;
+        true
+    }
+
+    /// Keeps the first break of a rule.
+    fn tell(&mut self, rule: usize, what: impl FnOnce() -> String) {
+        self.broken[rule].get_or_insert_with(what);
+    }
+
+    /// What was broken first, if anything was.
+    pub fn first_break(self) -> Option<String> {
+        self.broken.into_iter().flatten().next()
+    }
+
+    /// Tells all rules; `commands` if torques are among them.
+    pub fn report(self, report: &mut Report, commands: bool) {
+        let count = if commands { RULES.len() } else { 5 };
+        for ((rule, section), broken) in RULES.into_iter().zip(self.broken).take(count) {
+            let remark = if rule == RULES[0].0 { format!("{} messages", self.count) } else { String::new() };
+            report.rule(rule, section, broken.map_or(Ok(remark), Err));
+        }
+    }
+}

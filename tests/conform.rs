@@ -1,0 +1,46 @@
+//! Claims about `biped conform`: it finds nothing in our own controller and plant, and names the rule that others break.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use std::process::{Command, Output};
+
+const BIPED: &str = env!("CARGO_BIN_EXE_biped");
+
+/// Exit code, and the lines of the rules that were broken.
+fn conform(arguments: &[&str]) -> (Option<i32>, Vec<String>, String) {
+    let output = Command::new(BIPED).arg("conform").args(arguments).output().expect("the program starts");
+    let Output { status, stdout, stderr } = output;
+    let told = String::from_utf8_lossy(&stdout).into_owned() + &String::from_utf8_lossy(&stderr);
+    let broken = told.lines().filter(|line| line.starts_with("FAILED")).map(String::from).collect();
+    (status.code(), broken, told)
+}
+
+#[test]
+fn our_own_controller_and_plant_keep_every_rule() {
+    for (role, rules) in [("controller", "32 rules kept, 0 broken"), ("plant", "40 rules kept, 0 broken")] {
+        let (code, _, told) = conform(&[&format!("--{role}"), &format!("{BIPED} {role}")]);
+        assert!(code == Some(0) && told.contains(rules), "{told}");
+    }
+}
+
+/// Programs that do nothing of the wire, and what is said of them.
+#[test]
+fn what_does_nothing_is_named_with_the_first_rule() {
+    let (code, broken, told) = conform(&["--controller", "sleep 60", "--patience", "0.5"]);
+    assert_eq!(code, Some(10), "{told}");
+    assert!(broken[0].contains("answers within its patience: no answer to sensors 1 within 0.5 s"), "{told}");
+    assert!(
+        broken.iter().any(|line| line.contains("gives up without a plant") && line.contains("still there")),
+        "{told}"
+    );
+
+    let (code, broken, told) = conform(&["--plant", "sh -c 'echo error: no legs >&2; exit 7'", "--patience", "5"]);
+    assert_eq!(code, Some(10), "{told}");
+    assert!(broken[0].contains("sends sensors number 1") && broken[0].contains("exit code 7: no legs"), "{told}");
+}
+
+#[test]
+fn one_of_both_is_needed() {
+    let (code, _, told) = conform(&[]);
+    assert!(code == Some(2) && told.contains("--controller <COMMAND>"), "{told}");
+}

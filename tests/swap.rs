@@ -1,0 +1,100 @@
+//! Claims about a robot whose controller is replaced by others, in other languages, while it stamps and walks.
+//!
+//! `cargo test --release --test swap lockstep -- --ignored --nocapture`, and the same with `real_time`, hands over a hundred times
+//! in each scene, and says how often the robot stayed up: docs/RELIABILITY.md.
+
+#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
+
+mod common;
+#[path = "common/languages.rs"]
+mod languages;
+
+use common::fresh_path;
+use languages::{compile, python};
+use serde_json::Value;
+use std::process::Command;
+
+/// Programs that walk: the paper in NumPy; in C, the torques of `biped_plan`; and our own.
+fn successors() -> [String; 3] {
+    let python = format!("{} controller/foreign/python/walk.py", python().display());
+    let c = compile("cc", "-std=c11", "controller/foreign/c/walk.c");
+    [python, c.display().to_string(), "biped controller".into()]
+}
+
+/// What a run with hand-overs at these times came to: its summary, and what it said.
+fn walk(scene: &str, programs: &[String], times: &[f64], arguments: &[&str]) -> (Value, String) {
+    let folder = fresh_path("swap");
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    command.args(["run", scene, "--quiet", "--out"]).arg(&folder).args(arguments);
+    command.env("PYTHONDONTWRITEBYTECODE", "1").env("OPENBLAS_NUM_THREADS", "1");
+    for (program, time) in programs.iter().zip(times) {
+        command.args(["--swap", &format!("{time}={program}")]);
+    }
+    let output = command.output().expect("the program starts");
+    let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();
+    let _ = std::fs::remove_dir_all(folder);
+    (serde_json::from_str(&summary).unwrap_or_default(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+fn number(summary: &Value, key: &str) -> f64 {
+    summary[key].as_f64().unwrap_or_else(|| panic!("{key} in {summary}"))
+}
+
+#[test]
+fn from_rust_to_python_to_c_to_rust_the_robot_walks_on() {
+    let programs = successors();
+    let (there, told) = walk("walk", &programs, &[4.0, 6.5, 9.0], &["--set", "duration=12"]);
+    assert_eq!(there["fell"], false, "{told}");
+    assert!(told.contains("3 controllers replaced"), "{told}");
+    std::fs::remove_file(&programs[1]).expect("our own file");
+    let (undisturbed, _) = walk("walk", &[], &[], &["--set", "duration=12"]);
+    let (distance, alone) = (number(&there, "distance_m"), number(&undisturbed, "distance_m"));
+    assert!((distance / alone - 1.0).abs() < 0.05, "{distance} m beside {alone} m");
+}
+
+#[test]
+fn a_successor_that_fails_is_named_and_the_run_ends_in_order() {
+    let (summary, told) = walk("stand", &["sh -c 'echo error: no legs >&2; exit 4'".into()], &[1.0], &[]);
+    assert!(told.contains("the controller failed (exit status: 4): no legs"), "{told}");
+    assert_eq!(summary["fell"], false);
+}
+
+#[test]
+#[ignore = "minutes: a hundred hand-overs in each scene"]
+fn a_hundred_times_in_lockstep() {
+    a_hundred_times(&[]);
+}
+
+#[test]
+#[ignore = "a quarter of an hour: a hundred hand-overs in each scene"]
+fn a_hundred_times_in_real_time() {
+    a_hundred_times(&["--realtime"]);
+}
+
+/// Hands over at random times, three times a run, and prints how often the robot stayed up; beside as many runs without.
+fn a_hundred_times(pace: &[&str]) {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let programs = successors();
+    let arguments = [pace, &["--set", "duration=11"]].concat();
+    for scene in ["walk", "stamp"] {
+        let (mut up, mut handed, mut fallen, mut alone) = (0, 0, vec![], 0);
+        for _ in 0..34 {
+            let times = [3.0, 5.5, 8.0].map(|time| time + 0.6 * random.f64());
+            let (summary, told) = walk(scene, &programs, &times, &arguments);
+            let fell = summary["fell"] != false;
+            let ended = if fell { number(&summary, "fall_time_s") } else { f64::INFINITY };
+            let done = times.iter().filter(|time| **time < ended).count();
+            handed += done;
+            up += done - usize::from(fell && done > 0);
+            if fell {
+                fallen.push(format!("at {ended:.2} s after hand-overs at {times:.2?}: {}", told.trim()));
+            }
+            alone += usize::from(walk(scene, &[], &[], &arguments).0["fell"] == false);
+        }
+        println!("{scene} {pace:?}: {up} of {handed} hand-overs left it up; without any, {alone} of 34 runs did");
+        fallen.iter().for_each(|words| println!("  fell {words}"));
+    }
+    std::fs::remove_file(&programs[1]).expect("our own file");
+}

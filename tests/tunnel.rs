@@ -1,0 +1,69 @@
+//! Claims about sessions over two machines. The tunnel itself is somebody else's program and takes long to build: what it is
+//! told is tested here, and docs/WIRE.md says what it carried.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod common;
+
+#[path = "common/live.rs"]
+mod live;
+
+use common::fresh_path;
+use live::{Running, biped, eventually};
+use messages::port::{Contract, Pace, PlantPort};
+use messages::scene::Scene;
+use messages::session::Session;
+use std::os::unix::fs::PermissionsExt;
+use std::process::Output;
+
+fn tunnel(session: &str, path: &str) -> (Option<i32>, String) {
+    let arguments = ["tunnel", "--session", session, "--listen", "tcp/127.0.0.1:7447"];
+    let Output { status, stderr, .. } = biped(&arguments).env("PATH", path).output().expect("the program starts");
+    (status.code(), String::from_utf8_lossy(&stderr).into_owned())
+}
+
+#[test]
+fn a_missing_session_and_a_missing_program_are_a_sentence() {
+    let (code, words) = tunnel("nobody", "");
+    assert!(code == Some(3) && words.contains("`nobody` is not running"), "{code:?}: {words}");
+    let walk = Running::start("untunnelled", &["--realtime"]);
+    let (code, words) = tunnel(walk.session.name(), "");
+    assert!(code == Some(2) && words.contains("cargo install iceoryx2-"), "{code:?}: {words}");
+    walk.end();
+}
+
+#[test]
+fn the_tunnel_is_told_where_the_session_lies_and_ends_with_it() {
+    let folder = fresh_path("tunnel");
+    std::fs::create_dir(&folder).expect("a folder");
+    let (program, told) = (folder.join("iox2-link-tunnel-zenoh"), folder.join("told"));
+    let script = format!(
+        "#!/bin/sh\n(echo \"$@\"; cat config/iceoryx2.toml zenoh.json5) > {0}.new; mv {0}.new {0}; exec sleep 60\n",
+        told.display()
+    );
+    std::fs::write(&program, script).expect("a script");
+    std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).expect("a script");
+    let walk = Running::start("tunnelled", &["--realtime"]);
+    let path = format!("{}:{}", folder.display(), std::env::var("PATH").expect("a path"));
+    let arguments = ["tunnel", "--session", walk.session.name(), "--listen", "tcp/127.0.0.1:7447"];
+    let tunnel = biped(&arguments).env("PATH", path).spawn().expect("the program starts");
+    eventually("the tunnel has begun", || told.exists());
+    let words = std::fs::read_to_string(&told).expect("what it was told");
+    for word in ["--poll 1", "--allow biped/sensors --allow biped/command", "/dev/shm/biped_", "tcp/127.0.0.1:7447"] {
+        assert!(words.contains(word), "{word:?} is not in {words}");
+    }
+    walk.end();
+    let Output { status, stderr, .. } = tunnel.wait_with_output().expect("it ends");
+    assert_eq!(status.code(), Some(0), "{}", String::from_utf8_lossy(&stderr));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn there_is_room_for_a_tunnel_only_if_it_was_asked_for() {
+    let contract = Contract::of(&Scene::default(), Pace::Lockstep);
+    for (tunnel, fits) in [(true, true), (false, false)] {
+        let session = Session::unique();
+        let _first = PlantPort::open(&session, &contract.tunnelled(tunnel)).expect("a plant");
+        assert_eq!(PlantPort::open(&session, &contract.tunnelled(tunnel)).is_ok(), fits);
+    }
+}
