@@ -18,7 +18,7 @@ class Player {
   play(on) {
     if (on && this.time >= this.film.end) this.time = this.film.begin;
     this.isPlaying = on;
-    this.button.textContent = on ? "⏸" : "▶";
+    this.button.textContent = on ? "❚❚" : "▶";
   }
 
   step(count) {

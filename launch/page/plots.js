@@ -33,6 +33,8 @@ class Plots {
     this.panels = charts(about).map((chart) => this.panel(place, chart, seek));
     if (about.feet.length === 2) this.portrait = new Portrait(place, film);
     this.fill(0);
+    const { begin, end } = film; // of a long run the beginning; a double click shows all
+    if (end - begin > 60) this.panels.forEach(({ plot }) => plot.setScale("x", { min: begin, max: begin + 20 }));
     whenThemed(() => this.panels.forEach(({ plot }) => plot.redraw(false)));
   }
 
@@ -49,7 +51,7 @@ class Plots {
     });
     const box = frame.appendChild(document.createElement("div"));
     const plot = new uPlot({
-      width: 300, height: 120, legend: { show: false }, padding: [6, 8, 0, 0],
+      width: 300, height: 120, legend: { show: false }, padding: [6, 14, 0, 0],
       cursor: { sync: { key: "time" }, points: { show: false }, drag: { x: true, y: false } },
       scales: { x: { time: false }, y: log ? POWERS.scale : {} },
       axes: [{ ...AXIS, size: 22 }, { ...AXIS, size: 48, ...(log ? POWERS.axis : {}) }],
@@ -115,7 +117,7 @@ class Portrait {
     const range = (_, low, high) => [low - .06 * (high - low), high + .06 * (high - low)];
     const facets = [{ scale: "x", auto: true }, { scale: "y", auto: true }];
     this.plot = new uPlot({
-      mode: 2, width: 300, height: 120, legend: { show: false }, padding: [6, 8, 0, 0], cursor: { show: false },
+      mode: 2, width: 300, height: 120, legend: { show: false }, padding: [6, 14, 0, 0], cursor: { show: false },
       scales: { x: { time: false, range }, y: { range } },
       axes: [{ ...AXIS, size: 22 }, { ...AXIS, size: 48 }],
       series: [{}, { facets, paths: (plot) => { this.orbits(plot); return null; } }],
