@@ -247,7 +247,7 @@ impl Fault {
             }
             FullMemory => times(count, &mut |_| memory::full(1 << chance.u32(5..16), None)),
             FillingMemory => times(count, &mut |_| {
-                memory::full(chance.u64(50..200) << 10, Some(Duration::from_millis(chance.u64(0..600))))
+                memory::full(chance.u64(100..200) << 10, Some(Duration::from_millis(chance.u64(0..600))))
             }),
             Flood => vec![commands::flood(count as u64, chance)],
             EveryOther => vec![commands::every_other(count as u64, chance)],

@@ -13,8 +13,8 @@ use iceoryx2::service::builder::request_response::RequestResponseOpenError;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use std::time::{Duration, Instant};
 
-/// Readers of truth: the recorder and one more.
-const RECORDERS: usize = 2;
+/// Readers of truth: the recorder, a page and a terminal.
+const RECORDERS: usize = 3;
 /// Readers of a link: its other end, and room for onlookers.
 const LINK_READERS: usize = 4;
 /// Messages of truth that a recorder may lag behind.
