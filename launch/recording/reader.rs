@@ -1,6 +1,6 @@
 //! A recording, read message by message in constant memory; one that was cut short, up to its last good chunk.
 
-use super::{METADATA, Topic, failed, protobuf};
+use super::{METADATA, Topic, protobuf};
 use crate::exit::{Exit, Failure};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
@@ -100,7 +100,8 @@ impl Reader {
     /// # Errors
     /// If its text is damaged.
     pub fn scene(&self) -> Result<Scene, Failure> {
-        toml::from_str(self.word("scene")).map_err(|error| failed(&self.path, "has no good scene", error))
+        let damaged = |error| format!("{}: its scene is damaged: {error}", self.path.display());
+        toml::from_str(self.word("scene")).map_err(|error| Failure::new(Exit::Usage, damaged(error)))
     }
 
     /// The next message; none at the end, or where the file is cut short.

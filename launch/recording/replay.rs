@@ -39,6 +39,8 @@ struct Comparison {
     first: Option<f64>,
     /// Controllers or plants begun.
     beginnings: u64,
+    /// From when on it cannot be told what the controller heard [s].
+    unknown: Option<f64>,
     /// Whether somebody asked for something at the plant's desk, which is not recorded.
     is_asked: bool,
 }
@@ -63,10 +65,13 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
     let found = if args.plant { plant(&mut reader)? } else { controller(&mut reader)? };
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
-    let Comparison { count, differ, greatest, first, beginnings, is_asked } = found;
+    let Comparison { count, differ, greatest, first, beginnings, unknown, is_asked } = found;
     say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
     if beginnings > 1 {
         say(format_args!("begun anew {} times, as recorded\n", beginnings - 1));
+    }
+    if let Some(time) = unknown {
+        say(format_args!("at {time:.3} s sensors and commands were lost together: what it heard then is not known\n"));
     }
     if let Some(why) = reader.cut {
         say(format_args!("the file is cut short after them: {why}\n"));
@@ -92,16 +97,25 @@ fn controller(reader: &mut Reader) -> Result<Comparison, Failure> {
         let Truth { stamp, command, asked, encoders, .. } = truth;
         if (command.run, command.epoch, command.seq) != (last.run, last.epoch, last.seq) && command.run == stamp.run {
             if (command.run, command.epoch) != (last.run, last.epoch) {
-                (controller, last) = (None, Stamp { ack: command.ack - 1, ..command });
+                let (seq, ack) = (command.seq.saturating_sub(1), command.ack.saturating_sub(1));
+                (controller, last) = (None, Stamp { seq, ack, ..command });
                 found.beginnings += 1;
             }
+            // What came between the last two sensors that were answered was never heard, or its answers were lost.
+            let between = command.ack.saturating_sub(last.ack + 1);
+            let lost = command.seq.saturating_sub(last.seq + 1);
+            let heard = match lost {
+                lost if lost >= between => last.ack + 1..=command.ack, // none if it says the same again
+                0 => command.ack..=command.ack,
+                _ => {
+                    found.unknown = Some(stamp.sim_ns as f64 * 1e-9);
+                    return Ok(found);
+                }
+            };
             let controller = match &mut controller {
                 Some(controller) => controller,
                 none => none.insert(Controller::new(&scene).map_err(ProcessError::from)?),
             };
-            // As many commands as sensors between the last two: they were answered, and the answers lost.
-            let is_lost = command.seq - last.seq == command.ack - last.ack;
-            let heard = if is_lost { last.ack + 1..=command.ack } else { command.ack..=command.ack };
             let mut torques = None;
             for (_, encoders) in sensors.iter().filter(|(seq, _)| heard.contains(seq)) {
                 torques = Some(controller.tick(encoders).map_err(ProcessError::from)?.torque);
