@@ -42,6 +42,9 @@ pub struct Options {
     pub patience: Duration,
 }
 
+/// What a controller needs to find the topic of a plant that has only just opened it, and to read there.
+const LAST_WORD: Duration = Duration::from_millis(300);
+
 /// What comes after an exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Next {
@@ -67,6 +70,7 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
             // whoever waits for this plant need not wait on
             let stamp = Stamp { run: random(), epoch: random(), seq: 1, mono_ns: now_ns(), ..Stamp::default() };
             let told = port.send(Sensors { stamp, last: 1, ..Sensors::default() });
+            std::thread::sleep(LAST_WORD);
             return (Tally::default(), told.map_err(Into::into).and(Err(error.into())));
         }
     };
