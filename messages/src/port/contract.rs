@@ -35,8 +35,8 @@ pub struct Contract {
     pub dt: f64,
     /// Lockstep or real time.
     pub pace: Pace,
-    /// Whether there is room for a tunnel to another machine, which reads and writes the topics too: the second of two
-    /// plants is then refused by the gate and no longer at the door. Not agreed upon: whoever comes first decides.
+    /// Whether there is room for a tunnel to another machine, which reads and writes the topics too. A second plant is still
+    /// refused, for there is one desk. Not agreed upon: whoever comes first decides.
     pub tunnel: bool,
 }
 
