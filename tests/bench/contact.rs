@@ -1,0 +1,52 @@
+//! Every contact law on the problems that it met while the robot stood, walked and fell: each from nothing, and each from
+//! the solution of the one before.
+
+use crate::robot::{Doing, Recording};
+use divan::Bencher;
+use messages::scene::Law;
+use plant::contact::{Memory, Solver};
+use std::fmt;
+
+/// A law, and whether it remembers.
+#[derive(Clone, Copy, Debug)]
+struct Way(Law, bool);
+
+impl fmt::Display for Way {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        write!(f, "{} {}", self.0, if self.1 { "warm" } else { "cold" })
+    }
+}
+
+fn ways() -> impl Iterator<Item = Way> {
+    Law::ALL.into_iter().flat_map(|law| [Way(law, false), Way(law, true)])
+}
+
+/// One sample is one problem, and the problems follow each other.
+fn solve(bencher: Bencher, doing: Doing, Way(law, warm): Way) {
+    let problems = Recording::of(doing, &[format!("plant.law={law}")]).problems;
+    let (mut solver, mut memory, mut turn) = (Solver::default(), Memory::default(), problems.iter().cycle());
+    for problem in &problems {
+        solver.solve(problem, law, &mut memory);
+    }
+    bencher.bench_local(|| {
+        if !warm {
+            memory = Memory::default();
+        }
+        turn.next().map(|problem| solver.solve(problem, law, &mut memory))
+    });
+}
+
+#[divan::bench(args = ways(), sample_count = 600, sample_size = 1)]
+fn standing(bencher: Bencher, way: &Way) {
+    solve(bencher, Doing::Standing, *way);
+}
+
+#[divan::bench(args = ways(), sample_count = 600, sample_size = 1)]
+fn walking(bencher: Bencher, way: &Way) {
+    solve(bencher, Doing::Walking, *way);
+}
+
+#[divan::bench(args = ways(), sample_count = 600, sample_size = 1)]
+fn falling(bencher: Bencher, way: &Way) {
+    solve(bencher, Doing::Tumbling, *way);
+}

@@ -1,0 +1,103 @@
+//! Stages of a step without contact, and the contact problem that it poses, at one state.
+
+use crate::robot::{Doing, Recording};
+use divan::{Bencher, black_box};
+use messages::scene::Law;
+use plant::composite::Composite;
+use plant::contact::Problem;
+use plant::delassus::ContactMap;
+use plant::detect::{Touch, touching};
+use plant::dynamics;
+use plant::factor::{Factor, PathMatrix};
+use plant::kinematics::{self, Pose};
+use plant::model::Model;
+use plant::state::State;
+
+/// Everything that belongs to one state.
+struct Stage {
+    model: Model,
+    state: State,
+    pose: Pose,
+    composite: Composite,
+    h: PathMatrix,
+    b: Vec<f64>,
+    factor: Factor,
+    touches: Vec<Touch>,
+    map: ContactMap,
+    problem: Problem,
+}
+
+impl Stage {
+    /// In the middle of the window.
+    fn of(doing: Doing) -> Stage {
+        let recording = Recording::of(doing, &[]);
+        let model = Model::new(&recording.scene).expect("a good scene");
+        let (mut composite, mut pose) = (Composite::new(&model), Pose::new(&model));
+        let state = recording.states[recording.states.len() / 2].clone();
+        kinematics::pose(&model, &state, &mut pose);
+        let (mut h, mut b) = (PathMatrix::new(&model), vec![0.0; model.dofs()]);
+        composite.inertia(&model, &pose, &mut h);
+        composite.bias(&model, &pose, &state.xdot, &mut b);
+        let mut factor = Factor::new(&model);
+        factor.factorize(&model, &h).expect("H is positive definite");
+        let mut touches = vec![];
+        touching(&model, &pose, Law::Aligned, 1e-3, &mut touches);
+        let (map, problem) = (ContactMap::new(&model), Problem::default());
+        Stage { model, state, pose, composite, h, b, factor, touches, map, problem }
+    }
+}
+
+/// Fourteen degrees of freedom: three turns of a virtual base, or a quaternion.
+const BASES: [Doing; 2] = [Doing::Walking, Doing::Standing];
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn kinematics(bencher: Bencher, doing: Doing) {
+    let Stage { model, state, mut pose, .. } = Stage::of(doing);
+    bencher.bench_local(|| kinematics::pose(&model, black_box(&state), black_box(&mut pose)));
+}
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn h_fast(bencher: Bencher, doing: Doing) {
+    let Stage { model, pose, mut composite, mut h, .. } = Stage::of(doing);
+    bencher.bench_local(|| composite.inertia(&model, black_box(&pose), black_box(&mut h)));
+}
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn h_by_unit_accelerations(bencher: Bencher, doing: Doing) {
+    let Stage { model, pose, .. } = Stage::of(doing);
+    bencher.bench_local(|| dynamics::inertia(&model, black_box(&pose)));
+}
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn b_fast(bencher: Bencher, doing: Doing) {
+    let Stage { model, state, pose, mut composite, mut b, .. } = Stage::of(doing);
+    bencher.bench_local(|| composite.bias(&model, black_box(&pose), &state.xdot, black_box(&mut b)));
+}
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn b_by_inverse_dynamics(bencher: Bencher, doing: Doing) {
+    let Stage { model, state, pose, .. } = Stage::of(doing);
+    bencher.bench_local(|| dynamics::bias(&model, black_box(&pose), &state.xdot));
+}
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn factorisation(bencher: Bencher, doing: Doing) {
+    let Stage { model, h, mut factor, .. } = Stage::of(doing);
+    bencher.bench_local(|| factor.factorize(&model, black_box(&h)));
+}
+
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn solve(bencher: Bencher, doing: Doing) {
+    let Stage { model, mut b, factor, .. } = Stage::of(doing);
+    bencher.bench_local(|| factor.solve(&model, black_box(&mut b)));
+}
+
+/// Eight contacts of a quaternion base, four of a virtual one.
+#[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
+fn k_and_delassus(bencher: Bencher, doing: Doing) {
+    let Stage { model, state, pose, factor, touches, mut map, mut problem, .. } = Stage::of(doing);
+    bencher.bench_local(|| {
+        let pose = black_box(&pose);
+        map.assemble(&model, pose, &factor, &touches, &state.xdot, Law::Aligned, &mut problem, |_, drift| drift);
+    });
+}
