@@ -12,7 +12,7 @@
 //! | starting, watching and ending processes | [`children`] |
 //! | real-time scheduling | [`realtime`] |
 //! | progress bar and live line | [`progress`] |
-//! | scenes and their keys | [`list`] |
+//! | scenes, their keys and their bits | [`list`], [`hashes`] |
 //! | what goes wrong, exit codes | [`exit`] |
 //! | another controller amid the walk | [`swap`] |
 //! | the wire format for other languages | [`wire`] |
@@ -38,6 +38,7 @@ mod doctor;
 mod exit;
 mod export;
 mod faults;
+mod hashes;
 mod latency;
 mod list;
 mod model;
@@ -136,6 +137,9 @@ enum Command {
         /// List every key of a scene instead: type, default, meaning
         #[arg(long)]
         keys: bool,
+        /// List the hashes of the states that every scene runs through
+        #[arg(long, conflicts_with = "keys")]
+        hashes: bool,
     },
 }
 
@@ -244,8 +248,9 @@ fn main() -> ExitCode {
         Some(Command::Info(args)) => recording::info::run(&args),
         Some(Command::Convert(args)) => recording::table::run(&args),
         Some(Command::Replay(args)) => recording::replay::run(&args),
-        Some(Command::List { keys: false }) => list::scenes(),
-        Some(Command::List { keys: true }) => list::keys(),
+        Some(Command::List { hashes: true, .. }) => hashes::print(),
+        Some(Command::List { keys: false, .. }) => list::scenes(),
+        Some(Command::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),
     };
     match result {

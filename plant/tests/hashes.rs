@@ -1,0 +1,79 @@
+//! Claim: the first second of every built-in scene has the published bits, built for release or not, on one thread or on
+//! several, once or again.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use controller::Controller;
+use messages::load::load;
+use messages::scene::Scene;
+use messages::wire::{Command, Stamp, Stamped};
+use plant::Simulation;
+use plant::smallest::smallest;
+use std::path::PathBuf;
+
+/// Where the scenes are.
+fn folder() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch/scenes")
+}
+
+/// Names and hashes of the first second, as published.
+fn published() -> Vec<(String, String)> {
+    let table = std::fs::read_to_string(folder().join("hashes.txt")).expect("the table");
+    let words = |line: &str| line.split_whitespace().map(String::from).take(2).collect::<Vec<_>>();
+    let rows = table.lines().skip(1).map(words);
+    rows.map(|row| <[String; 2]>::try_from(row).expect("name and hash").into()).collect()
+}
+
+fn scene(name: &str) -> Scene {
+    let path = [name.into(), format!("known/{name}")].map(|name| folder().join(name + ".toml"));
+    let path = path.iter().find(|path| path.exists()).expect(name);
+    let mut scene = load(&path.to_string_lossy(), &[], &[]).expect("a good scene");
+    scene.duration = scene.duration.min(1.0);
+    smallest(&scene).expect("a good scene").scene
+}
+
+/// Hash of the states of the first second, or of what there is of it.
+fn hash(name: &str) -> String {
+    let scene = scene(name);
+    let mut simulation = Simulation::new(&scene, 1, 1).expect("a good scene");
+    let mut controller = scene.controller.as_ref().map(|_| Controller::new(&scene).expect("a good scene"));
+    let mut hash = simulation.truth().hash;
+    while simulation.sensors().last == 0 {
+        let sensors = simulation.sensors();
+        if let Some(controller) = &mut controller {
+            let torques = controller.tick(&sensors.encoders).expect("it stays up");
+            let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
+            simulation.hear(&Command { stamp, torques, ..Command::default() }.sealed());
+        }
+        if simulation.advance().is_err() {
+            break; // gimbal ends at its pole
+        }
+        hash = simulation.truth().hash;
+    }
+    format!("{hash:016x}")
+}
+
+fn agrees((name, published): &(String, String)) {
+    assert_eq!(&hash(name), published, "{name}; launch/hashes.rs says how to renew them");
+}
+
+#[test]
+fn the_first_second_has_the_published_bits_and_has_them_again() {
+    let published = published();
+    assert!(published.len() > 30, "every scene has its row");
+    published.iter().for_each(agrees);
+    published.iter().rev().step_by(4).for_each(agrees);
+}
+
+#[test]
+fn several_threads_have_them_too() {
+    let (published, threads) = (published(), 4);
+    std::thread::scope(|scope| {
+        for first in 0..threads {
+            scope.spawn({
+                let published = &published;
+                move || published.iter().skip(first).step_by(threads).for_each(agrees)
+            });
+        }
+    });
+}
