@@ -5,6 +5,7 @@
 //! | `cargo bench` | everything below |
 //! | `cargo bench -- step` | what has this word in its name; `--help` lists more |
 //! | `cargo bench -- tail` | the slowest steps of a walk |
+//! | `cargo bench -- --peers` | a table beside MuJoCo, Pinocchio and four QP solvers, on the same states and programs |
 //! | `cargo bench -- link` | round trips and the walk in lockstep, two processes |
 //!
 //! Times are of the machine and of what else it does: compare medians of one session.
@@ -16,6 +17,7 @@ mod contact;
 mod core;
 mod dynamics;
 mod link;
+mod peers;
 mod rate;
 mod robot;
 mod step;
@@ -28,6 +30,9 @@ fn main() {
     let words: Vec<_> = arguments.iter().filter(|word| !word.starts_with('-')).collect();
     let asked = |name: &str| words.is_empty() || words.iter().any(|word| name.contains(word.as_str()));
     let core = Core::hold();
+    if arguments.iter().any(|word| word == "--peers") {
+        return peers::print();
+    }
     divan::main();
     if !arguments.iter().any(|word| word == "--bench") || arguments.iter().any(|word| word == "--list") {
         return; // `cargo test` asks whether it runs

@@ -3,7 +3,7 @@
 use controller::Controller;
 use messages::load::load;
 use messages::scene::Scene;
-use messages::wire::{Encoders, Torques};
+use messages::wire::{Encoders, Torques, Truth};
 use plant::Plant;
 use plant::contact::Problem;
 use plant::state::State;
@@ -60,6 +60,8 @@ pub struct Recording {
     pub torques: Vec<Torques>,
     /// Of every period of the window, before it.
     pub states: Vec<State>,
+    /// The same as truths.
+    pub truths: Vec<Truth>,
     /// Of every period of the window in which something touched.
     pub problems: Vec<Problem>,
 }
@@ -71,14 +73,14 @@ impl Recording {
         let mut plant = Plant::new(&scene).expect("a good scene");
         let controller = scene.controller.as_ref().map(|_| Controller::new(&scene));
         let mut controller = controller.transpose().expect("a good scene");
-        let (encoders, torques, states, problems) = Default::default();
-        let mut recording = Recording { scene, window, encoders, torques, states, problems };
+        let (encoders, torques, states, truths, problems) = Default::default();
+        let mut recording = Recording { scene, window, encoders, torques, states, truths, problems };
         for period in 0..recording.window.end {
             let encoders = plant.encoders();
             // a controller that gives up after a fall leaves the joints to themselves
             let tick = |controller: &mut Controller| controller.tick(&encoders).unwrap_or_default();
             let torques = controller.as_mut().map(tick).unwrap_or_default();
-            let state = plant.state().clone();
+            let (state, truth) = (plant.state().clone(), plant.truth());
             if plant.advance(&torques).is_err() {
                 recording.window.end = period;
                 break;
@@ -87,6 +89,7 @@ impl Recording {
             recording.torques.push(torques);
             if recording.window.contains(&period) {
                 recording.states.push(state);
+                recording.truths.push(truth);
                 recording.problems.extend(Some(plant.problem()).filter(|problem| problem.contacts > 0).cloned());
             }
         }
