@@ -6,6 +6,7 @@
 //! | (ii) | CPU time per step of 1 ms | [`steps`] |
 //! | (iii) | where methods fail, and from where on | [`failures`], [`thresholds`] |
 //! | (iv) | size of the model against cost | [`models`] |
+//! | `--growth` | how the cost of a step grows | [`growth`] |
 //!
 //! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
 //! drawn ([`draw`], [`page`]) is drawn from these rows alone.
@@ -16,6 +17,7 @@ mod csv;
 mod draw;
 mod exact;
 mod failures;
+mod growth;
 mod metrics;
 mod models;
 mod page;
@@ -49,6 +51,9 @@ pub struct ChartArgs {
     /// Measure other engines too, installed into a virtual environment of Python; or take the rows of a table of them
     #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
     peers: Option<Option<PathBuf>>,
+    /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
+    #[arg(long)]
+    growth: bool,
     /// Only these comparison scenes, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     scenes: Vec<String>,
@@ -67,6 +72,9 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
     std::fs::create_dir_all(&args.out).map_err(unwritable)?;
     let watch = Watch::new(args.quiet, stop);
+    if args.growth {
+        return growth::run(args, &watch);
+    }
     let trials = precision::trials(&chosen, args.quick, &watch)?;
     let mut rows: Vec<_> = trials.iter().flat_map(precision::Trial::rows).collect();
     rows.extend(steps::rows(args.quick, &watch)?);

@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Everybody takes turns this often.
-const ROUNDS: usize = 3;
+const ROUNDS: usize = 5;
 
 /// Nanoseconds by situation and stage, one a round.
 type Times = BTreeMap<(String, String), Vec<f64>>;
