@@ -103,8 +103,8 @@ enum Command {
     Controller(roles::RoleArgs),
     #[command(flatten)]
     Desk(desk::Wish),
-    /// Show a running session in a browser, in 3-D, and let it be pushed and led from there
-    View(view::live::ViewArgs),
+    /// Show a running session in a browser, in 3-D, and let it be pushed and led from there; or a recording
+    View(view::ViewArgs),
     /// Show how a running session is, in the terminal
     Top(top::TopArgs),
     /// Check whether a controller or plant of yours keeps to the rules of the wire
@@ -231,7 +231,7 @@ fn main() -> ExitCode {
         Some(Command::Plant(args)) => roles::plant(&args, &stop),
         Some(Command::Controller(args)) => roles::controller(&args, &stop),
         Some(Command::Desk(wish)) => desk::run(wish),
-        Some(Command::View(args)) => view::live::run(&args, &stop),
+        Some(Command::View(args)) => view::run(&args, &stop),
         Some(Command::Top(args)) => top::run(&args, &stop),
         Some(Command::Conform(args)) => conform::run(&args, &stop),
         Some(Command::Faults(args)) => faults::run(&args, &stop),

@@ -111,7 +111,12 @@ impl Counter {
 
     /// One more is done.
     pub fn step(&self) {
-        self.bar.inc(1);
+        self.reach(self.bar.position() + 1);
+    }
+
+    /// So many are done.
+    pub fn reach(&self, count: u64) {
+        self.bar.set_position(count);
         if let Some(Ok(mut told)) = self.told.as_ref().map(Mutex::lock)
             && told.elapsed() > LINE_INTERVAL
         {

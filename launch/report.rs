@@ -88,7 +88,7 @@ pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
 }
 
 /// The page: the run in 3-D, its summary, and every figure.
-fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> String {
+pub fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> String {
     let rows = summary.lines().into_iter().map(|(name, value)| {
         let class = match name {
             "outcome" if summary.fell => " class=\"bad\"",

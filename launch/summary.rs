@@ -111,7 +111,7 @@ pub struct Summary {
 const LAST_STEPS: usize = 20;
 
 impl Summary {
-    /// Sums up what the recorder heard; `wall` is the time that the run took.
+    /// Sums up what the recorder heard; `wall` is the time that the run took, zero as `processes` where that is not known.
     pub fn new(scene: &str, recorder: &Recorder, wall: Duration, processes: u32) -> Self {
         let (gait, extremes) = (&recorder.gait, &recorder.extremes);
         let ends = recorder.first.as_ref().zip(recorder.last.as_ref());
@@ -195,13 +195,14 @@ impl Summary {
             (None, None) if self.steps > 0 => "no fall".into(),
             (None, None) => "completed".into(),
         };
+        let simulated = match self.wall_s {
+            0.0 => format!("{:.2} s", self.duration_s),
+            wall => format!("{:.2} s in {wall:.2} s, {:.0} x real time", self.duration_s, self.realtime_factor),
+        };
         let mut lines = vec![
             ("outcome", outcome),
             ("robot", self.robot.clone()),
-            (
-                "simulated",
-                format!("{:.2} s in {:.2} s, {:.0} x real time", self.duration_s, self.wall_s, self.realtime_factor),
-            ),
+            ("simulated", simulated),
             ("processes", self.processes.to_string()),
             ("distance", format!("{:.3} m", tidy(self.distance_m))),
             ("sideways", format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg))),
@@ -231,6 +232,7 @@ impl Summary {
             ("energy gain", format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks)),
             ("trajectory hash", self.trajectory_hash.clone()),
         ]);
+        lines.retain(|(name, value)| (*name, value.as_str()) != ("processes", "0"));
         if !self.met.is_empty() {
             lines.push(("link", self.met.clone()));
         }

@@ -6,7 +6,8 @@
 mod live;
 
 use live::{Running, biped, eventually};
-use messages::port::Ask;
+use messages::port::{Ask, Contract, Pace, PlantPort};
+use messages::scene::Scene;
 use messages::session::Session;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::{TcpListener, TcpStream};
@@ -47,18 +48,48 @@ fn without_its_token_a_page_is_refused_and_a_reader_that_stalls_stalls_nobody() 
         let answer = get(port, &path);
         assert!(answer.contains("403") && answer.contains("`biped view` printed last"), "{path}: {answer}");
     }
-    // Browsers that ask for the page and do not read it, as many as it has hands.
+    // Browsers that ask for the page again and again and never read it: more than fits between us, from each.
     let stalled: Vec<TcpStream> = (0..8)
         .map(|_| {
             let mut stream = TcpStream::connect(("127.0.0.1", port)).expect("a server");
-            write!(stream, "GET /?token={token} HTTP/1.1\r\nHost: x\r\n\r\n").expect("listening");
+            let request = format!("GET /?token={token} HTTP/1.1\r\nHost: x\r\n\r\n");
+            stream.write_all(request.repeat(12).as_bytes()).expect("listening");
             stream
         })
         .collect();
+    let waiting = || std::fs::read_dir(format!("/proc/{}/task", view.id())).expect("threads").count();
+    eventually("eight answers that nobody takes", || waiting() > 8 + 8);
     let begin = walk.ask(Ask::Resume).stamp.sim_ns;
     eventually("twenty seconds of lockstep", || walk.ask(Ask::Resume).stamp.sim_ns > begin + 20_000_000_000);
-    drop(stalled);
+    assert!(get(port, &format!("/?token={token}")).contains("<title>"), "others wait for them");
+    eventually("an end of patience", || waiting() < 8 + 8);
+    for mut stream in stalled {
+        let mut rest = vec![];
+        let end = stream.read_to_end(&mut rest);
+        assert!(
+            end.is_err() || rest.len() < 12_000_000,
+            "all of it was kept for whoever never read: {} bytes",
+            rest.len()
+        );
+    }
     walk.end_with(view);
+}
+
+#[test]
+fn a_session_that_does_not_say_what_its_scene_is_cannot_be_drawn_and_that_is_said() {
+    // As a plant of somebody else's makes it, who has no word of ours.
+    let session = Session::named(&format!("test-{}-silent", std::process::id())).expect("a good name");
+    let contract = Contract::of(&Scene::default(), Pace::Lockstep);
+    let plant = PlantPort::open(&session, &contract).expect("a session");
+    for text in [None, Some("bodies = 1")] {
+        text.map_or(Ok(()), |text| session.tell_scene(text)).expect("room");
+        let Output { status, stderr, .. } =
+            biped(&["view", "--session", session.name(), "--port", "0"]).output().expect("the program runs");
+        let words = String::from_utf8_lossy(&stderr);
+        assert!(status.code() == Some(5) && words.contains("does not say what its scene is"), "{status}: {words}");
+        assert_eq!(words.lines().count(), 1, "{words}");
+    }
+    drop(plant);
 }
 
 #[test]

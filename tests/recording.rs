@@ -9,6 +9,7 @@ mod common;
 mod live;
 
 use common::fresh_path;
+use hdrhistogram::Histogram;
 use live::{Running, biped};
 use messages::port::Ask;
 use std::path::{Path, PathBuf};
@@ -81,6 +82,12 @@ fn a_killed_recorder_leaves_a_file_that_is_good_up_to_its_last_chunk() {
     let (code, words) = on(&file, &["info"]);
     assert!(code == Some(0) && words.contains("cut short"), "{words}");
     assert!(equal(&file, &["replay"]) > 1000);
+    let page = fresh_path("killed.html");
+    let (code, words) = on(&file, &["view", "--out", &page.to_string_lossy()]);
+    assert!(code == Some(0) && words.contains("is cut short"), "{code:?}: {words}");
+    let text = std::fs::read_to_string(&page).expect("a page");
+    assert!(text.contains("CUT SHORT after") && text.contains("the recording ends here"));
+    std::fs::remove_file(page).expect("our own file");
     std::fs::remove_file(file).expect("our own file");
 }
 
@@ -91,7 +98,7 @@ fn a_file_of_any_length_and_with_any_damage_is_read_up_to_there_or_refused() {
     let seed = std::process::id().into();
     println!("seed {seed}");
     let (mut random, mut read) = (fastrand::Rng::with_seed(seed), 0);
-    let damaged = fresh_path("damaged.mcap");
+    let (damaged, page) = (fresh_path("damaged.mcap"), fresh_path("damaged.html"));
     for trial in 0..60 {
         let mut some = bytes[..if trial % 2 == 0 { random.usize(..bytes.len()) } else { bytes.len() }].to_vec();
         if trial % 3 > 0 && !some.is_empty() {
@@ -102,9 +109,17 @@ fn a_file_of_any_length_and_with_any_damage_is_read_up_to_there_or_refused() {
         let (code, words) = on(&damaged, &["info"]);
         assert!(matches!(code, Some(0 | 2 | 5)) && words.contains("damaged.mcap"), "trial {trial}: {code:?}: {words}");
         read += usize::from(code == Some(0));
+        if trial % 4 == 0 {
+            let (shown, words) = on(&damaged, &["view", "--out", &page.to_string_lossy()]);
+            assert!(
+                shown == code || (code, shown) == (Some(0), Some(2)),
+                "trial {trial}: {code:?}, {shown:?}: {words}"
+            );
+            assert!(words.contains("damaged.mcap"), "trial {trial}: {words}");
+        }
     }
     assert!(read > 20, "only {read} of 60 could be read");
-    [whole, damaged].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+    [whole, damaged, page].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
 }
 
 #[test]
@@ -112,14 +127,18 @@ fn what_is_no_recording_is_refused() {
     let file = fresh_path("no.mcap");
     for text in ["", "hello", "\u{89}MCAP0\r\n"] {
         std::fs::write(&file, text).expect("a file");
-        for command in [&["info"][..], &["replay"], &["replay", "--plant"], &["convert", "--csv", "/nonexistent"]] {
+        for command in
+            [&["info"][..], &["replay"], &["replay", "--plant"], &["convert", "--csv", "/nonexistent"], &["view"]]
+        {
             let (code, words) = on(&file, command);
             assert!(code == Some(2) && words.contains("no.mcap: this is no recording"), "{code:?}: {words}");
         }
     }
     std::fs::remove_file(&file).expect("our own file");
-    let (code, words) = on(&file, &["info"]);
-    assert!(code == Some(2) && words.contains("cannot be opened"), "{words}");
+    for command in [["info"], ["view"]] {
+        let (code, words) = on(&file, &command);
+        assert!(code == Some(2) && words.contains("cannot be opened"), "{words}");
+    }
     let output = biped(&["run", "walk", "--quiet", "--record", "/nonexistent/run.mcap"]).output().expect("it starts");
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(4) && words.contains("/nonexistent/run.mcap cannot be written"), "{words}");
@@ -143,4 +162,55 @@ fn tables_have_every_message_and_every_bit() {
     let summary = common::run("walk", &["duration=0.5"]);
     assert_eq!(format!("{:016x}", last[hash].parse::<u64>().expect("a number")), summary.hash());
     std::fs::remove_file(file).and_then(|()| std::fs::remove_dir_all(folder)).expect("our own files");
+}
+
+/// What the loop does in a control period: how late it wakes, how long the plant computes, how long the answer takes [ns].
+type Loop = [Histogram<u64>; 3];
+const PARTS: [&str; 3] = ["wakes late by", "plant computes", "answer takes"];
+
+/// Counts a paced walk of some seconds.
+fn count(counted: &mut Loop, seconds: u64, arguments: &[&str]) {
+    let duration = format!("duration={seconds}");
+    let mut walk = Running::start("paced", &[&["--realtime", "--set", &duration], arguments].concat());
+    walk.until("the last period", |truth| {
+        let times = [truth.late_ns, truth.plant_ns, truth.reply_ns];
+        counted.iter_mut().zip(times).for_each(|(counted, time)| counted.saturating_record(time));
+        truth.stamp.sim_ns + 100_000_000 > seconds * 1_000_000_000
+    });
+    let (code, _, errors) = walk.wait();
+    assert_eq!(code, Some(0), "{errors}");
+}
+
+/// `cargo test --release --test recording histogram -- --ignored --nocapture`, on a machine that has nothing else to do. Walks with
+/// and without a recorder take turns; two halves of those without show what turns alone make of it.
+#[test]
+#[ignore = "two minutes; prints the paced loop's histogram with and without a recorder"]
+fn the_loops_histogram_is_the_same_with_a_recorder() {
+    let file = fresh_path("paced.mcap");
+    let record = ["--record", &file.to_string_lossy()];
+    let empty = || [(); 3].map(|()| Histogram::new_with_bounds(1, 1_000_000_000, 3).expect("good bounds"));
+    let mut counted = [empty(), empty(), empty()];
+    for round in 0..8 {
+        for arm in [[0, 1, 2], [2, 1, 0]][round % 2] {
+            count(&mut counted[arm], 5, if arm == 1 { &record } else { &[] });
+        }
+    }
+    std::fs::remove_file(&file).expect("our own file");
+    for (arm, what) in counted.iter().zip(["without a recorder", "with one", "without, again"]) {
+        for (part, counted) in PARTS.iter().zip(arm) {
+            let [median, p99] = [0.5, 0.99].map(|share| counted.value_at_quantile(share) as f64 * 1e-3);
+            println!("{what:<19} {part:<15} median {median:>7.1} us, p99 {p99:>7.1} us, {} periods", counted.len());
+        }
+    }
+    let ratio = |above: usize, part: usize, share| {
+        counted[above][part].value_at_quantile(share) as f64 / counted[0][part].value_at_quantile(share) as f64
+    };
+    for (part, name) in PARTS.iter().enumerate() {
+        let [with, again] = [1, 2].map(|arm| [0.5, 0.99].map(|share| ratio(arm, part, share)));
+        println!(
+            "{name:<15} with : without = {:.3} in the median, {:.3} in p99; without : without = {:.3}, {:.3}",
+            with[0], with[1], again[0], again[1]
+        );
+        assert!((0.8..1.25).contains(&with[0]), "{name}: {} times the median", with[0]);
+    }
 }

@@ -1,5 +1,6 @@
 // A running session: frames are fetched as they come, wishes are sent to its desks.
 const LOOK = 40; // between two fetches [ms]
+const AGAIN = 2000; // after nobody was there [ms]
 const SPAN = 20; // that the plots show [s]
 const MOST = 60000; // rows that are kept
 
@@ -44,6 +45,7 @@ class Live {
       if (rows.byteLength > 0) this.take(rows);
     } catch {
       this.answer.textContent = "the session has ended";
+      setTimeout(() => this.fetch(), AGAIN);
       return;
     }
     setTimeout(() => this.fetch(), LOOK);

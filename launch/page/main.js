@@ -1,16 +1,13 @@
 // All of it together.
+performance.mark("parsed");
 const part = (id) => document.getElementById(id);
 const about = JSON.parse(part("about").textContent);
 const film = new Film(about.layout);
 film.append(bytesOf(part("film").textContent));
+performance.mark("film");
 
 const robot = new Robot(about), marks = new Marks(about);
-let stage;
-try {
-  stage = new Stage(part("stage"), robot, marks);
-} catch (error) {
-  part("facts").textContent = `No 3-D picture: this browser gives no WebGL (${error.message}).`;
-}
+let stage, drag;
 
 /// Draws an instant everywhere.
 function show(time) {
@@ -20,6 +17,7 @@ function show(time) {
   const share = gap > 0 && gap < .1 ? Math.min((time - film.get(row, "time")) / gap, 1) : 0;
   robot.pose(film, row, share);
   marks.show(film, row, share, robot);
+  if (drag?.hold) drag.show();
   plots.show(time);
   if (!stage) return;
   if (part("follow").checked) stage.follow(marks.com.position.x, marks.com.position.y);
@@ -50,8 +48,23 @@ part("follow").addEventListener("change", () => { player.isStale = true; });
 const live = about.live && new Live(about, film, player, plots, marks);
 player.isStale = true;
 player.play(!about.live && !matchMedia("(prefers-reduced-motion)").matches);
+
+/// Where a picture may take a second to begin, all else is there before it.
+function raise() {
+  try {
+    stage = new Stage(part("stage"), robot, marks);
+    if (live) drag = new Drag(part("stage"), stage, robot, (push) => live.ask({ what: "push", ...push }));
+  } catch (error) {
+    part("facts").textContent = `No 3-D picture: this browser gives no WebGL (${error.message}).`;
+  }
+  player.isStale = true;
+  requestAnimationFrame(() => requestAnimationFrame(() => performance.mark("open"))); // the first frame has been shown
+}
+
+performance.mark("built");
 requestAnimationFrame(function frame(now) {
   player.tick(now);
   if (stage?.isStale) stage.draw(marks.com.position.toArray());
   requestAnimationFrame(frame);
 });
+requestAnimationFrame(() => setTimeout(raise));

@@ -5,7 +5,7 @@ class Marks {
   constructor(about) {
     this.group = new THREE.Group();
     this.about = about;
-    this.arrows = about.contacts.map(() => Marks.arrow());
+    this.arrows = about.contacts.map(() => Marks.arrow("#d1242f"));
     this.forces = new THREE.Group().add(...this.arrows);
     this.com = Marks.dot(new THREE.SphereGeometry(.013, 24, 16), "#8e5bd6");
     this.shadow = Marks.dot(new THREE.RingGeometry(.010, .016, 32), "#8e5bd6");
@@ -30,23 +30,27 @@ class Marks {
   }
 
   /// One metre long along z.
-  static arrow() {
-    const skin = new THREE.MeshBasicMaterial({ color: "#d1242f" });
-    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(.0032, .0032, 1, 10).translate(0, .5, 0).rotateX(Math.PI / 2), skin);
-    const head = new THREE.Mesh(new THREE.ConeGeometry(.009, .024, 14).rotateX(Math.PI / 2), skin);
+  static arrow(color, width = 1) {
+    const skin = new THREE.MeshBasicMaterial({ color });
+    const shaft = new THREE.Mesh(new THREE.CylinderGeometry(.0032 * width, .0032 * width, 1, 10).translate(0, .5, 0).rotateX(Math.PI / 2), skin);
+    const head = new THREE.Mesh(new THREE.ConeGeometry(.009 * width, .024 * width, 14).rotateX(Math.PI / 2), skin);
     return Object.assign(new THREE.Group().add(shaft, head), { shaft, head });
   }
 
+  /// Puts an arrow from a place along a way.
+  static point(arrow, from, way, length) {
+    arrow.position.copy(from);
+    arrow.quaternion.setFromUnitVectors(new THREE.Vector3(0, 0, 1), way.clone().normalize());
+    arrow.shaft.scale.z = length;
+    arrow.head.position.z = length;
+  }
+
   show(film, row, share, robot) {
-    const places = robot.contacts(), force = film.all(row, "force"), up = new THREE.Vector3(0, 0, 1);
+    const places = robot.contacts(), force = film.all(row, "force");
     this.arrows.forEach((arrow, index) => {
       const along = new THREE.Vector3(...force.subarray(3 * index, 3 * index + 3)), length = along.length() * METRES_PER_NEWTON;
       arrow.visible = length > 1e-3;
-      if (!arrow.visible) return;
-      arrow.position.copy(places[index]);
-      arrow.quaternion.setFromUnitVectors(up, along.normalize());
-      arrow.shaft.scale.z = length;
-      arrow.head.position.z = length;
+      if (arrow.visible) Marks.point(arrow, places[index], along, length);
     });
     const next = Math.min(row + 1, film.length - 1);
     const com = [0, 1, 2].map((index) => (1 - share) * film.get(row, "com", index) + share * film.get(next, "com", index));

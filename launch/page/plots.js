@@ -101,8 +101,9 @@ class Plots {
     const row = this.film.row(time);
     this.panels.forEach(({ lines, values, log }) => lines.forEach(([name, quantity, index], line) => {
       const value = (this.scale[quantity] ?? 1) * this.film.get(row, quantity, index);
-      const number = !Number.isFinite(value) ? "–" : log ? value.toExponential(0) : value.toFixed(Math.abs(value) < 1 ? 3 : 1);
-      values[line].textContent = lines.length > 4 ? number : `${name} ${number}`;
+      const isTight = lines.length > 4;
+      const number = !Number.isFinite(value) ? "–" : log ? value.toExponential(0) : value.toFixed(Math.abs(value) < 1 && !isTight ? 3 : 1);
+      values[line].textContent = isTight ? number : `${name} ${number}`;
     }));
   }
 }

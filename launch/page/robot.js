@@ -66,6 +66,11 @@ class Robot {
     });
   }
 
+  /// The centre of gravity of a body, in W.
+  centre(body) {
+    return this.bodies[body].localToWorld(new THREE.Vector3(...this.about.bodies[body].com));
+  }
+
   /// Where contact points touch, in W.
   contacts() {
     return this.about.contacts.map(({ body, at, radius }) => {

@@ -10,10 +10,13 @@ function mesh(count, side) {
   return new THREE.BufferGeometry().setAttribute("position", places).translate(-count / 2, -count / 2, 0).scale(side, side, 1);
 }
 
+const FINGER = 14; // how far beside a finger may touch [px]
+
 class Stage {
   constructor(place, robot, marks) {
     this.robot = robot;
     this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
+    this.renderer.debug.checkShaderErrors = false; // to ask waits for every shader
     this.renderer.shadowMap.enabled = true;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
     place.prepend(this.renderer.domElement);
@@ -24,6 +27,7 @@ class Stage {
     this.controls.maxPolarAngle = 1.55;
     this.controls.addEventListener("change", () => { this.isStale = true; });
     this.controls.target.set(0, 0, .26);
+    this.ray = new THREE.Raycaster();
     this.sun = new THREE.DirectionalLight("#ffffff", 2.2);
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
@@ -62,6 +66,34 @@ class Stage {
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.isStale = true;
+  }
+
+  /// The body that is drawn where a pointer is; a finger need not hit it exactly.
+  bodyAt({ clientX, clientY, pointerType }) {
+    const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
+    const reach = pointerType === "touch" ? FINGER : 0;
+    for (const [dx, dy] of reach ? [[0, 0], [reach, 0], [-reach, 0], [0, reach], [0, -reach]] : [[0, 0]]) {
+      this.ray.setFromCamera({ x: 2 * (clientX + dx - left) / width - 1, y: 1 - 2 * (clientY + dy - top) / height }, this.camera);
+      let part = this.ray.intersectObject(this.robot.base).find(({ object }) => object.isMesh)?.object;
+      while (part && !this.robot.bodies.includes(part)) part = part.parent;
+      if (part) return this.robot.bodies.indexOf(part);
+    }
+    return undefined;
+  }
+
+  /// A way on the screen [px] as one in W that is as far from the camera as a place.
+  across(dx, dy, place) {
+    const { camera } = this, { clientHeight } = this.renderer.domElement;
+    const depth = -place.clone().applyMatrix4(camera.matrixWorldInverse).z;
+    const metres = 2 * depth * Math.tan(camera.fov * Math.PI / 360) / clientHeight;
+    const [right, up] = [0, 1].map((column) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, column));
+    return right.multiplyScalar(dx * metres).addScaledVector(up, -dy * metres);
+  }
+
+  /// Where a place in W is drawn [px].
+  onScreen(place) {
+    const { clientWidth, clientHeight } = this.renderer.domElement, { x, y } = place.clone().project(this.camera);
+    return [(1 + x) / 2 * clientWidth, (1 - y) / 2 * clientHeight];
   }
 
   /// Goes along with a place on the ground.

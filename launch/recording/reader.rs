@@ -23,6 +23,8 @@ pub struct Reader {
     channels: HashMap<u16, String>,
     /// Of the metadata record: scene, schema and version.
     about: BTreeMap<String, String>,
+    /// Bytes that were read so far.
+    pub read: u64,
     /// Why the file ends before its end, once that is known.
     pub cut: Option<String>,
 }
@@ -69,7 +71,7 @@ impl Reader {
             .with_skip_end_magic(true);
         let records = LinearReader::new_with_options(options);
         let (channels, about) = (HashMap::new(), BTreeMap::new());
-        let mut reader = Reader { path: path.into(), file, records, channels, about, cut: None };
+        let mut reader = Reader { path: path.into(), file, records, channels, about, read: 0, cut: None };
         while reader.about.is_empty() {
             // what is ours says so before its first message
             if reader.record().is_none_or(|message| message.is_some()) {
@@ -143,7 +145,10 @@ impl Reader {
             let (opcode, data) = match event {
                 LinearReadEvent::ReadRequest(wanted) => {
                     match self.file.read(self.records.insert(wanted)) {
-                        Ok(count) => self.records.notify_read(count),
+                        Ok(count) => {
+                            self.read += count as u64;
+                            self.records.notify_read(count);
+                        }
                         Err(error) => {
                             self.cut = Some(error.to_string());
                             return None;

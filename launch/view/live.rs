@@ -1,14 +1,13 @@
-//! `biped view`: the page of a running session, served to a browser on this machine. A process of its own that only listens; what a
-//! browser does not fetch in time is dropped here, so that no browser ever holds up a run.
+//! The page of a running session. A process of its own that only listens; what a browser does not fetch in time is dropped here, so
+//! that no browser ever holds up a run.
 
 use super::film::{about, bytes, frame};
 use super::page::Page;
-use crate::desk::SessionArgs;
+use super::server::{Answer, Door, Query, html, nothing, text, with};
 use crate::exit::{Exit, Failure};
 use crate::record::{Robot, Sample, Worst};
 use crate::say;
 use crate::top::has_ended;
-use clap::Args;
 use messages::load;
 use messages::port::{Ask, RecorderPort, Verdict, ask};
 use messages::scene::Scene;
@@ -16,11 +15,11 @@ use messages::session::Session;
 use messages::wire::{STATES, Truth};
 use serde::Deserialize;
 use std::collections::VecDeque;
-use std::io::{Cursor, Read};
+use std::io::Read;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use tiny_http::{Header, Method, Request, Response, Server};
+use tiny_http::{Method, Request, Response};
 
 /// Frames come no closer than this [ns].
 const FRAME_NS: u64 = 5_000_000;
@@ -28,45 +27,28 @@ const FRAME_NS: u64 = 5_000_000;
 const KEPT: usize = 2000;
 /// A request is shorter [bytes].
 const LONGEST: u64 = 4096;
-/// Who answer: one may wait at a desk while another hands out frames.
-const HANDS: usize = 3;
-
-/// Arguments of `biped view`.
-#[derive(Args)]
-pub struct ViewArgs {
-    #[command(flatten)]
-    session: SessionArgs,
-    /// Port on this machine's own address; 0 takes one that is free
-    #[arg(long, default_value_t = 8642)]
-    port: u16,
-}
 
 /// Serves the page until the session or the user's patience ends.
 ///
 /// # Errors
-/// If there is no such session, or the port is in use.
-pub fn run(args: &ViewArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let session = args.session.find()?;
-    let mut port = RecorderPort::visit(&session)?;
-    let name = session.name().to_string();
-    let unknown = || Failure::new(Exit::Incompatible, format!("session `{name}` does not say what its scene is"));
+/// If there is no such session, it does not say what its scene is, or the port is in use.
+pub fn run(session: &Session, port: u16, stop: &AtomicBool) -> Result<(), Failure> {
+    let mut truths = RecorderPort::visit(session)?;
+    let name = session.name();
+    let unknown = || {
+        let why =
+            format!("session `{name}` does not say what its scene is, so there is no robot to draw: see `biped top`");
+        Failure::new(Exit::Incompatible, why)
+    };
     let scene: Scene = session.scene().and_then(|text| toml::from_str(&text).ok()).ok_or_else(unknown)?;
-    let server = Server::http(("127.0.0.1", args.port)).map_err(|error| {
-        let advice = format!("port {} cannot be taken ({error}): choose another by --port, or 0 for any", args.port);
-        Failure::new(Exit::Usage, advice)
-    })?;
-    let token = format!("{:016x}", messages::clock::random());
-    let at = server.server_addr().to_ip().map_or(args.port, |address| address.port());
-    let desk = Arc::new(Desk::new(session.clone(), &scene, token.clone()));
-    let server = Arc::new(server);
-    for _ in 0..HANDS {
-        let (server, desk) = (server.clone(), desk.clone());
-        std::thread::spawn(move || server.incoming_requests().for_each(|request| desk.answer(request)));
-    }
-    say(format_args!("session {name}: open http://127.0.0.1:{at}/?token={token}\n"));
+    let door = Door::open(port)?;
+    say(format_args!("session {name}: open {}\n", door.address));
+    let desk = Arc::new(Desk::new(session.clone(), &scene));
+    let behind = desk.clone();
+    std::thread::spawn(move || door.serve(|request, path, query| behind.answer(request, path, query)));
     let (mut film, mut heard) = (Camera::new(&scene), Instant::now());
-    while !stop.load(Relaxed) && !has_ended(&session, heard) {
-        while let Some(truth) = port.read()? {
+    while !stop.load(Relaxed) && !has_ended(session, heard) {
+        while let Some(truth) = truths.read()? {
             heard = Instant::now();
             film.take(&truth, &desk.reel);
         }
@@ -135,14 +117,13 @@ impl Reel {
 /// Where browsers come to.
 struct Desk {
     session: Session,
-    token: String,
     page: String,
     trunk: usize,
     reel: Mutex<Reel>,
 }
 
 impl Desk {
-    fn new(session: Session, scene: &Scene, token: String) -> Desk {
+    fn new(session: Session, scene: &Scene) -> Desk {
         let robot = Robot::new(scene);
         let mut about = about(&robot, scene);
         about["live"] = true.into();
@@ -155,28 +136,19 @@ impl Desk {
             below: "",
             scene: &load::text(scene),
         };
-        Desk { page: page.html(), trunk: robot.trunk, session, token, reel: Mutex::default() }
+        Desk { page: page.html(), trunk: robot.trunk, session, reel: Mutex::default() }
     }
 
-    /// Answers; a browser that has gone is no error.
-    fn answer(&self, mut request: Request) {
-        let url = request.url().to_string();
-        let (path, query) = url.split_once('?').unwrap_or((&url, ""));
-        let value = |key: &str| query.split('&').find_map(|part| part.strip_prefix(key)?.strip_prefix('='));
-        let response = match (request.method(), path) {
-            (_, "/favicon.ico") => text(204, ""),
-            _ if value("token") != Some(&self.token) => {
-                text(403, "This address is not, or no longer, good: open the one that `biped view` printed last.\n")
-            }
-            (Method::Get, "/") => with(text(200, &self.page), "Content-Type", "text/html; charset=utf-8"),
-            (Method::Get, "/frames") => self.frames(value("run"), value("from")),
-            (Method::Post, "/ask") => self.ask(&mut request),
-            _ => text(404, "There is nothing here.\n"),
-        };
-        let _ = request.respond(with(response, "Cache-Control", "no-store"));
+    fn answer(&self, request: &mut Request, path: &str, query: Query) -> Answer {
+        match (request.method(), path) {
+            (Method::Get, "/") => html(&self.page),
+            (Method::Get, "/frames") => self.frames(query.value("run"), query.value("from")),
+            (Method::Post, "/ask") => self.ask(request),
+            _ => nothing(),
+        }
     }
 
-    fn frames(&self, run: Option<&str>, from: Option<&str>) -> Response<Cursor<Vec<u8>>> {
+    fn frames(&self, run: Option<&str>, from: Option<&str>) -> Answer {
         let reel = self.reel.lock().unwrap_or_else(|broken| broken.into_inner());
         let is_same = run == Some(&reel.runs.to_string());
         let from = from.filter(|_| is_same).and_then(|from| from.parse().ok()).unwrap_or(0);
@@ -184,7 +156,7 @@ impl Desk {
         with(response, "Next", &reel.next.to_string())
     }
 
-    fn ask(&self, request: &mut Request) -> Response<Cursor<Vec<u8>>> {
+    fn ask(&self, request: &mut Request) -> Answer {
         let mut words = String::new();
         let read = request.as_reader().take(LONGEST).read_to_string(&mut words);
         let wish = read.ok().and_then(|_| serde_json::from_str::<Wish>(&words).ok());
@@ -206,35 +178,32 @@ impl Desk {
 enum Wish {
     Pause,
     Resume,
-    Step { periods: u64 },
+    Step {
+        periods: u64,
+    },
     Reset,
     Rearm,
-    Push { impulse: [f64; 3] },
-    Set { period: f64, speed: f64 },
+    Push {
+        /// The trunk, if none is named.
+        body: Option<usize>,
+        impulse: [f64; 3],
+    },
+    Set {
+        period: f64,
+        speed: f64,
+    },
 }
 
 impl Wish {
-    fn ask(self, body: usize) -> Ask {
+    fn ask(self, trunk: usize) -> Ask {
         match self {
             Wish::Pause => Ask::Pause,
             Wish::Resume => Ask::Resume,
             Wish::Step { periods } => Ask::Step { periods },
             Wish::Reset => Ask::Reset { seed: None },
             Wish::Rearm => Ask::Rearm,
-            Wish::Push { impulse } => Ask::Push { body, impulse, duration: 0.05 },
+            Wish::Push { body, impulse } => Ask::Push { body: body.unwrap_or(trunk), impulse, duration: 0.05 },
             Wish::Set { period, speed } => Ask::Set { period: Some(period), speed: Some(speed) },
         }
-    }
-}
-
-fn text(status: u16, words: &str) -> Response<Cursor<Vec<u8>>> {
-    Response::from_string(words).with_status_code(status)
-}
-
-/// With one header more, of plain ASCII.
-fn with(response: Response<Cursor<Vec<u8>>>, name: &str, value: &str) -> Response<Cursor<Vec<u8>>> {
-    match Header::from_bytes(name, value) {
-        Ok(header) => response.with_header(header),
-        Err(()) => response,
     }
 }

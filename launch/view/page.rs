@@ -21,6 +21,7 @@ const SCRIPTS: &str = concat!(
     include_str!("../page/plots.js"),
     include_str!("../page/player.js"),
     include_str!("../page/live.js"),
+    include_str!("../page/drag.js"),
     include_str!("../page/main.js"),
 );
 

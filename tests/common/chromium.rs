@@ -113,6 +113,36 @@ impl Browser {
         base64::prelude::BASE64_STANDARD.decode(text).expect("base 64")
     }
 
+    /// Drags with the left button, as far as the last place, and holds.
+    pub fn drag(&mut self, places: &[[f64; 2]]) {
+        for (index, place) in places.iter().enumerate() {
+            if index == 0 {
+                self.mouse("mouseMoved", *place, 0);
+            }
+            self.mouse(if index == 0 { "mousePressed" } else { "mouseMoved" }, *place, 1);
+        }
+    }
+
+    /// Lets go of the left button.
+    pub fn drop_at(&mut self, place: [f64; 2]) {
+        self.mouse("mouseReleased", place, 0);
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32) {
+        let button = if kind == "mouseMoved" { "none" } else { "left" };
+        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1});
+        self.call("Input.dispatchMouseEvent", event);
+    }
+
+    /// Moves a finger over places, from touching to lifting.
+    pub fn swipe(&mut self, places: &[[f64; 2]]) {
+        for (index, [x, y]) in places.iter().enumerate() {
+            let kind = if index == 0 { "touchStart" } else { "touchMove" };
+            self.call("Input.dispatchTouchEvent", json!({"type": kind, "touchPoints": [{"x": x, "y": y}]}));
+        }
+        self.call("Input.dispatchTouchEvent", json!({"type": "touchEnd", "touchPoints": []}));
+    }
+
     fn call(&mut self, method: &str, parameters: Value) -> Value {
         self.count += 1;
         let mut message = json!({"id": self.count, "method": method, "params": parameters});

@@ -84,6 +84,11 @@ impl Running {
         }
     }
 
+    /// Listens again.
+    pub fn rejoin(&mut self) {
+        self.port = Some(RecorderPort::visit(&self.session).expect("listening"));
+    }
+
     /// Listens no more: in lockstep nobody waits for us then.
     pub fn leave(&mut self) {
         self.port = None;
