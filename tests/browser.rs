@@ -126,7 +126,7 @@ fn times(address: &str) -> [f64; 2] {
 
 /// Run by `cargo test --release --test browser ten_minutes -- --nocapture` it prints the times.
 #[test]
-fn ten_minutes_open_and_scrub_as_fast_as_a_quarter_of_one() {
+fn ten_minutes_open_and_scrub_within_twice_the_time_of_fourteen_seconds() {
     let (short, long) = (report(&[]), report(&["duration=600"]));
     let mut all = [[vec![], vec![]], [vec![], vec![]]];
     for run in 0..6 {
@@ -137,11 +137,8 @@ fn ten_minutes_open_and_scrub_as_fast_as_a_quarter_of_one() {
         all[run % 2].iter_mut().zip(times).for_each(|(all, time)| all.push(time));
     }
     for (index, what) in ["opens", "scrubs"].into_iter().enumerate() {
-        let median = |times: &mut Vec<f64>| {
-            times.sort_by(f64::total_cmp);
-            times[times.len() / 2]
-        };
-        let ratio = median(&mut all[1][index]) / median(&mut all[0][index]);
+        let [short, long] = [0, 1].map(|film| all[film][index].iter().copied().fold(f64::INFINITY, f64::min));
+        let ratio = long / short;
         println!("ten minutes take {ratio:.2} times as long as 14 s: it {what}");
         assert!(ratio < 2.0, "it {what} {ratio:.2} times as slowly");
     }

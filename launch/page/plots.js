@@ -80,16 +80,18 @@ class Plots {
       });
       plot.setData([times, ...columns]);
     });
+    this.end = times.at(-1);
     this.portrait?.fill(from);
   }
 
-  /// Marks a time in every plot; what is zoomed in moves along.
+  /// Marks a time in every plot; what is zoomed in moves along, as far as there is anything to see.
   show(time) {
     if (time === undefined || this.film.length === 0) return;
     this.time = time;
     this.panels.forEach(({ plot, head }) => {
       const { min, max } = plot.scales.x;
-      if (time < min || time > max) plot.setScale("x", { min: time - .1 * (max - min), max: time + .9 * (max - min) });
+      const isOut = time < min || time > max && time <= this.end;
+      if (isOut) plot.setScale("x", { min: time - .1 * (max - min), max: time + .9 * (max - min) });
       head.style.transform = `translateX(${plot.valToPos(time, "x")}px)`;
     });
     this.tell(time);

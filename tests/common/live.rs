@@ -77,6 +77,17 @@ impl Running {
         self.latest
     }
 
+    /// Listens until the program ends.
+    pub fn hear(&mut self, mut take: impl FnMut(&Truth)) {
+        eventually("an end", || {
+            let ended = self.launcher.try_wait().expect("our own child").is_some();
+            while let Some(truth) = self.port.as_mut().expect("listening").read().expect("reading") {
+                take(&truth);
+            }
+            ended
+        });
+    }
+
     /// Takes everything said so far.
     pub fn drain(&mut self) {
         while let Some(truth) = self.port.as_mut().expect("listening").read().expect("reading") {
