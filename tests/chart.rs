@@ -63,11 +63,31 @@ fn every_view_is_drawn_and_measured_the_same_twice() {
 }
 
 #[test]
+fn growth_is_drawn_with_its_exponents_and_a_chain_of_64_links_costs_more_than_one_of_3() {
+    let folder = fresh_path("growth");
+    let output = chart(&["--growth"], &folder);
+    let words = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && words.contains("| exponent |"), "{}", String::from_utf8_lossy(&output.stderr));
+    for curve in ["contacts", "links", "dt"] {
+        let drawing = std::fs::read_to_string(folder.join(format!("growth-{curve}.svg"))).expect("a drawing");
+        assert!(drawing.contains("this simulator ~ n^"), "{curve}");
+    }
+    let table = std::fs::read_to_string(folder.join("growth.csv")).expect("a table");
+    let links = table.lines().filter_map(|line| line.strip_prefix("links,biped,")?.split_once(','));
+    let times: Vec<f64> = links.map(|(_, us)| us.parse().expect("a time")).collect();
+    assert!(times.len() == 4 && times[3] > 3.0 * times[0], "{table}");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn a_bad_wish_is_refused_in_one_sentence() {
     let output = chart(&["--scenes", "slide,skate"], &fresh_path("chart"));
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{words}");
     assert!(words.contains("`skate`") && words.contains("slide30") && words.lines().count() == 1, "{words}");
+    let output = chart(&["--growth", "--peers=peers.csv"], &fresh_path("chart"));
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && words.contains("peers.csv"), "{words}");
     let output = chart(&[], Path::new("/dev/null/chart"));
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(4), "{words}");

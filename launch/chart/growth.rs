@@ -33,9 +33,13 @@ pub struct Point {
 /// Measures, prints, and writes a table and a drawing of each curve into the folder.
 ///
 /// # Errors
-/// Ctrl-C, peers that cannot be measured, or a folder that cannot be written.
+/// Ctrl-C, a table of peers, peers that cannot be measured, or a folder that cannot be written.
 pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
+    if let Some(Some(table)) = &args.peers {
+        let other = format!("--growth measures peers itself: --peers without {}", table.display());
+        return Err(Failure::new(Exit::Usage, other));
+    }
     let mut points = Vec::new();
     let held = Core::hold();
     for curve in Curve::ALL {
