@@ -109,6 +109,7 @@ class Stage {
     this.sun.position.set(x + .9, y - 1.3, 2.2);
     [this.ground, this.grid].forEach((part) => { part.position.x = Math.round(x * 5) / 5; part.position.y = Math.round(y * 5) / 5; });
     this.renderer.render(this.scene, this.camera);
+    this.shown ??= requestAnimationFrame(() => performance.mark("open")); // when the first picture has been shown
     this.isStale = false;
   }
 }

@@ -46,6 +46,8 @@ impl Browser {
         let process = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<\"$COMMANDS\" 4>\"$EVENTS\"", program])
             .args(["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
+            // WebGL on the processor; the rest of the page as wherever there is no graphics processor.
+            .arg("--disable-gpu-compositing")
             .args(["--remote-debugging-pipe", "--disable-background-networking", "--no-first-run", "--hide-scrollbars"])
             .arg(format!("--user-data-dir={}", folder.join("profile").display()))
             .envs([("COMMANDS", &commands), ("EVENTS", &events)])
