@@ -93,7 +93,10 @@ fn the_report_walks_scrubs_and_draws_without_a_network_or_an_error() {
     for (scheme, width, height) in [("dark", 1280, 720), ("light", 390, 844), ("dark", 390, 844)] {
         page.prefers(scheme);
         page.resize(width, height);
-        page.until("!player.isStale && !stage.isStale");
+        let paper = if scheme == "dark" { "12161b" } else { "eef1f4" };
+        page.until(&format!(
+            "stage.scene.background.getHexString() === '{paper}' && !player.isStale && !stage.isStale"
+        ));
         assert_eq!(page.number("document.documentElement.scrollWidth"), f64::from(width), "wider than its screen");
         keep(&mut page, &format!("report-{scheme}-{width}"));
     }
@@ -249,6 +252,7 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
     page.until(&format!("film.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
     keep(&mut page, "live");
     page.prefers("dark");
+    page.until("stage.scene.background.getHexString() === '12161b' && !stage.isStale");
     keep(&mut page, "live-dark");
     page.prefers("light");
     page.value("part('pace').value = 9, part('set').click()");
