@@ -41,11 +41,15 @@ mod residual;
 mod round;
 mod scaled;
 mod solver;
+mod spd;
 mod spring_damper;
 mod sweep;
 mod twofold;
 
+pub(crate) use active_set::pushes;
+pub(crate) use scaled::{YIELD, dot};
 pub use solver::Solver;
+pub(crate) use spd::Spd;
 
 use messages::scene::Law;
 use serde::{Deserialize, Serialize};
@@ -99,13 +103,19 @@ pub struct Spring {
 impl Problem {
     /// A problem of this size, all zeros. Keeps its buffers: no allocation when it was as large before.
     pub fn reset(&mut self, contacts: usize, tangents: usize) {
+        self.reset_rows(contacts, tangents);
+        self.delassus.resize(self.rows() * self.rows(), 0.0);
+    }
+
+    /// The same without A, which is still to come.
+    pub(crate) fn reset_rows(&mut self, contacts: usize, tangents: usize) {
         (self.contacts, self.tangents) = (contacts, tangents);
         let m = self.rows();
         let zeros = |buffer: &mut Vec<f64>, length| {
             buffer.clear();
             buffer.resize(length, 0.0);
         };
-        zeros(&mut self.delassus, m * m);
+        self.delassus.clear();
         zeros(&mut self.drift, m);
         zeros(&mut self.friction, contacts);
         zeros(&mut self.approach, contacts);
@@ -229,6 +239,8 @@ pub struct Memory {
     basis: Vec<u8>,
     /// The last solution needed contacts that yield: the next one tries them first.
     yields: bool,
+    /// The last solution left no velocity.
+    rests: bool,
     impulse: Vec<[f64; 3]>,
 }
 
@@ -236,8 +248,13 @@ impl Memory {
     /// Becomes the other memory, in the room it has.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.basis.clone_from(&other.basis);
-        self.yields = other.yields;
+        (self.yields, self.rests) = (other.yields, other.rests);
         self.impulse.clone_from(&other.impulse);
+    }
+
+    /// Whether nothing that touched moved in the last step.
+    pub(crate) fn rests(&self) -> bool {
+        self.rests
     }
 
     fn recall(&self, id: usize) -> u8 {

@@ -52,17 +52,17 @@ impl ContactMap {
         }
     }
 
-    /// Writes the problem of the touching contacts. `free` is the velocity that the step would end with if nothing
-    /// touched, ẋ₋ + H⁻¹Δf_b. What it makes of contact i, Kᵀfree, is replaced by `replaced(i, Kᵀfree)`.
+    /// Writes what the problem of the touching contacts has beside A: who they are and b = Kᵀfree. `free` is the velocity that
+    /// the step would end with if nothing touched, ẋ₋ + H⁻¹Δf_b. What it makes of contact i is replaced by
+    /// `replaced(i, Kᵀfree)`.
     ///
     /// The first tangent of a contact is its direction of free slip, so that friction can oppose it exactly. The paper
     /// takes the velocity before the step; a contact at rest has none, and would creep down any slope.
-    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model, pose and factor are its tools")]
-    pub fn assemble(
+    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model and pose are its tools")]
+    pub fn drift(
         &mut self,
         model: &Model,
         pose: &Pose,
-        factor: &Factor,
         touches: &[Touch],
         free: &[f64],
         law: Law,
@@ -70,15 +70,12 @@ impl ContactMap {
         replaced: impl Fn(usize, Vector3<f64>) -> Vector3<f64>,
     ) {
         let tangents = tangents(law).min(model.directions);
-        problem.reset(touches.len(), tangents);
-        self.groups.clear();
-        self.blocks.clear();
+        let rows = 1 + tangents;
+        problem.reset_rows(touches.len(), tangents);
         self.tangents.clear();
         let mut common = None;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let (link, rows) = (touches[0].link, 1 + tangents);
-            let path = model.path(link);
-            let twist = path.iter().fold(Spatial::default(), |sum, &dof| sum + pose.links[dof + 1].column * free[dof]);
+            let twist = self.twist(model, pose, touches[0].link, free);
             let first = self.tangents.len();
             let drift = |i: usize| replaced(first + i, twist.at(&touches[i].arm));
             common = if tangents == 2 { shared_slip((0..touches.len()).map(drift), common) } else { None };
@@ -91,27 +88,75 @@ impl ContactMap {
                 let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
                 problem.drift[at..at + rows].copy_from_slice(&drift[..rows]);
             }
-            let columns = first * rows..self.tangents.len() * rows;
-            let (start, width) = (self.blocks.len(), columns.len().div_ceil(BLOCK));
-            self.blocks.resize(start + path.len() * width, [0.0; BLOCK]);
-            for (&dof, row) in path.iter().zip(self.blocks[start..].chunks_exact_mut(width)) {
-                let column = &pose.links[dof + 1].column;
-                let contacts = touches.iter().zip(&self.tangents[first..]);
-                for ((touch, tangents), k) in contacts.zip(row.as_flattened_mut().chunks_exact_mut(rows)) {
+        }
+    }
+
+    /// Writes A of the same contacts.
+    pub fn assemble(&mut self, model: &Model, pose: &Pose, factor: &Factor, touches: &[Touch], problem: &mut Problem) {
+        let rows = 1 + problem.tangents;
+        self.clear();
+        let mut first = 0;
+        for touches in touches.chunk_by(|a, b| a.link == b.link) {
+            let range = first..first + touches.len();
+            first = range.end;
+            let tangents = std::mem::take(&mut self.tangents);
+            self.add(model, pose, factor, touches[0].link, touches.len() * rows, |column, row| {
+                let contacts = touches.iter().zip(&tangents[range.clone()]);
+                for ((touch, tangents), k) in contacts.zip(row.chunks_exact_mut(rows)) {
                     let velocity = column.at(&touch.arm); // per unit rate: by virtual work, K's entry
                     k[0] = velocity.z;
                     k[1..].iter_mut().zip(tangents).for_each(|(k, t)| *k = velocity.x * t.x + velocity.y * t.y);
                 }
-            }
-            factor.half_solve(model, link, width, &mut self.blocks[start..]);
-            self.groups.push(Group { link, columns, start, width });
+            });
+            self.tangents = tangents;
         }
-        self.multiply(model, problem);
+        let size = problem.rows();
+        problem.delassus.resize(size * size, 0.0);
+        self.multiply(model, size, &mut problem.delassus);
+    }
+
+    /// Velocity of a link at some rates.
+    pub fn twist(&self, model: &Model, pose: &Pose, link: usize, rates: &[f64]) -> Spatial {
+        let path = model.path(link).iter();
+        path.fold(Spatial::default(), |sum, &dof| sum + pose.links[dof + 1].column * rates[dof])
+    }
+
+    /// Forgets all columns.
+    pub fn clear(&mut self) {
+        self.groups.clear();
+        self.blocks.clear();
+    }
+
+    /// Appends `count` columns of K that belong to one link, and makes them columns of Y. `entries` writes the row of K that
+    /// belongs to a degree of freedom, given the velocity of the link per unit rate.
+    pub fn add(
+        &mut self,
+        model: &Model,
+        pose: &Pose,
+        factor: &Factor,
+        link: usize,
+        count: usize,
+        entries: impl Fn(&Spatial, &mut [f64]),
+    ) {
+        let (path, start, width) = (model.path(link), self.blocks.len(), count.div_ceil(BLOCK));
+        let first = self.groups.last().map_or(0, |group| group.columns.end);
+        self.blocks.resize(start + path.len() * width, [0.0; BLOCK]);
+        for (&dof, row) in path.iter().zip(self.blocks[start..].chunks_exact_mut(width)) {
+            entries(&pose.links[dof + 1].column, row.as_flattened_mut());
+        }
+        factor.half_solve(model, link, width, &mut self.blocks[start..]);
+        self.groups.push(Group { link, columns: first..first + count, start, width });
+    }
+
+    /// A vector given along the normal and the tangents of contact i, in W.
+    #[inline]
+    pub fn direction(&self, i: usize, parts: &[f64; 3]) -> Vector3<f64> {
+        let [along, across] = &self.tangents[i];
+        along * parts[1] + across * parts[2] + Vector3::z() * parts[0]
     }
 
     /// A = YᵀY: two links meet in the degrees of freedom that they share.
-    fn multiply(&self, model: &Model, problem: &mut Problem) {
-        let size = problem.rows();
+    pub fn multiply(&self, model: &Model, size: usize, product: &mut [f64]) {
         for (i, a) in self.groups.iter().enumerate() {
             for b in &self.groups[..=i] {
                 let shared = model.shared(a.link, b.link);
@@ -125,9 +170,9 @@ impl ContactMap {
                             sum = std::array::from_fn(|c| sum[c] + factor * y_b[block][c]);
                         }
                         let (row, column) = (a.columns.start + k, b.columns.start + block * BLOCK);
-                        problem.delassus[row * size + column..][..width].copy_from_slice(&sum[..width]);
+                        product[row * size + column..][..width].copy_from_slice(&sum[..width]);
                         for (c, entry) in sum[..width].iter().enumerate() {
-                            problem.delassus[(column + c) * size + row] = *entry;
+                            product[(column + c) * size + row] = *entry;
                         }
                     }
                 }

@@ -13,6 +13,7 @@
 //! | which points can touch | [`detect`] |
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
+//! | links that stand: six equations each | [`weld`] |
 //! | drives and encoders | [`drive`] |
 //! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`], [`handover`] |
 //! | the record of a control period | [`truth`] |
@@ -48,6 +49,7 @@ pub mod state;
 pub mod step;
 pub mod truth;
 pub mod watchdog;
+pub mod weld;
 
 pub use error::PlantError;
 pub use simulation::Simulation;

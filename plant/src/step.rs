@@ -39,11 +39,14 @@ use crate::model::Model;
 use crate::springs;
 use crate::state::State;
 use crate::truth::Record;
+use crate::weld::Weld;
 use messages::scene::{Base, Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 
 /// Coordinate of the pitch of virtual joints.
 const PITCH: usize = 4;
+/// Trials of a weld, each with the contacts corrected by the one before.
+const WELDS: usize = 4;
 /// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
 const UPRIGHT: f64 = 1e-8;
 
@@ -113,6 +116,7 @@ struct Workspace {
     map: ContactMap,
     problem: Problem,
     solver: Solver,
+    weld: Weld,
 }
 
 impl Plant {
@@ -221,23 +225,17 @@ impl Plant {
         }
     }
 
-    /// What touches within a step of `h`, and the problem (14) that it poses.
-    fn find_contacts(&mut self, h: f64) {
-        self.find_touches(h);
-        self.pose_problem(h);
-    }
-
     /// The points that may touch within a step of `h`.
     fn find_touches(&mut self, h: f64) {
         let Workspace { pose, touches, .. } = &mut self.work;
         touching(&self.model, pose, self.settings.law, h, touches);
     }
 
-    /// The problem (14) of the touching points.
+    /// The problem (14) of the touching points, A apart.
     fn pose_problem(&mut self, h: f64) {
         let Settings { law, friction, restitution, .. } = self.settings;
-        let Workspace { pose, factor, free, touches, map, problem, .. } = &mut self.work;
-        map.assemble(&self.model, pose, factor, touches, free, law, problem, |_, drift| drift);
+        let Workspace { pose, free, touches, map, problem, .. } = &mut self.work;
+        map.drift(&self.model, pose, touches, free, law, problem, |_, drift| drift);
         problem.friction.fill(friction);
         for (approach, touch) in problem.approach.iter_mut().zip(&*touches) {
             *approach = touch.gap.max(0.0) / h;
@@ -272,20 +270,63 @@ impl Plant {
     }
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
-    fn solve_contacts(&mut self) -> Result<(), PlantError> {
-        let Workspace { factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
-        if !touches.is_empty() {
-            let report = solver.solve(problem, self.settings.law, &mut self.memory);
+    ///
+    /// Where nothing moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
+    fn solve_contacts(&mut self, h: f64) -> Result<(), PlantError> {
+        if !self.work.touches.is_empty() {
+            self.pose_problem(h);
+            let (welded, report) = match self.weld() {
+                Some(report) => (true, report),
+                None => (false, self.solve_problem()?),
+            };
             let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.counts.note(&report);
             self.report = report;
-            self.settings.check(&report, self.steps, problem)?;
-            map.respond(&self.model, factor, &solver.impulse, change);
+            let Workspace { factor, free, change, map, solver, weld, .. } = &mut self.work;
+            let impulse = if welded { &weld.wrench } else { &solver.impulse };
+            map.respond(&self.model, factor, impulse, change);
             free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
-        self.state.xdot.copy_from_slice(free);
+        self.state.xdot.copy_from_slice(&self.work.free);
         Ok(())
+    }
+
+    /// The solution in which every touching link stays where it is, if it did in the step before and that obeys the law.
+    fn weld(&mut self) -> Option<Report> {
+        let Settings { law, restitution, welds, .. } = self.settings;
+        let Workspace { pose, factor, free, touches, map, problem, solver, weld, .. } = &mut self.work;
+        if !(welds && law == Law::Aligned && restitution == 0.0 && problem.tangents == 2 && self.memory.rests()) {
+            return None;
+        }
+        weld.reduce(&self.model, pose, factor, touches, free, map);
+        solver.recall(problem, &self.memory);
+        for _ in 0..WELDS {
+            if !weld.hold(touches, problem, map, solver.basis()) {
+                return None;
+            }
+            let rows = [&weld.diagonal, &weld.impulse, &weld.velocity].map(Vec::as_slice);
+            let report = solver.accept(problem, rows, &mut self.memory);
+            if report.is_some() || !solver.correct() {
+                return report;
+            }
+        }
+        None
+    }
+
+    /// The solution of the problem (14), every contact by itself.
+    fn solve_problem(&mut self) -> Result<Report, PlantError> {
+        let Workspace { pose, factor, touches, map, problem, solver, .. } = &mut self.work;
+        map.assemble(&self.model, pose, factor, touches, problem);
+        let report = solver.solve(problem, self.settings.law, &mut self.memory);
+        self.settings.check(&report, self.steps, problem)?;
+        Ok(report)
+    }
+
+    /// Every contact by itself even where whole links stick: for a comparison, or for [`Plant::problem`].
+    pub fn without_welds(mut self) -> Plant {
+        self.settings.welds = false;
+        self
     }
 
     /// Takes the contact impulses of the last solution into the record.
@@ -347,7 +388,7 @@ impl Plant {
         &self.model
     }
 
-    /// The contact problem of the last step; of no contact if nothing touched.
+    /// The contact problem of the last step; of no contact if nothing touched. Without A if the links were welded.
     pub fn problem(&self) -> &Problem {
         &self.work.problem
     }
@@ -381,6 +422,7 @@ impl Workspace {
             map: ContactMap::new(model),
             problem: Problem::default(),
             solver: Solver::default(),
+            weld: Weld::default(),
         }
     }
 }

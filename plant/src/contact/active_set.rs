@@ -83,6 +83,42 @@ pub(super) fn rays(bits: u8, d: usize) -> u8 {
     }
 }
 
+/// What a contact with two tangents pushes along, if its basis is these bits: unit pushes, as (normal, tangents).
+pub(crate) fn pushes(bits: u8, friction: f64) -> impl Iterator<Item = [f64; 3]> {
+    let ray = |j: usize| {
+        let (row, sign) = Scaled::facet(j);
+        std::array::from_fn(|k| {
+            if k == 0 {
+                1.0
+            } else if k == row {
+                sign * friction
+            } else {
+                0.0
+            }
+        })
+    };
+    let axis = |row: usize| std::array::from_fn(|k| f64::from(k == row));
+    let pushes = match Guess::read(bits, 4) {
+        Guess::Open => [None; 3],
+        Guess::Sticks => [0, 1, 2].map(|row| Some(axis(row))),
+        Guess::Slides(j) => [Some(ray(j)), None, None],
+        Guess::SlidesBetween(j, k) => [Some(ray(j)), Some(ray(k)), None],
+    };
+    pushes.into_iter().flatten()
+}
+
+/// Corrects every guess that impulse and velocity contradict; false if none is.
+pub(super) fn correct(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) -> bool {
+    let least = ROUNDING * residual::scale(scaled, f);
+    let mut changed = false;
+    for (i, bits) in basis.iter_mut().enumerate() {
+        let better = Guess::read(*bits, scaled.facets()).corrected(scaled, i, f, v, least).write(scaled.facets());
+        changed |= better != *bits;
+        *bits = better;
+    }
+    changed
+}
+
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.
 pub(super) fn slide(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) {
     let (d, stride) = (scaled.facets(), scaled.stride());

@@ -1,4 +1,4 @@
-//! The impulse that belongs to a basis: the small nontrivial block, solved with partial pivoting and refined.
+//! The impulse that belongs to a basis: the small nontrivial block, factorised and refined.
 //!
 //! A complementary basis says of every contact whether it is open, sticks, or slides on which facet. The impulse is then
 //! f = G y, with one unknown per column, and E (A f + b) = 0, with one row per unknown:
@@ -11,7 +11,7 @@
 //! | energy QP | its basic rays | the same |
 
 use super::energy_qp::{minimises_energy, ray};
-use super::{active_set::RAYS, residual, scaled::Scaled};
+use super::{active_set::RAYS, residual, scaled::Scaled, spd::Spd};
 use messages::scene::Law;
 
 /// Refinements at most.
@@ -43,6 +43,10 @@ pub(super) struct Block {
     solution: Vec<f64>,
     amounts: Vec<f64>,
     dependent: bool,
+    /// The block is symmetric and positive: what yields, and reads along what it pushes.
+    symmetric: bool,
+    square: Vec<f64>,
+    spd: Spd,
 }
 
 impl Block {
@@ -134,22 +138,30 @@ impl Block {
         }
     }
 
-    /// E A G = P^-1 L U in place.
+    /// Factorises E A G: as a symmetric matrix, or with pivoting.
     fn factor(&mut self, scaled: &Scaled) -> bool {
-        let (p, m) = (self.columns.len(), scaled.drift.len());
+        self.symmetric = scaled.yields() && self.columns.iter().all(|column| column.read == column.push);
+        if self.symmetric {
+            let Block { columns, square, read_row, spd, .. } = self;
+            square.clear();
+            for row in &*columns {
+                let read = scaled.read(row.first, &row.read, read_row);
+                square.extend(columns.iter().map(|c| in_contact(&c.push, &read[c.first..])));
+            }
+            self.dependent = false;
+            self.symmetric = spd.factorize(columns.len(), square, 0.0);
+        }
+        self.symmetric || self.pivot(scaled)
+    }
+
+    /// E A G = P^-1 L U in place.
+    fn pivot(&mut self, scaled: &Scaled) -> bool {
+        let p = self.columns.len();
         self.width = p.div_ceil(LANES);
         self.matrix.clear();
         self.matrix.resize(p * self.width, [0.0; LANES]);
         for (row, entries) in self.columns.iter().zip(self.matrix.chunks_exact_mut(self.width)) {
-            let read = match row.read {
-                [1.0, 0.0, 0.0] => &scaled.delassus[row.first * m..][..m],
-                [0.0, 1.0, 0.0] => &scaled.delassus[(row.first + 1) * m..][..m],
-                [0.0, 0.0, 1.0] => &scaled.delassus[(row.first + 2) * m..][..m],
-                _ => {
-                    scaled.combine(row.first, &row.read[..scaled.stride()], &mut self.read_row);
-                    &self.read_row
-                }
-            };
+            let read = scaled.read(row.first, &row.read, &mut self.read_row);
             let columns = self.columns.iter().zip(entries.as_flattened_mut());
             columns.for_each(|(c, entry)| *entry = in_contact(&c.push, &read[c.first..]));
         }
@@ -194,6 +206,10 @@ impl Block {
     }
 
     fn substitute(&mut self) {
+        if self.symmetric {
+            self.solution.clone_from(&self.right);
+            return self.spd.solve(&mut self.solution);
+        }
         let p = self.columns.len();
         let row = |k: usize| &self.matrix[k * self.width..][..self.width].as_flattened()[..p];
         self.solution.clear();

@@ -13,7 +13,7 @@ const IMMOVABLE: f64 = 1e-20;
 /// Two flat feet on one robot hold each other along directions that H sees at 1e-12 or not at all. There the impulse is
 /// the quotient of two roundings, and pivoting loses its way. With this the problem has one solution, that of least norm
 /// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
-pub(super) const YIELD: f64 = 2e-11;
+pub(crate) const YIELD: f64 = 2e-11;
 
 /// The same for pivoting in 32 digits: far above the rounding of A, so that there is one solution, and far below what
 /// counts as solved.
@@ -37,7 +37,8 @@ pub(super) struct Scaled {
     pub ratio: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
-    inverse: Vec<f64>,
+    /// 1 / root, zero where immovable.
+    pub inverse: Vec<f64>,
     /// What contacts yield by at present.
     give: f64,
 }
@@ -59,21 +60,24 @@ impl Scaled {
     }
 
     pub fn set(&mut self, problem: &Problem, law: Law) {
-        (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
-        self.give = 0.0;
-        let (m, stride) = (problem.rows(), self.stride());
-        let greatest = (0..m).map(|k| problem.delassus[k * m + k]).fold(0.0, f64::max);
-        self.root.clear();
-        self.root.extend((0..m).map(|k| {
-            let a = problem.delassus[k * m + k];
-            if a <= IMMOVABLE * greatest { 0.0 } else { a.sqrt() }
-        }));
-        self.inverse.clear();
-        self.inverse.extend(self.root.iter().map(|&r| if r == 0.0 { 0.0 } else { 1.0 / r }));
+        let m = problem.rows();
+        self.measure(problem, law, |k| problem.delassus[k * m + k]);
         self.delassus.clear();
         for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
             self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
         }
+    }
+
+    /// All but A~, of which the diagonal of A is enough to know.
+    pub fn measure(&mut self, problem: &Problem, law: Law, diagonal: impl Fn(usize) -> f64) {
+        (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
+        self.give = 0.0;
+        let (m, stride) = (problem.rows(), self.stride());
+        let greatest = (0..m).map(&diagonal).fold(0.0, f64::max);
+        self.root.clear();
+        self.root.extend((0..m).map(diagonal).map(|a| if a <= IMMOVABLE * greatest { 0.0 } else { a.sqrt() }));
+        self.inverse.clear();
+        self.inverse.extend(self.root.iter().map(|&r| if r == 0.0 { 0.0 } else { 1.0 / r }));
         self.drift.clear();
         self.drift.extend(problem.drift.iter().zip(&self.inverse).map(|(b, s)| b * s));
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
@@ -134,14 +138,19 @@ impl Scaled {
         self.drift.iter_mut().zip(f).for_each(|(b, f)| *b -= rho * f);
     }
 
-    /// Row of A~ that the weights make of the rows of one contact, the first being `first`.
-    pub fn combine(&self, first: usize, weights: &[f64], sum: &mut Vec<f64>) {
+    /// Row of A~ that the weights make of the rows of one contact, the first being `first`; in `sum`, if it is not one of them.
+    pub fn read<'a>(&'a self, first: usize, weights: &[f64; 3], sum: &'a mut Vec<f64>) -> &'a [f64] {
         let m = self.drift.len();
+        let row = |k: usize| &self.delassus[(first + k) * m..][..m];
+        if let Some(k) = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().position(|unit| unit == weights) {
+            return row(k);
+        }
         sum.clear();
         sum.resize(m, 0.0);
         for (k, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-            sum.iter_mut().zip(&self.delassus[(first + k) * m..][..m]).for_each(|(sum, a)| *sum += weight * a);
+            sum.iter_mut().zip(row(k)).for_each(|(sum, a)| *sum += weight * a);
         }
+        sum
     }
 
     /// v~ = A~ f~ + b~.
@@ -153,7 +162,7 @@ impl Scaled {
 }
 
 /// Four partial sums, which the compiler can keep in vector registers.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sum = [0.0; 4];
     let (ca, cb) = (a.chunks_exact(4), b.chunks_exact(4));
     let rest: f64 = ca.remainder().iter().zip(cb.remainder()).map(|(x, y)| x * y).sum();

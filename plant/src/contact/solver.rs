@@ -12,7 +12,7 @@ use super::facets::Facets;
 use super::lemke::{Care, FINE, SHORT};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, HAIR, Scaled, YIELD};
-use super::{Memory, Problem, Report, active_set};
+use super::{Memory, Problem, Report, active_set, lift};
 use messages::scene::Law;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
@@ -71,8 +71,7 @@ impl Solver {
         self.least = f64::INFINITY;
         self.best.clear();
         self.best.resize(self.scaled.drift.len(), 0.0);
-        self.basis.clear();
-        self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
+        self.recall(problem, memory);
         let warm = [memory.yields, !memory.yields].iter().any(|&yields| self.holds(law, yields));
         let mut report = Report { warm, ..Report::default() };
         if !report.warm {
@@ -84,9 +83,59 @@ impl Solver {
         }
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
+        memory.rests = self.v.iter().all(|v| v.abs() <= SOLVED * residual::scale(&self.scaled, &self.f));
         self.unscale(problem);
         self.measure(problem, law, &mut report);
         report
+    }
+
+    /// The bases of the last step.
+    pub(crate) fn recall(&mut self, problem: &Problem, memory: &Memory) {
+        self.basis.clear();
+        self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
+    }
+
+    /// The present bases.
+    pub(crate) fn basis(&self) -> &[u8] {
+        &self.basis
+    }
+
+    /// Takes a solution of Coulomb's law that the present bases made without A, if it is one: `diagonal` is that of A, `velocity` is
+    /// A f + b. As in [`Solver::solve`] it is judged by its residual alone.
+    pub(crate) fn accept(
+        &mut self,
+        problem: &Problem,
+        [diagonal, impulse, velocity]: [&[f64]; 3],
+        memory: &mut Memory,
+    ) -> Option<Report> {
+        let law = Law::Aligned;
+        self.scaled.measure(problem, law, |k| diagonal[k]);
+        let Solver { scaled, f, v, .. } = self;
+        f.clear();
+        f.extend(impulse.iter().zip(&scaled.root).map(|(f, r)| f * r));
+        v.clear();
+        v.extend(velocity.iter().zip(&scaled.inverse).map(|(v, s)| v * s));
+        for (k, i) in (0..v.len()).step_by(scaled.stride()).zip(0..) {
+            v[k] += lift(problem, law, i) * scaled.inverse[k];
+        }
+        let error = residual::natural_map(scaled, f, v, Yardstick::Coulomb);
+        if error > SOLVED || error.is_nan() {
+            return None;
+        }
+        self.impulse.clear();
+        self.impulse.extend_from_slice(impulse);
+        self.velocity.clear();
+        self.velocity.extend_from_slice(velocity);
+        let mut report = Report { warm: true, ..Report::default() };
+        self.measure(problem, law, &mut report);
+        problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
+        (memory.yields, memory.rests) = (true, true);
+        Some(report)
+    }
+
+    /// Corrects the bases by the solution that was not accepted; false if that changes none.
+    pub(crate) fn correct(&mut self) -> bool {
+        active_set::correct(&self.scaled, &self.f, &self.v, &mut self.basis)
     }
 
     /// The laws without a basis: forces by formula, round cones, pyramids, iterations.
@@ -110,7 +159,7 @@ impl Solver {
             || self.yielding(YIELD, |solver| (few || !solver.on_rays()) && solver.settle(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)
-            || !few && self.yielding(YIELD, |solver| solver.slide(law, pivots))
+            || self.yielding(YIELD, |solver| solver.slide(law, pivots))
             || self.yielding(HAIR, |solver| solver.pivot_exactly(law, pivots))
     }
 

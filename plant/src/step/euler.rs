@@ -11,8 +11,8 @@ impl Plant {
     pub(super) fn semi_implicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
         self.find_inertia(h, h)?;
         self.predict_free_motion(h);
-        self.find_contacts(h);
-        self.solve_contacts()?;
+        self.find_touches(h);
+        self.solve_contacts(h)?;
         self.record_contacts();
         self.travel(h)
     }
@@ -22,9 +22,9 @@ impl Plant {
     pub(super) fn explicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
         self.find_inertia(0.0, 0.0)?;
         self.predict_free_motion(h);
-        self.find_contacts(h);
+        self.find_touches(h);
         self.state.advance(&self.model, h); // the contact impulses keep to the pose before
-        self.solve_contacts()?;
+        self.solve_contacts(h)?;
         self.record_contacts();
         self.pose()
     }

@@ -179,8 +179,7 @@ impl Plant {
         self.find_inertia(0.0, 0.0)?;
         self.work.free.copy_from_slice(&self.state.xdot);
         self.touch_bearings();
-        self.pose_problem(f64::INFINITY); // no time to approach in
-        self.solve_contacts()?;
+        self.solve_contacts(f64::INFINITY)?; // no time to approach in
         self.record_contacts();
         kinematics::velocities(&self.model, &self.state.xdot, &mut self.work.pose);
         Ok(())
@@ -221,7 +220,8 @@ impl Plant {
             }
             pull
         };
-        map.assemble(&self.model, pose, factor, touches, free, law, problem, pull);
+        map.drift(&self.model, pose, touches, free, law, problem, pull);
+        map.assemble(&self.model, pose, factor, touches, problem);
         problem.friction.fill(self.settings.friction);
         let report = solver.solve(problem, law, &mut self.memory);
         self.counts.note(&report);

@@ -33,8 +33,8 @@ impl Plant {
             free[spring.dof] -= spring.damping * (mean[spring.dof] - self.state.xdot[spring.dof]); // H has it already
         }
         self.predict_free_motion(h);
-        self.find_contacts(0.5 * h);
-        self.solve_contacts()?;
+        self.find_touches(0.5 * h);
+        self.solve_contacts(0.5 * h)?;
         self.record_contacts();
         self.travel(0.5 * h)
     }
@@ -61,8 +61,8 @@ impl Plant {
             self.find_inertia(0.0, 0.0)?;
             self.state.xdot.copy_from_slice(&self.work.stages.start.xdot);
             self.predict_free_motion(h);
-            self.find_contacts(0.5 * h);
-            self.solve_contacts()?;
+            self.find_touches(0.5 * h);
+            self.solve_contacts(0.5 * h)?;
             let Workspace { stages, mean, .. } = &mut self.work;
             change = 0.0;
             for ((mean, after), before) in mean.iter_mut().zip(&self.state.xdot).zip(&stages.start.xdot) {

@@ -18,8 +18,8 @@ impl Plant {
         let Workspace { free, mean, stages, .. } = &mut self.work;
         let begin = &stages.start.xdot;
         mean.iter_mut().zip(free.iter().zip(begin)).for_each(|(a, (free, v))| *a = free - v); // h a(x, ẋ₋)
-        self.find_contacts(h);
-        self.solve_contacts()?;
+        self.find_touches(h);
+        self.solve_contacts(h)?;
         self.arrive(h)?;
         self.find_inertia(0.0, 0.0)?;
         self.predict_free_motion(h);
@@ -28,8 +28,8 @@ impl Plant {
         {
             *free = begin + 0.5 * (a + (*free - end));
         }
-        self.find_contacts(h);
-        self.solve_contacts()?;
+        self.find_touches(h);
+        self.solve_contacts(h)?;
         self.record_contacts();
         self.arrive(h)
     }

@@ -113,8 +113,7 @@ impl Plant {
         }
         self.find_inertia(0.0, 0.0)?;
         self.work.free.copy_from_slice(&self.state.xdot);
-        self.pose_problem(h);
-        self.solve_contacts()?;
+        self.solve_contacts(h)?;
         self.record_contacts();
         let Workspace { stages, change, .. } = &mut self.work;
         stages.start.copy(&self.state);

@@ -17,6 +17,8 @@ pub(super) struct Settings {
     pub friction: f64,
     pub restitution: f64,
     pub spring: Spring,
+    /// Whether links that stick are welded.
+    pub welds: bool,
     /// The scene's, and those that somebody asked for on the way.
     pub pushes: Vec<Push>,
     pub tolerance_step: f64,
@@ -65,6 +67,7 @@ impl Settings {
                 damping_ratio: plant.contact_damping_ratio,
                 h: plant.dt,
             },
+            welds: true,
             tolerance_step: plant.tolerance_step,
             pushes: if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] },
         })
