@@ -52,6 +52,23 @@ pub(super) struct Block {
 impl Block {
     /// Writes impulse and velocity, scaled, of the basis. False when it holds what is no number.
     pub fn solve(&mut self, scaled: &Scaled, law: Law, basis: &[u8], f: &mut Vec<f64>, v: &mut Vec<f64>) -> bool {
+        self.refine(scaled, law, basis, f, v, REFINEMENTS)
+    }
+
+    /// The same but for rounding: on the way to a basis.
+    pub fn estimate(&mut self, scaled: &Scaled, law: Law, basis: &[u8], f: &mut Vec<f64>, v: &mut Vec<f64>) -> bool {
+        self.refine(scaled, law, basis, f, v, 0)
+    }
+
+    fn refine(
+        &mut self,
+        scaled: &Scaled,
+        law: Law,
+        basis: &[u8],
+        f: &mut Vec<f64>,
+        v: &mut Vec<f64>,
+        refinements: usize,
+    ) -> bool {
         self.columns(scaled, law, basis);
         self.amounts.clear();
         self.amounts.resize(self.columns.len(), 0.0);
@@ -65,7 +82,7 @@ impl Block {
             return false;
         }
         let mut before = f64::INFINITY;
-        for _ in 0..=REFINEMENTS {
+        for _ in 0..=refinements {
             self.right.clear();
             self.right.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
             self.substitute();

@@ -3,8 +3,7 @@
 //! Each cone is spanned by its edge rays (1, ±mu d): f = Σ y_j (1, mu d_j), y >= 0. Then (14) is min ½ yᵀQy + qᵀy with
 //! Q = RᵀAR positive semidefinite, and its conditions are `0 <= y ⟂ w = Q y + q >= 0`.
 //!
-//! First all rays on the wrong side are exchanged at once, which mostly ends after a few rounds. If not, one at a time: the ray with
-//! the most negative w joins the basic ones; a basic y that would become negative on the way to the new
+//! The ray with the most negative w joins the basic ones; a basic y that would become negative on the way to the new
 //! optimum leaves first. A ray whose w is still negative is independent of the basic ones, so redundant contacts
 //! (singular Q) do no harm. Every basis is solved afresh, for in a tableau the small pivots of nearly redundant contacts,
 //! two flat feet on one robot, would magnify rounding from one exchange to the next.
@@ -17,8 +16,6 @@ use super::residual;
 use super::scaled::Scaled;
 use messages::scene::Law;
 
-/// Rounds in which all rays on the wrong side are exchanged at once.
-const BOLD: usize = 8;
 /// A negative w this small, relative to the step's scale, is rounding.
 const ROUNDING: f64 = 1e-12;
 
@@ -27,8 +24,6 @@ const ROUNDING: f64 = 1e-12;
 pub(super) struct EnergyQp {
     /// y of each ray, zero where it is not basic.
     amount: Vec<f64>,
-    /// The basis to begin with.
-    begin: Vec<u8>,
     /// Rays that could not join since the energy last fell.
     barred: Vec<bool>,
     /// Basic rays, each with its y at the optimum over them.
@@ -68,9 +63,6 @@ impl EnergyQp {
             self.amount.clear();
             self.amount.resize(rays, 0.0);
         }
-        if self.exchange(scaled, block, basis, f, v, count) {
-            return true;
-        }
         self.barred.clear();
         self.barred.resize(rays, false);
         self.descend(scaled, block, basis, f, v);
@@ -87,51 +79,9 @@ impl EnergyQp {
                 self.barred[joins] = true;
                 basis[joins / d] &= !(1 << (joins % d));
                 self.amount[joins] = 0.0;
-                block.solve(scaled, Law::EnergyQp, basis, f, v);
+                block.estimate(scaled, Law::EnergyQp, basis, f, v);
             }
         }
-        false
-    }
-
-    /// Exchanges all rays at once that are on the wrong side, until none is; false, and nothing done, if that does not end soon.
-    fn exchange(
-        &mut self,
-        scaled: &Scaled,
-        block: &mut Block,
-        basis: &mut [u8],
-        f: &mut Vec<f64>,
-        v: &mut Vec<f64>,
-        count: &mut u32,
-    ) -> bool {
-        let (d, stride) = (scaled.facets(), scaled.stride());
-        self.begin.clear();
-        self.begin.extend_from_slice(basis);
-        for _ in 0..BOLD {
-            if !block.solve(scaled, Law::EnergyQp, basis, f, v) {
-                break;
-            }
-            let least = ROUNDING * residual::scale(scaled, f);
-            let mut amounts = block.amounts().iter();
-            let mut changed = false;
-            for r in 0..self.amount.len() {
-                let (bits, bit) = (&mut basis[r / d], 1 << (r % d));
-                let wrong = if *bits & bit == 0 {
-                    self.amount[r] = 0.0;
-                    in_contact(&ray(scaled, r / d, r % d), &v[r / d * stride..]) < -least
-                } else {
-                    self.amount[r] = amounts.next().copied().unwrap_or(0.0);
-                    self.amount[r] < 0.0
-                };
-                *bits ^= if wrong { bit } else { 0 };
-                changed |= wrong;
-            }
-            if !changed {
-                return true;
-            }
-            *count += 1;
-        }
-        basis.copy_from_slice(&self.begin);
-        self.amount.fill(0.0);
         false
     }
 
@@ -162,7 +112,7 @@ impl EnergyQp {
     ) -> bool {
         let d = scaled.facets();
         for _ in 0..self.amount.len() {
-            if !block.solve(scaled, Law::EnergyQp, basis, f, v) {
+            if !block.estimate(scaled, Law::EnergyQp, basis, f, v) {
                 return false;
             }
             let basic = (0..self.amount.len()).filter(|&r| basis[r / d] >> (r % d) & 1 == 1);
