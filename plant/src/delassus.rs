@@ -148,11 +148,17 @@ impl ContactMap {
         self.groups.push(Group { link, columns: first..first + count, start, width });
     }
 
-    /// A vector given along the normal and the tangents of contact i, in W.
+    /// Normal and tangents of contact i, in W.
+    #[inline]
+    pub fn axes(&self, i: usize) -> [Vector3<f64>; 3] {
+        let [along, across] = self.tangents[i];
+        [Vector3::z(), along, across]
+    }
+
+    /// A vector given along them, in W.
     #[inline]
     pub fn direction(&self, i: usize, parts: &[f64; 3]) -> Vector3<f64> {
-        let [along, across] = &self.tangents[i];
-        along * parts[1] + across * parts[2] + Vector3::z() * parts[0]
+        self.axes(i).iter().zip(parts).fold(Vector3::zeros(), |sum, (axis, part)| sum + axis * *part)
     }
 
     /// A = YᵀY: two links meet in the degrees of freedom that they share.

@@ -212,11 +212,10 @@ impl Weld {
                     let amount = map.direction(i, &push).dot(&pull);
                     std::array::from_fn(|row| sum[row] + push[row] * amount)
                 });
-                for row in 0..3 {
-                    let e = map.direction(i, &std::array::from_fn(|k| f64::from(k == row)));
+                for (e, impulse) in map.axes(i).into_iter().zip(impulse) {
                     let g = wrench(&d, &e);
                     self.diagonal.push(g.dot(&(mobility * g)));
-                    self.impulse.push(impulse[row]);
+                    self.impulse.push(impulse);
                     self.velocity.push(velocity.dot(&e));
                 }
             }

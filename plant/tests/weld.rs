@@ -1,0 +1,73 @@
+//! Feet that stand are welded to the ground, six equations a foot: nothing but the time of a step may tell.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use messages::load::load;
+use messages::scene::Scene;
+use messages::wire::Torques;
+use plant::Plant;
+
+fn scene(name: &str, settings: &[&str]) -> Scene {
+    let file = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    load(&file, &settings, &[]).expect("a scene")
+}
+
+/// Steps through a scene with and without welds; the greatest difference of their states, how many steps were welded, and the
+/// plants at the end.
+fn compare(scene: &Scene, steps: usize) -> (f64, usize, [Plant; 2]) {
+    let mut plants = [Plant::new(scene).expect("a plant"), Plant::new(scene).expect("a plant").without_welds()];
+    let (mut worst, mut welded) = (0.0_f64, 0);
+    for _ in 0..steps {
+        for plant in &mut plants {
+            plant.advance(&Torques::default()).expect("a step");
+        }
+        let [ours, theirs] = plants.each_ref().map(Plant::state);
+        let pairs = ours.x.iter().zip(&theirs.x).chain(ours.xdot.iter().zip(&theirs.xdot));
+        worst = pairs.fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
+        welded += usize::from(plants[0].problem().delassus.is_empty());
+        assert!(!plants[1].problem().delassus.is_empty());
+    }
+    (worst, welded, plants)
+}
+
+#[test]
+fn welded_feet_stand_as_corner_by_corner() {
+    for name in ["stand0", "stand10"] {
+        let (worst, welded, plants) = compare(&scene(name, &[]), 2000);
+        println!("{name}: states differ by {worst:.1e}, {welded} of 2000 steps welded");
+        assert!(worst < 1e-9, "{name}: {worst}");
+        assert!(welded > 1000, "{name}: only {welded} steps"); // on the slope the feet tip a little before they settle
+        let [ours, theirs] = plants.each_ref().map(Plant::truth);
+        let weight = |force: &[f64]| force.iter().skip(2).step_by(3).sum::<f64>();
+        let difference = (weight(&ours.contact_force) - weight(&theirs.contact_force)).abs();
+        assert!(difference < 1e-6, "{name}: the weights differ by {difference} N");
+    }
+}
+
+#[test]
+fn the_load_of_a_welded_foot_is_linear_over_its_sole() {
+    let (_, _, [plant, _]) = compare(&scene("stand0", &[]), 2000);
+    let force = plant.truth().contact_force;
+    for foot in force.chunks_exact(12).take(2) {
+        let load = |corner: usize| foot[3 * corner + 2];
+        let bent = load(0) + load(3) - load(1) - load(2); // corners in the order ++, +-, -+, --
+        assert!(bent.abs() < 1e-9, "{foot:?}");
+        assert!(load(0) > 0.0);
+    }
+}
+
+#[test]
+fn what_slides_or_tips_is_not_welded() {
+    for (name, settings) in [
+        ("stand10", vec!["plant.friction=0.1"]),
+        ("stand0", vec!["plant.push_impulse=[0,12,0]", "plant.push_time=0", "plant.push_duration=0.1"]),
+    ] {
+        let (worst, welded, [plant, _]) = compare(&scene(name, &settings), 400);
+        println!("{name} {settings:?}: states differ by {worst:.1e}, {welded} of 400 steps welded");
+        let moved = plant.truth().base_velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        assert!(moved > 0.1, "{name}: the scene does not move, {moved} m/s");
+        assert!(worst < 1e-6, "{name}: {worst}");
+        assert!(welded < 200, "{name}: {welded} steps were welded");
+    }
+}
