@@ -62,7 +62,7 @@ pub struct Recording {
     pub states: Vec<State>,
     /// The same as truths.
     pub truths: Vec<Truth>,
-    /// Of every period of the window in which something touched.
+    /// Of every period of the window in which something touched, feet that stand posed contact by contact.
     pub problems: Vec<Problem>,
 }
 
@@ -71,6 +71,7 @@ impl Recording {
     pub fn of(doing: Doing, settings: &[String]) -> Recording {
         let (scene, window) = (doing.scene(settings), doing.window());
         let mut plant = Plant::new(&scene).expect("a good scene");
+        let mut posing = Plant::new(&scene).expect("a good scene").without_welds();
         let controller = scene.controller.as_ref().map(|_| Controller::new(&scene));
         let mut controller = controller.transpose().expect("a good scene");
         let (encoders, torques, states, truths, problems) = Default::default();
@@ -81,7 +82,7 @@ impl Recording {
             let tick = |controller: &mut Controller| controller.tick(&encoders).unwrap_or_default();
             let torques = controller.as_mut().map(tick).unwrap_or_default();
             let (state, truth) = (plant.state().clone(), plant.truth());
-            if plant.advance(&torques).is_err() {
+            if plant.advance(&torques).is_err() || posing.advance(&torques).is_err() {
                 recording.window.end = period;
                 break;
             }
@@ -90,7 +91,7 @@ impl Recording {
             if recording.window.contains(&period) {
                 recording.states.push(state);
                 recording.truths.push(truth);
-                recording.problems.extend(Some(plant.problem()).filter(|problem| problem.contacts > 0).cloned());
+                recording.problems.extend(Some(posing.problem()).filter(|problem| problem.contacts > 0).cloned());
             }
         }
         assert!(!recording.window.is_empty(), "{doing:?} breaks off before it begins");

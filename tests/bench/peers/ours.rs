@@ -82,7 +82,8 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
         lists[3].push(time(REPEATS, || factor.factorize(&model, black_box(&h)).expect("positive definite")));
         lists[4].push(time(REPEATS, || {
             touching(&model, black_box(&pose), Law::Aligned, 1e-3, &mut touches);
-            map.assemble(&model, &pose, &factor, &touches, xdot, Law::Aligned, &mut problem, |_, drift| drift);
+            map.drift(&model, &pose, &touches, xdot, Law::Aligned, &mut problem, |_, drift| drift);
+            map.assemble(&model, &pose, &factor, &touches, &mut problem);
         }));
         lists[5].push(time(REPEATS, || {
             kinematics::pose(&model, black_box(state), &mut pose);
