@@ -34,7 +34,7 @@ fn every_contact_problem_is_solved_in_few_pivots() {
         assert_eq!(number("unsolved"), 0.0, "{row:?}");
         assert!(number("natural map") <= 1e-10, "{row:?}");
         assert_eq!(number("fallbacks"), 0.0, "{row:?}");
-        assert!(number("p99.9 per row") <= 5.0, "{row:?}");
+        assert!(number("p99.9 per pair") <= 4.0, "{row:?}"); // of the five that are allowed
         assert!(number("warm") > 0.2, "{row:?}");
     }
     let most = |name: &str| rows.iter().map(|row| row[name].parse::<f64>().expect("a number")).fold(0.0, f64::max);

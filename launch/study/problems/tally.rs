@@ -23,7 +23,7 @@ pub struct Tally {
     pub unsolved: usize,
     /// Those that went through a regularised problem.
     pub fallbacks: usize,
-    /// Pivots of each problem, and the same in units of its rows.
+    /// Pivots of each problem, and the same in units of its complementary pairs: its order as a complementarity problem.
     pub pivots: Vec<(u32, f64)>,
     /// Time of all solves [s].
     pub time: f64,
@@ -38,7 +38,8 @@ impl Tally {
         self.natural_map = self.natural_map.max(judged.natural_map);
         self.unsolved += usize::from(judged.natural_map.is_nan() || judged.natural_map > SOLVED);
         self.fallbacks += usize::from(own.fallback);
-        self.pivots.push((own.pivots, f64::from(own.pivots) / problem.rows() as f64));
+        let pairs = problem.contacts * (2 + 2 * problem.tangents); // v_N, the facets, the slip speed of each
+        self.pivots.push((own.pivots, f64::from(own.pivots) / pairs as f64));
     }
 
     pub(super) fn merge(mut self, mut other: Tally) -> Tally {
@@ -69,7 +70,7 @@ pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
         "pivots p50",
         "p99.9",
         "max",
-        "p99.9 per row",
+        "p99.9 per pair",
         "µs",
     ];
     let mut rows = vec![columns.map(String::from).to_vec()];
@@ -81,7 +82,7 @@ pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
             let count = |share: f64| tally.pivots.get(at(share)).map_or(0, |p| p.0).to_string();
             let counts = [0.5, 0.999, 1.0].map(count);
             tally.pivots.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-            let per_row = tally.pivots.get(at(0.999)).map_or(0.0, |p| p.1);
+            let per_pair = tally.pivots.get(at(0.999)).map_or(0.0, |p| p.1);
             let warm = tally.warm as f64 / tally.remembered.max(1) as f64;
             let [p50, p999, most] = counts;
             rows.push(vec![
@@ -96,7 +97,7 @@ pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
                 p50,
                 p999,
                 most,
-                format!("{per_row:.2}"),
+                format!("{per_pair:.2}"),
                 format!("{:.1}", 1e6 * tally.time / tally.count.max(1) as f64),
             ]);
         }
