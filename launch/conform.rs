@@ -17,6 +17,8 @@ mod plant;
 mod robot;
 mod stamps;
 
+pub use company::others;
+
 use crate::exit::{Exit, Failure};
 use crate::{SceneArgs, say};
 use clap::Args;

@@ -3,14 +3,17 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | round trips: our ports, sockets, and the limits in shared memory | [`carrier`], [`lines`], [`sockets`] |
+//! | round trips: our ports, sockets, and the limits in shared memory | [`carrier`], [`bare`], [`lines`], [`sockets`] |
+//! | what a round trip over our ports is made of | [`breakdown`] |
 //! | the walk in lockstep | [`walk`] |
 //! | what the clock paces at 1 kHz, beside the host's floor | [`paced`], [`floor`], [`watch`] |
 //! | both ends of a conversation | [`talk`], [`peer`] |
 //! | histograms, tables, drawings | [`spread`], [`results`], [`draw`], [`page`] |
 //! | the machine, and who else uses it | [`host`] |
 
+mod bare;
 mod bench;
+mod breakdown;
 mod carrier;
 mod draw;
 mod floor;
@@ -69,7 +72,7 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut results = Results::new(Host::watch());
     let mut bench = Bench::start(if args.quick { Plan::QUICK } else { Plan::FULL }, args.quiet, stop)?;
     bench.expect(bench.plan.rounds as usize * Carrier::ALL.len() + walk::count() + 2);
-    walk::clock(&mut results)?;
+    breakdown::alone(&mut results)?;
     bench::apart(|| {
         keep_to(0); // the other process keeps to another: all links are compared over the same distance
         carrier::measure(&mut bench, &mut results)?;
@@ -80,6 +83,7 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     bench.bar.finish_and_clear();
     drop(bench);
     results.host.finish();
+    breakdown::parts(&mut results);
     judge(&mut results);
     write_whole(&args.out.join("latency.json"), &results.json()?).map_err(unwritable)?;
     page::write(&args.out, &results).map_err(unwritable)?;

@@ -14,9 +14,11 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
-const TRIPS: [&str; 9] = [
+const TRIPS: [&str; 11] = [
     "raw shared memory, spin",
     "futex hand-over",
+    "iceoryx2 alone, spin",
+    "pub/sub unsealed, spin",
     "pub/sub, spin",
     "pub/sub, hybrid",
     "pub/sub, event",

@@ -39,6 +39,16 @@ impl Role {
     }
 }
 
+/// Contracts that must be refused by whoever brings this one, each otherwise in one part.
+pub fn others(ours: &Contract) -> [(&'static str, Contract); 4] {
+    [
+        ("a wire schema that it was not built for", Contract { schema: ours.schema ^ 1, ..*ours }),
+        ("another model", Contract { model: ours.model ^ 1, ..*ours }),
+        ("another rate", Contract { rate: ours.rate * 2.0, ..*ours }),
+        ("another pace", Contract { pace: Pace::RealTime, ..*ours }),
+    ]
+}
+
 /// Sessions with another contract, and sessions where nobody is: all at once.
 pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String> {
     let mut alone = host.invitation(Pace::Lockstep);
@@ -46,21 +56,14 @@ pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String>
     let lonely = host.invite(&alone)?;
 
     let ours = host.invitation(Pace::Lockstep).contract;
-    let others = [
-        ("another model", Contract { model: ours.model ^ 1, ..ours }),
-        ("another rate", Contract { rate: ours.rate * 2.0, ..ours }),
-        ("another pace", Contract { pace: Pace::RealTime, ..ours }),
-    ];
     let mut refused = vec![];
-    for (what, other) in others {
-        let invitation = host.invitation(Pace::Lockstep);
+    for (what, other) in others(&ours) {
+        let mut invitation = host.invitation(Pace::Lockstep);
+        // its contract comes with the invitation; what it was built for cannot be told to it
+        invitation.contract.schema = other.schema;
         let held = role.hold_other_side(&invitation.session, &other).map_err(|error| error.to_string())?;
         refused.push((what, held, host.invite(&invitation)?));
     }
-    let mut newer = host.invitation(Pace::Lockstep);
-    newer.contract.schema ^= 1;
-    let held = role.hold_other_side(&newer.session, &newer.contract).map_err(|error| error.to_string())?;
-    refused.push(("a wire schema that it was not built for", held, host.invite(&newer)?));
 
     let deadline = Instant::now() + host.patience + GOODBYE;
     let end = |guest: &mut Guest| guest.end(deadline.saturating_duration_since(Instant::now()));

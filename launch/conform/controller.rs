@@ -116,7 +116,7 @@ fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
         ("without the magic", |sensors| sensors.stamp.magic ^= 1),
         ("of another schema", |sensors| {
             sensors.stamp.schema ^= 1;
-            sensors.stamp.crc = sensors.check_sum();
+            sensors.stamp.check = sensors.check_sum();
         }),
     ];
     for (what, spoil) in kinds {

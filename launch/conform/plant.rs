@@ -82,7 +82,7 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
             let mut bad = good;
             spoil(&mut bad);
             if is_sealed {
-                bad.stamp.crc = bad.check_sum();
+                bad.stamp.check = bad.check_sum();
             }
             driver.pass_on(bad)?;
             refused[*reason] += 1;

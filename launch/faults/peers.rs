@@ -1,6 +1,7 @@
 //! Processes that do not belong into a session: a second of a role, and one that speaks otherwise.
 
 use super::stage::{LIMIT, Outcome, Process, Role, Stage, Trial, is, walk};
+use crate::conform;
 use crate::exit::Exit;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use std::time::{Duration, Instant};
@@ -33,14 +34,8 @@ pub fn other_contract() -> Trial {
     stage.is_set()?;
     let (_, scene) = walk(&[WALK[1]])?;
     let ours = Contract::of(&scene, Pace::Lockstep);
-    let others = [
-        Contract { schema: ours.schema ^ 1, ..ours },
-        Contract { model: ours.model ^ 1, ..ours },
-        Contract { rate: ours.rate * 2.0, ..ours },
-        Contract { pace: Pace::RealTime, ..ours },
-    ];
     let mut told = vec![];
-    for other in others {
+    for (_, other) in conform::others(&ours) {
         let opened =
             [ControllerPort::open(&stage.session, &other).err(), PlantPort::open(&stage.session, &other).err()];
         for error in opened {

@@ -169,15 +169,15 @@ impl Stage {
         found.ok_or_else(|| "nobody was found".into())
     }
 
-    /// Every living process of the session, by number and role.
+    /// Every living process that has the session's name among its arguments, by number and role.
     fn living(&self) -> Vec<(u32, String)> {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
         let of_it = |number: u32| {
             let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).ok()?;
             let words: Vec<&str> = line.split('\0').collect();
-            let is_biped = words.first()?.ends_with("biped") && words.contains(&self.session.name());
-            (is_biped && is_alive(number)).then(|| (number, words[1].to_string()))
+            let is_of_it = words.contains(&self.session.name()) && is_alive(number);
+            is_of_it.then(|| (number, words[1].to_string()))
         };
         numbers.filter_map(of_it).collect()
     }

@@ -1,5 +1,6 @@
 //! Every way of carrying a message there and back between two processes, measured one like the other.
 
+use super::bare;
 use super::bench::Bench;
 use super::lines::Wake;
 use super::peer::Order;
@@ -19,6 +20,8 @@ use messages::wire::{Sensors, Stamp};
 pub enum Carrier {
     /// Two cache lines: the limits.
     Lines(Wake),
+    /// Our messages, neither stamped, sealed nor checked, spinning: over iceoryx2 alone or our ports.
+    Bare { ours: bool },
     /// Our own ports.
     Port(Waiting),
     /// A Unix stream.
@@ -29,8 +32,10 @@ pub enum Carrier {
 
 impl Carrier {
     /// In the order of the tables; what is compared stands side by side, so that it is measured side by side.
-    pub const ALL: [Carrier; 9] = [
+    pub const ALL: [Carrier; 11] = [
         Carrier::Lines(Wake::Spin),
+        Carrier::Bare { ours: false },
+        Carrier::Bare { ours: true },
         Carrier::Port(Waiting::Spin),
         Carrier::Port(Waiting::Hybrid),
         Carrier::Unix { spins: true },
@@ -46,6 +51,8 @@ impl Carrier {
         match self {
             Carrier::Lines(Wake::Spin) => "raw shared memory, spin",
             Carrier::Lines(Wake::Futex) => "futex hand-over",
+            Carrier::Bare { ours: false } => "iceoryx2 alone, spin",
+            Carrier::Bare { ours: true } => "pub/sub unsealed, spin",
             Carrier::Port(Waiting::Spin) => "pub/sub, spin",
             Carrier::Port(Waiting::Hybrid) => "pub/sub, hybrid",
             Carrier::Port(Waiting::Event) => "pub/sub, event",
@@ -101,6 +108,15 @@ fn turn(bench: &mut Bench, results: &mut Results, carrier: Carrier, count: u32) 
             let (meeting, port) = Meeting::udp()?;
             bench.peer.order(&Order::Udp { port, spins })?;
             sockets(bench, results, carrier, meeting.accept(spins)?)
+        }
+        Carrier::Bare { ours } => {
+            let session = bench.session()?;
+            let mut plant = bare::Plant::open(&session, ours)?;
+            bench.peer.order(&Order::Bare { session: session.name().into(), ours })?;
+            let spread = trips(count, bench.plan.turn_ns, |seq| plant.ask(seq))?;
+            plant.end()?;
+            results.put(carrier.name(), "round trip", &spread);
+            Ok(())
         }
         Carrier::Port(waiting) => {
             let session = bench.session()?;

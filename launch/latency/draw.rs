@@ -29,6 +29,7 @@ fn drawings() -> Vec<Drawing> {
     let trips = |carriers: &[Carrier]| carriers.iter().map(|c| (c.name(), "round trip", c.name())).collect();
     let spinning = [
         Carrier::Lines(Wake::Spin),
+        Carrier::Bare { ours: false },
         Carrier::Port(Waiting::Spin),
         Carrier::Port(Waiting::Hybrid),
         Carrier::Unix { spins: true },

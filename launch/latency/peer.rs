@@ -1,5 +1,6 @@
 //! The other process: the same program in a hidden role, which answers as it is ordered to, line by line.
 
+use super::bare;
 use super::bench::{LOST, PATIENCE};
 use super::carrier::null_plant;
 use super::lines::{self, Wake};
@@ -33,6 +34,8 @@ pub enum Order {
     Unix { name: String, spins: bool },
     /// Answer over UDP.
     Udp { port: u16, spins: bool },
+    /// Answer sensors by commands that are neither stamped nor sealed, over iceoryx2 alone or our ports.
+    Bare { session: String, ours: bool },
     /// Answer sensors by commands at once.
     Echo { session: String, waiting: Waiting, system: RealtimeArgs },
     /// Be the controller of a walk in lockstep.
@@ -131,6 +134,12 @@ fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
         }
         Order::Unix { name, spins } => serve_socket(Socket::unix(&name, spins)?),
         Order::Udp { port, spins } => serve_socket(Socket::udp(port, spins)?),
+        Order::Bare { session, ours } => {
+            let session = Session::named(&session)?;
+            let mut controller = bare::Controller::open(&session, ours)?;
+            ready();
+            controller.serve()
+        }
         Order::Echo { session, waiting, system } => {
             let session = Session::named(&session)?;
             let port = guarded(|| ControllerPort::open(&session, &null_plant()))?;

@@ -88,19 +88,3 @@ pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> 
 pub fn count() -> usize {
     WAYS.len()
 }
-
-/// Time of the clock's own reading, which is part of every sample.
-///
-/// # Errors
-/// Never; see [`Spread::new`].
-pub fn clock(results: &mut Results) -> Result<(), Failure> {
-    let mut spread = Spread::new()?;
-    let mut before = now_ns();
-    for _ in 0..10_000 {
-        let now = now_ns();
-        spread.add(now - before);
-        before = now;
-    }
-    results.put("clock", "one reading", &spread);
-    Ok(())
-}

@@ -12,7 +12,7 @@
 #endif
 
 #define BIPED_MAGIC 0x42504944u
-#define BIPED_SCHEMA 0x7f670e4326987e79ull
+#define BIPED_SCHEMA 0xd1b29d83b958e057ull
 #define BIPED_JOINTS 8
 #define BIPED_CONTACTS 16
 
@@ -62,7 +62,7 @@
 /* Head of every message. */
 typedef struct {
     uint32_t magic; /* MAGIC. */
-    uint32_t crc; /* Check sum (CRC-32, IEEE) of all that follows it. */
+    uint32_t check; /* Check sum of all that follows it: lower half of XXH3 (64 bits, no seed). */
     uint64_t schema; /* SCHEMA_HASH. */
     uint64_t run; /* Number of the plant's run: new at each start or reset. */
     uint64_t epoch; /* Number of the sending process: random at each start. */
@@ -73,7 +73,7 @@ typedef struct {
 } biped_Stamp;
 BIPED_ASSERT(sizeof(biped_Stamp) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, magic) == 0, "layout");
-BIPED_ASSERT(offsetof(biped_Stamp, crc) == 4, "layout");
+BIPED_ASSERT(offsetof(biped_Stamp, check) == 4, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, schema) == 8, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, run) == 16, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, epoch) == 24, "layout");

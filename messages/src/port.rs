@@ -13,6 +13,7 @@
 //! controller is refused. Whoever comes first makes the topics, with the [`Contract`] as attributes, and whoever brings
 //! another contract is refused with both values.
 
+mod bare;
 mod contract;
 mod desk;
 mod error;
@@ -21,6 +22,7 @@ mod place;
 mod truth;
 
 pub use crate::ask::{Ask, Verdict};
+pub use bare::BarePort;
 pub use contract::{Contract, Pace};
 pub use desk::{Asked, ask};
 pub use error::PortError;
@@ -125,7 +127,8 @@ impl PlantPort {
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn wait(&mut self) -> Result<Option<Command>, PortError> {
-        let command = self.command.wait(|| self.sensors.prepare())?;
+        self.sensors.prepare()?;
+        let command = self.command.wait()?;
         if command.is_none() {
             self.sensors.catch_up()?;
         }
@@ -216,7 +219,8 @@ impl ControllerPort {
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn wait(&mut self) -> Result<Option<Sensors>, PortError> {
-        self.sensors.wait(|| self.command.prepare())
+        self.command.prepare()?;
+        self.sensors.wait()
     }
 
     /// As [`PlantPort::asked`].

@@ -110,8 +110,8 @@ wire! {
     struct Stamp "biped.Stamp" 64 {
         /// [`MAGIC`].
         magic: u32,
-        /// Check sum (CRC-32, IEEE) of all that follows it.
-        crc: u32,
+        /// Check sum of all that follows it: lower half of XXH3 (64 bits, no seed).
+        check: u32,
         /// [`SCHEMA_HASH`].
         schema: u64,
         /// Number of the plant's run: new at each start or reset.

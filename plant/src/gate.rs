@@ -203,7 +203,7 @@ mod tests {
                     c.torques.torque[joint] = f64::from_bits(c.torques.torque[joint].to_bits() ^ 1 << random.u32(0..64))
                 }
                 1 => c.stamp.schema ^= 1 << random.u32(0..64),
-                2 => c.stamp.crc ^= 1 << random.u32(0..32),
+                2 => c.stamp.check ^= 1 << random.u32(0..32),
                 _ => (),
             }
             match gate.admit(&c, now) {

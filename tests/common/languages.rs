@@ -12,9 +12,10 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// The wheels that controllers, plant and the comparisons need.
-const WHEELS: [&str; 8] = [
+const WHEELS: [&str; 9] = [
     "iceoryx2==0.10.0",
     "numpy",
+    "xxhash==4.1.0",
     "mujoco==4.0.0",
     "pin==4.1.0",
     "mcap==1.6.0",

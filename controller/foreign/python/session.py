@@ -1,7 +1,7 @@
 """A controller's end of a biped session: iceoryx2 in, iceoryx2 out, and the manners of docs/WIRE.md in between. What a
 plant has in common with it is here as well; the rest of a plant's end is plant/foreign/mujoco/link.py.
 
-    python3 -m pip install iceoryx2==0.10.0 numpy
+    python3 -m pip install iceoryx2==0.10.0 numpy xxhash
     biped run stand --controller "python3 controller/foreign/python/stand.py"
 
 Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 where the contract differs, 130 on TERM.
@@ -15,10 +15,10 @@ import shutil
 import signal
 import sys
 import time
-import zlib
 from pathlib import Path
 
 import iceoryx2 as iox2
+import xxhash
 
 import wire
 
@@ -34,20 +34,20 @@ def fail(code, sentence):
 
 
 def check_sum(message):
-    """CRC-32 (IEEE) of all that follows `crc`."""
-    return zlib.crc32(bytes(message)[wire.Stamp.schema.offset :])
+    """Lower half of XXH3 (64 bits) of all that follows `check`."""
+    return xxhash.xxh3_64_intdigest(bytes(message)[wire.Stamp.schema.offset :]) & 0xFFFF_FFFF
 
 
 def is_sound(message):
     """Whether magic, schema and check sum are right."""
     stamp = message.stamp
-    return (stamp.magic, stamp.schema, stamp.crc) == (wire.MAGIC, wire.SCHEMA, check_sum(message))
+    return (stamp.magic, stamp.schema, stamp.check) == (wire.MAGIC, wire.SCHEMA, check_sum(message))
 
 
 def sealed(message):
     """The message with magic, schema and check sum."""
     message.stamp.magic, message.stamp.schema = wire.MAGIC, wire.SCHEMA
-    message.stamp.crc = check_sum(message)
+    message.stamp.check = check_sum(message)
     return message
 
 

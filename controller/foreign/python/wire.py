@@ -3,7 +3,7 @@
 import ctypes
 
 MAGIC = 0x42504944
-SCHEMA = 0x7f670e4326987e79
+SCHEMA = 0xd1b29d83b958e057
 JOINTS = 8
 CONTACTS = 16
 
@@ -24,7 +24,7 @@ class Stamp(ctypes.Structure):
 
     _fields_ = [
         ("magic", ctypes.c_uint32),
-        ("crc", ctypes.c_uint32),
+        ("check", ctypes.c_uint32),
         ("schema", ctypes.c_uint64),
         ("run", ctypes.c_uint64),
         ("epoch", ctypes.c_uint64),

@@ -17,8 +17,6 @@ use std::time::{Duration, Instant};
 
 /// A reader that spins looks so often, about 1 µs, before it does anything else.
 const LOOKS: u32 = 16;
-/// After so many, the other side has surely read what was written last.
-const SOON: u32 = 2;
 /// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
 const SPIN: Duration = Duration::from_micros(50);
 /// For so long after its own last message a reader is surely still spinning [ns].
@@ -133,6 +131,8 @@ impl<M: Stamped> Outlet<M> {
 #[derive(Debug)]
 pub(super) struct Inlet<M: Stamped> {
     reader: Reader<M>,
+    /// What was read last, in its slot: given back when the next is looked for, while the other side computes.
+    held: Option<Found<M>>,
     bell: Listener<ipc::Service>,
     /// When the writer sent what was read last, by its monotonic clock, which is ours [ns].
     pub heard_ns: u64,
@@ -144,38 +144,36 @@ impl<M: Stamped> Inlet<M> {
     pub fn open(place: &Place, name: &str) -> Result<Inlet<M>, PortError> {
         let reader = Reader::open(&place.link::<M>(name)?, 1)?;
         let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Inlet { reader, bell, heard_ns: 0, waiting: Waiting::default() })
+        Ok(Inlet { reader, held: None, bell, heard_ns: 0, waiting: Waiting::default() })
     }
 
     /// The next message, as it came.
     #[inline]
     pub fn next(&mut self) -> Result<Option<M>, PortError> {
-        let found = self.reader.look()?;
-        Ok(self.copy(found))
+        self.held = None;
+        self.held = self.reader.look()?;
+        Ok(self.copy())
     }
 
-    /// Spins first and sleeps then, as `waiting` says; gives up after a slice. `meanwhile` is done after a few looks.
+    /// Spins first and sleeps then, as `waiting` says; gives up after a slice.
     #[inline]
-    pub fn wait(&mut self, meanwhile: impl FnOnce() -> Result<(), PortError>) -> Result<Option<M>, PortError> {
-        let found = self.find(meanwhile)?;
-        Ok(self.copy(found))
+    pub fn wait(&mut self) -> Result<Option<M>, PortError> {
+        self.held = None;
+        self.held = self.find()?;
+        Ok(self.copy())
     }
 
-    /// The only copy: its slot is free again at once.
+    /// The only copy.
     #[inline]
-    fn copy(&mut self, found: Option<Found<M>>) -> Option<M> {
-        let message = *found?;
+    fn copy(&mut self) -> Option<M> {
+        let message = **self.held.as_ref()?;
         self.heard_ns = message.stamp().mono_ns;
         Some(message)
     }
 
-    fn find(&self, meanwhile: impl FnOnce() -> Result<(), PortError>) -> Result<Option<Found<M>>, PortError> {
+    fn find(&self) -> Result<Option<Found<M>>, PortError> {
         // Most answers come before a clock need be read, which takes as long as a look.
-        let mut found = self.look(SOON)?;
-        if found.is_none() {
-            meanwhile()?;
-            found = self.look(LOOKS)?;
-        }
+        let found = self.look(LOOKS)?;
         if found.is_some() {
             return Ok(found);
         }

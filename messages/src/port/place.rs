@@ -21,6 +21,9 @@ const LINK_READERS: usize = 4;
 pub(super) const TRUTH_BUFFER: usize = 4096;
 /// Shared memory that must be free before a session begins [bytes]: four times what its largest topic takes.
 pub const ROOM: u64 = (4 * RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
+/// Others whose last messages a reader still hears after they have ended. Every look of iceoryx2 passes over the places for
+/// all of them, by default 128.
+const ENDED: usize = 2;
 /// Time to keep trying while another process is just making or removing the same topic.
 const OPENING: Duration = Duration::from_secs(2);
 
@@ -65,6 +68,8 @@ impl Place {
         config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| broken("naming", e))?);
         // New nodes clear away what dead ones left; at its end a node need not, for the last one out does.
         config.global.node.cleanup_dead_nodes_on_destruction = false;
+        config.defaults.publish_subscribe.subscriber_expired_connection_buffer = ENDED;
+        config.defaults.request_response.server_expired_connection_buffer = ENDED;
         session.clear_half_made();
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);

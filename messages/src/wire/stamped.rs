@@ -3,6 +3,7 @@
 use super::{MAGIC, SCHEMA_HASH, Stamp};
 use bytemuck::Pod;
 use iceoryx2::prelude::ZeroCopySend;
+use xxhash_rust::xxh3::xxh3_64;
 
 /// Start value of [`fnv1a`].
 pub const FNV_START: u64 = 0xcbf2_9ce4_8422_2325;
@@ -27,7 +28,7 @@ pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
     /// Writes magic, schema hash and check sum.
     fn seal(&mut self) {
         *self.stamp_mut() = Stamp { magic: MAGIC, schema: SCHEMA_HASH, ..*self.stamp() };
-        self.stamp_mut().crc = self.check_sum();
+        self.stamp_mut().check = self.check_sum();
     }
 
     /// With magic, schema hash and check sum.
@@ -43,12 +44,12 @@ pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
 
     /// Whether magic, schema hash and check sum are right.
     fn is_sound(&self) -> bool {
-        self.is_ours() && self.stamp().crc == self.check_sum()
+        self.is_ours() && self.stamp().check == self.check_sum()
     }
 
     /// Check sum of what follows it.
     fn check_sum(&self) -> u32 {
         const BEFORE: usize = std::mem::offset_of!(Stamp, schema);
-        crc32fast::hash(&bytemuck::bytes_of(self)[BEFORE..])
+        xxh3_64(&bytemuck::bytes_of(self)[BEFORE..]) as u32
     }
 }

@@ -1,6 +1,6 @@
 """MuJoCo as the plant: the robot of `biped export mjcf`, walked by whatever controller is at the other end.
 
-    python3 -m pip install iceoryx2==0.10.0 numpy mujoco
+    python3 -m pip install iceoryx2==0.10.0 numpy mujoco xxhash
     biped run walk --plant "python3 plant/foreign/mujoco/plant.py"
 
 MuJoCo's contacts give way and its friction creeps; STEP, TIME_CONSTANT, IMPEDANCE and IMPRATIO make them as hard as they
