@@ -11,7 +11,7 @@ use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
 /// Kills come within this time of a start, which is over after a fifth of it [ms].
-const SPAN: u64 = 1000;
+const SPAN: u64 = 600;
 
 /// Kills one process of a run at a random time: the others must say so, and end.
 pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {

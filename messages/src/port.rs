@@ -187,6 +187,7 @@ impl ControllerPort {
         let command = Outlet::open(&place, COMMAND, "controller", waits)?;
         let desk = Desk::open(&place, desk::CONTROLLER)?;
         place.reserve()?;
+        command.knock()?; // a plant that waits gives us its last sensors at once
         Ok(ControllerPort { desk, command, sensors, _place: place })
     }
 

@@ -17,6 +17,7 @@ use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
 pub use remains::Remains;
 use std::fs::File;
+use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// Where POSIX shared memory shows as files on Linux.
@@ -82,7 +83,11 @@ impl Session {
         for path in self.leftovers() {
             // a folder, or gone in the meantime
             let Ok(file) = File::options().write(true).open(&path) else { continue };
-            let Ok(size @ 1..) = file.metadata().map(|file| file.len()) else { continue };
+            let Ok(found) = file.metadata() else { continue };
+            let size = found.len();
+            if 512 * found.blocks() >= size {
+                continue; // whoever made it has taken it
+            }
             // Where room cannot be reserved for another reason, it is as it was.
             let reserved = fallocate(&file, FallocateFlags::FALLOC_FL_KEEP_SIZE, 0, size as i64);
             if reserved == Err(Errno::ENOSPC) {

@@ -26,6 +26,11 @@ const SLICE: Duration = Duration::from_millis(10);
 /// A successor tries its place this often.
 const SUCCESSION: Duration = Duration::from_micros(500);
 
+/// The ring of somebody who has come; that for a message is 0.
+fn knock() -> EventId {
+    EventId::new(1)
+}
+
 /// How a process waits for the other side. Both ends of a link should wait alike: a writer rings only for a reader that
 /// may be asleep, and one that sleeps unexpectedly looks around every 10 ms.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -100,7 +105,7 @@ impl<M: Stamped> Outlet<M> {
         sample.send().map_err(|e| broken("writing", e))?;
         // what a damaged message says of the future is not believed
         if self.waiting.may_sleep(|| now_ns().checked_sub(heard_ns).unwrap_or(u64::MAX)) {
-            self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+            self.ring()?;
         }
         Ok(())
     }
@@ -119,11 +124,19 @@ impl<M: Stamped> Outlet<M> {
         Ok(self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(M::zeroed()))
     }
 
+    fn ring(&self) -> Result<(), PortError> {
+        self.bell.notify().map_err(|e| broken("the wake-up", e)).map(drop)
+    }
+
+    /// Rings without a message: somebody has come, and wants to hear the other side's last one.
+    pub fn knock(&self) -> Result<(), PortError> {
+        self.bell.notify_with_custom_event_id(knock()).map_err(|e| broken("the wake-up", e)).map(drop)
+    }
+
     /// Gives the last message to a reader that has come since, and wakes it.
     pub fn catch_up(&self) -> Result<(), PortError> {
         self.writer.update_connections().map_err(|e| broken("connecting", e))?;
-        self.bell.notify().map_err(|e| broken("the wake-up", e))?;
-        Ok(())
+        self.ring()
     }
 }
 
@@ -177,7 +190,7 @@ impl<M: Stamped> Inlet<M> {
         if found.is_some() {
             return Ok(found);
         }
-        let start = Instant::now();
+        let (start, mut knocked) = (Instant::now(), false);
         loop {
             let waited = start.elapsed(); // before the look: what comes after it is rung for, once we may sleep
             let found = self.look(LOOKS)?;
@@ -188,10 +201,13 @@ impl<M: Stamped> Inlet<M> {
                 Waiting::Spin => (),
                 // The writer may be waiting for this very processor.
                 Waiting::Hybrid if waited < SPIN => std::thread::yield_now(),
-                Waiting::Hybrid | Waiting::Event => match self.bell.timed_wait(|_| (), SLICE - waited) {
-                    Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
-                    Err(error) => return Err(broken("the wake-up", error)),
-                },
+                Waiting::Hybrid | Waiting::Event => {
+                    match self.bell.timed_wait(|ring| knocked |= ring.id == knock(), SLICE - waited) {
+                        Ok(_) if knocked => return self.look(1),
+                        Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
+                        Err(error) => return Err(broken("the wake-up", error)),
+                    }
+                }
             }
         }
     }
