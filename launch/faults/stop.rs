@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// A stopped recorder's buffer of 4096 periods is full after this long.
 const FULL: Duration = Duration::from_millis(4500);
 /// Simulated time of a lockstep run that is still under way when it has been seen to begin: seconds of real time [s].
-const LENGTH: &str = "duration=120";
+const LENGTH: &str = "duration=50";
 /// What the loop's lateness is measured over.
 const WINDOW: Duration = Duration::from_secs(3);
 
