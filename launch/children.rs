@@ -127,12 +127,13 @@ impl Role {
         }
     }
 
-    /// What it ended with: nothing if in order, else its exit code and its last words.
+    /// What it had ended with when [`Role::ended`] or [`Role::death`] last looked: nothing if in order, else its exit code and
+    /// its last words.
     ///
     /// # Errors
     /// If it failed, with the exit code that says how.
     pub fn verdict(&mut self) -> Result<(), Failure> {
-        let Some(status) = self.ended() else { return Ok(()) };
+        let Some(status) = self.status else { return Ok(()) };
         if status.success() {
             return Ok(());
         }
