@@ -108,6 +108,11 @@ impl Role {
         self.status
     }
 
+    /// The same as of the last look.
+    pub fn status(&self) -> Option<ExitStatus> {
+        self.status
+    }
+
     /// What killed it, if it died: a signal, or a fault of its own. Whoever ends with any other code has said why, and
     /// would say so again.
     pub fn death(&mut self) -> Option<ExitStatus> {

@@ -266,11 +266,12 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
                 *role = start(child)?;
             }
         }
+        // No second look: who has died since is started anew next time.
         // A controller that fails leaves the plant waiting, and the other way round: the first to fail is to blame.
         if let Some(failure) = roles.iter_mut().find_map(|role| role.verdict().err()) {
             break Err(failure);
         }
-        if roles[0].ended().is_some() {
+        if roles[0].status().is_some() {
             children::wait(&mut roles, GOODBYE, || ());
             break Ok(());
         }

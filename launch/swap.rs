@@ -113,6 +113,7 @@ impl Succession {
     /// Whether the next one waits for nothing but its place.
     fn is_ready(&mut self) -> Result<bool, Failure> {
         let Some(heir) = &mut self.heir else { return Ok(false) };
+        heir.role.ended();
         heir.role.verdict()?;
         if heir.joined.is_none() && self.looked.elapsed() > LOOK {
             self.looked = Instant::now();

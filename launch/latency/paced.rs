@@ -91,7 +91,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     let mut ended_early = false;
     loop {
         std::thread::sleep(LOOK);
-        let ended = roles[0].ended().is_some();
+        let ended = roles.iter_mut().map(|role| role.ended().is_some()).collect::<Vec<_>>()[0];
         while let Some(truth) = port.read()? {
             watch.take(&truth);
         }
