@@ -7,7 +7,7 @@
 //! | `biped/truth` | plant → recorders | 4096 | lockstep: the plant waits; real time: dropped and counted |
 //! | `biped/plant/desk`, `biped/controller/desk` | whoever → plant, controller | 2 | request and response |
 //!
-//! A recorder rings once it has begun to read; a plant that has said all waits for that, so that nothing is lost.
+//! A recorder rings once it has begun to read a run; a plant that has said all waits for that, so that nothing is lost.
 //!
 //! Beside sensors and command an event of the same name wakes the reader. A topic has one writer; a second plant or
 //! controller is refused. Whoever comes first makes the topics, with the [`Contract`] as attributes, and whoever brings
@@ -238,7 +238,8 @@ impl ControllerPort {
 pub struct RecorderPort {
     truth: Reader<Truth>,
     bell: Notifier<ipc::Service>,
-    has_read: bool,
+    /// Run of the last record read: a plant started anew waits for a ring of its own.
+    run: Option<u64>,
     _place: Place,
 }
 
@@ -262,7 +263,7 @@ impl RecorderPort {
     fn at(place: Place) -> Result<RecorderPort, PortError> {
         let truth = Reader::open(&place.truth()?, TRUTH_BUFFER)?;
         let bell = place.event(TRUTH)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(RecorderPort { truth, bell, has_read: false, _place: place })
+        Ok(RecorderPort { truth, bell, run: None, _place: place })
     }
 
     /// The next message of truth, in order, if there is one.
@@ -271,8 +272,9 @@ impl RecorderPort {
     /// [`PortError::SharedMemory`].
     pub fn read(&mut self) -> Result<Option<Truth>, PortError> {
         let truth = self.truth.next()?;
-        if truth.is_some() && !self.has_read {
-            self.has_read = true;
+        let run = truth.as_ref().map(|truth| truth.stamp.run);
+        if run.is_some() && run != self.run {
+            self.run = run;
             self.bell.notify().map_err(|e| broken("the wake-up", e))?;
         }
         Ok(truth)
