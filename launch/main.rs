@@ -42,6 +42,7 @@ mod hashes;
 mod latency;
 mod list;
 mod model;
+mod processor;
 mod progress;
 mod realtime;
 mod record;
@@ -220,7 +221,8 @@ fn main() -> ExitCode {
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
         eprintln!("Ctrl-C will not end this in order: {error}");
     }
-    let result = match Cli::parse().command {
+    let command = Cli::parse().command;
+    let result = processor::check().and_then(|()| match command {
         Some(Command::Run(args)) => run::run(&args, &stop),
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Chart(args)) => chart::run(&args, &stop),
@@ -252,7 +254,7 @@ fn main() -> ExitCode {
         Some(Command::List { keys: false, .. }) => list::scenes(),
         Some(Command::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(), &stop),
-    };
+    });
     match result {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
