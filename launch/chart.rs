@@ -11,6 +11,7 @@
 //! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
 //! drawn ([`draw`], [`page`]) is drawn from these rows alone.
 
+mod bounds;
 mod cases;
 mod core;
 mod csv;
@@ -110,6 +111,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         args.out.join("chart.csv").display(),
         begun.elapsed().as_secs_f64(),
     ));
+    say(crate::study::table(&bounds::table(&chosen, &rows)));
     Ok(())
 }
 

@@ -187,7 +187,7 @@ fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
 /// A table in Markdown.
 pub fn table(rows: &[Vec<String>]) -> String {
     let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows[0].len()).map(widest).collect();
+    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(widest).collect();
     let mut text = String::new();
     for (i, row) in rows.iter().enumerate() {
         let cells = row.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} |"));

@@ -18,6 +18,8 @@ pub struct Case {
     pub words: &'static str,
     /// What is asked of it.
     pub question: Question,
+    /// An error to come below.
+    pub bound: f64,
 }
 
 /// What is asked of a scene.
@@ -61,22 +63,22 @@ impl Question {
     }
 }
 
-const fn case(name: &'static str, title: &'static str, words: &'static str, question: Question) -> Case {
-    Case { name, title, words, question }
+const fn case(name: &'static str, title: &'static str, words: &'static str, question: Question, bound: f64) -> Case {
+    Case { name, title, words, question, bound }
 }
 
 /// The ten comparison scenes.
 pub const CASES: [Case; 10] = [
-    case("free", "free: a biped in flight", "drift of the kinetic energy [-]", Question::Flight),
-    case("slide", "slide: along x", "error of the stopping point [-]", Question::Slide),
-    case("slide30", "slide30: across the axes", "error of the stopping point [-]", Question::Slide),
-    case("incline", "incline: down 20°", "error of the distance [-]", Question::Descend),
-    case("stick", "stick: half a degree inside the cone", "creep [m/s]", Question::Stick),
-    case("drop", "drop: a foot falls flat", "penetration or hop [m]", Question::Drop),
-    case("stand0", "stand0: a biped on level ground", "creep of the feet [m/s]", Question::Stand),
-    case("stand10", "stand10: a biped on 10°", "creep of the feet [m/s]", Question::Stand),
-    case("rock", "rock: a block on its edges", "error of the apex [-]", Question::Rock),
-    case("wheel", "wheel: without a rim, down 8°", "error of the speed [-]", Question::Wheel),
+    case("free", "free: a biped in flight", "drift of the kinetic energy [-]", Question::Flight, 1.5e-12),
+    case("slide", "slide: along x", "error of the stopping point [-]", Question::Slide, 1e-5),
+    case("slide30", "slide30: across the axes", "error of the stopping point [-]", Question::Slide, 1e-5),
+    case("incline", "incline: down 20°", "error of the distance [-]", Question::Descend, 1e-6),
+    case("stick", "stick: half a degree inside the cone", "creep [m/s]", Question::Stick, 1e-12),
+    case("drop", "drop: a foot falls flat", "penetration or hop [m]", Question::Drop, 1e-9),
+    case("stand0", "stand0: a biped on level ground", "creep of the feet [m/s]", Question::Stand, 1e-12),
+    case("stand10", "stand10: a biped on 10°", "creep of the feet [m/s]", Question::Stand, 1e-12),
+    case("rock", "rock: a block on its edges", "error of the apex [-]", Question::Rock, 1e-3),
+    case("wheel", "wheel: without a rim, down 8°", "error of the speed [-]", Question::Wheel, 1e-4),
 ];
 
 /// Steps that the finest run may take.

@@ -5,7 +5,7 @@ use super::csv::{OURS, Row, View};
 use super::failures::{Cause, columns};
 use super::models::GROUPS;
 use super::steps::LOADS;
-use super::{draw, failures};
+use super::{bounds, draw, failures};
 use crate::report::plot::escaped;
 use crate::report::{inline, write_whole};
 use crate::view::page::STYLE;
@@ -28,6 +28,7 @@ pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::
         .replace("{{style}}", STYLE)
         .replace("{{remark}}", &escaped(remark))
         .replace("{{precision}}", &precision)
+        .replace("{{bounds}}", &bounds(chosen, rows))
         .replace("{{steps}}", &steps)
         .replace("{{failures}}", &failures)
         .replace("{{causes}}", &causes())
@@ -56,6 +57,17 @@ fn failures(chosen: &[Case], rows: &[Row]) -> Drawings {
 
 fn models(rows: &[Row]) -> Drawings {
     GROUPS.iter().filter_map(|group| Some((format!("model-{}", group.name), draw::models(group, rows)?))).collect()
+}
+
+/// The table of what it costs to come below a small error, if others were measured.
+fn bounds(chosen: &[Case], rows: &[Row]) -> String {
+    let lines = bounds::table(chosen, rows);
+    let line = |(i, cells): (usize, &Vec<String>)| {
+        let tag = if i == 0 { "th" } else { "td" };
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    lines.iter().enumerate().map(line).collect()
 }
 
 /// The letters of the map.

@@ -9,7 +9,7 @@
 //! ```
 //!
 //! and z follows from s = s_wanted: no motion but the closing of gaps. Of all y with their wrench these have the least norm. What
-//! B does not see (two feet pressed against each other) yields by [`YIELD`], as in the full problem.
+//! B does not see (two feet pressed against each other) yields by a hair, as in the full problem.
 //!
 //! Which directions e_k a contact pushes along, if it does, its basis says. Whether all this is so is not for this to say: what comes
 //! out is judged by the residual of the full law.

@@ -1,0 +1,108 @@
+//! What it costs to come below a small error, beside what another engine costs that does not.
+
+use super::cases::Case;
+use super::csv::{OURS, Row, View};
+
+/// The engine whose cost is the measure, and its step [s].
+const MEASURE: (&str, f64) = ("MuJoCo", 1e-3);
+
+/// One run of a scene: how far off it was, and at what cost.
+#[derive(Clone, Debug, PartialEq)]
+struct Run<'a> {
+    row: &'a Row,
+    error: f64,
+}
+
+/// A table, its first row naming the columns: of each scene our cheapest run within its bound, and the fastest and the nearest of
+/// the other engine's settings at its usual step. Costs are CPU time per simulated time. Without that engine there is none.
+pub fn table(chosen: &[Case], rows: &[Row]) -> Vec<Vec<String>> {
+    let names = [
+        "scene",
+        "bound",
+        "ours",
+        "error",
+        "cost",
+        "MuJoCo's fastest",
+        "error",
+        "cost",
+        "its nearest",
+        "error",
+        "cost",
+    ];
+    let mut table = vec![names.map(String::from).to_vec()];
+    for case in chosen {
+        let runs = runs(case, rows);
+        let theirs = || runs.iter().filter(|run| run.row.engine == MEASURE.0 && run.row.dt == MEASURE.1);
+        let fastest = theirs().min_by(|a, b| a.row.cost.total_cmp(&b.row.cost));
+        let nearest = theirs().min_by(|a, b| a.error.total_cmp(&b.error));
+        let within = runs.iter().filter(|run| run.row.engine == OURS && run.error <= case.bound);
+        let ours = within.min_by(|a, b| a.row.cost.total_cmp(&b.row.cost));
+        let (Some(fastest), Some(nearest)) = (fastest, nearest) else { continue };
+        let mut line = vec![case.name.to_string(), format!("{:.0e}", case.bound)];
+        for (run, dt) in [(ours, true), (Some(fastest), false), (Some(nearest), false)] {
+            let cells = run.map(|run| {
+                let step = if dt { format!(", {} ms", 1e3 * run.row.dt) } else { String::new() };
+                [format!("{}{step}", run.row.method), format!("{:.0e}", run.error), format!("{:.2e}", run.row.cost)]
+            });
+            line.extend(cells.unwrap_or_else(|| ["none", "", ""].map(String::from)));
+        }
+        table.push(line);
+    }
+    if table.len() > 1 { table } else { Vec::new() }
+}
+
+/// Every run of a scene that was measured, with the greatest of its errors.
+fn runs<'a>(case: &Case, rows: &'a [Row]) -> Vec<Run<'a>> {
+    let metrics = case.question.metrics();
+    let of_case = |row: &&Row| row.view == View::Precision && row.scene == case.name;
+    let mut runs: Vec<Run> = Vec::new();
+    for row in rows.iter().filter(of_case).filter(|row| metrics.contains(&row.metric.as_str())) {
+        let same =
+            |run: &&mut Run| (&run.row.engine, &run.row.method, run.row.dt) == (&row.engine, &row.method, row.dt);
+        match runs.iter_mut().rev().find(same) {
+            Some(run) if row.error > run.error || row.error.is_nan() => run.error = row.error,
+            Some(_) => {}
+            None => runs.push(Run { row, error: row.error }),
+        }
+    }
+    runs.retain(|run| run.error.is_finite() && run.row.cost.is_finite());
+    runs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::cases::chosen;
+
+    fn row(engine: &str, method: &str, metric: &str, error: f64, cost: f64) -> Row {
+        Row {
+            view: View::Precision,
+            scene: "slide".into(),
+            engine: engine.into(),
+            method: method.into(),
+            dt: 1e-3,
+            metric: metric.into(),
+            error,
+            cost,
+            us_per_step: 1e3 * cost,
+        }
+    }
+
+    #[test]
+    fn the_cheapest_within_the_bound_stands_beside_the_fastest_and_the_nearest() {
+        let case = chosen(&["slide".into()]).expect("a case");
+        let mut rows = vec![
+            row(OURS, "cheap and off", "stop", 1e-2, 1e-4),
+            row(OURS, "near, not straight", "stop", 1e-9, 2e-4),
+            row(OURS, "near, not straight", "straight", 1e-2, 2e-4),
+            row(OURS, "near", "stop", 1e-9, 3e-4),
+            row(OURS, "near and dear", "stop", 1e-12, 4e-4),
+        ];
+        assert!(table(&case, &rows).is_empty(), "nothing to compare with");
+        rows.push(row("MuJoCo", "fast", "stop", 1e-1, 1e-3));
+        rows.push(row("MuJoCo", "fine", "stop", 1e-2, 1e-2));
+        let table = table(&case, &rows);
+        assert_eq!(table[1][2..5], ["near, 1 ms", "1e-9", "3.00e-4"]);
+        assert_eq!([&table[1][5], &table[1][8]], ["fast", "fine"]);
+    }
+}
