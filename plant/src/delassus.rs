@@ -75,7 +75,7 @@ impl ContactMap {
         self.tangents.clear();
         let mut common = None;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let twist = self.twist(model, pose, touches[0].link, free);
+            let twist = pose.twist(model, touches[0].link, free);
             let first = self.tangents.len();
             let drift = |i: usize| replaced(first + i, twist.at(&touches[i].arm));
             common = if tangents == 2 { shared_slip((0..touches.len()).map(drift), common) } else { None };
@@ -113,12 +113,6 @@ impl ContactMap {
         let size = problem.rows();
         problem.delassus.resize(size * size, 0.0);
         self.multiply(model, size, &mut problem.delassus);
-    }
-
-    /// Velocity of a link at some rates.
-    pub fn twist(&self, model: &Model, pose: &Pose, link: usize, rates: &[f64]) -> Spatial {
-        let path = model.path(link).iter();
-        path.fold(Spatial::default(), |sum, &dof| sum + pose.links[dof + 1].column * rates[dof])
     }
 
     /// Forgets all columns.

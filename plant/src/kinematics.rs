@@ -59,6 +59,12 @@ impl Pose {
         arm
     }
 
+    /// Velocity that rates `xdot` would give a link at this pose.
+    pub fn twist(&self, model: &Model, link: usize, xdot: &[f64]) -> Spatial {
+        let path = model.path(link).iter();
+        path.fold(Spatial::default(), |sum, &dof| sum + self.links[dof + 1].column * xdot[dof])
+    }
+
     /// Velocity in W of a point given in a link's frame [m/s].
     pub fn point_velocity(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
         self.links[link].velocity.at(&self.arm(link, at))

@@ -94,7 +94,7 @@ impl Weld {
                 [straight.x, straight.y, straight.z, round.x, round.y, round.z]
             };
             map.add(model, pose, factor, link, SIX, |motion, k| k[..SIX].copy_from_slice(&at_centre(motion)));
-            let free = at_centre(&map.twist(model, pose, link, free)).into();
+            let free = at_centre(&pose.twist(model, link, free)).into();
             let (spread, inverse) = (Matrix6::zeros(), Matrix6::zeros());
             self.feet.push(Foot { touches: first..first + touches.len(), centre, free, spread, inverse });
             first += touches.len();

@@ -47,24 +47,27 @@ pub(super) fn settle(
         if block.is_dependent() {
             return false; // contacts that yield share the load; rigid ones would take it in the order of their rows
         }
-        let least = ROUNDING * residual::scale(scaled, f);
-        let mut changed = false;
-        for (i, bits) in basis.iter_mut().enumerate() {
-            let better = Guess::read(*bits, scaled.facets()).corrected(scaled, i, f, v, least).write(scaled.facets());
-            if better != *bits {
-                *bits = better;
-                changed = true;
-                if round >= BOLD {
-                    break;
-                }
-            }
-        }
-        if !changed {
+        if !correct(scaled, f, v, basis, round < BOLD) {
             return true;
         }
         *count += 1;
     }
     false
+}
+
+/// Corrects the guesses that impulse and velocity contradict, all of them or the first; false if none is.
+pub(super) fn correct(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8], all: bool) -> bool {
+    let least = ROUNDING * residual::scale(scaled, f);
+    let mut changed = false;
+    for (i, bits) in basis.iter_mut().enumerate() {
+        let better = Guess::read(*bits, scaled.facets()).corrected(scaled, i, f, v, least).write(scaled.facets());
+        changed |= better != *bits;
+        *bits = better;
+        if changed && !all {
+            break;
+        }
+    }
+    changed
 }
 
 /// Marks a contact whose bits are the rays that span its impulse, as in the energy program, not a [`Guess`].
@@ -87,15 +90,9 @@ pub(super) fn rays(bits: u8, d: usize) -> u8 {
 pub(crate) fn pushes(bits: u8, friction: f64) -> impl Iterator<Item = [f64; 3]> {
     let ray = |j: usize| {
         let (row, sign) = Scaled::facet(j);
-        std::array::from_fn(|k| {
-            if k == 0 {
-                1.0
-            } else if k == row {
-                sign * friction
-            } else {
-                0.0
-            }
-        })
+        let mut ray = [1.0, 0.0, 0.0];
+        ray[row] = sign * friction;
+        ray
     };
     let axis = |row: usize| std::array::from_fn(|k| f64::from(k == row));
     let pushes = match Guess::read(bits, 4) {
@@ -105,18 +102,6 @@ pub(crate) fn pushes(bits: u8, friction: f64) -> impl Iterator<Item = [f64; 3]> 
         Guess::SlidesBetween(j, k) => [Some(ray(j)), Some(ray(k)), None],
     };
     pushes.into_iter().flatten()
-}
-
-/// Corrects every guess that impulse and velocity contradict; false if none is.
-pub(super) fn correct(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) -> bool {
-    let least = ROUNDING * residual::scale(scaled, f);
-    let mut changed = false;
-    for (i, bits) in basis.iter_mut().enumerate() {
-        let better = Guess::read(*bits, scaled.facets()).corrected(scaled, i, f, v, least).write(scaled.facets());
-        changed |= better != *bits;
-        *bits = better;
-    }
-    changed
 }
 
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.

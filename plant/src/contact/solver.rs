@@ -135,7 +135,7 @@ impl Solver {
 
     /// Corrects the bases by the solution that was not accepted; false if that changes none.
     pub(crate) fn correct(&mut self) -> bool {
-        active_set::correct(&self.scaled, &self.f, &self.v, &mut self.basis)
+        active_set::correct(&self.scaled, &self.f, &self.v, &mut self.basis, true)
     }
 
     /// The laws without a basis: forces by formula, round cones, pyramids, iterations.
