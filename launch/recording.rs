@@ -16,6 +16,7 @@ mod events;
 pub mod info;
 mod protobuf;
 mod reader;
+mod records;
 pub mod replay;
 pub mod table;
 mod writer;
@@ -76,6 +77,11 @@ impl Topic {
             Topic::Telemetry => &[],
             Topic::Truth => &["telemetry", "command", "asked", "encoders"],
         }
+    }
+
+    /// How its messages are coded.
+    fn codec(self) -> protobuf::Codec {
+        protobuf::Codec::new(self.message(), self.without())
     }
 }
 

@@ -6,6 +6,7 @@ use crate::say;
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Arguments of `biped info`.
 #[derive(Args)]
@@ -28,7 +29,7 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
         return Ok(());
     }
     let scene = reader.scene()?;
-    let (mut counts, mut end) = (BTreeMap::<String, u64>::new(), 0);
+    let (mut counts, mut end) = (BTreeMap::<Arc<str>, u64>::new(), 0);
     while let Some(item) = reader.next() {
         *counts.entry(item.topic).or_default() += 1;
         end = item.time;

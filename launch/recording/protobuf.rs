@@ -7,6 +7,7 @@ use prost::Message as _;
 use prost::encoding::{WireType, decode_key, decode_varint, encode_key, encode_varint};
 use prost_types::field_descriptor_proto::{Label, Type};
 use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet};
+use std::ops::Range;
 
 const _: () = assert!(cfg!(target_endian = "little"), "Protocol Buffers are little-endian, and so are the copies here");
 
@@ -44,53 +45,74 @@ fn message(message: &Message) -> DescriptorProto {
     DescriptorProto { name: Some(message.name.into()), field: fields.collect(), ..DescriptorProto::default() }
 }
 
-/// Appends a message, given as its bytes in memory, but for some of its fields.
-pub fn encode(message: &Message, bytes: &[u8], without: &[&str], out: &mut Vec<u8>) {
-    for (field, number) in message.fields.iter().zip(1..) {
-        if without.contains(&field.name) {
-            continue;
-        }
-        let value = &bytes[field.offset..field.offset + field.size()];
-        encode_key(number, wire_type(field), out);
-        match field.message() {
-            Some(inner) => {
-                let mut nested = Vec::with_capacity(2 * inner.size);
-                encode(inner, value, &[], &mut nested);
-                encode_varint(nested.len() as u64, out);
-                out.extend(nested);
-            }
-            None => {
-                if field.shape().1.is_some() {
-                    encode_varint(value.len() as u64, out);
-                }
-                out.extend(value);
-            }
-        }
-    }
+/// How messages of one kind are coded: worked out once, for a recording has millions.
+pub struct Codec {
+    /// By number, but for those that are left out.
+    slots: Vec<Option<Slot>>,
+    /// Of a message that is coded, which is that of any [bytes].
+    length: usize,
 }
 
-/// Reads a message back into its bytes in memory; fields that it has not stay as they are, unknown ones are passed over.
-/// `None` if it is damaged.
-pub fn decode(message: &Message, mut data: &[u8], bytes: &mut [u8]) -> Option<()> {
-    while !data.is_empty() {
-        let (number, wire_type) = decode_key(&mut data).ok()?;
-        let length = match wire_type {
-            WireType::SixtyFourBit => 8,
-            WireType::ThirtyTwoBit => 4,
-            WireType::LengthDelimited => decode_varint(&mut data).ok()?.try_into().ok()?,
-            WireType::Varint | WireType::StartGroup | WireType::EndGroup => return None,
+/// A field: where it is in memory, and what it is made of if that is a message.
+struct Slot {
+    place: Range<usize>,
+    wire_type: WireType,
+    inner: Option<Codec>,
+}
+
+impl Codec {
+    /// Of a message, but for some of its fields.
+    pub fn new(message: &Message, without: &[&str]) -> Codec {
+        let slot = |field: &Field| Slot {
+            place: field.offset..field.offset + field.size(),
+            wire_type: wire_type(field),
+            inner: field.message().map(|message| Codec::new(message, &[])),
         };
-        let (value, rest) = data.split_at_checked(length)?;
-        data = rest;
-        let Some(field) = message.fields.get(number as usize - 1) else { continue };
-        let place = &mut bytes[field.offset..field.offset + field.size()];
-        match field.message() {
-            Some(inner) => decode(inner, value, place)?,
-            None if value.len() == place.len() => place.copy_from_slice(value),
-            None => return None,
+        let slots = message.fields.iter().map(|field| (!without.contains(&field.name)).then(|| slot(field)));
+        let (mut codec, mut coded) = (Codec { slots: slots.collect(), length: 0 }, vec![]);
+        codec.encode(&vec![0; message.size], &mut coded);
+        codec.length = coded.len();
+        codec
+    }
+
+    /// Appends a message, given as its bytes in memory.
+    pub fn encode(&self, bytes: &[u8], out: &mut Vec<u8>) {
+        for (slot, number) in self.slots.iter().zip(1..) {
+            let Some(Slot { place, wire_type, inner }) = slot else { continue };
+            encode_key(number, *wire_type, out);
+            if *wire_type == WireType::LengthDelimited {
+                encode_varint(inner.as_ref().map_or(place.len(), |inner| inner.length) as u64, out);
+            }
+            match inner {
+                Some(inner) => inner.encode(&bytes[place.clone()], out),
+                None => out.extend_from_slice(&bytes[place.clone()]),
+            }
         }
     }
-    Some(())
+
+    /// Reads a message back into its bytes in memory; fields that it has not stay as they are, unknown ones are passed over.
+    /// `None` if it is damaged.
+    pub fn decode(&self, mut data: &[u8], bytes: &mut [u8]) -> Option<()> {
+        while !data.is_empty() {
+            let (number, wire_type) = decode_key(&mut data).ok()?;
+            let length = match wire_type {
+                WireType::SixtyFourBit => 8,
+                WireType::ThirtyTwoBit => 4,
+                WireType::LengthDelimited => decode_varint(&mut data).ok()?.try_into().ok()?,
+                WireType::Varint | WireType::StartGroup | WireType::EndGroup => return None,
+            };
+            let (value, rest) = data.split_at_checked(length)?;
+            data = rest;
+            let Some(Some(slot)) = self.slots.get(number as usize - 1) else { continue };
+            let place = &mut bytes[slot.place.clone()];
+            match &slot.inner {
+                Some(inner) => inner.decode(value, place)?,
+                None if value.len() == place.len() => place.copy_from_slice(value),
+                None => return None,
+            }
+        }
+        Some(())
+    }
 }
 
 fn wire_type(field: &Field) -> WireType {
@@ -109,14 +131,14 @@ mod tests {
 
     #[test]
     fn every_bit_of_a_message_comes_back() {
-        let layout = LAYOUT.iter().find(|message| message.name == "Truth").unwrap();
+        let codec = Codec::new(LAYOUT.iter().find(|message| message.name == "Truth").unwrap(), &[]);
         let mut random = fastrand::Rng::with_seed(1);
         let mut truth = Truth::default();
         random.fill(bytes_of_mut(&mut truth));
         let mut data = vec![];
-        encode(layout, bytes_of(&truth), &[], &mut data);
+        codec.encode(bytes_of(&truth), &mut data);
         let mut back = Truth::default();
-        decode(layout, &data, bytes_of_mut(&mut back)).unwrap();
+        codec.decode(&data, bytes_of_mut(&mut back)).unwrap();
         assert_eq!(bytes_of(&back), bytes_of(&truth));
         // a damaged one is refused or read, never a panic
         for _ in 0..10_000 {
@@ -126,7 +148,7 @@ mod tests {
                 damaged[at] = random.u8(..);
             }
             damaged.truncate(random.usize(..=damaged.len()));
-            let _ = decode(layout, &damaged, bytes_of_mut(&mut back));
+            let _ = codec.decode(&damaged, bytes_of_mut(&mut back));
         }
     }
 }

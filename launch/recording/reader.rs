@@ -1,38 +1,37 @@
 //! A recording, read message by message in constant memory; one that was cut short, up to its last good chunk.
 
-use super::{METADATA, Topic, protobuf};
+use super::protobuf::Codec;
+use super::records::Records;
+use super::{METADATA, Topic};
 use crate::exit::{Exit, Failure};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
-use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use messages::scene::Scene;
 use messages::wire::{Command, SCHEMA_HASH, Sensors, Telemetry, Truth};
 use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
-use std::io::Read;
 use std::path::{Path, PathBuf};
-
-/// No record of ours is longer; a damaged length asks for more [bytes].
-const LONGEST: usize = 1 << 28;
+use std::sync::Arc;
 
 /// A recording that is being read.
 pub struct Reader {
     path: PathBuf,
-    file: File,
-    records: LinearReader,
-    channels: HashMap<u16, String>,
+    records: Records,
+    channels: HashMap<u16, Channel>,
+    codecs: [Codec; 4],
     /// Of the metadata record: scene, schema and version.
     about: BTreeMap<String, String>,
-    /// Bytes that were read so far.
-    pub read: u64,
     /// Why the file ends before its end, once that is known.
     pub cut: Option<String>,
 }
 
+/// What its messages are, and what it is called.
+type Channel = (Option<Topic>, Arc<str>);
+
 /// A message.
 pub struct Item {
     /// Name of its topic.
-    pub topic: String,
+    pub topic: Arc<str>,
     /// By the clock of the file [ns].
     pub time: u64,
     /// What of it we know.
@@ -65,13 +64,9 @@ impl Reader {
             Ok(_) => return refuse("this is no file".into()),
             Err(error) => return refuse(format!("cannot be opened: {error}")),
         };
-        let options = LinearReaderOptions::default()
-            .with_record_length_limit(LONGEST)
-            .with_prevalidate_chunk_crcs(true)
-            .with_skip_end_magic(true);
-        let records = LinearReader::new_with_options(options);
+        let (records, codecs) = (Records::of(file), Topic::ALL.map(Topic::codec));
         let (channels, about) = (HashMap::new(), BTreeMap::new());
-        let mut reader = Reader { path: path.into(), file, records, channels, about, read: 0, cut: None };
+        let mut reader = Reader { path: path.into(), records, channels, codecs, about, cut: None };
         while reader.about.is_empty() {
             // what is ours says so before its first message
             if reader.record().is_none_or(|message| message.is_some()) {
@@ -132,73 +127,56 @@ impl Reader {
         }
     }
 
+    /// Bytes of the file that the messages so far are from.
+    pub fn read(&self) -> u64 {
+        self.records.read()
+    }
+
     /// The next record: a message, something else, or the end.
     fn record(&mut self) -> Option<Option<Item>> {
-        loop {
-            let event = match self.records.next_event()? {
-                Ok(event) => event,
-                Err(error) => {
-                    self.cut = Some(error.to_string());
-                    return None;
-                }
-            };
-            let (opcode, data) = match event {
-                LinearReadEvent::ReadRequest(wanted) => {
-                    match self.file.read(self.records.insert(wanted)) {
-                        Ok(count) => {
-                            self.read += count as u64;
-                            self.records.notify_read(count);
-                        }
-                        Err(error) => {
-                            self.cut = Some(error.to_string());
-                            return None;
-                        }
-                    }
-                    continue;
-                }
-                LinearReadEvent::Record { opcode, data } => (opcode, data),
-            };
-            match mcap::parse_record(opcode, data) {
-                Ok(Record::Metadata(metadata)) if metadata.name == METADATA => self.about = metadata.metadata,
-                Ok(Record::Channel(channel)) => _ = self.channels.insert(channel.id, channel.topic),
-                Ok(Record::Message { header, data }) => {
-                    let topic = self.channels.get(&header.channel_id).cloned().unwrap_or_default();
-                    match content(&topic, &data) {
-                        Some(content) => return Some(Some(Item { topic, time: header.log_time, content })),
-                        None => self.cut = Some(format!("a message of {topic} is damaged")),
-                    }
-                }
-                Ok(_) => (),
-                Err(error) => self.cut = Some(error.to_string()),
+        let record = self.records.next()?.and_then(|(opcode, data)| mcap::parse_record(opcode, data));
+        match record {
+            Ok(Record::Metadata(metadata)) if metadata.name == METADATA => self.about = metadata.metadata,
+            Ok(Record::Channel(channel)) => {
+                let topic = Topic::ALL.into_iter().find(|known| known.name() == channel.topic);
+                self.channels.insert(channel.id, (topic, channel.topic.into()));
             }
-            return if self.cut.is_some() { None } else { Some(None) };
+            Ok(Record::Message { header, data }) => {
+                let (topic, name) = self.channels.get(&header.channel_id).cloned().unwrap_or_default();
+                match topic.map_or(Some(Content::Other), |topic| content(topic, &self.codecs[topic as usize], &data)) {
+                    Some(content) => return Some(Some(Item { topic: name, time: header.log_time, content })),
+                    None => self.cut = Some(format!("a message of {name} is damaged")),
+                }
+            }
+            Ok(_) => (),
+            Err(error) => self.cut = Some(error.to_string()),
         }
+        if self.cut.is_some() { None } else { Some(None) }
     }
 }
 
-fn content(topic: &str, data: &[u8]) -> Option<Content> {
-    let read = |topic: Topic, bytes: &mut [u8]| protobuf::decode(topic.message(), data, bytes);
-    Some(match Topic::ALL.into_iter().find(|known| known.name() == topic) {
-        Some(topic @ Topic::Sensors) => {
+/// What a message of a topic has; none if it is damaged.
+fn content(topic: Topic, codec: &Codec, data: &[u8]) -> Option<Content> {
+    Some(match topic {
+        Topic::Sensors => {
             let mut sensors = Sensors::default();
-            read(topic, bytes_of_mut(&mut sensors))?;
+            codec.decode(data, bytes_of_mut(&mut sensors))?;
             Content::Sensors(sensors)
         }
-        Some(topic @ Topic::Command) => {
+        Topic::Command => {
             let mut command = Command::default();
-            read(topic, bytes_of_mut(&mut command))?;
+            codec.decode(data, bytes_of_mut(&mut command))?;
             Content::Command(command)
         }
-        Some(topic @ Topic::Telemetry) => {
+        Topic::Telemetry => {
             let mut telemetry = Telemetry::default();
-            read(topic, bytes_of_mut(&mut telemetry))?;
+            codec.decode(data, bytes_of_mut(&mut telemetry))?;
             Content::Telemetry(telemetry)
         }
-        Some(topic @ Topic::Truth) => {
+        Topic::Truth => {
             let mut truth = Box::<Truth>::default();
-            read(topic, bytes_of_mut(&mut *truth))?;
+            codec.decode(data, bytes_of_mut(&mut *truth))?;
             Content::Truth(truth)
         }
-        None => Content::Other,
     })
 }

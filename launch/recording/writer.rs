@@ -2,7 +2,8 @@
 
 use super::drawing::Drawing;
 use super::events::Events;
-use super::{METADATA, Topic, failed, protobuf};
+use super::protobuf::{self, Codec};
+use super::{METADATA, Topic, failed};
 use crate::exit::Failure;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, McapResult, WriteOptions};
@@ -25,6 +26,7 @@ pub struct Writer {
     path: PathBuf,
     file: mcap::Writer<BufWriter<File>>,
     topics: [u16; 4],
+    codecs: [Codec; 4],
     events: u16,
     drawing: Drawing,
     noticed: Events,
@@ -67,6 +69,7 @@ impl Writer {
             drawing: Drawing::begin(&mut file, scene)?,
             file,
             topics,
+            codecs: Topic::ALL.map(Topic::codec),
             events,
             noticed: Events::default(),
             before: None,
@@ -118,7 +121,7 @@ impl Writer {
 
     fn put(&mut self, topic: Topic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
         self.encoded.clear();
-        protobuf::encode(topic.message(), bytes, topic.without(), &mut self.encoded);
+        self.codecs[topic as usize].encode(bytes, &mut self.encoded);
         let header = header(self.topics[topic as usize], time, seq);
         self.file.write_to_known_channel(&header, &self.encoded)
     }

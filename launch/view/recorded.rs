@@ -60,7 +60,7 @@ fn page(file: &Path, stop: &AtomicBool) -> Result<String, Failure> {
         recorder.push(&truth);
         count += 1;
         if count % OFTEN == 0 {
-            progress.reach(reader.read >> 20);
+            progress.reach(reader.read() >> 20);
             if stop.load(Relaxed) {
                 return Err(Failure::new(Exit::Interrupted, "interrupted"));
             }
