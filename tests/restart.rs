@@ -91,3 +91,17 @@ fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() 
         assert!(out.contains("no fall") && out.contains("300.00 s"), "{role}: {out}");
     }
 }
+
+/// A claim about these tests: one that fails amid a session ends it, whatever state that is in.
+#[test]
+fn a_session_that_a_test_gives_up_ends_with_it() {
+    for stopped in [None, Some("plant"), Some("controller")] {
+        let mut walk = Running::start("given-up", &["--set", "duration=100000", "--respawn", "3"]);
+        walk.until("a walk", |truth| truth.stamp.seq > 100);
+        stopped.into_iter().for_each(|role| walk.signal(role, Signal::SIGSTOP));
+        let session = walk.session.clone();
+        assert!(session.members().len() >= 3, "{:?}", session.members());
+        drop(walk);
+        assert_eq!((session.members(), session.leftovers()), (vec![], vec![]), "{stopped:?}");
+    }
+}

@@ -8,7 +8,8 @@ use messages::session::Session;
 use messages::wire::{Reply, Truth};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use std::process::{Child, Command, Output, Stdio};
+use std::io::read_to_string;
+use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 /// Longest wait for anything: far more than it takes on a busy machine.
@@ -43,19 +44,19 @@ impl Running {
     pub fn start(name: &str, extra: &[&str]) -> Running {
         let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
         let arguments = ["run", "walk", "--quiet", "--session", session.name()];
-        let mut launcher = biped(&[&arguments[..], extra].concat()).spawn().expect("the program starts");
+        let launcher = biped(&[&arguments[..], extra].concat()).spawn().expect("the program starts");
+        let mut running = Running { session, launcher, port: None, latest: Truth::default() };
+        let Running { session, launcher, .. } = &mut running;
         let unchanged = Ask::Set { period: None, speed: None };
         eventually("an open desk", || {
             if let Some(status) = launcher.try_wait().expect("our own child") {
-                let mut words = String::new();
-                let stderr = launcher.stderr.as_mut().expect("a pipe");
-                std::io::Read::read_to_string(stderr, &mut words).expect("its last words");
+                let words = read_to_string(launcher.stderr.take().expect("a pipe")).expect("its last words");
                 panic!("{status}: {words}");
             }
-            ask(&session, Ask::Resume).is_ok() && ask(&session, unchanged).is_ok()
+            ask(session, Ask::Resume).is_ok() && ask(session, unchanged).is_ok()
         });
-        let port = RecorderPort::visit(&session).expect("listening");
-        Running { session, launcher, port: Some(port), latest: Truth::default() }
+        running.rejoin();
+        running
     }
 
     /// Asks, and there is an answer.
@@ -120,9 +121,12 @@ impl Running {
     /// Waits for the end: exit code and both outputs. Nothing is left.
     pub fn wait(mut self) -> (Option<i32>, String, String) {
         self.leave();
-        let Output { status, stdout, stderr } = self.launcher.wait_with_output().expect("the program ends");
+        let errors = self.launcher.stderr.take().expect("a pipe");
+        let errors = std::thread::spawn(move || read_to_string(errors).expect("its errors"));
+        let words = read_to_string(self.launcher.stdout.take().expect("a pipe")).expect("its words");
+        let status = self.launcher.wait().expect("the program ends");
         assert_eq!(self.session.leftovers(), Vec::<std::path::PathBuf>::new());
-        (status.code(), String::from_utf8_lossy(&stdout).into(), String::from_utf8_lossy(&stderr).into())
+        (status.code(), words, errors.join().expect("read"))
     }
 
     /// Ends, and with it somebody who looks on.
@@ -140,5 +144,20 @@ impl Running {
         self.launcher.kill().expect("our own child");
         self.launcher.wait().expect("the launcher ends");
         eventually("an empty shared memory", || self.session.leftovers().is_empty());
+    }
+}
+
+/// A test that fails leaves nobody who computes on: whoever is in its session is killed, and cleared up after.
+impl Drop for Running {
+    fn drop(&mut self) {
+        self.leave();
+        let (_, _) = (self.launcher.kill(), self.launcher.wait());
+        let start = Instant::now();
+        while self.session.is_running() && start.elapsed() < LONG {
+            let others = self.session.members().into_iter().filter(|member| *member != std::process::id());
+            others.for_each(|member| _ = kill(Pid::from_raw(member as i32), Signal::SIGKILL));
+            std::thread::sleep(Duration::from_millis(2));
+        }
+        self.session.sweep();
     }
 }
