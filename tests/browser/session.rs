@@ -1,0 +1,150 @@
+//! The page of a running session.
+
+use super::live::{Running, biped};
+use super::{address_of, keep, open};
+use crate::chromium::Browser;
+use messages::port::Ask;
+use serde_json::json;
+
+/// Pauses a session where a frame of the page begins; they come every five periods.
+fn pause(page: &mut Browser, walk: &mut Running) {
+    page.value("part('pause').click()");
+    page.until("part('answer').textContent.endsWith('paused')");
+    let past = (walk.ask(Ask::Pause).stamp.seq - 1) % 5;
+    step(page, walk, 10 - past);
+    page.value("globalThis.from = film.length - 1");
+}
+
+/// Lets a paused session go on, and the page show it; returns what the ground gave along x, ∫ F dt [N s].
+fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
+    walk.rejoin();
+    let (end, mut ground) = (walk.ask(Ask::Step { periods }).stamp.seq + periods, 0.0);
+    let truth = walk.until("some periods", |truth| {
+        ground += 1e-3 * truth.contact_force.iter().step_by(3).sum::<f64>();
+        truth.stamp.seq == end
+    });
+    walk.leave();
+    page.until(&format!("Math.abs(film.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
+    ground
+}
+
+/// Goes on for 100 periods: what the robot has got along x that the ground has not given, m Δv − ∫ F dt [N s].
+fn gained(page: &mut Browser, walk: &mut Running) -> f64 {
+    let ground = step(page, walk, 100);
+    14.0 * page.number("film.get(film.length - 1, 'velocity', 0) - film.get(from, 'velocity', 0)") - ground
+}
+
+#[test]
+fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
+    let mut walk = Running::start("page", &["--set", "duration=100000", "--set", "controller.speed=0"]);
+    walk.until("stamping", |truth| truth.telemetry.steps > 4);
+    walk.leave();
+    let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
+    let mut page = open(&address_of(&mut view), 1280, 720);
+    page.until("film.length > 200 && player.time > 0");
+
+    // What a push gives, the robot has.
+    pause(&mut page, &mut walk);
+    page.value("part('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
+    page.until("part('answer').textContent.startsWith('push: done')");
+    let impulse = gained(&mut page, &mut walk);
+    assert!((impulse - 2.0).abs() < 0.02, "{impulse} N s, not 2");
+    let before = page.number("film.end");
+    page.value("part('advance').click()");
+    page.until("part('answer').textContent.startsWith('step: done')");
+    page.until(&format!("Math.abs(film.end - {before} - .01) < 1e-4"));
+    page.value("part('resume').click()");
+    page.until("part('answer').textContent.startsWith('resume: done')");
+
+    // Walking speed.
+    page.value("part('pace').value = .15, part('set').click()");
+    page.until("part('answer').textContent.startsWith('set: done')");
+    let speed = "(() => { const row = film.row(film.end - 3); \
+                 return (film.get(film.length - 1, 'com', 0) - film.get(row, 'com', 0)) / (film.end - film.get(row, 'time')); })()";
+    let end = page.number("film.end");
+    page.until(&format!("film.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
+    keep(&mut page, "live");
+    page.prefers("dark");
+    page.until("stage.scene.background.getHexString() === '12161b' && !stage.isStale");
+    keep(&mut page, "live-dark");
+    page.prefers("light");
+    page.value("part('pace').value = 9, part('set').click()");
+    page.until("part('answer').textContent.includes('refused: a number is out of range')");
+    page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium's own word on it
+
+    // A reset begins another film.
+    page.value("part('reset').click()");
+    page.until("live.run === 2 && film.begin < 1");
+    page.resize(390, 844);
+    page.until("!stage.isStale || film.length > 0");
+    assert_eq!(page.number("document.documentElement.scrollWidth"), 390.0);
+    keep(&mut page, "live-390");
+    assert_eq!(page.complaints, Vec::<String>::new());
+    drop(page);
+    walk.end_with(view);
+}
+
+#[test]
+fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_the_camera() {
+    let mut walk = Running::start("drag", &["--set", "duration=100000", "--set", "controller.speed=0"]);
+    walk.until("stamping", |truth| truth.telemetry.steps > 4);
+    walk.leave();
+    let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
+    let mut page = open(&address_of(&mut view), 1280, 720);
+    page.until("film.length > 200 && player.time > 0");
+    page.value("part('cameras').querySelectorAll('button')[1].click()"); // from the side
+    pause(&mut page, &mut walk);
+    page.until("!player.isStale && !stage.isStale");
+    let trunk = |page: &mut Browser| {
+        let place = "(() => { const box = stage.renderer.domElement.getBoundingClientRect(), \
+                     [x, y] = stage.onScreen(robot.centre(about.trunk)); return [box.left + x, box.top + y]; })()";
+        serde_json::from_value::<[f64; 2]>(page.value(place)).unwrap()
+    };
+
+    // While it is dragged, the arrow reaches as far as the pointer went, and its number is its length.
+    let [x, y] = trunk(&mut page);
+    page.drag(&[[x, y], [x + 20.0, y], [x + 70.0, y - 10.0]]);
+    assert_eq!(page.value("drag.arrow.visible && !drag.label.hidden"), json!(true));
+    let reach = "(() => { const tip = robot.centre(about.trunk).addScaledVector(drag.hold.impulse, METRES_PER_NEWTON_SECOND); \
+                 const [from, to] = [robot.centre(about.trunk), tip].map((place) => stage.onScreen(place)); \
+                 return Math.hypot(to[0] - from[0] - 70, to[1] - from[1] + 10); })()";
+    assert!(page.number(reach) < 0.5, "the arrow does not follow the pointer");
+    let wanted: [f64; 3] = serde_json::from_value(page.value("drag.hold.impulse.toArray()")).unwrap();
+    let length = wanted.iter().map(|part| part * part).sum::<f64>().sqrt();
+    assert_eq!(page.value("drag.label.textContent"), json!(format!("{length:.1} N·s")));
+    assert!((0.5..5.0).contains(&length) && wanted[0] > 0.95 * length, "{wanted:?}");
+    keep(&mut page, "live-drag");
+    page.drop_at([x + 70.0, y - 10.0]);
+    page.until("part('answer').textContent.startsWith('push: done')");
+    assert_eq!(page.value("drag.arrow.visible || !drag.label.hidden"), json!(false));
+    let impulse = gained(&mut page, &mut walk);
+    assert!((impulse / wanted[0] - 1.0).abs() < 0.01, "{impulse} N s, not {}", wanted[0]);
+
+    // Beside the robot a drag turns the camera; one that is given up, or goes nowhere, pushes nobody.
+    page.value("part('answer').textContent = 'nothing'");
+    page.until("!player.isStale && !stage.isStale");
+    let [x, y] = trunk(&mut page);
+    let camera = |page: &mut Browser| page.value("stage.camera.position.toArray().join()");
+    let before = camera(&mut page);
+    page.drag(&[[x, y], [x + 40.0, y]]);
+    page.value("document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'Escape', bubbles: true }))");
+    page.drop_at([x + 40.0, y]);
+    page.drag(&[[x, y]]);
+    page.drop_at([x, y]);
+    assert_eq!(camera(&mut page), before);
+    page.drag(&[[x - 180.0, y], [x - 120.0, y]]);
+    page.drop_at([x - 120.0, y]);
+    assert_ne!(camera(&mut page), before);
+    assert_eq!(page.value("part('answer').textContent"), json!("nothing"));
+
+    // A finger does the same.
+    page.resize(390, 844);
+    page.until("!player.isStale && !stage.isStale");
+    let [x, y] = trunk(&mut page);
+    page.swipe(&[[x, y], [x + 10.0, y], [x + 40.0, y]]);
+    page.until("part('answer').textContent.startsWith('push: done')");
+    keep(&mut page, "live-drag-390");
+    assert_eq!(page.complaints, Vec::<String>::new());
+    drop(page);
+    walk.end_with(view);
+}

@@ -1,0 +1,71 @@
+//! How long a page takes to open and to scrub: `cargo test --release --test browser ten_minutes -- --nocapture` prints it.
+
+use super::live::biped;
+use super::{address_of, open, report};
+use crate::common::fresh_path;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::time::Instant;
+
+/// How long until the picture and the plots are there, as the page itself says [ms].
+const OPEN: &str = "performance.getEntriesByName('open')[0].startTime";
+
+/// Times of a page: until it is open, and for each place that is scrubbed to [ms].
+fn times(address: &str) -> [f64; 2] {
+    let mut page = open(address, 1280, 720);
+    page.value("player.play(false)");
+    let steps =
+        "performance.getEntriesByType('mark').map(({name, startTime}) => `${name} ${startTime.toFixed(0)}`).join(', ')";
+    println!("{address}: {}", page.value(steps));
+    let scrub = page.number(
+        "(() => { const begin = performance.now(), end = film.end; \
+         for (let i = 0; i < 100; i++) { player.seek(end * i / 100); player.tick(0); stage.draw(marks.com.position.toArray()); } \
+         return (performance.now() - begin) / 100; })()",
+    );
+    assert_eq!(page.complaints, Vec::<String>::new());
+    [page.number(OPEN), scrub]
+}
+
+/// How long a recording takes, from the command on: until it has been read, and from there until its page is open [ms].
+fn times_of_recording(file: &str) -> [f64; 2] {
+    let start = Instant::now();
+    let mut view = biped(&["view", file, "--port", "0"]).spawn().unwrap();
+    let address = address_of(&mut view);
+    let read = start.elapsed().as_secs_f64() * 1e3;
+    let opened = open(&address, 1280, 720).number(OPEN);
+    kill(Pid::from_raw(view.id() as i32), Signal::SIGTERM).unwrap();
+    assert!(view.wait().unwrap().success());
+    [read, opened]
+}
+
+/// Run by `cargo test --release --test browser ten_minutes -- --nocapture` it prints the times.
+#[test]
+fn ten_minutes_open_and_scrub_within_twice_the_time_of_fourteen_seconds() {
+    let recording = fresh_path("ten.mcap");
+    let file = recording.to_str().unwrap();
+    let (short, long) = (report(&[], &[]), report(&["duration=600"], &["--record", file]));
+    let [mut opens, mut scrubs] = [[f64::INFINITY; 2]; 2];
+    let mut recorded = f64::INFINITY;
+    for run in 0..4 {
+        let (folder, address) = [&short, &long][run % 2];
+        let size = std::fs::metadata(folder.join("report.html")).unwrap().len() as f64 * 1e-6;
+        let [opened, scrub] = times(address);
+        println!("{size:.1} MB: open after {opened:.0} ms, {scrub:.1} ms per place that is scrubbed to");
+        (opens[run % 2], scrubs[run % 2]) = (opens[run % 2].min(opened), scrubs[run % 2].min(scrub));
+        if run % 2 == 1 {
+            let [read, opened] = times_of_recording(file);
+            println!("recorded: read after {read:.0} ms, open {opened:.0} ms later: after {:.0} ms", read + opened);
+            recorded = recorded.min(read + opened);
+        }
+    }
+    for (what, [short, long]) in [("opens", opens), ("scrubs", scrubs)] {
+        let ratio = long / short;
+        println!("ten minutes take {ratio:.2} times as long as 14 s: it {what}");
+        assert!(ratio < 2.0, "it {what} {ratio:.2} times as slowly");
+    }
+    let ratio = recorded / opens[1];
+    println!("recorded they take {ratio:.2} times as long as reported");
+    assert!(ratio < 2.8, "{ratio:.2} times as long");
+    [short, long].into_iter().for_each(|(folder, _)| std::fs::remove_dir_all(folder).unwrap());
+    std::fs::remove_file(recording).unwrap();
+}
