@@ -172,11 +172,14 @@ fn seconds(truth: &Truth) -> f64 {
     truth.stamp.sim_ns as f64 * 1e-9
 }
 
-/// Resident memory of a process [kB].
+/// Resident memory of a process but for shared memory, which is all taken at the start and counted by itself: its pages
+/// become resident as they are first used, when a recorder lags further behind than ever [kB].
 fn memory(number: u32) -> f64 {
     let status = std::fs::read_to_string(format!("/proc/{number}/status")).unwrap_or_default();
-    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-    line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or(0.0)
+    let kilobytes = |key: &str| -> Option<f64> {
+        status.lines().find_map(|line| line.strip_prefix(key))?.split_whitespace().next()?.parse().ok()
+    };
+    kilobytes("VmRSS:").zip(kilobytes("RssShmem:")).map_or(0.0, |(all, shared)| all - shared)
 }
 
 /// Open files of a process.

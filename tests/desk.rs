@@ -1,5 +1,7 @@
 //! Claims about the desk: what is asked of a running session is done, and nothing else.
 
+#![expect(clippy::unwrap_used, reason = "a test may panic")]
+
 #[path = "common/live.rs"]
 mod live;
 
@@ -127,4 +129,34 @@ fn a_plant_alone_has_a_desk_too_and_sends_set_points_away() {
     let set = Ask::Set { period: None, speed: Some(0.1) };
     assert!(matches!(ask(&session, set), Err(PortError::Absent { role: "controller", .. })));
     drop(port);
+}
+
+/// Resident memory of a process, its own and shared [kB].
+fn memory(number: i32) -> [i64; 2] {
+    let status = std::fs::read_to_string(format!("/proc/{number}/status")).unwrap();
+    let line = |key| status.lines().find_map(|line| line.strip_prefix(key)).unwrap().trim_end_matches("kB").trim();
+    ["RssAnon:", "RssShmem:"].map(|key| line(key).parse().unwrap())
+}
+
+/// Shared memory, all taken at the start, becomes resident as it is first used: when a recorder lags further behind than ever.
+#[test]
+fn memory_grows_neither_by_resets_nor_twice_by_a_recorder_that_lags() {
+    let mut walk = Running::start("memory", &["--set", "duration=100000"]);
+    let plant = walk.number("plant");
+    let mut resets = |count| {
+        for _ in 0..count {
+            let run = walk.ask(Ask::Reset { seed: None }).stamp.run;
+            walk.until("another walk", |truth| truth.stamp.run == run && truth.stamp.seq > 100);
+        }
+        let fresh = memory(plant);
+        std::thread::sleep(Duration::from_millis(500)); // it waits for us
+        let lagging = memory(plant);
+        walk.drain();
+        (fresh, lagging)
+    };
+    let ((fresh, _), (settled, lagged), (_, again)) = (resets(10), resets(10), resets(60));
+    println!("own and shared [kB]: {fresh:?}, having lagged {settled:?}, again {lagged:?}, after 60 resets {again:?}");
+    assert!(settled[1] - fresh[1] > 1000, "the control: {fresh:?}, {settled:?}");
+    assert!((0..2).all(|kind| again[kind] - lagged[kind] < 150), "{lagged:?}, {again:?}");
+    walk.end();
 }

@@ -106,16 +106,20 @@ impl Running {
         self.port = None;
     }
 
-    /// Sends a signal to one of the two processes.
-    pub fn signal(&self, role: &str, signal: Signal) {
+    /// Number of one of the two processes.
+    pub fn number(&self, role: &str) -> i32 {
         let children = format!("/proc/{0}/task/{0}/children", self.launcher.id());
         let children = std::fs::read_to_string(children).expect("children");
         let is = |pid: &&str| {
             std::fs::read_to_string(format!("/proc/{pid}/cmdline"))
                 .is_ok_and(|line| line.contains(&format!("\0{role}\0")))
         };
-        let pid = children.split_whitespace().find(is).expect("the role").parse().expect("a number");
-        kill(Pid::from_raw(pid), signal).expect("a signal");
+        children.split_whitespace().find(is).expect("the role").parse().expect("a number")
+    }
+
+    /// Sends a signal to one of the two processes.
+    pub fn signal(&self, role: &str, signal: Signal) {
+        kill(Pid::from_raw(self.number(role)), signal).expect("a signal");
     }
 
     /// Waits for the end: exit code and both outputs. Nothing is left.
