@@ -129,3 +129,60 @@ fn raise(greatest: &mut f64, value: f64) {
         *greatest = value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::record::fake::FakeWalk;
+    use crate::record::{AFTERMATH, Recorder};
+    use messages::scene::Scene;
+    use messages::wire::Truth;
+
+    #[test]
+    fn a_fall_is_seen_when_it_happens_and_ends_the_counting_of_steps() {
+        let (fake, mut recorder) = (FakeWalk::new(0.06), Recorder::new(&Scene::default()));
+        for seq in 0..6000 {
+            let time = seq as f64 * 1e-3;
+            let mut truth = fake.truth(seq, time);
+            // Tips over backwards about the ground from 4 s on, at 1 rad/s.
+            let tilt = (time - 4.0).max(0.0);
+            truth.base_orientation = [(tilt / 2.0).cos(), 0.0, -(tilt / 2.0).sin(), 0.0];
+            recorder.push(&truth);
+        }
+        let fall = recorder.extremes.fall.expect("45 degrees is a fall");
+        assert!((fall - 4.0 - 45f64.to_radians()).abs() < 2e-3, "{fall}");
+        assert!(recorder.gait.steps.iter().all(|step| step.start < fall));
+        assert_eq!(recorder.is_over(), Some(fall));
+        let last = recorder.last.expect("a last record").sample.time;
+        assert!((last - fall - AFTERMATH).abs() < 2e-3, "the record ends at {last} s");
+    }
+
+    #[test]
+    fn tilt_of_the_loaded_foot_and_margin_of_the_zero_moment_point_are_exact() {
+        let (fake, scene) = (FakeWalk::new(0.06), Scene::default());
+        // In single support on the right foot, the zero-moment point up to 0.3 of the half width off the centre.
+        let mut recorder = Recorder::new(&scene);
+        (4000..6000).for_each(|seq| recorder.push(&fake.truth(seq, seq as f64 * 1e-3)));
+        assert!((recorder.extremes.zmp_margin - 0.05 * 0.7).abs() < 1e-5, "{}", recorder.extremes.zmp_margin);
+        assert!((recorder.rows[0].sample.load - 14.0 * 9.81).abs() < 1e-9);
+        assert!(recorder.extremes.foot_tilt < 1e-12);
+        let mut tilted = fake.truth(6000, 6.0);
+        let (loaded, free) = if tilted.telemetry.support == 0 { (0, 7) } else { (7, 0) };
+        tilted.angle[free] += 0.2;
+        recorder.push(&tilted);
+        assert!(recorder.extremes.foot_tilt < 1e-12, "a foot in the air may tilt");
+        tilted.angle[loaded] += 0.01;
+        recorder.push(&tilted);
+        assert!((recorder.extremes.foot_tilt - 0.01).abs() < 1e-12, "{}", recorder.extremes.foot_tilt);
+    }
+
+    #[test]
+    fn a_residual_that_is_not_a_number_is_not_hidden() {
+        let mut recorder = Recorder::new(&Scene::default());
+        let fake = FakeWalk::new(0.0);
+        for seq in 0..3 {
+            let truth = fake.truth(seq, seq as f64 * 1e-3);
+            recorder.push(&Truth { signorini: if seq == 1 { f64::NAN } else { 1e-16 }, ..truth });
+        }
+        assert!(recorder.extremes.signorini.is_nan() && recorder.extremes.natural_map > 0.0);
+    }
+}

@@ -134,3 +134,46 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
     let (count, sum) = values.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value));
     if count == 0 { f64::NAN } else { sum / f64::from(count) }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::record::Recorder;
+    use crate::record::fake::{FakeWalk, RELEASE, STEP};
+    use messages::scene::Scene;
+
+    /// Records a made-up walk from standing until `end`, at 1 kHz.
+    fn walk(step_length: f64, end: f64) -> Recorder {
+        let (fake, mut recorder) = (FakeWalk::new(step_length), Recorder::new(&Scene::default()));
+        for seq in 0..=(end * 1e3) as u64 {
+            recorder.push(&fake.truth(seq, seq as f64 * 1e-3));
+        }
+        recorder
+    }
+
+    #[test]
+    fn a_limit_cycle_is_measured_as_it_is() {
+        let recorder = walk(0.06, 8.0);
+        let (period, deviation) = recorder.gait.period(20);
+        assert!((period - 2.0 * STEP).abs() < 1e-6 && deviation < 1e-6, "{period} +- {deviation}");
+        assert!((recorder.gait.x2_min(20) - FakeWalk::x2_min()).abs() < 1e-9, "{}", recorder.gait.x2_min(20));
+        assert_eq!(recorder.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
+        let supports: Vec<_> = recorder.gait.steps.iter().map(|step| step.support).collect();
+        assert!(supports.windows(2).all(|pair| pair[0] != pair[1]) && supports[0] == 1, "{supports:?}");
+        assert!((recorder.gait.speed() - 0.2).abs() < 1e-6, "{}", recorder.gait.speed());
+        assert_eq!(recorder.extremes.fall, None);
+    }
+
+    #[test]
+    fn standing_is_not_stepping() {
+        assert!(walk(0.06, 0.5).gait.steps.is_empty());
+        let mut recorder = Recorder::new(&Scene::default());
+        let mut truth = FakeWalk::new(0.0).truth(0, 0.0);
+        for seq in 0..1000 {
+            // Rounding errors cross the midline at every sample.
+            truth.base_position[1] = if seq % 2 == 0 { 1e-6 } else { -1e-6 };
+            truth.stamp.sim_ns = seq * 1_000_000;
+            recorder.push(&truth);
+        }
+        assert!(recorder.gait.steps.is_empty());
+    }
+}

@@ -61,3 +61,21 @@ impl Histogram {
         f64::from(self.lowest) + bin as f64 / Self::PER_DECADE as f64
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_of_a_histogram_are_within_its_bins() {
+        let mut histogram = Histogram::new(0, 6);
+        (1..=1000).for_each(|i| histogram.add(f64::from(i)));
+        for (share, exact) in [(0.5, 500.0), (0.99, 990.0), (1.0, 1000.0)] {
+            assert!((histogram.quantile(share) / exact).ln().abs() < 0.04, "{}", histogram.quantile(share));
+        }
+        histogram.add(f64::NAN);
+        histogram.add(0.0);
+        assert_eq!((histogram.zeros, histogram.total()), (2, 1002));
+        assert_eq!(histogram.bars(4).iter().map(|bar| bar.1).sum::<u64>(), 1000);
+    }
+}

@@ -177,6 +177,7 @@ fn links(bodies: &[Body], base: usize) -> Vec<Link> {
 mod tests {
     use super::*;
     use crate::list::SCENES;
+    use crate::record::fake::FakeWalk;
     use messages::load::load;
     use messages::wire::Torques;
     use plant::kinematics::{self, Pose};
@@ -202,5 +203,32 @@ mod tests {
             });
             assert!(ends.fold(off, f64::max) < 1e-12, "{name}: off by {off:e} in the mass");
         }
+    }
+
+    #[test]
+    fn rates_and_poses_belong_together() {
+        let (fake, robot) = (FakeWalk::new(0.06), Robot::new(&Scene::default()));
+        for time in [1.0, 1.7, 3.21, 5.05] {
+            let com = |time| robot.com(&robot.place(&fake.truth(0, time)));
+            let slope = (com(time + 1e-5).0 - com(time - 1e-5).0) / 2e-5;
+            let error = (slope - com(time).1).norm();
+            assert!(error < 1e-6, "CoM velocity off by {error} m/s at {time} s");
+        }
+    }
+
+    #[test]
+    fn a_payload_moves_the_centre_of_mass() {
+        let mut scene = Scene::default();
+        let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
+        let com = |scene: &Scene| {
+            let robot = Robot::new(scene);
+            robot.com(&robot.place(&truth)).0
+        };
+        let before = com(&scene);
+        (scene.plant.payload_kg, scene.plant.payload_offset) = (2.0, [0.1, 0.0, 0.3]);
+        let expected = (before * 14.0 + Vector3::new(0.2, 0.0, 0.6)) / 16.0;
+        assert!((com(&scene) - expected).norm() < 1e-14);
+        // The upright robot of Table 1, from the trunk's centre .65 m above the soles.
+        assert!((before.z + 0.65 - 0.3196).abs() < 5e-5, "{before}");
     }
 }
