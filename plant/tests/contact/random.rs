@@ -1,0 +1,138 @@
+//! Random problems, of any rank and scale.
+
+use super::{G, H, PIVOTED, Rows, assemble, on_body, solve};
+use messages::scene::Law;
+use plant::contact::{Memory, Problem, Solver};
+
+fn step_scale(problem: &Problem, solver: &Solver) -> f64 {
+    let m = problem.rows();
+    let root = |k: usize| problem.delassus[k * m + k].sqrt();
+    (0..m).map(|k| (solver.impulse[k] * root(k)).abs().max((problem.drift[k] / root(k)).abs())).fold(0.0, f64::max)
+}
+
+/// A random mechanism: few or many coordinates, inertias to 1 : 1e6, contacts repeated or nearly so, fast and slow, high
+/// and low friction. Also the decimal exponent of the spread of inertias.
+fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
+    let contacts = random.usize(1..=8);
+    let dof = random.usize(3..=14);
+    let spread = [0.0, 1.0, 3.0, 6.0][random.usize(0..4)];
+    let inverse: Vec<f64> = (0..dof).map(|_| 10f64.powf(spread * random.f64())).collect();
+    let vector = |random: &mut fastrand::Rng| (0..dof).map(|_| 2.0 * random.f64() - 1.0).collect::<Vec<f64>>();
+    let rigid = dof >= 6 && random.bool();
+    let mut rows: Vec<Rows> = Vec::new();
+    for i in 0..contacts {
+        if i > 0 && random.f64() < 0.2 {
+            let again = rows[random.usize(0..i)].clone();
+            rows.push(again);
+        } else if rigid {
+            // Corners of a foot: coplanar points of one body, rank at most six.
+            let mut row = on_body([random.f64() - 0.5, random.f64() - 0.5, -0.5]);
+            row.iter_mut().for_each(|r| r.resize(dof, 0.0));
+            rows.push(row);
+        } else {
+            rows.push([vector(random), vector(random), vector(random)]);
+        }
+    }
+    let size = 10f64.powf(4.0 * random.f64() - 4.0);
+    let xdot: Vec<f64> = vector(random).iter().map(|v| v * size).collect();
+    let mu = [0.0, 0.2, 0.7, 1.5][random.usize(0..4)];
+    let mut problem = assemble(law, &rows, &inverse, &xdot, mu);
+    for approach in &mut problem.approach {
+        *approach = if random.bool() { 0.0 } else { size * random.f64() };
+    }
+    (problem, spread as u32)
+}
+
+/// The multipliers of contact.rs: f_N (v_N - mu |v_F|) = 0 and v_N >= mu |v_F| instead of (18), (19).
+#[test]
+fn the_printed_program_has_the_multipliers_that_its_lagrangian_gives() {
+    let mut random = fastrand::Rng::with_seed(1);
+    let mut violated = 0;
+    for _ in 0..2000 {
+        let (problem, _) = random_problem(&mut random, Law::EnergyQp);
+        let (solver, report) = solve(&problem, Law::EnergyQp);
+        violated += usize::from(report.signorini > 1e-6);
+        for i in 0..problem.contacts {
+            let (k, mu) = (2 * i, problem.friction[i]);
+            let root = |k: usize| problem.delassus[k * problem.rows() + k].sqrt();
+            let (f, v) = (solver.impulse[k], solver.velocity[k] - mu * solver.velocity[k + 1].abs());
+            let scale = step_scale(&problem, &solver);
+            assert!(v / root(k) >= -1e-10 * scale, "v_N < mu |v_F| by {v}");
+            assert!(f * v <= 1e-10 * scale * scale, "f_N (v_N - mu |v_F|) = {}", f * v);
+        }
+    }
+    assert!(violated > 1000, "(19) held in all but {violated} of 2000 problems");
+}
+
+/// The energy minimum has one velocity; so has Coulomb's law for a foot at ordinary friction that resists both tangents.
+/// Remembering the last basis must not be seen in it, while corners come and go. With one slip direction per corner, and
+/// these nearly parallel, corners can also jam each other: (17)-(22) then have several solutions, of which each is found.
+#[test]
+fn a_remembered_basis_gives_the_velocity_of_a_fresh_start() {
+    let corners = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]];
+    let inverse = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
+    for law in PIVOTED {
+        let mut random = fastrand::Rng::with_seed(3);
+        let (mut memory, mut solver) = (Memory::default(), Solver::default());
+        let (mut warm, mut others) = (0, 0);
+        let mut xdot = [0.0, 0.0, -G * H, 0.0, 0.0, 0.0];
+        let mut touching = vec![0, 1, 2, 3];
+        for step in 0..3000 {
+            for (k, v) in xdot.iter_mut().enumerate() {
+                let rest = if k == 2 { -G * H } else { 0.0 };
+                *v += 0.02 * (rest - *v) + 2e-4 * (random.f64() - 0.5);
+            }
+            if step % 50 == 0 {
+                touching = (0..4).filter(|_| random.f64() < 0.7).collect();
+                random.shuffle(&mut touching);
+            }
+            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(corners[c])).collect();
+            let mut problem = assemble(law, &contacts, &inverse, &xdot, 0.7);
+            problem.id.clone_from(&touching);
+            let (fresh, _) = solve(&problem, law);
+            let report = solver.solve(&problem, law, &mut memory);
+            assert!(report.own <= 1e-10 && !report.fallback, "{report:?}");
+            warm += usize::from(report.warm);
+            let difference =
+                solver.velocity.iter().zip(&fresh.velocity).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            others += usize::from(difference > 1e-10 * G * H);
+        }
+        println!("{law:?}: {warm} of 3000 steps warm, {others} with another velocity");
+        assert!(others == 0 || law == Law::Complementarity, "{law:?}: {others} of 3000 steps differ");
+        assert!(warm > 2000, "{law:?}: {warm} of 3000 steps warm");
+    }
+}
+
+/// Every random problem is solved, whatever its rank or scale, and energy never rises.
+#[test]
+fn random_problems_are_solved() {
+    let seed = std::env::var("SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1995);
+    println!("seed {seed}");
+    let mut failed = 0;
+    let mut random = fastrand::Rng::with_seed(seed);
+    for law in PIVOTED {
+        let (mut pivots, mut fallbacks, mut worst, mut gain) = (Vec::new(), [0; 2], 0.0_f64, f64::NEG_INFINITY);
+        let mut unsolved = 0;
+        let mut solver = Solver::default();
+        for _ in 0..40_000 {
+            let (problem, spread) = random_problem(&mut random, law);
+            let report = solver.solve(&problem, law, &mut Memory::default());
+            fallbacks[usize::from(spread > 3)] += usize::from(report.fallback);
+            unsolved += usize::from(report.own.is_nan() || report.own > 1e-10);
+            worst = worst.max(report.own);
+            gain = gain.max(report.energy_gain / step_scale(&problem, &solver).powi(2));
+            pivots.push(report.pivots);
+        }
+        pivots.sort_unstable();
+        let at = |p: f64| pivots[(p * (pivots.len() - 1) as f64) as usize];
+        println!(
+            "{law:?}: residual {worst:.1e}, energy gain {gain:.1e}, fallbacks {fallbacks:?} (mass ratio to 1e3, 1e6), unsolved {unsolved}, pivots median {} p99.9 {} max {}",
+            at(0.5),
+            at(0.999),
+            at(1.0),
+        );
+        assert!(gain <= 1e-12, "{law:?}: energy rose");
+        failed += unsolved;
+    }
+    assert_eq!(failed, 0);
+}

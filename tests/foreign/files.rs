@@ -1,0 +1,116 @@
+//! Other programs read our files: the exported robot as the same equations of motion, a recording by its own schemas.
+
+use super::{number, run};
+use crate::common::{RobotFile, fresh_path, scene, shanks, similar};
+use crate::languages::python;
+use messages::scene::{Base, Scene};
+use nalgebra::{UnitQuaternion, Vector3};
+use plant::dynamics;
+use plant::kinematics::{self, Pose};
+use plant::model::Model;
+use plant::state::State;
+use serde_json::{Value, json};
+use std::process::Command;
+
+/// H and b of random states, for the comparison.
+fn states(scene: &Scene) -> Value {
+    let model = Model::new(scene).expect("a good scene");
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut normal = || (0..12).map(|_| random.f64()).sum::<f64>() - 6.0;
+    let states = (0..20).map(|_| {
+        let mut state = State::zero(&model);
+        state.x.iter_mut().for_each(|x| *x = normal());
+        state.xdot.iter_mut().for_each(|v| *v = 2.0 * normal());
+        if model.base == Base::Quaternion {
+            let turn = UnitQuaternion::from_scaled_axis(Vector3::from_fn(|_, _| normal()));
+            state.x[3..7].copy_from_slice(&[turn.w, turn.i, turn.j, turn.k]);
+        }
+        let mut pose = Pose::new(&model);
+        kinematics::pose(&model, &state, &mut pose);
+        let h = dynamics::inertia(&model, &pose);
+        let b = dynamics::bias(&model, &pose, &state.xdot);
+        let rows: Vec<Vec<f64>> = h.row_iter().map(|row| row.iter().copied().collect()).collect();
+        json!({"x": state.x, "xdot": state.xdot, "H": rows, "b": b})
+    });
+    let states: Vec<Value> = states.collect();
+    // by the order of the degrees of freedom, which need not be that of the wire
+    let jointed = scene.bodies.iter().zip(&model.body_link).filter(|(body, _)| body.joint.is_some());
+    let name = |name: &str| name.replace([' ', '-'], "_") + "_joint";
+    let mut joints: Vec<(usize, String)> = jointed.map(|(body, &link)| (link, name(&body.name))).collect();
+    joints.sort();
+    let joints: Vec<String> = joints.into_iter().map(|(_, name)| name).collect();
+    let free = model.base == Base::Quaternion;
+    json!({"joints": joints, "gravity": model.gravity.as_slice(), "free": free, "states": states})
+}
+
+/// Greatest differences of H and b, each over its greatest entry, by engine. The export gets other settings than ours
+/// where the test wants to see a difference.
+fn differences(name: &str, settings: &[&str], exported: &[&str]) -> Value {
+    let folder = fresh_path("export");
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let mut files = vec![];
+    for (format, file) in [("mjcf", "robot.xml"), ("urdf", "robot.urdf")] {
+        let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+            .args(["export", format, &format!("launch/scenes/{name}.toml")])
+            .args(exported.iter().flat_map(|setting| ["--set", setting]))
+            .output()
+            .expect("the program starts");
+        assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+        files.push(folder.join(file));
+        std::fs::write(folder.join(file), output.stdout).expect("a file");
+    }
+    files.push(folder.join("states.json"));
+    std::fs::write(&files[2], states(&scene(name, settings)).to_string()).expect("a file");
+    let output = Command::new(python()).arg("tests/foreign/dynamics.py").args(&files).output().expect("Python");
+    assert!(output.status.success(), "{name}: {}", String::from_utf8_lossy(&output.stderr));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+#[test]
+fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot() {
+    let loaded = [
+        "plant.base=quaternion",
+        "plant.payload_kg=2",
+        "plant.payload_offset=[0.03,0.02,0.1]",
+        "plant.joint_damping=0.3",
+        "plant.incline_deg=5",
+        "bodies.trunk.com=[0.01,-0.02,0.03]",
+    ];
+    let free = ["plant.base=quaternion"];
+    let files = [similar(1.5), shanks(1.2)].map(|robot| RobotFile::new(&robot));
+    let [large, long] = files.each_ref().map(RobotFile::setting);
+    let (large, long) = ([&*large, free[0]], [&*long, free[0]]);
+    for (name, settings) in
+        [("walk", &free[..]), ("walk", &loaded), ("walk", &large), ("walk", &long), ("known/double-pendulum", &[])]
+    {
+        let found = differences(name, settings, settings);
+        println!("{name} {settings:?}: {found}");
+        for engine in ["mujoco", "pinocchio"] {
+            let difference = number(&found, engine);
+            assert!(difference < 1e-12, "{name} {settings:?}: {engine} differs by {difference:e}");
+        }
+    }
+    let without = differences("walk", &free, &["plant.drive_inertia=0"]);
+    for engine in ["mujoco", "pinocchio"] {
+        assert!(number(&without, engine) > 1e-3, "negative control: {engine} must miss the drives, {without}");
+    }
+}
+
+#[test]
+fn a_recording_reads_as_its_own_schemas_and_foxglove_s_say() {
+    let file = fresh_path("walk.mcap");
+    let (output, summary) = run("walk", &["--record", &file.to_string_lossy(), "--set", "duration=4"]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let output = Command::new(python()).arg("tests/foreign/recording.py").arg(&file).output().expect("Python");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{words}");
+    let seen: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    std::fs::remove_file(file).expect("our own file");
+    let counts = ["/truth", "/sensors", "/command", "/telemetry", "/tf", "/forces", "/robot"]
+        .map(|topic| seen["counts"][topic].as_u64().unwrap_or(0));
+    assert_eq!(counts, [4001, 4001, 4000, 4000, 201, 201, 1], "{seen}");
+    assert_eq!(seen["steps"], summary["steps"], "{summary}");
+}

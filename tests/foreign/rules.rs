@@ -1,0 +1,88 @@
+//! `biped conform` passes programs in Python that keep the rules of the wire, and names the one that others break.
+
+use crate::common::fresh_path;
+use crate::languages::python;
+use std::process::Command;
+
+/// What `biped conform` finds in a program in Python: exit code, and all it says.
+fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["conform", role, &format!("{} {arguments}", python().display())])
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .env("OPENBLAS_NUM_THREADS", "1")
+        .output()
+        .expect("the program starts");
+    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code(), told)
+}
+
+#[test]
+fn ours_in_python_keep_the_rules_of_the_wire() {
+    for controller in ["stand.py", "walk.py"] {
+        let (code, told) = conform("--controller", &format!("controller/foreign/python/{controller}"));
+        assert!(code == Some(0) && told.contains("32 rules kept"), "{controller}: {told}");
+    }
+    let (code, told) = conform("--plant", "plant/foreign/mujoco/plant.py");
+    assert!(code == Some(0) && told.contains("37 rules kept") && told.contains("lockstep alone"), "{told}");
+}
+
+/// A piece of session.py, what takes its place, and what must be said of that.
+type Flaw = [&'static str; 3];
+
+#[test]
+fn who_breaks_a_rule_is_told_which() {
+    let programs: [&[Flaw]; 4] = [
+        &[
+            ["stamp.seq + 1, asked.seq,", "stamp.seq + 1, asked.seq - 1,", "ack is the number of the sensors answered"],
+            ["sys.exit(INTERRUPTED))", "None)", "TERM ends it in order within 3 s: it was still there"],
+        ],
+        &[
+            [
+                "controller.tick(sensors.encoders.counts[:], answer.telemetry)",
+                "[float('nan')] * 8",
+                "torques are finite: torque[0]",
+            ],
+            ["if sensors.last:", "if False:", "`last` = 1 ends it in order within 3 s"],
+            ["stamp.ack = asked.run, 0, 0", "stamp.ack = asked.run, 5, 0", "seq counts its messages of a run from 1"],
+        ],
+        &[
+            [
+                "sensors is None or not is_sound(sensors)",
+                "sensors is None",
+                "whose check sum is wrong are not answered",
+            ],
+            ["secrets.randbits(64)", "7", "it answers under another epoch"],
+            ["                if stamp.run:\n", "                if False:\n", "takes a new run as a new robot"],
+        ],
+        &[
+            ["sealed(message))", "message)", "every message is sealed"],
+            ["fail(PEER_MISSING", "print(PEER_MISSING", "gives up without a plant"],
+        ],
+    ];
+    let ours = std::path::Path::new("controller/foreign/python");
+    let try_one = move |flaws: &[Flaw]| {
+        let folder = fresh_path("flawed");
+        std::fs::create_dir_all(&folder).expect("a folder");
+        for file in ["stand.py", "wire.py"] {
+            std::fs::copy(ours.join(file), folder.join(file)).expect("a copy");
+        }
+        let mut text = std::fs::read_to_string(ours.join("session.py")).expect("our own file");
+        for [good, bad, _] in flaws {
+            assert!(text.contains(good), "session.py has no longer {good}");
+            text = text.replacen(good, bad, 1);
+        }
+        std::fs::write(folder.join("session.py"), text).expect("a file");
+        let (code, told) = conform("--controller", &folder.join("stand.py").display().to_string());
+        let broken = told.lines().filter(|line| line.starts_with("FAILED")).collect::<Vec<_>>().join("\n");
+        for [_, bad, rule] in flaws {
+            assert!(code == Some(10) && broken.contains(rule), "{bad}: {rule}: {told}");
+        }
+        std::fs::remove_dir_all(folder).expect("our own folder");
+    };
+    // most of their time is waiting for what must not come
+    std::thread::scope(|scope| {
+        for flaws in programs {
+            scope.spawn(move || try_one(flaws));
+        }
+    });
+}

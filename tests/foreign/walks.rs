@@ -1,0 +1,120 @@
+//! Controllers in Python, and a robot in MuJoCo, walk as ours do.
+
+use super::{number, run};
+use crate::common::{RobotFile, fresh_path, shanks};
+use crate::languages::python;
+use messages::session::Session;
+use serde_json::Value;
+
+/// The same with one of the controllers in Python; it must end well.
+fn run_python(scene: &str, controller: &str, settings: &[&str]) -> Value {
+    let command = format!("{} controller/foreign/python/{controller}", python().display());
+    let mut arguments = vec!["--controller", &command];
+    settings.iter().for_each(|setting| arguments.extend(["--set", setting]));
+    let (output, summary) = run(scene, &arguments);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{controller}: {}: {errors}", output.status);
+    summary
+}
+
+#[test]
+fn a_spring_and_a_damper_in_python_stand() {
+    let summary = run_python("stand", "stand.py", &["duration=1"]);
+    assert_eq!(summary["fell"], false);
+    let distance = number(&summary, "distance_m");
+    assert!(distance.abs() < 5e-3, "it stays where it is: {distance}");
+}
+
+#[test]
+fn the_paper_in_numpy_walks_as_far_as_the_paper_in_rust() {
+    let theirs = run_python("walk", "walk.py", &[]);
+    let (_, ours) = run("walk", &[]);
+    let (theirs, ours) = (number(&theirs, "distance_m"), number(&ours, "distance_m"));
+    assert!(ours > 2.0 && (theirs / ours - 1.0).abs() < 0.01, "{theirs} m beside {ours} m");
+}
+
+#[test]
+fn the_paper_in_numpy_goes_on_amid_the_step_in_which_it_died() {
+    let script = fresh_path("dies.py");
+    let once = fresh_path("dead");
+    let text = format!(
+        "import os, sys\nsys.path.insert(0, 'controller/foreign/python')\nimport session, walk\n\n\nclass Dies(walk.Walk):\n    \
+         ticks = 0\n\n    def tick(self, counts, telemetry):\n        self.ticks += 1\n        if self.ticks == 2300 and not \
+         os.path.exists({0:?}):\n            open({0:?}, 'w').close()\n            raise RuntimeError('amid a step')\n        \
+         return super().tick(counts, telemetry)\n\n\nsession.serve(Dies)\n",
+        once.display().to_string()
+    );
+    std::fs::write(&script, text).expect("a file");
+    let command = format!("{} {}", python().display(), script.display());
+    let (output, summary) = run("walk", &["--controller", &command, "--respawn", "1", "--set", "duration=4"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && errors.contains("starting it anew"), "{}: {errors}", output.status);
+    let distance = number(&summary, "distance_m");
+    assert!((0.2..0.3).contains(&distance), "{distance} m");
+    [script, once].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+#[test]
+fn our_controller_walks_the_robot_of_mujoco_as_far_as_ours() {
+    let session = format!("mujoco-{}", std::process::id());
+    let command = format!("{} plant/foreign/mujoco/plant.py", python().display());
+    let (output, theirs) = run("walk", &["--plant", &command, "--set", "duration=4", "--session", &session]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && theirs["fell"] == false, "{}: {errors}", output.status);
+    let left = Session::named(&session).expect("a good name").leftovers();
+    assert!(left.is_empty(), "{left:?}");
+    let (_, ours) = run("walk", &["--set", "duration=4"]);
+    for key in ["distance_m", "period_s", "peak_force_n"] {
+        println!("{key}: {} beside {}", theirs[key], ours[key]);
+    }
+    let distance = (number(&theirs, "distance_m"), number(&ours, "distance_m"));
+    assert!(distance.1 > 0.2 && (distance.0 / distance.1 - 1.0).abs() < 0.02, "{distance:?} m");
+    assert_eq!(theirs["steps"], ours["steps"]);
+
+    let (output, _) = run("walk", &["--plant", &command, "--set", "plant.push_impulse=[0,1,0]"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{errors}");
+    assert!(errors.contains("the plant failed") && errors.contains("plant.push_impulse"), "{errors}");
+}
+
+#[test]
+fn another_robot_is_walked_by_the_paper_in_numpy_and_by_mujoco_as_by_ours() {
+    let robot = RobotFile::new(&shanks(1.2));
+    let setting = robot.setting();
+    let settings = ["duration=4", &setting];
+    let (_, ours) = run("walk", &["--robot", robot.path(), "--set", settings[0]]);
+    let numpy = run_python("walk", "walk.py", &settings);
+    let mujoco = format!("{} plant/foreign/mujoco/plant.py", python().display());
+    let (output, mujoco) = run("walk", &["--plant", &mujoco, "--set", settings[0], "--set", settings[1]]);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let ours = number(&ours, "distance_m");
+    for (theirs, share) in [(&numpy, 0.01), (&mujoco, 0.02)] {
+        let theirs = number(theirs, "distance_m");
+        assert!(ours > 0.2 && (theirs / ours - 1.0).abs() < share, "{theirs} m beside {ours} m");
+    }
+}
+
+#[test]
+fn a_foreign_controller_that_dies_or_never_answers_is_named_and_nothing_stays() {
+    let crash = format!("{} -c \"raise ValueError('no legs')\"", python().display());
+    let (output, _) = run("stand", &["--controller", &crash, "--respawn", "1"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{errors}");
+    assert!(errors.contains("starting it anew"), "{errors}");
+    assert!(errors.contains("the controller failed (exit status: 1)") && errors.contains("no legs"), "{errors}");
+
+    let (output, _) = run("stand", &["--controller", "sh -c 'sleep 61.0625; true'", "--patience", "1"]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(3), "{errors}");
+    assert!(errors.contains("no controller answered"), "{errors}");
+    let processes = std::fs::read_dir("/proc").expect("Linux").flatten();
+    let lines = processes.filter_map(|process| std::fs::read_to_string(process.path().join("cmdline")).ok());
+    assert!(!lines.into_iter().any(|line| line.starts_with("sleep\x0061.0625")), "a process was left behind");
+
+    let other = "BIPED_CONTRACT=$(echo \"$BIPED_CONTRACT\" | sed s/lockstep/realtime/)";
+    let other = format!("sh -c '{other} exec {} controller/foreign/python/stand.py'", python().display());
+    let (output, _) = run("stand", &["--controller", &other]);
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(5), "{errors}");
+    assert!(errors.contains("realtime"), "{errors}");
+}

@@ -1,0 +1,90 @@
+//! However a process ends, the others say so, end in order, and leave nothing.
+
+use super::{all_gone, end, eventually, roles_of, send, session, start, walking};
+use nix::sys::signal::Signal;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+#[test]
+fn a_run_that_ends_by_itself_leaves_nothing_behind() {
+    let launcher = start(&["run", "walk", "--realtime", "--quiet", "--set", "duration=1"]);
+    let mut roles = vec![];
+    eventually("two processes", || {
+        roles = roles_of(launcher.id());
+        roles.len() == 2
+    });
+    assert_eq!(end(launcher).0, Some(0));
+    all_gone(&roles);
+}
+
+#[test]
+fn ctrl_c_and_term_end_everything_in_order() {
+    for signal in [Signal::SIGINT, Signal::SIGTERM] {
+        let (launcher, roles) = walking();
+        send(launcher.id() as i32, signal);
+        let (code, errors) = end(launcher);
+        assert_eq!(code, Some(130), "{errors}");
+        assert!(errors.contains("interrupted"), "{errors}");
+        all_gone(&roles);
+    }
+}
+
+#[test]
+fn children_die_with_a_killed_launcher_and_the_last_one_clears_up() {
+    let (mut launcher, roles) = walking();
+    launcher.kill().expect("our own child");
+    launcher.wait().expect("the launcher ends");
+    all_gone(&roles);
+}
+
+#[test]
+fn a_killed_child_is_named_and_the_other_is_ended() {
+    for role in ["plant", "controller"] {
+        let (launcher, roles) = walking();
+        let victim = roles.iter().find(|child| child.name == role).expect("the role is there");
+        send(victim.number, Signal::SIGKILL);
+        let (code, errors) = end(launcher);
+        assert_eq!(code, Some(4), "{errors}");
+        assert!(errors.contains(&format!("the {role} failed")) && errors.contains("SIGKILL"), "{errors}");
+        all_gone(&roles);
+    }
+}
+
+#[test]
+fn a_stopped_controller_is_a_fault_in_real_time() {
+    let (launcher, roles) = walking();
+    let victim = roles.iter().find(|child| child.name == "controller").expect("a controller");
+    send(victim.number, Signal::SIGSTOP);
+    let (code, errors) = end(launcher);
+    assert!(code == Some(4) || code == Some(7), "{code:?} {errors}");
+    assert!(errors.contains("silent") && errors.contains("damped"), "{errors}");
+    all_gone(&roles);
+}
+
+#[test]
+fn a_peer_that_never_comes_is_named_each_second_and_then_given_up() {
+    for (role, missing) in [("plant", "controller"), ("controller", "plant")] {
+        let session = session(&format!("lonely-{role}"));
+        let (code, errors) = end(start(&[role, "walk", "--patience", "2.5", "--session", session.name()]));
+        assert_eq!(code, Some(3), "{errors}");
+        for second in 1..=2 {
+            assert!(errors.contains(&format!("waiting for the {missing}: {second} of 2.5 s")), "{errors}");
+        }
+        assert!(errors.contains(&format!("no {missing}")), "{errors}");
+        assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+    }
+}
+
+#[test]
+fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
+    let session = session("cannot");
+    let bad = ["--set", "plant.law=EnergyQp", "--set", "plant.method=EventDriven", "--session", session.name()];
+    let controller = start(&[&["controller", "walk", "--patience", "50"], &bad[..]].concat());
+    eventually("the controller's session", || session.leftovers().len() > 5);
+    let begun = Instant::now();
+    let (code, errors) = end(start(&[&["plant", "walk"], &bad[..]].concat()));
+    assert!(code == Some(4) && errors.contains("plant.law of the method EventDriven"), "{errors}");
+    assert_eq!(end(controller).0, Some(0));
+    assert!(begun.elapsed() < Duration::from_secs(40), "it waited out its patience");
+    assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+}

@@ -1,0 +1,99 @@
+//! Claims about the processes: same results however they are started, an orderly end however they end.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod ends;
+mod same;
+mod strangers;
+
+use messages::session::Session;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::path::PathBuf;
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// Longest wait for anything here: far more than it takes on a busy machine.
+const LONG: Duration = Duration::from_secs(60);
+
+fn biped(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+    command.args(arguments).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+    command
+}
+
+fn start(arguments: &[&str]) -> Child {
+    biped(arguments).spawn().expect("the program starts")
+}
+
+/// Exit code and what was written to standard error.
+fn end(child: Child) -> (Option<i32>, String) {
+    let Output { status, stderr, .. } = child.wait_with_output().expect("the program ends");
+    (status.code(), String::from_utf8_lossy(&stderr).into_owned())
+}
+
+fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
+    let start = Instant::now();
+    while !holds() {
+        assert!(start.elapsed() < LONG, "{what} did not come true");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+}
+
+fn fresh_folder(name: &str) -> PathBuf {
+    let folder = std::env::temp_dir().join(format!("biped-test-{}-{name}", std::process::id()));
+    let _ = std::fs::remove_dir_all(&folder);
+    folder
+}
+
+/// A session that only this test uses.
+fn session(name: &str) -> Session {
+    Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name")
+}
+
+/// A child of `biped run`.
+struct Role {
+    name: String,
+    number: i32,
+    session: Session,
+}
+
+/// The running children of a process that are already plant or controller.
+fn roles_of(launcher: u32) -> Vec<Role> {
+    let list = std::fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).unwrap_or_default();
+    let role = |number: &str| {
+        let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).ok()?;
+        let words: Vec<_> = line.split('\0').collect();
+        let session = words.iter().position(|word| *word == "--session")?;
+        let session = Session::named(words.get(session + 1)?).ok()?;
+        Some(Role { name: words[1].into(), number: number.parse().ok()?, session })
+    };
+    list.split_whitespace().filter_map(role).collect()
+}
+
+fn is_running(number: i32) -> bool {
+    // A zombie has ended, even if nobody in this container reaps orphans.
+    let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+    stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with('Z'))
+}
+
+/// A long real-time run that has begun to walk, with its two children.
+fn walking() -> (Child, Vec<Role>) {
+    let launcher = start(&["run", "walk", "--realtime", "--quiet", "--set", "duration=300"]);
+    let mut roles = vec![];
+    eventually("two processes that speak", || {
+        roles = roles_of(launcher.id());
+        roles.len() == 2 && roles[0].session.leftovers().len() > 10
+    });
+    std::thread::sleep(Duration::from_millis(200));
+    (launcher, roles)
+}
+
+fn all_gone(roles: &[Role]) {
+    eventually("the end of the processes", || !roles.iter().any(|role| is_running(role.number)));
+    assert_eq!(roles[0].session.leftovers(), Vec::<PathBuf>::new());
+}
+
+fn send(number: i32, signal: Signal) {
+    kill(Pid::from_raw(number), signal).expect("a signal to our own child");
+}
