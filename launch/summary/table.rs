@@ -4,70 +4,58 @@ use super::Summary;
 use std::fmt::{self, Display};
 
 impl Summary {
-    /// The table: name and value with unit, only what applies to this run.
+    /// The table: name and value with unit, only what applies to this run and was measured.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
+        let end = self.duration_s.max(0.0); // of a run without records as well
         let outcome = match (self.fall_time_s, self.cut_short_by) {
             (Some(time), None) => format!("FELL after {time:.2} s"),
-            (Some(time), Some(cause)) => {
-                format!("FELL after {time:.2} s, CUT SHORT after {:.2} s: {cause}", self.duration_s)
-            }
-            (None, Some(cause)) => format!("CUT SHORT after {:.2} s: {cause}", self.duration_s),
+            (Some(time), Some(cause)) => format!("FELL after {time:.2} s, CUT SHORT after {end:.2} s: {cause}"),
+            (None, Some(cause)) => format!("CUT SHORT after {end:.2} s: {cause}"),
             (None, None) if self.steps > 0 => "no fall".into(),
             (None, None) => "completed".into(),
         };
         let simulated = match self.wall_s {
-            0.0 => format!("{:.2} s", self.duration_s),
-            wall => format!("{:.2} s in {wall:.2} s, {:.0} x real time", self.duration_s, self.realtime_factor),
+            0.0 => format!("{end:.2} s"),
+            wall => format!("{end:.2} s in {wall:.2} s, {:.0} x real time", end / wall),
         };
-        let mut lines = vec![
-            ("outcome", outcome),
-            ("robot", self.robot.clone()),
-            ("simulated", simulated),
-            ("processes", self.processes.to_string()),
-            ("distance", format!("{:.3} m", tidy(self.distance_m))),
-            ("sideways", format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg))),
-            ("speed", format!("{:.4} m/s", tidy(self.speed_mps))),
-        ];
-        if self.steps > 0 {
-            lines.push(("steps", self.steps.to_string()));
-            lines.push((
-                "period of two steps",
-                format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s),
-            ));
-            lines.push(("x2 min", format!("{:.2} mm", 1e3 * self.x2_min_m)));
-        }
-        if self.peak_torque_nm.iter().any(|torque| *torque != 0.0) {
-            lines.push(("peak torque, L to R", format!("{} N m", list(&self.peak_torque_nm))));
-            lines.push(("peak power, L to R", format!("{} W", list(&self.peak_power_w))));
-        }
-        if self.zmp_margin_m.is_finite() {
-            lines.push((
-                "support foot",
-                format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m),
-            ));
-        }
+        let sideways = format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg));
+        let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);
+        let support = format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m);
         let residuals = format!("Signorini {:.1e}, natural map {:.1e}", self.signorini_max, self.natural_map_max);
-        lines.extend([
-            ("contact residuals", residuals),
-            ("energy gain", format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks)),
-            ("trajectory hash", self.trajectory_hash.clone()),
-        ]);
-        lines.retain(|(name, value)| (*name, value.as_str()) != ("processes", "0"));
-        if !self.met.is_empty() {
-            lines.push(("link", self.met.clone()));
-        }
-        if self.dropped > 0 {
-            lines.push(("not finite", format!("{} records left out", self.dropped)));
-        }
-        if !self.model.is_empty() {
-            lines.push(("model", self.model.clone()));
-            let cost = match self.model_cost_ratio {
-                1.0 => "that of the full model, which it is".into(),
-                ratio => format!("{ratio:.2} of the full model's time for a step"),
-            };
-            lines.push(("cost of the model", cost));
-        }
-        lines
+        let cost = match self.model_cost_ratio {
+            1.0 => "that of the full model, which it is".into(),
+            ratio => format!("{ratio:.2} of the full model's time for a step"),
+        };
+        let (walks, is_driven) = (self.steps > 0, self.peak_torque_nm.iter().any(|torque| *torque != 0.0));
+        let has_model = !self.model.is_empty();
+        // Residuals and energy show also where they are no number: that is then what there is to see.
+        let lines = [
+            ("outcome", true, outcome),
+            ("robot", true, self.robot.clone()),
+            ("simulated", true, simulated),
+            ("processes", self.processes > 0, self.processes.to_string()),
+            ("distance", self.distance_m.is_finite(), format!("{:.3} m", tidy(self.distance_m))),
+            ("sideways", self.lateral_m.is_finite(), sideways),
+            ("speed", self.speed_mps.is_finite(), format!("{:.4} m/s", tidy(self.speed_mps))),
+            ("steps", walks, self.steps.to_string()),
+            ("period of two steps", walks && self.period_s.is_finite(), period),
+            ("x2 min", walks && self.x2_min_m.is_finite(), format!("{:.2} mm", 1e3 * self.x2_min_m)),
+            ("peak torque, L to R", is_driven, format!("{} N m", list(&self.peak_torque_nm))),
+            ("peak power, L to R", is_driven, format!("{} W", list(&self.peak_power_w))),
+            ("support foot", self.zmp_margin_m.is_finite(), support),
+            ("contact residuals", true, residuals),
+            (
+                "energy gain",
+                self.energy_gain_max_j != f64::NEG_INFINITY,
+                format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks),
+            ),
+            ("trajectory hash", true, self.trajectory_hash.clone()),
+            ("link", !self.met.is_empty(), self.met.clone()),
+            ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
+            ("model", has_model, self.model.clone()),
+            ("cost of the model", has_model, cost),
+        ];
+        lines.into_iter().filter(|line| line.1).map(|(name, _, value)| (name, value)).collect()
     }
 }
 
@@ -106,5 +94,16 @@ mod tests {
         }
         assert!(!outcome(Exit::Fell).contains("CUT SHORT"), "a fall is an outcome of its own");
         assert_eq!(summary([]).lines()[0].1, "completed");
+    }
+
+    #[test]
+    fn what_was_not_measured_is_not_shown() {
+        let fake = FakeWalk::new(0.06);
+        for count in [0, 1, 2, 2000, 2200] {
+            let summary = summary((0..count).map(|seq| fake.truth(seq, seq as f64 * 1e-3)));
+            let table = summary.to_string();
+            assert!(!table.contains("NaN") && !table.contains("inf"), "{count} records: {table}");
+            assert_eq!(table.contains("speed"), count > 5, "{table}");
+        }
     }
 }
