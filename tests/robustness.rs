@@ -73,6 +73,29 @@ fn shards_and_interrupted_sweeps_leave_the_same_file_as_one() {
 }
 
 #[test]
+fn two_sweeps_never_write_one_table() {
+    let folder = fresh_path("robustness");
+    let long = ["--set", "duration=100000"];
+    let mut first = biped(&long).arg("--out").arg(&folder).stderr(Stdio::piped()).spawn().expect("the program starts");
+    let start = Instant::now();
+    while !read(&folder.join("robustness.csv")).contains("case,") && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let second = output(&long, &folder);
+    let words = String::from_utf8_lossy(&second.stderr);
+    assert_eq!(second.status.code(), Some(2), "{words}");
+    assert!(
+        words.contains("another sweep is writing") && words.contains("--out") && words.lines().count() == 1,
+        "{words}"
+    );
+    kill(Pid::from_raw(first.id() as i32), Signal::SIGTERM).expect("our own child");
+    assert_eq!(first.wait().expect("an end").code(), Some(130));
+    // Another share has a table of its own.
+    assert!(output(&["--shard", "1/16"], &folder).status.success());
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn a_walk_bears_some_delay_but_not_any() {
     let folder = fresh_path("robustness");
     let [table, map] = sweep(&["--delay", "0,2,12", "--jitter", "0", "--loss", "0,1"], &folder);

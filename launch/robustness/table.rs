@@ -6,8 +6,8 @@ use crate::exit::{Exit, Failure};
 use crate::report::write_whole;
 use crate::study::Outcome;
 use crate::summary::Summary;
-use std::fs::{File, OpenOptions};
-use std::io::Write;
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
@@ -17,7 +17,7 @@ const RESULTS: usize = 8;
 /// A run that stayed up.
 pub const UP: &str = "up";
 
-/// The rows of runs that have ended, by number; a file that grows with them.
+/// The rows of runs that have ended, by number; a file that grows with them, and is locked meanwhile.
 pub struct Table {
     path: PathBuf,
     begin: String,
@@ -28,19 +28,23 @@ impl Table {
     /// Opens a table, with the rows that an earlier run of the same sweep has left; a row that was cut short is dropped.
     ///
     /// # Errors
-    /// A file of another sweep, or one that cannot be written.
+    /// A file of another sweep, one that somebody writes just now, or one that cannot be written.
     pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
-        let mut rows = vec![None; cases.len()];
-        match std::fs::read_to_string(path) {
-            Ok(old) => take(path, &old, grid, cases, &mut rows)
-                .map_err(|failure| Failure::new(failure.exit, format!("{}; choose another --out", failure.message)))?,
-            Err(error) if error.kind() == std::io::ErrorKind::NotFound => (),
-            Err(error) => return Err(unreadable(path, &error)),
-        }
         let failed = |error: std::io::Error| unwritable(path, &error);
-        write_whole(path, &text(grid, &rows)).map_err(failed)?;
-        let file = OpenOptions::new().append(true).open(path).map_err(failed)?;
-        Ok(Table { path: path.into(), begin: begin(grid), growing: Mutex::new((file, rows)) })
+        let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
+        let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
+        if let Err(TryLockError::WouldBlock) = file.try_lock() {
+            let words = format!("another sweep is writing {}: wait for it, or choose another --out", path.display());
+            return Err(Failure::new(Exit::Usage, words));
+        }
+        file.read_to_string(&mut old).map_err(|error| unreadable(path, &error))?;
+        take(path, &old, grid, cases, &mut rows)
+            .map_err(|failure| Failure::new(failure.exit, format!("{}; choose another --out", failure.message)))?;
+        match whole(&old).len() {
+            length if length >= begin.len() => file.set_len(length as u64).map_err(failed)?,
+            _ => file.set_len(0).and_then(|()| file.write_all(begin.as_bytes())).map_err(failed)?,
+        }
+        Ok(Table { path: path.into(), begin, growing: Mutex::new((file, rows)) })
     }
 
     /// Whether a run is there.
@@ -144,8 +148,7 @@ fn results(outcome: &Outcome) -> String {
 /// Takes the rows of a file into `rows`.
 fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option<String>]) -> Result<(), Failure> {
     let refuse = |words: String| Failure::new(Exit::Usage, format!("{} {words}", path.display()));
-    let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
-    let begin = begin(grid);
+    let (whole, begin) = (whole(text), begin(grid));
     let Some(body) = whole.strip_prefix(&begin) else {
         return match begin.starts_with(whole) {
             true => Ok(()),
@@ -165,6 +168,11 @@ fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option
         }
     }
     Ok(())
+}
+
+/// Without a row that was cut short.
+fn whole(text: &str) -> &str {
+    text.rfind('\n').map_or("", |end| &text[..=end])
 }
 
 fn unreadable(path: &Path, error: &std::io::Error) -> Failure {
