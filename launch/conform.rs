@@ -49,6 +49,9 @@ pub struct ConformArgs {
 /// What was found on a rule: a remark, or what was done instead.
 type Finding = Result<String, String>;
 
+/// Some of the rules.
+type Part = fn(&Host, &mut Report) -> Result<(), String>;
+
 /// The rules, told one by one.
 struct Report<'a> {
     kept: usize,
@@ -74,8 +77,9 @@ impl Report<'_> {
         say(format_args!("note    {text}\n"));
     }
 
-    fn goes_on(&self) -> bool {
-        !self.stop.load(Relaxed)
+    /// Checks one part after the other, until Ctrl-C.
+    fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
+        parts.iter().try_for_each(|part| if self.stop.load(Relaxed) { Ok(()) } else { part(host, self) })
     }
 }
 

@@ -24,17 +24,8 @@ const ON_TIME: Duration = Duration::from_secs(1);
 
 /// Checks them all.
 pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
-    conversation(host, report)?;
-    if report.goes_on() {
-        succession(host, report)?;
-    }
-    if report.goes_on() {
-        company::check(host, Role::Controller, report)?;
-    }
-    if report.goes_on() {
-        on_time(host, report)?;
-    }
-    Ok(())
+    let company = |host: &Host, report: &mut Report| company::check(host, Role::Controller, report);
+    report.each(host, &[conversation, succession, company, on_time])
 }
 
 /// One session from beginning to end.

@@ -26,20 +26,8 @@ pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
     let mut scene = host.scene.clone();
     scene.duration = DURATION;
     let host = &Host { command: host.command.clone(), scene, patience: host.patience };
-    conversation(host, report)?;
-    if report.goes_on() {
-        succession(host, report)?;
-    }
-    if report.goes_on() {
-        company::check(host, Role::Plant, report)?;
-    }
-    if report.goes_on() {
-        silence(host, report)?;
-    }
-    if report.goes_on() {
-        on_time(host, report)?;
-    }
-    Ok(())
+    let company = |host: &Host, report: &mut Report| company::check(host, Role::Plant, report);
+    report.each(host, &[conversation, succession, company, silence, on_time])
 }
 
 /// Commands that must not be taken for the answer, before any has been: what, index into [`REFUSALS`], how.

@@ -56,7 +56,8 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
 struct Table {
     path: PathBuf,
     file: BufWriter<File>,
-    topic: Topic,
+    message: &'static Message,
+    without: &'static [&'static str],
     rows: u64,
 }
 
@@ -64,16 +65,17 @@ impl Table {
     fn create(folder: &Path, topic: Topic) -> Result<Table, Failure> {
         let path = folder.join(format!("{}.csv", &topic.name()[1..]));
         let file = File::create(&path).map_err(|error| failed(&path, "cannot be written", error))?;
-        let mut table = Table { path, file: BufWriter::new(file), topic, rows: 0 };
+        let (message, without) = (topic.message(), topic.without());
+        let mut table = Table { path, file: BufWriter::new(file), message, without, rows: 0 };
         let mut names = vec!["time_s".to_string()];
-        columns(topic.message(), topic.without(), "", &mut names);
+        columns(message, without, "", &mut names);
         table.line(&names.join(","))?;
         Ok(table)
     }
 
     fn row(&mut self, time: u64, bytes: &[u8]) -> Result<(), Failure> {
         let mut text = format!("{}.{:09}", time / 1_000_000_000, time % 1_000_000_000);
-        cells(self.topic.message(), self.topic.without(), bytes, &mut text);
+        cells(self.message, self.without, bytes, &mut text);
         self.rows += 1;
         self.line(&text)
     }
