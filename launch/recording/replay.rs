@@ -39,8 +39,8 @@ struct Comparison {
     first: Option<f64>,
     /// Controllers or plants begun.
     beginnings: u64,
-    /// From when on it cannot be told what the controller heard [s].
-    unknown: Option<f64>,
+    /// What else is worth knowing.
+    remark: Option<String>,
     /// Whether somebody asked for something at the plant's desk, which is not recorded.
     is_asked: bool,
 }
@@ -65,13 +65,13 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
     let found = if args.plant { plant(&mut reader)? } else { controller(&mut reader)? };
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
-    let Comparison { count, differ, greatest, first, beginnings, unknown, is_asked } = found;
+    let Comparison { count, differ, greatest, first, beginnings, remark, is_asked } = found;
     say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
     if beginnings > 1 {
         say(format_args!("begun anew {} times, as recorded\n", beginnings - 1));
     }
-    if let Some(time) = unknown {
-        say(format_args!("at {time:.3} s sensors and commands were lost together: what it heard then is not known\n"));
+    if let Some(remark) = remark {
+        say(format_args!("{remark}\n"));
     }
     if let Some(why) = reader.cut {
         say(format_args!("the file is cut short after them: {why}\n"));
@@ -108,7 +108,9 @@ fn controller(reader: &mut Reader) -> Result<Comparison, Failure> {
                 lost if lost >= between => last.ack + 1..=command.ack, // none if it says the same again
                 0 => command.ack..=command.ack,
                 _ => {
-                    found.unknown = Some(stamp.sim_ns as f64 * 1e-9);
+                    let time = stamp.sim_ns as f64 * 1e-9;
+                    let words = "sensors and commands were lost together: what it heard then is not known";
+                    found.remark = Some(format!("at {time:.3} s {words}"));
                     return Ok(found);
                 }
             };
