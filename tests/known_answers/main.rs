@@ -12,6 +12,7 @@ mod rolling;
 mod sliding;
 mod springs;
 mod standing;
+mod steps;
 mod support;
 mod symmetry;
 mod walkers;
