@@ -1,0 +1,122 @@
+//! The stages of a step at contact: what touches, the problem (14), its impulse (15)-(22), the velocity after it.
+
+use super::{Plant, Workspace};
+use crate::contact::{Report, is_plastic};
+use crate::detect::touching;
+use crate::error::PlantError;
+use crate::step::settings::Settings;
+use messages::scene::Law;
+
+/// Trials of a weld, each with the contacts corrected by the one before.
+const WELDS: usize = 4;
+
+impl Plant {
+    /// The points that may touch within a step of `h`.
+    pub(super) fn find_touches(&mut self, h: f64) {
+        let Workspace { pose, touches, .. } = &mut self.work;
+        touching(&self.model, pose, self.settings.law, h, touches);
+    }
+
+    /// The problem (14) of the touching points, A apart.
+    fn pose_problem(&mut self, h: f64) {
+        let Settings { law, friction, restitution, .. } = self.settings;
+        let Workspace { pose, free, touches, map, problem, .. } = &mut self.work;
+        map.drift(&self.model, pose, touches, free, law, problem, |_, drift| drift);
+        problem.friction.fill(friction);
+        for (approach, touch) in problem.approach.iter_mut().zip(&*touches) {
+            *approach = touch.gap.max(0.0) / h;
+        }
+        if law == Law::SpringDamper {
+            problem.spring = self.settings.spring;
+            problem.gap.iter_mut().zip(&*touches).for_each(|(gap, touch)| *gap = touch.gap);
+            for (before, touch) in problem.before.chunks_exact_mut(3).zip(&*touches) {
+                let v = pose.links[touch.link].velocity.at(&touch.arm);
+                before.copy_from_slice(&[v.z, v.x, v.y]);
+            }
+        }
+        if restitution > 0.0 {
+            self.bounce(h);
+        }
+    }
+
+    /// Newton's law of impact: what would land within the step of `h` and was falling at v_N leaves at -e v_N or more. What
+    /// two steps of free fall made as fast stays down, or the last of its bounces would never come.
+    fn bounce(&mut self, h: f64) {
+        let slow = if h.is_finite() { 2.0 * self.model.gravity.norm() * h } else { 0.0 };
+        let Workspace { pose, touches, problem, .. } = &mut self.work;
+        let rows = 1 + problem.tangents;
+        for ((approach, free), touch) in
+            problem.approach.iter_mut().zip(problem.drift.iter().step_by(rows)).zip(touches)
+        {
+            let before = pose.links[touch.link].velocity.at(&touch.arm).z;
+            if before < -slow && free + *approach < 0.0 {
+                *approach = self.settings.restitution * before;
+            }
+        }
+    }
+
+    /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
+    ///
+    /// Where nothing moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
+    pub(super) fn solve_contacts(&mut self, h: f64) -> Result<(), PlantError> {
+        if !self.work.touches.is_empty() {
+            self.pose_problem(h);
+            let (welded, report) = match self.weld() {
+                Some(report) => (true, report),
+                None => (false, self.solve_problem()?),
+            };
+            let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
+            debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
+            self.counts.note(&report);
+            self.report = report;
+            let Workspace { factor, free, change, map, solver, weld, .. } = &mut self.work;
+            let impulse = if welded { &weld.wrench } else { &solver.impulse };
+            map.respond(&self.model, factor, impulse, change);
+            free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
+        }
+        self.state.xdot.copy_from_slice(&self.work.free);
+        Ok(())
+    }
+
+    /// The solution in which every touching link stays where it is, if it did in the step before and that obeys the law.
+    fn weld(&mut self) -> Option<Report> {
+        let Settings { law, restitution, welds, .. } = self.settings;
+        let Workspace { pose, factor, free, touches, map, problem, solver, weld, .. } = &mut self.work;
+        if !(welds && law == Law::Aligned && restitution == 0.0 && problem.tangents == 2 && self.memory.rests()) {
+            return None;
+        }
+        weld.reduce(&self.model, pose, factor, touches, free, map);
+        solver.recall(problem, &self.memory);
+        for _ in 0..WELDS {
+            if !weld.hold(touches, problem, map, solver.basis()) {
+                return None;
+            }
+            let rows = [&weld.diagonal, &weld.impulse, &weld.velocity].map(Vec::as_slice);
+            let report = solver.accept(problem, rows, &mut self.memory);
+            if report.is_some() || !solver.correct() {
+                return report;
+            }
+        }
+        None
+    }
+
+    /// The solution of the problem (14), every contact by itself.
+    fn solve_problem(&mut self) -> Result<Report, PlantError> {
+        let Workspace { pose, factor, touches, map, problem, solver, .. } = &mut self.work;
+        map.assemble(&self.model, pose, factor, touches, problem);
+        let report = solver.solve(problem, self.settings.law, &mut self.memory);
+        self.settings.check(&report, self.steps, problem)?;
+        Ok(report)
+    }
+
+    /// Takes the contact impulses of the last solution into the record.
+    pub(super) fn record_contacts(&mut self) {
+        let Workspace { touches, map, solver, .. } = &self.work;
+        if !touches.is_empty() {
+            self.record.note(&self.report);
+            for (i, touch) in touches.iter().enumerate() {
+                self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
+            }
+        }
+    }
+}
