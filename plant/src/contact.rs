@@ -34,22 +34,23 @@ mod dictionary;
 mod energy_qp;
 mod facets;
 mod fixed_point;
+mod growing;
 mod lemke;
 mod newton;
 mod project;
+mod rays;
 mod residual;
 mod round;
 mod scaled;
 mod solver;
-mod spd;
 mod spring_damper;
 mod sweep;
 mod twofold;
 
 pub(crate) use active_set::pushes;
+pub(crate) use growing::Growing;
 pub(crate) use scaled::{YIELD, dot};
 pub use solver::Solver;
-pub(crate) use spd::Spd;
 
 use messages::scene::Law;
 use serde::{Deserialize, Serialize};

@@ -1,8 +1,7 @@
 //! The contact problem of a step, (12)-(14): K, A = KᵀH⁻¹K and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
 //!
-//! The contacts of one link are moved by the same degrees of freedom, so their columns of K stand side by side, one row
-//! per degree of freedom of the link's path, and go through the factor L of H together: Y = L⁻ᵀK, A = YᵀY, and after the
-//! solution H⁻¹KΔf = L⁻¹(YΔf).
+//! The contacts of one link are moved by the same degrees of freedom, those of the link's path, so their columns of K stand side
+//! by side and go through the factor L of H together: Y = L⁻ᵀK, A = YᵀY, and after the solution H⁻¹KΔf = L⁻¹(YΔf).
 
 use crate::contact::{Problem, follows_slip, tangents};
 use crate::detect::Touch;
@@ -23,8 +22,10 @@ const ALIKE: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct ContactMap {
     groups: Vec<Group>,
-    /// Y of each group, row by row; what fills up the last block of a row is zero.
+    /// Y of each group, [`BLOCK`] columns at a time; what fills up the last is zero.
     blocks: Vec<[f64; BLOCK]>,
+    /// A row of K.
+    row: Vec<[f64; BLOCK]>,
     /// Unit tangents of each contact.
     tangents: Vec<[Vector3<f64>; 2]>,
 }
@@ -37,8 +38,8 @@ struct Group {
     columns: Range<usize>,
     /// First of their blocks.
     start: usize,
-    /// Blocks of a row.
-    width: usize,
+    /// Blocks of a column: one for each degree of freedom that moves them, or an empty one.
+    height: usize,
 }
 
 impl ContactMap {
@@ -48,6 +49,7 @@ impl ContactMap {
         ContactMap {
             groups: Vec::with_capacity(corners),
             blocks: Vec::with_capacity(corners * model.dofs()),
+            row: Vec::with_capacity(corners),
             tangents: Vec::with_capacity(corners),
         }
     }
@@ -133,13 +135,18 @@ impl ContactMap {
         entries: impl Fn(&Spatial, &mut [f64]),
     ) {
         let (path, start, width) = (model.path(link), self.blocks.len(), count.div_ceil(BLOCK));
+        let height = path.len().max(1);
         let first = self.groups.last().map_or(0, |group| group.columns.end);
-        self.blocks.resize(start + path.len() * width, [0.0; BLOCK]);
-        for (&dof, row) in path.iter().zip(self.blocks[start..].chunks_exact_mut(width)) {
-            entries(&pose.links[dof + 1].column, row.as_flattened_mut());
+        self.blocks.resize(start + height * width, [0.0; BLOCK]);
+        self.row.clear();
+        self.row.resize(width, [0.0; BLOCK]);
+        let columns = &mut self.blocks[start..];
+        for (depth, &dof) in path.iter().enumerate() {
+            entries(&pose.links[dof + 1].column, self.row.as_flattened_mut());
+            columns[depth..].iter_mut().step_by(height).zip(&self.row).for_each(|(block, row)| *block = *row);
         }
-        factor.half_solve(model, link, width, &mut self.blocks[start..]);
-        self.groups.push(Group { link, columns: first..first + count, start, width });
+        factor.half_solve(model, link, columns);
+        self.groups.push(Group { link, columns: first..first + count, start, height });
     }
 
     /// Normal and tangents of contact i, in W.
@@ -160,19 +167,17 @@ impl ContactMap {
         for (i, a) in self.groups.iter().enumerate() {
             for b in &self.groups[..=i] {
                 let shared = model.shared(a.link, b.link);
-                for block in 0..b.width {
-                    let width = BLOCK.min(b.columns.len() - block * BLOCK);
-                    let diagonal = if a.start == b.start { block * BLOCK } else { 0 };
-                    for k in diagonal..a.columns.len() {
-                        let mut sum = [0.0; BLOCK];
-                        for (y_a, y_b) in self.rows(a).zip(self.rows(b)).take(shared) {
-                            let factor = y_a.as_flattened()[k];
-                            sum = std::array::from_fn(|c| sum[c] + factor * y_b[block][c]);
+                for (row, y_a) in self.columns(a) {
+                    for (column, y_b) in self.columns(b).take_while(|(column, _)| *column <= row) {
+                        let mut tile = [[0.0; BLOCK]; BLOCK];
+                        for (y_a, y_b) in y_a[..shared].iter().zip(&y_b[..shared]) {
+                            tile = std::array::from_fn(|r| std::array::from_fn(|c| tile[r][c] + y_a[r] * y_b[c]));
                         }
-                        let (row, column) = (a.columns.start + k, b.columns.start + block * BLOCK);
-                        product[row * size + column..][..width].copy_from_slice(&sum[..width]);
-                        for (c, entry) in sum[..width].iter().enumerate() {
-                            product[(column + c) * size + row] = *entry;
+                        for (r, tile) in (row..a.columns.end).zip(tile) {
+                            for (c, entry) in (column..b.columns.end).zip(tile) {
+                                product[r * size + c] = entry;
+                                product[c * size + r] = entry;
+                            }
                         }
                     }
                 }
@@ -180,18 +185,22 @@ impl ContactMap {
         }
     }
 
-    /// Rows of Y of a group, base first.
-    fn rows(&self, group: &Group) -> impl Iterator<Item = &[[f64; BLOCK]]> {
-        self.blocks[group.start..].chunks_exact(group.width)
+    /// Y of a group, [`BLOCK`] columns at a time: the first of them, and their blocks, base first.
+    fn columns(&self, group: &Group) -> impl Iterator<Item = (usize, &[[f64; BLOCK]])> {
+        let count = group.columns.len().div_ceil(BLOCK);
+        let blocks = self.blocks[group.start..].chunks_exact(group.height).take(count);
+        group.columns.clone().step_by(BLOCK).zip(blocks)
     }
 
     /// H⁻¹KΔf: the change of velocity that the contact impulses make.
     pub fn respond(&self, model: &Model, factor: &Factor, impulse: &[f64], change: &mut [f64]) {
         change.fill(0.0);
         for group in &self.groups {
-            let impulse = &impulse[group.columns.clone()];
-            for (y, &dof) in self.rows(group).zip(model.path(group.link)) {
-                change[dof] += y.as_flattened().iter().zip(impulse).map(|(y, f)| y * f).sum::<f64>();
+            for (column, blocks) in self.columns(group) {
+                let impulse = &impulse[column..group.columns.end];
+                for (y, &dof) in blocks.iter().zip(model.path(group.link)) {
+                    change[dof] += y.iter().zip(impulse).map(|(y, f)| y * f).sum::<f64>();
+                }
             }
         }
         factor.second_half_solve(model, change);

@@ -155,18 +155,19 @@ impl Factor {
         }
     }
 
-    /// Y = L⁻ᵀK, for columns of K that are zero off the path to `link`: one row per degree of freedom of the path, base
-    /// first, of `width` blocks.
+    /// Y = L⁻ᵀK, for columns of K that are zero off the path to `link`, [`BLOCK`] of them side by side: a block for each degree of
+    /// freedom of the path, base first, then those of the next columns.
     ///
     /// The result has the same pattern, so that in the Delassus matrix KᵀH⁻¹K = YᵀY two links meet in the first
-    /// [`Model::shared`] rows.
-    pub fn half_solve(&self, model: &Model, link: usize, width: usize, rows: &mut [[f64; BLOCK]]) {
-        for (depth, &i) in model.path(link).iter().enumerate().rev() {
-            let (before, rest) = rows.split_at_mut(depth * width);
-            let row = &mut rest[..width];
-            row.as_flattened_mut().iter_mut().for_each(|y| *y *= self.reciprocal[i]);
-            for (entries, l) in before.chunks_exact_mut(width).zip(self.l.row(i)) {
-                for (entry, y) in entries.iter_mut().zip(row.iter()) {
+    /// [`Model::shared`] blocks.
+    pub fn half_solve(&self, model: &Model, link: usize, columns: &mut [[f64; BLOCK]]) {
+        let path = model.path(link);
+        for column in columns.chunks_exact_mut(path.len().max(1)) {
+            for (depth, &i) in path.iter().enumerate().rev() {
+                let (before, rest) = column.split_at_mut(depth);
+                let y = rest[0].map(|y| y * self.reciprocal[i]);
+                rest[0] = y;
+                for (entry, l) in before.iter_mut().zip(self.l.row(i)) {
                     *entry = std::array::from_fn(|c| entry[c] - l * y[c]);
                 }
             }

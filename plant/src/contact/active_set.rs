@@ -95,13 +95,13 @@ pub(crate) fn pushes(bits: u8, friction: f64) -> impl Iterator<Item = [f64; 3]> 
         ray
     };
     let axis = |row: usize| std::array::from_fn(|k| f64::from(k == row));
-    let pushes = match Guess::read(bits, 4) {
-        Guess::Open => [None; 3],
-        Guess::Sticks => [0, 1, 2].map(|row| Some(axis(row))),
-        Guess::Slides(j) => [Some(ray(j)), None, None],
-        Guess::SlidesBetween(j, k) => [Some(ray(j)), Some(ray(k)), None],
+    let (pushes, count) = match Guess::read(bits, 4) {
+        Guess::Open => ([[0.0; 3]; 3], 0),
+        Guess::Sticks => ([0, 1, 2].map(axis), 3),
+        Guess::Slides(j) => ([ray(j); 3], 1),
+        Guess::SlidesBetween(j, k) => ([ray(j), ray(k), ray(k)], 2),
     };
-    pushes.into_iter().flatten()
+    pushes.into_iter().take(count)
 }
 
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.

@@ -10,8 +10,9 @@
 //! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
 //! | energy QP | its basic rays | the same |
 
-use super::energy_qp::{minimises_energy, ray};
-use super::{active_set::RAYS, residual, scaled::Scaled, spd::Spd};
+use super::energy_qp::minimises_energy;
+use super::rays::ray;
+use super::{active_set::RAYS, growing::Growing, residual, scaled::Scaled};
 use messages::scene::Law;
 
 /// Refinements at most.
@@ -41,37 +42,17 @@ pub(super) struct Block {
     order: Vec<usize>,
     right: Vec<f64>,
     solution: Vec<f64>,
-    amounts: Vec<f64>,
     dependent: bool,
     /// The block is symmetric and positive: what yields, and reads along what it pushes.
     symmetric: bool,
     square: Vec<f64>,
-    spd: Spd,
+    factor: Growing,
 }
 
 impl Block {
     /// Writes impulse and velocity, scaled, of the basis. False when it holds what is no number.
     pub fn solve(&mut self, scaled: &Scaled, law: Law, basis: &[u8], f: &mut Vec<f64>, v: &mut Vec<f64>) -> bool {
-        self.refine(scaled, law, basis, f, v, REFINEMENTS)
-    }
-
-    /// The same but for rounding: on the way to a basis.
-    pub fn estimate(&mut self, scaled: &Scaled, law: Law, basis: &[u8], f: &mut Vec<f64>, v: &mut Vec<f64>) -> bool {
-        self.refine(scaled, law, basis, f, v, 0)
-    }
-
-    fn refine(
-        &mut self,
-        scaled: &Scaled,
-        law: Law,
-        basis: &[u8],
-        f: &mut Vec<f64>,
-        v: &mut Vec<f64>,
-        refinements: usize,
-    ) -> bool {
         self.columns(scaled, law, basis);
-        self.amounts.clear();
-        self.amounts.resize(self.columns.len(), 0.0);
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         v.clone_from(&scaled.drift);
@@ -82,11 +63,10 @@ impl Block {
             return false;
         }
         let mut before = f64::INFINITY;
-        for _ in 0..=refinements {
+        for _ in 0..=REFINEMENTS {
             self.right.clear();
             self.right.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
             self.substitute();
-            self.amounts.iter_mut().zip(&self.solution).for_each(|(sum, y)| *sum += y);
             for (c, y) in self.columns.iter().zip(&self.solution) {
                 f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
             }
@@ -108,11 +88,6 @@ impl Block {
     /// Whether some columns of the last basis depended on others, so that the impulse is one of many.
     pub fn is_dependent(&self) -> bool {
         self.dependent
-    }
-
-    /// y: how much of each column the impulse holds.
-    pub fn amounts(&self) -> &[f64] {
-        &self.amounts
     }
 
     fn columns(&mut self, scaled: &Scaled, law: Law, basis: &[u8]) {
@@ -159,14 +134,14 @@ impl Block {
     fn factor(&mut self, scaled: &Scaled) -> bool {
         self.symmetric = scaled.yields() && self.columns.iter().all(|column| column.read == column.push);
         if self.symmetric {
-            let Block { columns, square, read_row, spd, .. } = self;
+            let Block { columns, square, read_row, factor, .. } = self;
             square.clear();
             for row in &*columns {
                 let read = scaled.read(row.first, &row.read, read_row);
                 square.extend(columns.iter().map(|c| in_contact(&c.push, &read[c.first..])));
             }
             self.dependent = false;
-            self.symmetric = spd.factorize(columns.len(), square, 0.0);
+            self.symmetric = factor.factorize(columns.len(), square);
         }
         self.symmetric || self.pivot(scaled)
     }
@@ -225,7 +200,7 @@ impl Block {
     fn substitute(&mut self) {
         if self.symmetric {
             self.solution.clone_from(&self.right);
-            return self.spd.solve(&mut self.solution);
+            return self.factor.solve(&mut self.solution);
         }
         let p = self.columns.len();
         let row = |k: usize| &self.matrix[k * self.width..][..self.width].as_flattened()[..p];

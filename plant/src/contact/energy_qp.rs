@@ -1,18 +1,19 @@
 //! The quadratic program (14)-(16) as printed, by principal pivoting.
 //!
-//! Each cone is spanned by its edge rays (1, ±mu d): f = Σ y_j (1, mu d_j), y >= 0. Then (14) is min ½ yᵀQy + qᵀy with
-//! Q = RᵀAR positive semidefinite, and its conditions are `0 <= y ⟂ w = Q y + q >= 0`.
+//! Along the edges of the cones ([`Rays`]) it is min ½ yᵀQy + qᵀy over y >= 0 with Q = RᵀAR positive semidefinite, and its
+//! conditions are `0 <= y ⟂ w = Q y + q >= 0`.
 //!
 //! The ray with the most negative w joins the basic ones; a basic y that would become negative on the way to the new
 //! optimum leaves first. A ray whose w is still negative is independent of the basic ones, so redundant contacts
-//! (singular Q) do no harm. Every basis is solved afresh, for in a tableau the small pivots of nearly redundant contacts,
-//! two flat feet on one robot, would magnify rounding from one exchange to the next.
+//! (singular Q) do no harm. The factor of the basic rays follows what joins and leaves ([`Growing`]); in a tableau the small
+//! pivots of nearly redundant contacts, two flat feet on one robot, would magnify rounding from one exchange to the next.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS.
 
-use super::basis::{Block, in_contact};
-use super::residual;
+use super::basis::Block;
+use super::growing::Growing;
+use super::rays::Rays;
 use super::scaled::Scaled;
 use messages::scene::Law;
 
@@ -22,12 +23,21 @@ const ROUNDING: f64 = 1e-12;
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnergyQp {
+    rays: Rays,
+    /// Rays that may push, in the order in which they joined.
+    basic: Vec<usize>,
+    factor: Growing,
     /// y of each ray, zero where it is not basic.
     amount: Vec<f64>,
+    /// y of each basic ray at the optimum over them.
+    goal: Vec<f64>,
+    /// w there.
+    velocity: Vec<f64>,
     /// Rays that could not join since the energy last fell.
     barred: Vec<bool>,
-    /// Basic rays, each with its y at the optimum over them.
-    goals: Vec<(usize, f64)>,
+    /// Rays that are about to leave, and those that joined after the first of them.
+    leaving: Vec<bool>,
+    behind: Vec<usize>,
 }
 
 /// Whether a law is this program.
@@ -35,17 +45,9 @@ pub(super) fn minimises_energy(law: Law) -> bool {
     matches!(law, Law::EnergyQp | Law::EnergyQpGap)
 }
 
-/// Ray j of contact i in scaled rows.
-pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
-    let (k, sign) = Scaled::facet(j);
-    let mut ray = [1.0, 0.0, 0.0];
-    ray[k] = sign * scaled.friction[i] / scaled.ratio[i * scaled.stride() + k];
-    ray
-}
-
 impl EnergyQp {
     /// Solves; writes impulse, velocity and basis, one bit per basic ray. Adds the pivots to `count`; false beyond 20
-    /// per ray. Starts from the given basis, when asked `again` also from the last solution.
+    /// per ray. Starts from the given basis, when asked `again`, which means with another drift, from where the last one ended.
     #[expect(clippy::too_many_arguments, reason = "problem and solution, their workspace, and the count")]
     pub fn pivot(
         &mut self,
@@ -57,83 +59,114 @@ impl EnergyQp {
         again: bool,
         count: &mut u32,
     ) -> bool {
-        let d = scaled.facets();
-        let rays = scaled.contacts * d;
-        if self.amount.len() != rays || !again {
-            self.amount.clear();
-            self.amount.resize(rays, 0.0);
+        match again {
+            true => self.rays.turn(scaled),
+            false => self.begin(scaled, basis),
         }
-        self.barred.clear();
-        self.barred.resize(rays, false);
-        self.descend(scaled, block, basis, f, v);
-        for _ in 0..20 * rays {
-            let Some(joins) = self.most_negative(scaled, basis, f, v) else {
+        self.barred.fill(false);
+        self.descend(scaled);
+        for _ in 0..20 * self.rays.count() {
+            let Some(joins) = self.most_negative(scaled) else {
+                self.write(scaled, basis);
                 return block.solve(scaled, Law::EnergyQp, basis, f, v);
             };
             *count += 1;
-            basis[joins / d] |= 1 << (joins % d);
-            let moved = self.descend(scaled, block, basis, f, v);
-            if moved && basis[joins / d] >> (joins % d) & 1 == 1 {
+            let moved = self.join(scaled, joins) && self.descend(scaled);
+            if moved && self.basic.contains(&joins) {
                 self.barred.fill(false);
             } else {
                 self.barred[joins] = true;
-                basis[joins / d] &= !(1 << (joins % d));
-                self.amount[joins] = 0.0;
-                block.estimate(scaled, Law::EnergyQp, basis, f, v);
+                self.leaving[joins] = true;
+                self.leave(scaled);
+                self.aim();
             }
         }
         false
     }
 
+    /// No amount of any ray, and those of the basis basic.
+    fn begin(&mut self, scaled: &Scaled, basis: &[u8]) {
+        self.rays.set(scaled);
+        let count = self.rays.count();
+        self.amount.clear();
+        self.amount.resize(count, 0.0);
+        for marks in [&mut self.barred, &mut self.leaving] {
+            marks.clear();
+            marks.resize(count, false);
+        }
+        self.basic.clear();
+        self.factor.clear(count);
+        for r in (0..count).filter(|r| basis[r / scaled.facets()] >> (r % scaled.facets()) & 1 == 1) {
+            self.join(scaled, r);
+        }
+    }
+
+    /// The basic rays as bits.
+    fn write(&self, scaled: &Scaled, basis: &mut [u8]) {
+        basis.fill(0);
+        self.basic.iter().for_each(|r| basis[r / scaled.facets()] |= 1 << (r % scaled.facets()));
+    }
+
+    /// Makes ray r basic; false if it depends on those that are.
+    fn join(&mut self, scaled: &Scaled, r: usize) -> bool {
+        let row = self.rays.row(scaled, r);
+        let joined = self.factor.join(self.basic.iter().chain([&r]).map(|&k| row[k]));
+        if joined {
+            self.basic.push(r);
+        }
+        joined
+    }
+
+    /// Lets those go that are about to leave; those behind the first of them join anew, in their order.
+    fn leave(&mut self, scaled: &Scaled) {
+        let Some(first) = self.basic.iter().position(|&r| self.leaving[r]) else { return };
+        self.factor.truncate(first);
+        self.behind.clear();
+        self.behind.extend(self.basic.drain(first..));
+        for at in 0..self.behind.len() {
+            let r = self.behind[at];
+            if self.leaving[r] || !self.join(scaled, r) {
+                (self.leaving[r], self.amount[r]) = (false, 0.0);
+            }
+        }
+    }
+
+    /// The optimum over the basic rays.
+    fn aim(&mut self) {
+        self.goal.clear();
+        self.goal.extend(self.basic.iter().map(|&r| -self.rays.drift(r)));
+        self.factor.solve(&mut self.goal);
+    }
+
     /// The ray outside the basis along which the energy falls most.
-    fn most_negative(&self, scaled: &Scaled, basis: &[u8], f: &[f64], v: &[f64]) -> Option<usize> {
-        let (d, stride) = (scaled.facets(), scaled.stride());
-        let least = ROUNDING * residual::scale(scaled, f);
-        (0..self.amount.len())
-            .filter(|&r| basis[r / d] >> (r % d) & 1 == 0 && !self.barred[r])
-            .map(|r| {
-                let ray = ray(scaled, r / d, r % d);
-                let length = ray.iter().map(|x| x * x).sum::<f64>().sqrt();
-                (r, in_contact(&ray, &v[r / d * stride..]) / length)
-            })
-            .filter(|(_, w)| *w < -least)
-            .min_by(|(_, a), (_, b)| a.total_cmp(b))
-            .map(|(r, _)| r)
+    fn most_negative(&mut self, scaled: &Scaled) -> Option<usize> {
+        let EnergyQp { rays, basic, goal, velocity, barred, .. } = self;
+        let least = -ROUNDING * rays.velocity(scaled, basic, goal, velocity);
+        basic.iter().for_each(|&r| velocity[r] = 0.0);
+        let speeds = (0..velocity.len()).filter(|&r| !barred[r]).map(|r| (r, rays.speed(r, velocity)));
+        speeds.filter(|(_, speed)| *speed < least).min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(r, _)| r)
     }
 
     /// Goes to the optimum over the basic rays, dropping those that become negative on the way. False if there is none.
-    fn descend(
-        &mut self,
-        scaled: &Scaled,
-        block: &mut Block,
-        basis: &mut [u8],
-        f: &mut Vec<f64>,
-        v: &mut Vec<f64>,
-    ) -> bool {
-        let d = scaled.facets();
+    fn descend(&mut self, scaled: &Scaled) -> bool {
         for _ in 0..self.amount.len() {
-            if !block.estimate(scaled, Law::EnergyQp, basis, f, v) {
-                return false;
-            }
-            let basic = (0..self.amount.len()).filter(|&r| basis[r / d] >> (r % d) & 1 == 1);
-            self.goals.clear();
-            self.goals.extend(basic.zip(block.amounts().iter().copied()));
-            let reach = |&(r, goal): &(usize, f64)| {
+            self.aim();
+            let reach = |(&r, &goal): (&usize, &f64)| {
                 if goal > 0.0 { 1.0 } else { self.amount[r] / (self.amount[r] - goal) }
             };
-            let share = self.goals.iter().map(reach).fold(1.0, f64::min);
+            let share = self.basic.iter().zip(&self.goal).map(reach).fold(1.0, f64::min);
             let share = if share.is_nan() { 0.0 } else { share };
-            for &(r, goal) in &self.goals {
+            let mut all_stay = true;
+            for (&r, &goal) in self.basic.iter().zip(&self.goal) {
                 let moved = self.amount[r] + share * (goal - self.amount[r]);
-                let leaves = goal <= 0.0 && moved <= 1e-14 * self.amount[r].max(goal.abs());
-                self.amount[r] = if leaves { 0.0 } else { moved };
-                if leaves {
-                    basis[r / d] &= !(1 << (r % d));
-                }
+                self.leaving[r] = goal <= 0.0 && moved <= 1e-14 * self.amount[r].max(goal.abs());
+                self.amount[r] = moved;
+                all_stay &= !self.leaving[r];
             }
-            if share == 1.0 {
+            if all_stay && share == 1.0 {
                 return true;
             }
+            self.leave(scaled);
         }
         false
     }

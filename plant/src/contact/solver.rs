@@ -38,7 +38,7 @@ pub struct Solver {
     basis: Vec<u8>,
     rays: Vec<u8>,
     /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
-    shift: Vec<f64>,
+    shift: slide::Shift,
     f: Vec<f64>,
     v: Vec<f64>,
     best: Vec<f64>,
@@ -72,7 +72,8 @@ impl Solver {
         self.best.clear();
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.recall(problem, memory);
-        let warm = [memory.yields, !memory.yields].iter().any(|&yields| self.holds(law, yields));
+        let on_rays = self.on_rays(); // found by contacts that yield
+        let warm = self.holds(law, memory.yields) || !on_rays && self.holds(law, !memory.yields);
         let mut report = Report { warm, ..Report::default() };
         if !report.warm {
             let solved = self.find(law, &mut report.pivots);
@@ -118,16 +119,15 @@ impl Solver {
         for (k, i) in (0..v.len()).step_by(scaled.stride()).zip(0..) {
             v[k] += lift(problem, law, i) * scaled.inverse[k];
         }
-        let error = residual::natural_map(scaled, f, v, Yardstick::Coulomb);
-        if error > SOLVED || error.is_nan() {
-            return None;
-        }
         self.impulse.clear();
         self.impulse.extend_from_slice(impulse);
         self.velocity.clear();
         self.velocity.extend_from_slice(velocity);
         let mut report = Report { warm: true, ..Report::default() };
         self.measure(problem, law, &mut report);
+        if report.natural_map > SOLVED || report.natural_map.is_nan() {
+            return None;
+        }
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         (memory.yields, memory.rests) = (true, true);
         Some(report)

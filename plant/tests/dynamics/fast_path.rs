@@ -66,7 +66,7 @@ fn half_solved_columns_give_the_delassus_matrix() {
         let half = |c: usize, axis: usize| {
             let column = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]);
             let mut y: Vec<[f64; BLOCK]> = column.map(|k| [k, 0.0, 0.0, 0.0]).collect();
-            factor.half_solve(model, corners[c].link, 1, &mut y);
+            factor.half_solve(model, corners[c].link, &mut y);
             y.iter().map(|row| row[0]).collect::<Vec<f64>>()
         };
         let cholesky = case.inertia().cholesky().expect("a positive H");

@@ -4,9 +4,8 @@ use super::super::{active_set, residual};
 use super::{SOLVED, Solver, yardstick};
 use messages::scene::Law;
 
-/// Most steps need one. Where a foot turns against what hardly yields, each asks for the same small change as the one
-/// before: thousands would not do.
-const ROUNDS: usize = 4;
+/// Most steps need one.
+const ROUNDS: usize = 12;
 
 impl Solver {
     /// The energy program (14)-(16), with mu |v_F| of its last solution added to each v_N.
@@ -24,8 +23,7 @@ impl Solver {
         self.rays.clone_from(&self.basis);
         let stride = self.scaled.stride();
         self.proximal.copy(&self.scaled);
-        self.shift.clear();
-        self.shift.resize(self.scaled.contacts, 0.0);
+        self.shift.begin(self.scaled.contacts);
         for round in 0..ROUNDS {
             let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, rays, .. } = self;
             basis.clone_from(rays);
@@ -43,10 +41,9 @@ impl Solver {
                 return true;
             }
             scaled.lead(f, &mut proximal.drift);
-            for (i, (v, shift)) in v.chunks_exact(stride).zip(shift).enumerate() {
-                *shift += residual::slip(scaled, i, v) - *shift;
-                proximal.drift[i * stride] += *shift;
-            }
+            shift.advance(|i| residual::slip(scaled, i, &v[i * stride..]));
+            let normals = proximal.drift.iter_mut().step_by(stride);
+            normals.zip(&shift.now).for_each(|(v, shift)| *v += shift);
             active_set::slide(scaled, f, v, basis);
             self.note(error);
             if self.is_solved(law) || (round == 0 || round + 1 == ROUNDS) && self.settle(law, pivots) {
@@ -54,5 +51,45 @@ impl Solver {
             }
         }
         false
+    }
+}
+
+/// What is added to each v_N: a fixed point of what the slip that it leaves asks for.
+///
+/// While the same contacts slide that map is affine, with one slow direction, which two rounds tell.
+///
+/// # Source
+/// Anderson, *Iterative procedures for nonlinear integral equations* (1965), with a memory of one round.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Shift {
+    now: Vec<f64>,
+    /// What the round before asked for, and by how much that was more than there was.
+    asked: Vec<f64>,
+    change: Vec<f64>,
+}
+
+impl Shift {
+    /// None, of so many contacts.
+    fn begin(&mut self, contacts: usize) {
+        for list in [&mut self.now, &mut self.asked, &mut self.change] {
+            list.clear();
+            list.resize(contacts, 0.0);
+        }
+    }
+
+    /// The next, given what the last one asks for at each contact.
+    fn advance(&mut self, slip: impl Fn(usize) -> f64) {
+        let (mut along, mut square) = (0.0, 0.0);
+        for i in 0..self.now.len() {
+            let change = slip(i) - self.now[i];
+            along += change * (change - self.change[i]);
+            square += (change - self.change[i]).powi(2);
+        }
+        let back = if square > 0.0 { along / square } else { 0.0 };
+        for i in 0..self.now.len() {
+            let (asked, before) = (slip(i), self.asked[i]);
+            (self.asked[i], self.change[i]) = (asked, asked - self.now[i]);
+            self.now[i] = f64::max(asked - back * (asked - before), 0.0);
+        }
     }
 }

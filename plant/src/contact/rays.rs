@@ -1,0 +1,116 @@
+//! The contact problem along the edges of its cones: f = Σ y_r e_r, and each ray's w_r = e_r·v = (Q y + q)_r.
+//!
+//! Each cone is spanned by its edge rays (1, ±mu d). Q = RᵀAR has a row for each, and only those of rays that push are ever read:
+//! they are made when they are asked for.
+
+use super::residual;
+use super::scaled::Scaled;
+
+/// Q and q of a problem.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Rays {
+    contacts: usize,
+    tangents: usize,
+    /// Slope of each edge: mu along each tangent, scaled.
+    slope: Vec<f64>,
+    /// 1 / |e_r|.
+    shortness: Vec<f64>,
+    /// q.
+    drift: Vec<f64>,
+    /// Q, of the rows that are there.
+    matrix: Vec<f64>,
+    there: Vec<bool>,
+    /// eᵀA of a ray.
+    read: Vec<f64>,
+    /// f of the last w.
+    push: Vec<f64>,
+}
+
+/// Ray j of contact i in scaled rows.
+pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
+    let (k, sign) = Scaled::facet(j);
+    let mut ray = [1.0, 0.0, 0.0];
+    ray[k] = sign * scaled.friction[i] / scaled.ratio[i * scaled.stride() + k];
+    ray
+}
+
+impl Rays {
+    /// Rays of all contacts.
+    pub fn count(&self) -> usize {
+        self.shortness.len()
+    }
+
+    /// Of another problem.
+    pub fn set(&mut self, scaled: &Scaled) {
+        (self.contacts, self.tangents) = (scaled.contacts, scaled.tangents);
+        self.slope.clear();
+        self.shortness.clear();
+        for i in 0..self.contacts {
+            for j in (0..scaled.facets()).step_by(2) {
+                let slope = -ray(scaled, i, j)[1 + j / 2];
+                self.slope.push(slope);
+                let shortness = 1.0 / (1.0 + slope * slope).sqrt();
+                self.shortness.extend([shortness; 2]);
+            }
+        }
+        self.matrix.clear();
+        self.matrix.resize(self.count() * self.count(), 0.0);
+        self.there.clear();
+        self.there.resize(self.count(), false);
+        self.turn(scaled);
+    }
+
+    /// Of the same problem with another drift.
+    pub fn turn(&mut self, scaled: &Scaled) {
+        self.drift.clear();
+        self.drift.resize(self.count(), 0.0);
+        expand(&self.slope, self.tangents, &scaled.drift, &mut self.drift);
+    }
+
+    /// q_r.
+    pub fn drift(&self, r: usize) -> f64 {
+        self.drift[r]
+    }
+
+    /// Row r of Q.
+    pub fn row(&mut self, scaled: &Scaled, r: usize) -> &[f64] {
+        let range = r * self.count()..(r + 1) * self.count();
+        if !self.there[r] {
+            let (i, j) = (r / scaled.facets(), r % scaled.facets());
+            let read = scaled.read(i * scaled.stride(), &ray(scaled, i, j), &mut self.read);
+            expand(&self.slope, self.tangents, read, &mut self.matrix[range.clone()]);
+            self.there[r] = true;
+        }
+        &self.matrix[range]
+    }
+
+    /// w of the amounts y of some rays, whose rows are there, into `w`; returns the step's scale.
+    pub fn velocity(&mut self, scaled: &Scaled, rays: &[usize], amounts: &[f64], w: &mut Vec<f64>) -> f64 {
+        w.clone_from(&self.drift);
+        self.push.clear();
+        self.push.resize(scaled.drift.len(), 0.0);
+        for (&r, &y) in rays.iter().zip(amounts) {
+            let row = &self.matrix[r * w.len()..][..w.len()];
+            w.iter_mut().zip(row).for_each(|(w, q)| *w += y * q);
+            let (first, (k, sign)) = (r / scaled.facets() * scaled.stride(), Scaled::facet(r % scaled.facets()));
+            self.push[first] += y;
+            self.push[first + k] += y * sign * self.slope[r / 2];
+        }
+        residual::scale(scaled, &self.push)
+    }
+
+    /// w_r as a speed: e_r·v / |e_r|.
+    pub fn speed(&self, r: usize, w: &[f64]) -> f64 {
+        w[r] * self.shortness[r]
+    }
+}
+
+/// What rows of contacts are along the rays of each: normal and tangents, there and back.
+fn expand(slope: &[f64], tangents: usize, rows: &[f64], along: &mut [f64]) {
+    let contacts = rows.chunks_exact(1 + tangents).zip(slope.chunks_exact(tangents));
+    for ((rows, slopes), along) in contacts.zip(along.chunks_exact_mut(2 * tangents)) {
+        for ((row, slope), pair) in rows[1..].iter().zip(slopes).zip(along.chunks_exact_mut(2)) {
+            pair.copy_from_slice(&[rows[0] - slope * row, rows[0] + slope * row]);
+        }
+    }
+}
