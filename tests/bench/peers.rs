@@ -74,9 +74,10 @@ fn note(times: &mut Times, engine: &str, line: &str) {
 /// Solvers of quadratic programs.
 const PROGRAMS: [&str; 4] = ["DAQP", "OSQP", "PIQP", "ProxQP"];
 /// What is compared with what: ours, and the stages of others.
-const PAIRS: [(&str, &[&str]); 12] = [
+const PAIRS: [(&str, &[&str]); 13] = [
     ("contacts", &["MuJoCo contacts"]),
     ("step", &["MuJoCo step"]),
+    ("step of second order", &["MuJoCo step"]),
     ("dynamics", &["Pinocchio dynamics", "Pinocchio aba"]),
     ("kinematics", &["MuJoCo kinematics", "Pinocchio kinematics"]),
     ("inertia", &["MuJoCo inertia", "Pinocchio inertia"]),

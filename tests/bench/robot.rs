@@ -9,7 +9,7 @@ use plant::contact::Problem;
 use plant::state::State;
 use std::ops::Range;
 
-/// Something that the robot of Table 1 does, by steps of 1 ms, one to a control period.
+/// Something that the robot of Table 1 does, by the paper's steps (12), which are Euler's, of 1 ms, one to a control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doing {
     /// It turns weightless, every joint moving.
@@ -29,8 +29,8 @@ impl Doing {
     /// Its scene.
     pub fn scene(self, settings: &[String]) -> Scene {
         let (name, own): (_, &[&str]) = match self {
-            Doing::Flying => ("free", &["plant.method=MidpointMoreau", "plant.dt=0.001", "rate=1000"]),
-            Doing::Standing => ("stand0", &[]),
+            Doing::Flying => ("free", &["plant.method=SemiImplicitEuler", "plant.dt=0.001", "rate=1000"]),
+            Doing::Standing => ("stand0", &["plant.method=SemiImplicitEuler"]),
             Doing::Walking => ("walk", &[]),
             Doing::Tumbling => ("stand", &["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3"]),
         };

@@ -24,7 +24,8 @@ pub fn measure(recordings: &[(Doing, Recording)], times: &mut Times) {
     };
     for (doing, recording) in recordings {
         let name = given::name(*doing);
-        add(&name, "step", step(*doing));
+        add(&name, "step", step(*doing, &[]));
+        add(&name, "step of second order", step(*doing, &["plant.method=MidpointMoreau".into()]));
         for (stage, ns) in stages(recording) {
             add(&name, stage, ns);
         }
@@ -55,8 +56,8 @@ fn time(calls: u32, mut call: impl FnMut()) -> f64 {
     (all.as_secs_f64() - read.elapsed().as_secs_f64()).max(0.0) * 1e9 / f64::from(calls)
 }
 
-fn step(doing: Doing) -> f64 {
-    let recording = Recording::of(doing, &[]);
+fn step(doing: Doing, settings: &[String]) -> f64 {
+    let recording = Recording::of(doing, settings);
     let count = 3 * recording.window.len();
     let mut replay = Replay::of(recording);
     let step = |_| {
