@@ -30,7 +30,7 @@ use runge_kutta::Stages;
 use settings::{Push, Settings};
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Report, Solver};
+use crate::contact::{Memory, Problem, Report, Solver, tangents};
 use crate::delassus::ContactMap;
 use crate::detect::Touch;
 use crate::drive::Drives;
@@ -41,7 +41,7 @@ use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
 use crate::weld::Weld;
-use messages::scene::{Base, Method, Scene};
+use messages::scene::{Base, Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 
 /// Coordinate of the pitch of virtual joints.
@@ -126,7 +126,7 @@ impl Plant {
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
         let model = Model::new(scene)?;
         let state = State::initial(&model, &scene.initial)?;
-        let mut work = Workspace::new(&model);
+        let mut work = Workspace::new(&model, scene.plant.law);
         kinematics::pose(&model, &state, &mut work.pose);
         Ok(Plant {
             settings: Settings::new(&scene.plant, scene.rate, &model)?,
@@ -252,7 +252,9 @@ impl Plant {
 }
 
 impl Workspace {
-    fn new(model: &Model) -> Self {
+    fn new(model: &Model, law: Law) -> Self {
+        let mut solver = Solver::default();
+        solver.rehearse(model.corners.len(), tangents(law).min(model.directions), law);
         Workspace {
             pose: Pose::new(model),
             composite: Composite::new(model),
@@ -268,7 +270,7 @@ impl Workspace {
             touches: Vec::with_capacity(model.corners.len()),
             map: ContactMap::new(model),
             problem: Problem::default(),
-            solver: Solver::default(),
+            solver,
             weld: Weld::default(),
         }
     }

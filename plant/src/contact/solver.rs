@@ -3,6 +3,7 @@
 mod fall_back;
 #[cfg(test)]
 mod hard;
+mod rehearse;
 mod slide;
 
 use super::basis::Block;
@@ -60,7 +61,7 @@ impl Solver {
     ///    there: such a problem has a solution, and the path ends at it;
     /// 6. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
     ///
-    /// Nothing is allocated once a problem of this size was solved. Where the law has one velocity as its answer, v is the
+    /// Nothing is allocated up to the size that was rehearsed or met before. Where the law has one velocity as its answer, v is the
     /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
     /// Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
