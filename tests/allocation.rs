@@ -34,8 +34,8 @@ fn steps_and_ticks_allocate_nothing_while_it_walks() {
     let mut all = vec![];
     for law in ["plant.law=EnergyQp", "plant.law=Complementarity", "plant.law=Aligned"] {
         for rule in ["controller.sagittal=foot-placement", "controller.sagittal=energy"] {
-            let counts = allocations(&scene("walk", &[law, rule]), 2000, 5000);
-            println!("{law} {rule}: {counts:?} allocations of plant and controller in 3 s");
+            let counts = allocations(&scene("walk", &[law, rule]), 1000, 5000);
+            println!("{law} {rule}: {counts:?} allocations of plant and controller in 4 s");
             all.push(counts);
         }
     }
@@ -46,6 +46,6 @@ fn steps_and_ticks_allocate_nothing_while_it_walks() {
 fn the_counter_counts() {
     assert_eq!(measure(|| drop(std::hint::black_box(Vec::<u8>::with_capacity(10)))).count_total, 1);
     // The bounded QP is the one documented exception: its solver allocates.
-    let [_, controller] = allocations(&scene("walk", &["controller.rate_limit=11"]), 4000, 5000);
+    let [_, controller] = allocations(&scene("walk", &["controller.rate_limit=11"]), 1000, 5000);
     assert!(controller > 0, "{controller}");
 }

@@ -56,6 +56,7 @@ impl Block {
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         v.clone_from(&scaled.drift);
+        self.dependent = false;
         if self.columns.is_empty() {
             return true;
         }
@@ -140,7 +141,6 @@ impl Block {
                 let read = scaled.read(row.first, &row.read, read_row);
                 square.extend(columns.iter().map(|c| in_contact(&c.push, &read[c.first..])));
             }
-            self.dependent = false;
             self.symmetric = factor.factorize(columns.len(), square);
         }
         self.symmetric || self.pivot(scaled)
@@ -157,7 +157,6 @@ impl Block {
             let columns = self.columns.iter().zip(entries.as_flattened_mut());
             columns.for_each(|(c, entry)| *entry = in_contact(&c.push, &read[c.first..]));
         }
-        self.dependent = false;
         self.order.clear();
         self.order.extend(0..p);
         for k in 0..p {
