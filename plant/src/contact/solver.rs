@@ -37,7 +37,6 @@ pub struct Solver {
     energy_qp: EnergyQp,
     block: Block,
     basis: Vec<u8>,
-    rays: Vec<u8>,
     /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
     shift: slide::Shift,
     f: Vec<f64>,
@@ -53,9 +52,9 @@ impl Solver {
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
     /// 1. the basis in `memory`, as it is;
-    /// 2. for Coulomb's law, that basis corrected contact by contact (of one, or of few with one tangent, then Lemke's
-    ///    method); for the energy program, principal pivoting;
-    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`);
+    /// 2. for the energy program, principal pivoting; for Coulomb's law and few contacts, that basis corrected contact by contact
+    ///    (of one, or with one tangent, then Lemke's method);
+    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), of more than few unless the energy program made the basis;
     /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program;
     /// 5. Lemke's method in 32 digits from what that guessed, of few contacts from the start. Contacts yield by a hair
     ///    there: such a problem has a solution, and the path ends at it;
@@ -154,10 +153,10 @@ impl Solver {
         }
         let count = self.scaled.contacts;
         let (alone, few, many) = (count == 1, count <= FEW, count > MANY);
-        !self.on_rays() && self.settle(law, pivots)
+        few && !self.on_rays() && self.settle(law, pivots)
             // where its path is short, Lemke's method ends at a basis that is solved to rounding
             || (alone || few && law == Law::Complementarity) && self.pivot(law, SHORT, pivots)
-            || self.yielding(YIELD, |solver| (few || !solver.on_rays()) && solver.settle(law, pivots))
+            || (few || !self.on_rays()) && self.yielding(YIELD, |solver| solver.settle(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)
             || self.yielding(YIELD, |solver| solver.slide(law, pivots))

@@ -20,17 +20,14 @@ impl Solver {
         for bits in &mut self.basis {
             *bits = active_set::rays(*bits, self.scaled.facets());
         }
-        self.rays.clone_from(&self.basis);
         let stride = self.scaled.stride();
         self.proximal.copy(&self.scaled);
         self.shift.begin(self.scaled.contacts);
         for round in 0..ROUNDS {
-            let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, rays, .. } = self;
-            basis.clone_from(rays);
+            let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, .. } = self;
             if !energy_qp.pivot(proximal, block, basis, f, v, round > 0, pivots) {
                 return false;
             }
-            rays.clone_from(basis);
             for (v, (shifted, b)) in v.iter_mut().zip(proximal.drift.iter().zip(&scaled.drift)) {
                 *v -= shifted - b;
             }
@@ -46,7 +43,7 @@ impl Solver {
             normals.zip(&shift.now).for_each(|(v, shift)| *v += shift);
             active_set::slide(scaled, f, v, basis);
             self.note(error);
-            if self.is_solved(law) || (round == 0 || round + 1 == ROUNDS) && self.settle(law, pivots) {
+            if self.is_solved(law) {
                 return true;
             }
         }
