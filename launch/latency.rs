@@ -51,7 +51,7 @@ pub struct LatencyArgs {
     /// Write the figures as `latency.json`, the drawings and the page into this folder
     #[arg(long, value_name = "DIR", default_value = "out/latency")]
     out: PathBuf,
-    /// Few samples of everything: a few seconds instead of half a minute
+    /// Few samples of everything: a few seconds instead of a minute
     #[arg(long)]
     quick: bool,
     /// Show no progress

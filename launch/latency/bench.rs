@@ -35,9 +35,9 @@ pub struct Plan {
 }
 
 impl Plan {
-    /// About half a minute.
+    /// About a minute.
     pub const FULL: Plan =
-        Plan { rounds: 10, trips: [20_000, 2_000], turn_ns: SECOND, walk_s: 14.0, walk_ns: 10 * SECOND, paced_s: 5.0 };
+        Plan { rounds: 10, trips: [20_000, 2_000], turn_ns: SECOND, walk_s: 14.0, walk_ns: 10 * SECOND, paced_s: 20.0 };
     /// A few seconds.
     pub const QUICK: Plan =
         Plan { rounds: 3, trips: [2_000, 200], turn_ns: SECOND / 2, walk_s: 1.0, walk_ns: SECOND, paced_s: 1.0 };
