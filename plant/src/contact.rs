@@ -36,6 +36,7 @@ mod facets;
 mod fixed_point;
 mod growing;
 mod lemke;
+mod memory;
 mod newton;
 mod project;
 mod rays;
@@ -49,6 +50,7 @@ mod twofold;
 
 pub(crate) use active_set::pushes;
 pub(crate) use growing::Growing;
+pub use memory::Memory;
 pub(crate) use scaled::{YIELD, dot};
 pub use solver::Solver;
 
@@ -230,58 +232,6 @@ fn lift(problem: &Problem, law: Law, i: usize) -> f64 {
     match law {
         Law::EnergyQp | Law::Complementarity => problem.approach[i].min(0.0),
         _ => problem.approach[i],
-    }
-}
-
-/// Bases, or impulses, of the last step by contact identity. Part of the state of a simulation: where A is singular, f (not
-/// v) depends on it.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Memory {
-    basis: Vec<u8>,
-    /// The last solution needed contacts that yield: the next one tries them first.
-    yields: bool,
-    /// The last solution left no velocity.
-    rests: bool,
-    impulse: Vec<[f64; 3]>,
-}
-
-impl Memory {
-    /// Becomes the other memory, in the room it has.
-    pub(crate) fn copy(&mut self, other: &Memory) {
-        self.basis.clone_from(&other.basis);
-        (self.yields, self.rests) = (other.yields, other.rests);
-        self.impulse.clone_from(&other.impulse);
-    }
-
-    /// Whether nothing that touched moved in the last step.
-    pub(crate) fn rests(&self) -> bool {
-        self.rests
-    }
-
-    fn recall(&self, id: usize) -> u8 {
-        self.basis.get(id).copied().unwrap_or(0)
-    }
-
-    fn remember(&mut self, id: usize, bits: u8) {
-        if self.basis.len() <= id {
-            self.basis.resize(id + 1, 0);
-        }
-        self.basis[id] = bits;
-    }
-
-    /// Impulse of the last step [N·s]; zero of what did not touch.
-    fn impulse(&self, id: usize) -> [f64; 3] {
-        self.impulse.get(id).copied().unwrap_or_default()
-    }
-
-    fn keep(&mut self, problem: &Problem, impulse: &[f64]) {
-        self.impulse.fill([0.0; 3]);
-        for (&id, part) in problem.id.iter().zip(impulse.chunks_exact(1 + problem.tangents)) {
-            if self.impulse.len() <= id {
-                self.impulse.resize(id + 1, [0.0; 3]);
-            }
-            self.impulse[id][..part.len()].copy_from_slice(part);
-        }
     }
 }
 

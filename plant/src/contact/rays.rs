@@ -9,7 +9,6 @@ use super::scaled::Scaled;
 /// Q and q of a problem.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rays {
-    contacts: usize,
     tangents: usize,
     /// Slope of each edge: mu along each tangent, scaled.
     slope: Vec<f64>,
@@ -42,10 +41,10 @@ impl Rays {
 
     /// Of another problem.
     pub fn set(&mut self, scaled: &Scaled) {
-        (self.contacts, self.tangents) = (scaled.contacts, scaled.tangents);
+        self.tangents = scaled.tangents;
         self.slope.clear();
         self.shortness.clear();
-        for i in 0..self.contacts {
+        for i in 0..scaled.contacts {
             for j in (0..scaled.facets()).step_by(2) {
                 let slope = -ray(scaled, i, j)[1 + j / 2];
                 self.slope.push(slope);

@@ -1,24 +1,20 @@
 //! Claims about the contact laws and their solver, against exact answers.
 
 mod exact;
+#[path = "../common/mechanism.rs"]
+mod mechanism;
 mod random;
 
+use mechanism::{G, H, Rows, of_rows, on_body};
 use messages::scene::Law;
 use plant::contact::{Memory, Problem, Report, Solver, tangents};
 
-const G: f64 = 9.81;
-const H: f64 = 1e-3;
 /// The laws that are solved by pivoting along the problem's own tangents; the others are in `tests/laws/`.
 const PIVOTED: [Law; 4] = [Law::EnergyQp, Law::EnergyQpGap, Law::Complementarity, Law::Aligned];
-/// One row of K^T: normal, then the tangents x and y of the world.
-type Rows = [Vec<f64>; 3];
 
 /// A = K^T H^-1 K and b = K^T xdot for diagonal H; the first tangent turned along the free slip.
 fn assemble(law: Law, contacts: &[Rows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut problem = Problem::default();
-    problem.reset(contacts.len(), tangents(law));
-    problem.friction.fill(mu);
     let mut rows = Vec::new();
     for [normal, x, y] in contacts {
         let (vx, vy) = (dot(x, xdot), dot(y, xdot));
@@ -27,24 +23,11 @@ fn assemble(law: Law, contacts: &[Rows], inverse_inertia: &[f64], xdot: &[f64], 
         let turn = |c: f64, s: f64| x.iter().zip(y).map(|(x, y)| c * x + s * y).collect::<Vec<_>>();
         rows.push(normal.clone());
         rows.push(turn(c, s));
-        if problem.tangents == 2 {
+        if tangents(law) == 2 {
             rows.push(turn(-s, c));
         }
     }
-    let m = problem.rows();
-    for (i, row) in rows.iter().enumerate() {
-        let weighted: Vec<f64> = row.iter().zip(inverse_inertia).map(|(k, h)| k * h).collect();
-        for (j, other) in rows.iter().enumerate() {
-            problem.delassus[i * m + j] = dot(&weighted, other);
-        }
-        problem.drift[i] = dot(row, xdot);
-    }
-    problem
-}
-
-/// A point r fixed to a rigid body with coordinates (v, omega) at its centre of mass.
-fn on_body([x, y, z]: [f64; 3]) -> Rows {
-    [vec![0., 0., 1., y, -x, 0.], vec![1., 0., 0., 0., z, -y], vec![0., 1., 0., -z, 0., x]]
+    of_rows(tangents(law), &rows, inverse_inertia, xdot, mu)
 }
 
 fn point_mass(law: Law, mass: f64, speed: f64, mu: f64) -> Problem {

@@ -1,5 +1,6 @@
 //! Random problems, of any rank and scale.
 
+use super::mechanism::{CORNERS, INVERSE, stirring_foot};
 use super::{G, H, PIVOTED, Rows, assemble, on_body, solve};
 use messages::scene::Law;
 use plant::contact::{Memory, Problem, Solver};
@@ -69,25 +70,12 @@ fn the_printed_program_has_the_multipliers_that_its_lagrangian_gives() {
 /// these nearly parallel, corners can also jam each other: (17)-(22) then have several solutions, of which each is found.
 #[test]
 fn a_remembered_basis_gives_the_velocity_of_a_fresh_start() {
-    let corners = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]];
-    let inverse = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
     for law in PIVOTED {
-        let mut random = fastrand::Rng::with_seed(3);
         let (mut memory, mut solver) = (Memory::default(), Solver::default());
         let (mut warm, mut others) = (0, 0);
-        let mut xdot = [0.0, 0.0, -G * H, 0.0, 0.0, 0.0];
-        let mut touching = vec![0, 1, 2, 3];
-        for step in 0..3000 {
-            for (k, v) in xdot.iter_mut().enumerate() {
-                let rest = if k == 2 { -G * H } else { 0.0 };
-                *v += 0.02 * (rest - *v) + 2e-4 * (random.f64() - 0.5);
-            }
-            if step % 50 == 0 {
-                touching = (0..4).filter(|_| random.f64() < 0.7).collect();
-                random.shuffle(&mut touching);
-            }
-            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(corners[c])).collect();
-            let mut problem = assemble(law, &contacts, &inverse, &xdot, 0.7);
+        for (touching, xdot) in stirring_foot(3000) {
+            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(CORNERS[c])).collect();
+            let mut problem = assemble(law, &contacts, &INVERSE, &xdot, 0.7);
             problem.id.clone_from(&touching);
             let (fresh, _) = solve(&problem, law);
             let report = solver.solve(&problem, law, &mut memory);

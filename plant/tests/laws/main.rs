@@ -1,9 +1,12 @@
 //! Claims about the contact laws: against each other, against exact answers, and about what is known to fail.
 
 mod known_defects;
+#[path = "../common/mechanism.rs"]
+mod mechanism;
 mod random;
 mod support;
 
+use mechanism::{CORNERS, INVERSE, stirring_foot};
 use messages::scene::{Iteration, Law};
 use plant::contact::{Memory, Problem, Solver, tangents};
 use support::*;
@@ -104,13 +107,11 @@ fn a_heavy_mass_on_a_light_one_is_held_at_every_ratio() {
 /// The paper's program needs a few solves more to be Coulomb's law: less where all sticks, more where something slides.
 #[test]
 fn the_printed_program_is_some_solves_away_from_coulomb() {
-    let corners: Vec<Rows> =
-        [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]].map(on_body).into();
-    let inverse = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
+    let corners: Vec<Rows> = CORNERS.map(on_body).into();
     for iteration in [Iteration::Tresca, Iteration::Aclm] {
         let law = Law::FixedPoint(iteration);
         for (name, push, range) in [("sticks", 1e-3, 1..=4), ("slides", 0.1, 2..=40)] {
-            let problem = assemble(2, &corners, &inverse, &[push, 0.5 * push, -G * H, 0.0, 0.0, 3.0 * push], 0.5);
+            let problem = assemble(2, &corners, &INVERSE, &[push, 0.5 * push, -G * H, 0.0, 0.0, 3.0 * push], 0.5);
             let (solver, report) = solve(&problem, law);
             let (exact, _) = solve(&problem, Law::Cone);
             println!("{law}, a foot that {name}: {} minima", report.pivots);
@@ -125,24 +126,11 @@ fn the_printed_program_is_some_solves_away_from_coulomb() {
 /// Where A has no other answer, remembering the last impulse is not seen in the velocity, while corners come and go.
 #[test]
 fn a_remembered_impulse_gives_the_velocity_of_a_fresh_start() {
-    let corners = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]];
-    let inverse = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
     for law in [&COULOMB[..], &[Law::ConeQp]].concat() {
-        let mut random = fastrand::Rng::with_seed(3);
         let (mut memory, mut solver, mut steps) = (Memory::default(), Solver::default(), [0, 0]);
-        let mut xdot = [0.0, 0.0, -G * H, 0.0, 0.0, 0.0];
-        let mut touching = vec![0, 1, 2, 3];
-        for step in 0..1000 {
-            for (k, v) in xdot.iter_mut().enumerate() {
-                let rest = if k == 2 { -G * H } else { 0.0 };
-                *v += 0.02 * (rest - *v) + 2e-4 * (random.f64() - 0.5);
-            }
-            if step % 50 == 0 {
-                touching = (0..4).filter(|_| random.f64() < 0.7).collect();
-                random.shuffle(&mut touching);
-            }
-            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(corners[c])).collect();
-            let mut problem = assemble(2, &contacts, &inverse, &xdot, 0.7);
+        for (step, (touching, xdot)) in stirring_foot(1000).enumerate() {
+            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(CORNERS[c])).collect();
+            let mut problem = assemble(2, &contacts, &INVERSE, &xdot, 0.7);
             problem.id.clone_from(&touching);
             let (fresh, cold) = solve(&problem, law);
             let report = solver.solve(&problem, law, &mut memory);

@@ -1,35 +1,14 @@
 //! Mechanisms whose contact problems the claims are about.
 
+use super::mechanism::of_rows;
+pub use super::mechanism::{G, H, Rows, on_body};
 use messages::scene::Law;
 use plant::contact::{Memory, Problem, Report, Solver};
 
-pub const G: f64 = 9.81;
-pub const H: f64 = 1e-3;
-
-/// One contact's rows of K^T: normal, then the tangents x and y of the world.
-pub type Rows = [Vec<f64>; 3];
-
 /// A = K^T H^-1 K and b = K^T xdot for diagonal H, with `tangents` along fixed axes.
 pub fn assemble(tangents: usize, contacts: &[Rows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-    let mut problem = Problem::default();
-    problem.reset(contacts.len(), tangents);
-    problem.friction.fill(mu);
-    let rows: Vec<&Vec<f64>> = contacts.iter().flat_map(|rows| &rows[..1 + tangents]).collect();
-    let m = problem.rows();
-    for (i, row) in rows.iter().enumerate() {
-        let weighted: Vec<f64> = row.iter().zip(inverse_inertia).map(|(k, h)| k * h).collect();
-        for (j, other) in rows.iter().enumerate() {
-            problem.delassus[i * m + j] = dot(&weighted, other);
-        }
-        problem.drift[i] = dot(row, xdot);
-    }
-    problem
-}
-
-/// A point r fixed to a rigid body with coordinates (v, omega) at its centre of mass.
-pub fn on_body([x, y, z]: [f64; 3]) -> Rows {
-    [vec![0., 0., 1., y, -x, 0.], vec![1., 0., 0., 0., z, -y], vec![0., 1., 0., -z, 0., x]]
+    let rows: Vec<Vec<f64>> = contacts.iter().flat_map(|rows| rows[..1 + tangents].to_vec()).collect();
+    of_rows(tangents, &rows, inverse_inertia, xdot, mu)
 }
 
 /// A point mass on the ground with this free velocity (x, y, z).

@@ -1,0 +1,55 @@
+//! What a step remembers of the one before.
+
+use super::Problem;
+
+/// Bases, or impulses, of the last step by contact identity. Part of the state of a simulation: where A is singular, f (not
+/// v) depends on it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Memory {
+    basis: Vec<u8>,
+    /// The last solution needed contacts that yield: the next one tries them first.
+    pub(super) yields: bool,
+    /// The last solution left no velocity.
+    pub(super) rests: bool,
+    impulse: Vec<[f64; 3]>,
+}
+
+impl Memory {
+    /// Becomes the other memory, in the room it has.
+    pub(crate) fn copy(&mut self, other: &Memory) {
+        self.basis.clone_from(&other.basis);
+        (self.yields, self.rests) = (other.yields, other.rests);
+        self.impulse.clone_from(&other.impulse);
+    }
+
+    /// Whether nothing that touched moved in the last step.
+    pub(crate) fn rests(&self) -> bool {
+        self.rests
+    }
+
+    pub(super) fn recall(&self, id: usize) -> u8 {
+        self.basis.get(id).copied().unwrap_or(0)
+    }
+
+    pub(super) fn remember(&mut self, id: usize, bits: u8) {
+        if self.basis.len() <= id {
+            self.basis.resize(id + 1, 0);
+        }
+        self.basis[id] = bits;
+    }
+
+    /// Impulse of the last step [N·s]; zero of what did not touch.
+    pub(super) fn impulse(&self, id: usize) -> [f64; 3] {
+        self.impulse.get(id).copied().unwrap_or_default()
+    }
+
+    pub(super) fn keep(&mut self, problem: &Problem, impulse: &[f64]) {
+        self.impulse.fill([0.0; 3]);
+        for (&id, part) in problem.id.iter().zip(impulse.chunks_exact(1 + problem.tangents)) {
+            if self.impulse.len() <= id {
+                self.impulse.resize(id + 1, [0.0; 3]);
+            }
+            self.impulse[id][..part.len()].copy_from_slice(part);
+        }
+    }
+}
