@@ -9,7 +9,10 @@ use messages::session::Session;
 use nix::sys::prctl;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::{Pid, getppid};
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use rustix::process::PidfdFlags;
 use std::io::{BufRead, BufReader};
+use std::os::fd::OwnedFd;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
@@ -26,6 +29,8 @@ pub struct Role {
     process: Child,
     /// Whether it is the head of a process group of its own, which is signalled as a whole.
     grouped: bool,
+    /// Can be read once it has ended.
+    end: Option<OwnedFd>,
     status: Option<ExitStatus>,
     complaints: Option<JoinHandle<Vec<String>>>,
 }
@@ -92,7 +97,9 @@ impl Role {
             })
         };
         let complaints = process.stderr.take().map(listen);
-        Ok(Role { name, process, grouped, status: None, complaints })
+        let number = rustix::process::Pid::from_child(&process);
+        let end = rustix::process::pidfd_open(number, PidfdFlags::empty()).ok();
+        Ok(Role { name, process, grouped, end, status: None, complaints })
     }
 
     /// The number of the process.
@@ -175,7 +182,18 @@ pub fn wait(roles: &mut [Role], limit: Duration, mut meanwhile: impl FnMut()) {
     let start = Instant::now();
     while roles.iter_mut().any(|role| role.ended().is_none()) && start.elapsed() < limit {
         meanwhile();
-        std::thread::sleep(Duration::from_millis(1));
+        rest(roles, Duration::from_millis(1));
+    }
+}
+
+/// Sleeps for so long, or until one of the processes ends.
+pub fn rest(roles: &[Role], limit: Duration) {
+    let running = roles.iter().filter(|role| role.status.is_none());
+    let mut ends: Vec<PollFd> =
+        running.filter_map(|role| Some(PollFd::new(role.end.as_ref()?, PollFlags::IN))).collect();
+    match Timespec::try_from(limit) {
+        Ok(limit) if !ends.is_empty() => _ = poll(&mut ends, Some(&limit)),
+        _ => std::thread::sleep(limit),
     }
 }
 

@@ -97,7 +97,7 @@ fn soles() -> Vec<Column> {
             columns.push(number(&name, move |row| sole(row).map_or(f64::NAN, |sole| sole.centre[i])));
         }
         let angle = |name: &str| format!("sole_{side}_{name}_rad");
-        columns.push(number(&angle("yaw"), move |row| sole(row).map_or(f64::NAN, |sole| sole.yaw)));
+        columns.push(number(&angle("yaw"), move |row| sole(row).map_or(f64::NAN, |sole| sole.yaw())));
         columns.push(number(&angle("tilt"), move |row| sole(row).map_or(f64::NAN, |sole| sole.tilt)));
     }
     columns

@@ -163,16 +163,25 @@ struct SceneArgs {
 impl SceneArgs {
     /// The scene, on the smallest model that gives its answer.
     fn load(&self) -> Result<Scene, Failure> {
-        let scene = load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?;
+        Ok(self.on_model(&self.written()?))
+    }
+
+    /// The scene as it is written.
+    fn written(&self) -> Result<Scene, Failure> {
+        Ok(load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?)
+    }
+
+    /// A scene on the smallest model that gives its answer.
+    fn on_model(&self, written: &Scene) -> Scene {
         // a scene that cannot be simulated says so where it is
-        Ok(if self.full { scene } else { plant::smallest::smallest(&scene).map_or(scene, |plan| plan.scene) })
+        let plan = (!self.full).then(|| plant::smallest::smallest(written).ok()).flatten();
+        plan.map_or_else(|| written.clone(), |plan| plan.scene)
     }
 
     /// What that model has and costs, beside the scene's own.
-    fn model(&self) -> Result<RunModel, Failure> {
-        let scene = load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?;
-        let plan = plant::smallest::smallest(&scene).map_err(plant::process::ProcessError::from)?;
-        Ok(RunModel::of(&scene, &plan, self.full))
+    fn model(&self, written: &Scene) -> Result<RunModel, Failure> {
+        let plan = plant::smallest::smallest(written).map_err(plant::process::ProcessError::from)?;
+        Ok(RunModel::of(written, &plan, self.full))
     }
 }
 

@@ -15,7 +15,7 @@ mod worst;
 pub use extremes::Extremes;
 pub use gait::{Gait, Lateral};
 pub use histogram::Histogram;
-pub use robot::{Foot, Robot};
+pub use robot::{Foot, Placed, Robot};
 pub use sample::{Sample, normal_forces};
 pub use worst::Worst;
 
@@ -37,8 +37,10 @@ pub struct Row {
 pub struct Recorder {
     /// The scene's robot.
     pub robot: Robot,
-    /// Evenly spaced rows, oldest first.
+    /// Evenly spaced rows, oldest first, if they are kept.
     pub rows: Vec<Row>,
+    /// Time and x of the centre of mass at the same times, in any case [s, m].
+    pub track: Vec<[f64; 2]>,
     /// First record.
     pub first: Option<Row>,
     /// Latest record.
@@ -54,8 +56,13 @@ pub struct Recorder {
     /// Integration steps in one control period.
     pub steps_per_period: u64,
     row_ns: u64,
+    /// When the last row was, if there is one [ns].
+    last_row_ns: Option<u64>,
+    keeps_rows: bool,
     /// Peaks since the last row.
     worst: Worst,
+    /// Where the bodies are in the record at hand.
+    placed: Vec<Placed>,
 }
 
 /// Histograms of quantities that are looked at by order of magnitude.
@@ -87,6 +94,7 @@ impl Recorder {
         Recorder {
             robot: Robot::new(scene),
             rows: Vec::new(),
+            track: Vec::new(),
             first: None,
             last: None,
             gait: Gait::default(),
@@ -95,8 +103,16 @@ impl Recorder {
             dropped: 0,
             steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
             row_ns: ROW_NS,
+            last_row_ns: None,
+            keeps_rows: true,
             worst: Worst::default(),
+            placed: Vec::new(),
         }
+    }
+
+    /// The same without rows, which only tables and drawings need: they are most of the memory that a run takes.
+    pub fn without_rows(scene: &Scene) -> Self {
+        Recorder { keeps_rows: false, ..Recorder::new(scene) }
     }
 
     /// The time of the fall [s], once it has been seen to its end: nothing is recorded any more.
@@ -111,8 +127,8 @@ impl Recorder {
             return;
         }
         self.spread.push(truth);
-        let placed = self.robot.place(truth);
-        let sample = Sample::new(&self.robot, truth, &placed);
+        self.robot.place_in(truth, &mut self.placed);
+        let sample = Sample::new(&self.robot, truth, &self.placed);
         if !is_placed(truth) || sample.com.iter().chain(&sample.com_velocity).any(|value| value.is_nan()) {
             self.dropped += 1;
             return;
@@ -121,30 +137,46 @@ impl Recorder {
         if self.extremes.fall.is_none() {
             self.gait.push(&sample);
         }
-        self.worst = self.worst.and(&Worst::of(truth));
+        if self.keeps_rows {
+            self.worst = self.worst.and(&Worst::of(truth));
+        }
         self.keep(Row { truth: *truth, sample, worst: self.worst });
     }
 
     fn keep(&mut self, row: Row) {
-        let slot = |row: &Row| row.truth.stamp.sim_ns / self.row_ns;
-        if self.rows.last().is_none_or(|last| slot(last) < slot(&row)) {
-            self.rows.push(row.clone());
-            self.worst = Worst::default();
+        let (now, slot) = (row.truth.stamp.sim_ns, |time: u64| time / self.row_ns);
+        if self.last_row_ns.is_none_or(|last| slot(last) < slot(now)) {
+            self.last_row_ns = Some(now);
+            self.track.push([row.sample.time, row.sample.com.x]);
+            if self.keeps_rows {
+                self.rows.push(row.clone());
+                self.worst = Worst::default();
+            }
         }
-        if self.rows.len() > MAX_ROWS {
-            let (mut even, mut gone) = (false, Worst::default());
-            self.rows.retain_mut(|row| {
-                even = !even;
-                match even {
-                    true => row.worst = row.worst.and(&gone),
-                    false => gone = row.worst,
-                }
-                even
-            });
-            self.row_ns *= 2;
+        if self.track.len() > MAX_ROWS {
+            self.thin_out();
         }
         self.first.get_or_insert_with(|| row.clone());
         self.last = Some(row);
+    }
+
+    /// Leaves out every second row.
+    fn thin_out(&mut self) {
+        let (mut even, mut gone) = (false, Worst::default());
+        self.rows.retain_mut(|row| {
+            even = !even;
+            match even {
+                true => row.worst = row.worst.and(&gone),
+                false => gone = row.worst,
+            }
+            even
+        });
+        let mut even = false;
+        self.track.retain(|_| {
+            even = !even;
+            even
+        });
+        self.row_ns *= 2;
     }
 }
 

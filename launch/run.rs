@@ -16,14 +16,19 @@ use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
+use nix::time::ClockId;
 use plant::Simulation;
 use plant::process::Next;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::mpsc;
 use std::time::{Duration, Instant};
 
 /// A look at children and progress this often; the truth's buffer holds longer.
 const LOOK: Duration = Duration::from_millis(2);
+/// Records that are handed over at once in one process, and such batches under way.
+const BATCH: usize = 128;
+const BATCHES: usize = 2;
 /// Time for the controller to hear the plant's goodbye.
 const GOODBYE: Duration = Duration::from_secs(1);
 
@@ -93,16 +98,13 @@ impl RunArgs {
 /// A sentence and an exit code; a fall is one of them.
 pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.system.suits(args.pace.pace())?;
-    let scene = args.scene.load()?;
-    let mut watch = Watch::new(&scene, args.quiet);
+    let begun = Instant::now() - processor_time(); // so much of it the program took to get here
+    let written = args.scene.written()?;
+    let scene = args.scene.on_model(&written);
+    let mut watch = Watch::new(&scene, args);
     watch.tape = args.record.as_deref().map(|path| Writer::create(path, &scene)).transpose()?;
-    let start = Instant::now();
     let outcome = match args.in_process {
-        true => in_process(&scene, |truth| {
-            watch.take(truth)?;
-            watch.progress.show(truth);
-            goes_on(&watch.recorder, stop)
-        }),
+        true => one_process(&scene, &mut watch, stop),
         false => two_processes(args, &scene, &mut watch, stop),
     };
     watch.progress.finish();
@@ -110,12 +112,12 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if watch.lost > 0 {
         eprintln!("{} control periods were not recorded", watch.lost);
     }
-    if watch.latest.stamp.seq == 0 {
+    if watch.latest.seq == 0 {
         return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
     }
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
-    let wall = start.elapsed();
-    let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(args.scene.model()?);
+    let model = args.scene.model(&written)?;
+    let summary = Summary::new(&args.scene.scene, &watch.recorder, begun.elapsed(), processes).on(model);
     let summary = summary.ended(outcome.as_ref().err());
     if let Some(folder) = &args.out {
         let text = load::text(&scene);
@@ -137,28 +139,32 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// Whatever listens to a run.
 struct Watch {
     scene: Scene,
+    /// Makes the recorder of a run.
+    record: fn(&Scene) -> Recorder,
     recorder: Recorder,
     progress: Progress,
-    latest: Truth,
+    latest: Stamp,
     tape: Option<Writer>,
     /// Gaps in the sequence: records that were dropped on the way.
     lost: u64,
 }
 
 impl Watch {
-    fn new(scene: &Scene, quiet: bool) -> Watch {
-        let (recorder, progress) = (Recorder::new(scene), Progress::new(scene, quiet));
-        Watch { scene: scene.clone(), recorder, progress, latest: Truth::default(), tape: None, lost: 0 }
+    /// Only a report needs rows.
+    fn new(scene: &Scene, args: &RunArgs) -> Watch {
+        let record = if args.out.is_some() { Recorder::new } else { Recorder::without_rows };
+        let (recorder, progress) = (record(scene), Progress::new(scene, args.quiet));
+        Watch { scene: scene.clone(), record, recorder, progress, latest: Stamp::default(), tape: None, lost: 0 }
     }
 
     /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
     fn take(&mut self, truth: &Truth) -> Result<(), Failure> {
-        if self.latest.stamp.run != truth.stamp.run && self.latest.stamp.seq > 0 {
-            self.recorder = Recorder::new(&self.scene);
-            self.latest.stamp.seq = 0;
+        if self.latest.run != truth.stamp.run && self.latest.seq > 0 {
+            self.recorder = (self.record)(&self.scene);
+            self.latest.seq = 0;
         }
-        self.lost += truth.stamp.seq - self.latest.stamp.seq - 1;
-        self.latest = *truth;
+        self.lost += truth.stamp.seq - self.latest.seq - 1;
+        self.latest = truth.stamp;
         self.recorder.push(truth);
         self.progress.update(truth);
         self.tape.as_mut().map_or(Ok(()), |tape| tape.push(truth))
@@ -169,10 +175,15 @@ impl Watch {
         while let Some(truth) = port.read()? {
             self.take(&truth)?;
         }
-        if self.latest.stamp.seq > 0 {
-            self.progress.show(&self.latest);
-        }
+        self.show();
         Ok(())
+    }
+
+    /// Shows the latest of it.
+    fn show(&mut self) {
+        if let Some(last) = &self.recorder.last {
+            self.progress.show(&last.truth);
+        }
     }
 }
 
@@ -192,6 +203,39 @@ fn fell(time: f64) -> Failure {
     Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s"))
 }
 
+/// One process, with the recorder in a thread of its own, which gets the truth in batches.
+fn one_process(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
+    let (full, heard) = mpsc::sync_channel::<Vec<Truth>>(BATCHES);
+    let (empty, recycled) = mpsc::channel();
+    let listen = move || {
+        for mut batch in heard {
+            for truth in batch.drain(..) {
+                watch.take(&truth)?;
+                goes_on(&watch.recorder, stop)?;
+            }
+            watch.show();
+            let _ = empty.send(batch); // at the end nobody needs it
+        }
+        Ok(())
+    };
+    std::thread::scope(|scope| {
+        let listener = scope.spawn(listen);
+        let mut batch = Vec::with_capacity(BATCH);
+        let outcome = in_process(scene, |truth| {
+            batch.push(*truth);
+            if batch.len() < BATCH {
+                return Ok(());
+            }
+            let next = recycled.try_recv().unwrap_or_else(|_| Vec::with_capacity(BATCH));
+            full.send(std::mem::replace(&mut batch, next)).map_err(|_| Failure::new(Exit::Fault, "nobody records"))
+        });
+        let _ = full.send(batch);
+        drop(full);
+        // Who records says why he stopped.
+        listener.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)).and(outcome)
+    })
+}
+
 /// One process: the plant's loop with a controller at the other end of a function call. `hear` gets the truth of each
 /// control period and may end the run by an error.
 ///
@@ -202,8 +246,8 @@ pub fn in_process(scene: &Scene, mut hear: impl FnMut(&Truth) -> Result<(), Fail
     let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
     let mut controller = controller.map_err(ProcessError::from)?;
     let mut simulation = Simulation::new(scene, 1, 1)?;
-    plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, truth| {
-        hear(truth)?;
+    plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, shell| {
+        hear(&shell.truth(simulation, sensors))?;
         if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
             let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
             let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
@@ -254,7 +298,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
             break Err(failure);
         }
         if let Some(incumbent) = roles.get_mut(1) {
-            let now = watch.latest.stamp;
+            let now = watch.latest;
             if let Err(failure) = succession.look(&now, incumbent, succeed, || drop(watch.drain(&mut port))) {
                 break Err(failure);
             }
@@ -275,7 +319,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
             children::wait(&mut roles, GOODBYE, || ());
             break Ok(());
         }
-        std::thread::sleep(LOOK);
+        children::rest(&roles, LOOK);
     };
     if let Some(rest) = succession.rest() {
         bar.suspend(|| eprintln!("{rest}"));
@@ -296,4 +340,9 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments
+}
+
+/// What this process has computed so far.
+fn processor_time() -> Duration {
+    ClockId::CLOCK_PROCESS_CPUTIME_ID.now().map_or(Duration::ZERO, Duration::from)
 }

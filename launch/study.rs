@@ -117,7 +117,7 @@ fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
 /// # Errors
 /// Ctrl-C alone: whatever else goes wrong is an outcome.
 pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
-    let (mut recorder, start) = (Recorder::new(scene), Instant::now());
+    let (mut recorder, start) = (Recorder::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
         recorder.push(truth);
         goes_on(&recorder, stop)

@@ -106,6 +106,8 @@ pub struct Summary {
     pub model_cost_ratio: f64,
     /// What ended the run before its time.
     pub cut_short_by: Option<&'static str>,
+    /// Time from the first record to the last, without start and end of the processes [s].
+    pub loop_s: f64,
 }
 
 /// Steps at the end of the walk that period and x_2 min are averaged over.
@@ -167,6 +169,9 @@ impl Summary {
             model: String::new(),
             model_cost_ratio: f64::NAN,
             cut_short_by: None,
+            loop_s: over(&|first, last| {
+                last.truth.stamp.mono_ns.saturating_sub(first.truth.stamp.mono_ns) as f64 * 1e-9
+            }),
         }
     }
 
@@ -190,12 +195,13 @@ fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
     (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
 }
 
-/// Mean speed along x over the last half of the rows, for robots that do not step.
+/// Mean speed along x over the last half of the track, for robots that do not step.
 fn speed(recorder: &Recorder) -> f64 {
-    let (Some(half), Some(last)) = (recorder.rows.get(recorder.rows.len() / 2), recorder.rows.last()) else {
+    let (Some([half, from]), Some([end, to])) = (recorder.track.get(recorder.track.len() / 2), recorder.track.last())
+    else {
         return f64::NAN;
     };
-    (last.sample.com.x - half.sample.com.x) / (last.sample.time - half.sample.time)
+    (to - from) / (end - half)
 }
 
 #[cfg(test)]

@@ -48,7 +48,6 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
         if sensors.last != 0 {
             return Ok(());
         }
-        waiting.renew();
         let asked = sensors.stamp;
         if answer.stamp.run != asked.run {
             controller = Controller::new(scene)?;
@@ -61,6 +60,7 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
         let seq = answer.stamp.seq + 1;
         answer.stamp = Stamp { seq, ack: asked.seq, sim_ns: asked.sim_ns, mono_ns: now_ns(), ..answer.stamp };
         port.send(answer)?;
+        waiting.renew();
     }
     Err(ProcessError::Interrupted)
 }

@@ -1,7 +1,7 @@
 //! Steps, seen from outside: where the centre of mass crosses the line midway between the soles.
 
 use super::sample::{Sample, Sole};
-use nalgebra::{Rotation2, Vector2, Vector3};
+use nalgebra::{Vector2, Vector3};
 
 /// One step: from one exchange of support to the next.
 #[derive(Clone, Debug)]
@@ -38,8 +38,8 @@ impl Lateral {
     /// The lateral direction is square to the mean heading of the feet. `None` without feet.
     pub fn new(sample: &Sample) -> Option<Self> {
         let [left, right] = sample.soles.as_ref()?;
-        let heading = Rotation2::new(left.yaw).slerp(&Rotation2::new(right.yaw), 0.5);
-        let across = heading * Vector2::y();
+        let heading = (left.heading + right.heading).try_normalize(0.0).unwrap_or(left.heading);
+        let across = Vector2::new(-heading.y, heading.x);
         let along = |place: Vector2<f64>| across.dot(&place);
         let (l, r, c) = (along(left.centre.xy()), along(right.centre.xy()), along(sample.com.xy()));
         let offset = c - (l + r) / 2.0;

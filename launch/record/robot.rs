@@ -88,6 +88,13 @@ impl Robot {
 
     /// Pose and velocity of every body in W, in the scene's order.
     pub fn place(&self, truth: &Truth) -> Vec<Placed> {
+        let mut placed = Vec::new();
+        self.place_in(truth, &mut placed);
+        placed
+    }
+
+    /// The same, in a list that there is.
+    pub fn place_in(&self, truth: &Truth, placed: &mut Vec<Placed>) {
         let [w, x, y, z] = truth.base_orientation;
         let base = Placed {
             pose: Isometry3::from_parts(
@@ -97,13 +104,13 @@ impl Robot {
             velocity: truth.base_velocity.into(),
             spin: truth.base_spin.into(),
         };
-        let mut placed = vec![base; self.bodies.len()];
+        placed.clear();
+        placed.resize(self.bodies.len(), base);
         for link in &self.links {
             let at_joint = |values: &[f64]| values.get(link.joint).copied().unwrap_or(0.0);
             let (travel, rate) = (at_joint(&truth.angle), at_joint(&truth.rate));
             placed[link.body] = link.carry(&placed[link.parent], travel, rate);
         }
-        placed
     }
 
     /// Centre of mass in W [m] and its velocity [m/s]; NaN if the robot weighs nothing.

@@ -32,8 +32,8 @@ pub struct Sample {
 pub struct Sole {
     /// Its centre [m].
     pub centre: Vector3<f64>,
-    /// Heading of the foot [rad].
-    pub yaw: f64,
+    /// Heading of the foot on the ground, a unit vector.
+    pub heading: Vector2<f64>,
     /// Angle between the sole and the ground [rad].
     pub tilt: f64,
     /// Normal force on its contact points [N].
@@ -97,10 +97,24 @@ fn sole(robot: &Robot, truth: &Truth, placed: &[Placed], foot: &Foot, zmp: Vecto
         .filter(|((body, _), _)| *body == foot.body)
         .map(|(_, force)| force)
         .sum();
-    let yaw = forward.y.atan2(forward.x);
-    let arm = nalgebra::Rotation2::new(-yaw) * (zmp - centre.xy());
-    let zmp_margin = (foot.half[0] - arm.x.abs()).min(foot.half[1] - arm.y.abs());
-    Sole { centre, yaw, tilt: tilt(up), load, zmp_margin }
+    let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
+    let mut sole = Sole { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
+    let arm = sole.arm(zmp);
+    sole.zmp_margin = (foot.half[0] - arm.x.abs()).min(foot.half[1] - arm.y.abs());
+    sole
+}
+
+impl Sole {
+    /// Heading of the foot [rad].
+    pub fn yaw(&self) -> f64 {
+        self.heading.y.atan2(self.heading.x)
+    }
+
+    /// From the sole's centre to a point on the ground: along the heading, and to the left of it [m].
+    pub fn arm(&self, point: Vector2<f64>) -> Vector2<f64> {
+        let arm = point - self.centre.xy();
+        Vector2::new(self.heading.dot(&arm), self.heading.perp(&arm))
+    }
 }
 
 /// Angle of a unit vector to the vertical [rad], exact near zero.

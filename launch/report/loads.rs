@@ -3,7 +3,6 @@
 use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP, around, plot};
 use super::{Figure, Panel, last_cycles, series};
 use crate::record::{Recorder, Row};
-use nalgebra::Rotation2;
 
 /// Loads over the last cycles and the zero-moment point in the sole's frame.
 pub fn figure(recorder: &Recorder) -> Figure {
@@ -72,6 +71,6 @@ fn zmp(recorder: &Recorder) -> String {
 /// The zero-moment point in the frame of a sole that carries everything.
 fn in_sole(row: &Row, foot: usize) -> Option<(f64, f64)> {
     let sole = row.sample.single_support().filter(|_| row.sample.loaded_foot() == Some(foot))?;
-    let arm = Rotation2::new(-sole.yaw) * (row.sample.zmp - sole.centre.xy());
+    let arm = sole.arm(row.sample.zmp);
     Some((arm.x, arm.y))
 }

@@ -32,7 +32,7 @@ fn top_view(recorder: &Recorder) -> String {
     let steps = &recorder.gait.steps;
     for step in &steps[steps.len().saturating_sub(FOOTPRINTS)..] {
         let Some(feet) = &recorder.robot.feet else { break };
-        let corners = footprint(&feet[step.support], step.sole.centre.xy().into(), step.sole.yaw);
+        let corners = footprint(&feet[step.support], step.sole.centre.xy().into(), step.sole.yaw());
         along.extend(corners.iter().map(|corner| corner.0));
         across.extend(corners.iter().map(|corner| corner.1));
         let colour = [LEFT, RIGHT][step.support];

@@ -16,7 +16,10 @@ impl Summary {
         };
         let simulated = match self.wall_s {
             0.0 => format!("{end:.2} s"),
-            wall => format!("{end:.2} s in {wall:.2} s, {:.0} x real time", end / wall),
+            wall => {
+                let speed = |time: f64| format!("{time:.3} s, {:.0} x real time", end / time);
+                format!("{end:.2} s in {}, of which the loop {}", speed(wall), speed(self.loop_s))
+            }
         };
         let sideways = format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg));
         let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);

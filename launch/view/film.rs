@@ -23,7 +23,10 @@ pub fn frame(robot: &Robot, truth: &Truth, sample: &Sample, worst: &Worst) -> Ve
         ("com", sample.com.as_slice().to_vec()),
         ("velocity", sample.com_velocity.as_slice().to_vec()),
         ("zmp", sample.zmp.as_slice().to_vec()),
-        ("soles", soles.flat_map(|sole| [sole.centre.x, sole.centre.y, sole.centre.z, sole.yaw, sole.load]).collect()),
+        (
+            "soles",
+            soles.flat_map(|sole| [sole.centre.x, sole.centre.y, sole.centre.z, sole.yaw(), sole.load]).collect(),
+        ),
         ("lateral", lateral.to_vec()),
         ("force", truth.contact_force[..3 * robot.contacts.len()].to_vec()),
         ("torque", worst.torque[..joints].to_vec()),

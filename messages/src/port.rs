@@ -4,7 +4,7 @@
 //! |---|---|---|---|
 //! | `biped/sensors` | plant → controller | 1 | the newest replaces the oldest |
 //! | `biped/command` | controller → plant | 1 | the newest replaces the oldest |
-//! | `biped/truth` | plant → recorders | 4096 | lockstep: the plant waits; real time: dropped and counted |
+//! | `biped/truth` | plant → recorders | 1024 | lockstep: the plant waits; real time: dropped and counted |
 //! | `biped/plant/desk`, `biped/controller/desk` | whoever → plant, controller | 2 | request and response |
 //!
 //! A recorder rings once it has begun to read a run; a plant that has said all waits for that, so that nothing is lost.

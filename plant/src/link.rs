@@ -2,13 +2,13 @@
 
 use crate::Simulation;
 use crate::desk::Desk;
-use crate::process::{Next, Options, ProcessError};
+use crate::process::{Next, Options, ProcessError, Shell};
 use crate::remarks::Remarks;
 use crate::watchdog::Mode;
 use messages::clock::{Patience, now_ns, sleep_until};
 use messages::port::{Pace, PlantPort};
 use messages::scene::Scene;
-use messages::wire::{Sensors, Stamp, Stamped, Truth};
+use messages::wire::{Sensors, Stamp, Stamped};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -47,15 +47,16 @@ impl<'a> Link<'a> {
         }
     }
 
-    /// One exchange: sensors and truth out, commands in, requests served.
+    /// One exchange: sensors and truth out, commands in, requests served. Whatever can wait is done while the controller
+    /// computes.
     pub fn exchange(
         &mut self,
         simulation: &mut Simulation,
         sensors: &Sensors,
-        truth: &Truth,
+        shell: &Shell,
     ) -> Result<Next, ProcessError> {
         self.port.send(*sensors)?;
-        self.port.record(*truth)?;
+        self.port.record(shell.truth(simulation, sensors))?;
         self.remarks.on(simulation);
         self.go_on()?;
         if sensors.last != 0 {

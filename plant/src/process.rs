@@ -75,7 +75,7 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
         }
     };
     let mut link = Link::new(scene, port, options, stop);
-    let result = drive(&mut simulation, |simulation, sensors, truth| link.exchange(simulation, sensors, truth));
+    let result = drive(&mut simulation, |simulation, sensors, shell| link.exchange(simulation, sensors, shell));
     let told = match result {
         Ok(()) => {
             link.port.finish();
@@ -101,33 +101,46 @@ fn goodbye(simulation: &Simulation) -> Sensors {
     Sensors { stamp: Stamp { seq: sensors.stamp.seq + 1, ..sensors.stamp }, last: 1, ..sensors }
 }
 
-/// The loop: at each control period, `exchange` gets sensors and truth, and lets the simulation hear what the controller
-/// says.
+/// What the shell measured over the period before [ns].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Shell {
+    plant_ns: u64,
+    wait_ns: u64,
+    late_ns: u64,
+    reply_ns: u64,
+}
+
+impl Shell {
+    /// The truth that goes with these sensors, which have just been sent.
+    pub fn truth(&self, simulation: &Simulation, sensors: &Sensors) -> Truth {
+        let &Shell { plant_ns, wait_ns, late_ns, reply_ns } = self;
+        Truth { stamp: sensors.stamp, plant_ns, wait_ns, late_ns, reply_ns, ..simulation.truth() }
+    }
+}
+
+/// The loop: at each control period, `exchange` gets the sensors, and lets the simulation hear what the controller says.
 ///
 /// # Errors
 /// Whatever the plant or `exchange` fails with.
 pub fn drive<E: From<PlantError>>(
     simulation: &mut Simulation,
-    mut exchange: impl FnMut(&mut Simulation, &Sensors, &Truth) -> Result<Next, E>,
+    mut exchange: impl FnMut(&mut Simulation, &Sensors, &Shell) -> Result<Next, E>,
 ) -> Result<(), E> {
-    let mut shell = Truth::default(); // what the shell measured over the period before
+    let (mut shell, mut now) = (Shell::default(), now_ns());
     loop {
-        let sent = now_ns();
         let mut sensors = simulation.sensors();
-        sensors.stamp.mono_ns = sent;
-        let Truth { plant_ns, wait_ns, late_ns, reply_ns, .. } = shell;
-        let truth = Truth { stamp: sensors.stamp, plant_ns, wait_ns, late_ns, reply_ns, ..simulation.truth() };
-        let next = exchange(simulation, &sensors, &truth)?;
+        sensors.stamp.mono_ns = now;
+        let next = exchange(simulation, &sensors, &shell)?;
+        let answered = now_ns();
         match next {
-            Next::Afresh => shell = Truth::default(),
+            Next::Afresh => (shell, now) = (Shell::default(), answered),
             Next::Period { .. } if sensors.last != 0 => return Ok(()),
             Next::Period { late_ns } => {
-                let answered = now_ns();
+                let wait_ns = answered - now;
                 simulation.advance()?;
-                shell.plant_ns = now_ns() - answered;
-                shell.wait_ns = answered - sent;
-                shell.late_ns = late_ns;
-                shell.reply_ns = simulation.intake().reply_ns(&sensors.stamp);
+                now = now_ns();
+                let reply_ns = simulation.intake().reply_ns(&sensors.stamp);
+                shell = Shell { plant_ns: now - answered, wait_ns, late_ns, reply_ns };
             }
         }
     }

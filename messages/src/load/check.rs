@@ -13,7 +13,7 @@ use toml::Value;
 pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     let check = Check { origin };
     let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
-    check.finite(&table, "")?;
+    check.finite(&table)?;
     check.timing(scene)?;
     check.plant(scene)?;
     check.link(&scene.link)?;
@@ -26,7 +26,7 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
 pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
     let check = Check { origin };
     let table = Value::try_from(robot).map_err(|error| check.fail("robot", error, "it cannot be written as TOML"))?;
-    check.finite(&table, "")?;
+    check.finite(&table)?;
     let Drives { inertia, damping, torque_limit, encoder_bits } = robot.drives;
     check.not_negative("drives.inertia", inertia.unwrap_or(0.0))?;
     check.not_negative("drives.damping", damping.unwrap_or(0.0))?;
@@ -70,17 +70,10 @@ impl Check<'_> {
     }
 
     /// Every number is finite; the path to the one that is not is spelt out.
-    fn finite(&self, value: &Value, path: &str) -> Checked {
-        let below = |part: &str| if path.is_empty() { part.to_string() } else { format!("{path}.{part}") };
-        match value {
-            Value::Float(number) => {
-                self.require(number.is_finite(), path, number, "every number of a scene must be finite")
-            }
-            Value::Table(table) => table.iter().try_for_each(|(key, value)| self.finite(value, &below(key))),
-            Value::Array(items) => {
-                items.iter().enumerate().try_for_each(|(i, item)| self.finite(item, &below(&i.to_string())))
-            }
-            _ => Ok(()),
+    fn finite(&self, value: &Value) -> Checked {
+        match not_finite(value) {
+            Some((path, number)) => Err(self.fail(&path, number, "every number of a scene must be finite")),
+            None => Ok(()),
         }
     }
 
@@ -188,5 +181,23 @@ impl Check<'_> {
         let half = controller.period / 2.0;
         let rule = format!("half of it, one step, must last at least ten control periods of 1/{} s", scene.rate);
         self.require(half * scene.rate >= 10.0, "controller.period", controller.period, rule)
+    }
+}
+
+/// The first number that is not finite, and the path to it.
+fn not_finite(value: &Value) -> Option<(String, f64)> {
+    let below = |key: String, (path, number): (String, f64)| match path.is_empty() {
+        true => (key, number),
+        false => (format!("{key}.{path}"), number),
+    };
+    match value {
+        Value::Float(number) if !number.is_finite() => Some((String::new(), *number)),
+        Value::Table(table) => {
+            table.iter().find_map(|(key, part)| not_finite(part).map(|found| below(key.clone(), found)))
+        }
+        Value::Array(items) => {
+            items.iter().enumerate().find_map(|(i, item)| not_finite(item).map(|found| below(i.to_string(), found)))
+        }
+        _ => None,
     }
 }

@@ -62,7 +62,10 @@ impl TruthOutlet {
         if self.pace == Pace::Lockstep && self.sent.replace(self.sent.get() + 1) == TRUTH_BUFFER {
             self.linger();
         }
-        self.writer.send_copy(truth.sealed()).map_err(|e| broken("writing", e))?;
+        let room = self.writer.loan_uninit().map_err(|e| broken("writing", e))?;
+        let mut sample = room.write_payload(truth);
+        sample.payload_mut().seal();
+        sample.send().map_err(|e| broken("writing", e))?;
         Ok(())
     }
 

@@ -66,6 +66,24 @@ impl Membership {
         parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
     }
 
+    /// Whether others are in the session, of whom one will be the last out. A lock that could not be made exclusive has been
+    /// given back, so what is left are theirs.
+    fn has_company(&self) -> bool {
+        let locks = std::fs::read_to_string("/proc/locks").unwrap_or_default();
+        let theirs = |inode| locks.lines().any(|lock| lock.contains(" READ ") && lock.contains(&format!(":{inode} ")));
+        self.file.metadata().is_ok_and(|file| theirs(file.ino()))
+    }
+
+    /// How long to go on asking for the lock that is somebody else's.
+    fn patience(&self) -> Duration {
+        match self.is_orphaned() {
+            // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
+            true => ORPHANED,
+            false if self.has_company() => Duration::ZERO,
+            false => GLANCE,
+        }
+    }
+
     pub(crate) fn session(&self) -> &Session {
         &self.session
     }
@@ -75,8 +93,7 @@ impl Drop for Membership {
     fn drop(&mut self) {
         let start = Instant::now();
         let mut last = self.file.try_lock().is_ok();
-        // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
-        while !last && start.elapsed() < if self.is_orphaned() { ORPHANED } else { GLANCE } {
+        while !last && start.elapsed() < self.patience() {
             std::thread::sleep(Duration::from_millis(1));
             last = self.file.try_lock().is_ok();
         }
