@@ -42,8 +42,20 @@ impl Role {
     /// # Errors
     /// If the system cannot start it.
     pub fn start(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<Role, Failure> {
-        let arguments = [vec![name.into()], arguments.to_vec()].concat();
-        Role::spawn(name, &arguments, &[], false, bar)
+        Role::spawn(name, &[&[name.into()], arguments].concat(), &[], false, Stdio::null(), bar)
+    }
+
+    /// The same for a plant that gets ready, but says nothing until [`Role::begin`].
+    ///
+    /// # Errors
+    /// If the system cannot start it.
+    pub fn hold(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<Role, Failure> {
+        Role::spawn(name, &[&[name.into()], arguments].concat(), &[], false, Stdio::piped(), bar)
+    }
+
+    /// Lets it go on: the end of its standard input tells it to, as our death would.
+    pub fn begin(&mut self) {
+        self.process.stdin = None;
     }
 
     /// Starts somebody else's program, named as to a shell, with these environment variables. It is treated as our own
@@ -57,7 +69,7 @@ impl Role {
         environment: &[(&'static str, String)],
         bar: &ProgressBar,
     ) -> Result<Role, Failure> {
-        Role::spawn(name, &["become".into(), command.into()], environment, true, bar)
+        Role::spawn(name, &["become".into(), command.into()], environment, true, Stdio::null(), bar)
     }
 
     fn spawn(
@@ -65,6 +77,7 @@ impl Role {
         arguments: &[String],
         environment: &[(&'static str, String)],
         grouped: bool,
+        input: Stdio,
         bar: &ProgressBar,
     ) -> Result<Role, Failure> {
         let failed = |error| Failure::new(Exit::Fault, format!("the {name} process cannot be started: {error}"));
@@ -76,7 +89,7 @@ impl Role {
             .args(arguments)
             .args(["--parent", &std::process::id().to_string()])
             .envs(environment.iter().map(|(key, value)| (key, value)))
-            .stdin(Stdio::null())
+            .stdin(input)
             .stdout(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()

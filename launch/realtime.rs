@@ -185,13 +185,29 @@ pub fn refusals() -> [Option<String>; 2] {
 
 /// Keeps the calling thread to the first (0), second (1) … of the processors that it may use, if there are so many.
 pub fn keep_to(nth: usize) {
-    let me = Pid::from_raw(0);
-    let Ok(allowed) = sched_getaffinity(me) else { return };
-    let mut usable = (0..CpuSet::count()).filter(|cpu| allowed.is_set(*cpu) == Ok(true));
-    let mut only = CpuSet::new();
-    if usable.nth(nth).is_some_and(|cpu| only.set(cpu).is_ok()) {
-        let _ = sched_setaffinity(me, &only);
+    confine(usable().into_iter().skip(nth).take(1));
+}
+
+/// Keeps the calling thread to every second of the processors that it may use, beginning with the first (0) or second (1), if
+/// there are two: both sides of a lockstep run spin, and if the scheduler puts them on one, a period takes twice as long.
+pub fn keep_apart(side: usize) {
+    let usable = usable();
+    if usable.len() > 1 {
+        confine(usable.into_iter().skip(side).step_by(2));
     }
+}
+
+/// Processors that the calling thread may use.
+fn usable() -> Vec<usize> {
+    let allowed = sched_getaffinity(Pid::from_raw(0)).unwrap_or_default();
+    (0..CpuSet::count()).filter(|cpu| allowed.is_set(*cpu) == Ok(true)).collect()
+}
+
+/// Lets the calling thread use these alone. None at all are refused by the system.
+fn confine(processors: impl Iterator<Item = usize>) {
+    let mut only = CpuSet::new();
+    processors.for_each(|cpu| _ = only.set(cpu));
+    let _ = sched_setaffinity(Pid::from_raw(0), &only);
 }
 
 /// Lets the calling thread's sleeps end on time: by default Linux may end them 50 µs late, to save power.

@@ -140,24 +140,21 @@ impl Recorder {
         if self.keeps_rows {
             self.worst = self.worst.and(&Worst::of(truth));
         }
-        self.keep(Row { truth: *truth, sample, worst: self.worst });
-    }
-
-    fn keep(&mut self, row: Row) {
-        let (now, slot) = (row.truth.stamp.sim_ns, |time: u64| time / self.row_ns);
-        if self.last_row_ns.is_none_or(|last| slot(last) < slot(now)) {
-            self.last_row_ns = Some(now);
-            self.track.push([row.sample.time, row.sample.com.x]);
-            if self.keeps_rows {
-                self.rows.push(row.clone());
-                self.worst = Worst::default();
-            }
+        let row = self.last.insert(Row { truth: *truth, sample, worst: self.worst });
+        self.first.get_or_insert_with(|| row.clone());
+        let (now, slot) = (truth.stamp.sim_ns, |time: u64| time / self.row_ns);
+        if self.last_row_ns.is_some_and(|last| slot(last) >= slot(now)) {
+            return;
+        }
+        self.last_row_ns = Some(now);
+        self.track.push([row.sample.time, row.sample.com.x]);
+        if self.keeps_rows {
+            self.rows.push(row.clone());
+            self.worst = Worst::default();
         }
         if self.track.len() > MAX_ROWS {
             self.thin_out();
         }
-        self.first.get_or_insert_with(|| row.clone());
-        self.last = Some(row);
     }
 
     /// Leaves out every second row.

@@ -7,6 +7,7 @@ use messages::invitation::Invitation;
 use messages::load::text;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort};
 use messages::session::Session;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Arguments of `biped plant` and `biped controller`.
@@ -59,7 +60,10 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let Invitation { session, contract, patience, scene, .. } = begin(args)?;
     let port = guarded(|| PlantPort::open(&session, &contract))?;
     session.tell_scene(&text(&scene))?;
-    ready(args, contract.pace)?;
+    ready(args, contract.pace, 0)?;
+    if args.parent.is_some() {
+        held(stop);
+    }
     let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience };
     let (tally, result) = plant::process::run(&scene, port, options, stop);
     let remarks = tally.to_string();
@@ -79,7 +83,7 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
         true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
         false => guarded(|| ControllerPort::open(&session, &contract))?,
     };
-    ready(args, contract.pace)?;
+    ready(args, contract.pace, 1)?;
     Ok(controller::process::run(&scene, port, patience, stop)?)
 }
 
@@ -94,11 +98,20 @@ fn begin(args: &RoleArgs) -> Result<Invitation, Failure> {
     Ok(invitation)
 }
 
-/// What both roles ask of the system, now that all their shared memory is there.
-fn ready(args: &RoleArgs, pace: Pace) -> Result<(), Failure> {
-    if pace == Pace::RealTime {
-        realtime::wake_on_time();
+/// What both roles ask of the system, now that all their shared memory is there: plant (0) and controller (1).
+fn ready(args: &RoleArgs, pace: Pace, side: usize) -> Result<(), Failure> {
+    match pace {
+        Pace::RealTime => realtime::wake_on_time(),
+        Pace::Lockstep => realtime::keep_apart(side),
     }
     args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
     Ok(())
+}
+
+/// Waits for the end of the standard input: whoever started us then listens, or has ended.
+fn held(stop: &AtomicBool) {
+    let limit = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+    let input = std::io::stdin();
+    let is_open = || poll(&mut [PollFd::new(&input, PollFlags::IN)], Some(&limit)).map_or(true, |ends| ends == 0);
+    while !stop.load(Relaxed) && is_open() {}
 }

@@ -272,19 +272,22 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     let bar = watch.progress.bar.clone();
     let patience = args.pace.patience();
     let invitation = Invitation { session: swept.0.clone(), contract, patience, scene: scene.clone(), succeeds: false };
+    let arguments = |child| [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
     let start = |child: usize| {
         let name = ["plant", "controller"][child];
-        if let Some(command) = [&args.plant, &args.controller][child] {
-            return Role::foreign(name, command, &children::environment(&invitation)?, &bar);
+        match [&args.plant, &args.controller][child] {
+            Some(command) => Role::foreign(name, command, &children::environment(&invitation)?, &bar),
+            None => Role::start(name, &arguments(child), &bar),
         }
-        let arguments = [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
-        Role::start(name, &arguments, &bar)
     };
-    // The controller before there are any files: if we are killed at once, it clears up. The plant when we listen to it.
+    // Before there are any files: if we are killed at once, the controller clears up. Ours get ready while we do; the plant
+    // speaks, and anybody else's begins, when we listen.
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
+    let held = args.plant.is_none().then(|| Role::hold("plant", &arguments(0), &bar)).transpose()?;
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     swept.0.tell_scene(&load::text(scene))?;
-    let mut roles = vec![start(0)?];
+    let mut roles = vec![held.map_or_else(|| start(0), Ok)?];
+    roles[0].begin();
     roles.extend(controller);
     let mut lives = args.respawn;
     let mut succession = Succession::new(&args.swap, &swept.0, &contract);

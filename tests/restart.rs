@@ -28,7 +28,8 @@ fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f
     let (mut lowest, mut from) = (f64::INFINITY, 0.0);
     let mut epoch = 1;
     // what fails after a fall fails because of it
-    let _ = drive::<PlantError>(&mut simulation, |simulation, sensors, truth| {
+    let _ = drive::<PlantError>(&mut simulation, |simulation, sensors, _| {
+        let truth = simulation.truth();
         lowest = lowest.min(truth.base_position[2]);
         let time = sensors.stamp.sim_ns as f64 * 1e-9;
         if time <= scene.duration - 2.0 {

@@ -6,8 +6,8 @@ use messages::port::RecorderPort;
 use nix::sys::signal::Signal;
 use std::time::{Duration, Instant};
 
-/// A stopped recorder's buffer of 4096 periods is full after this long.
-const FULL: Duration = Duration::from_millis(4500);
+/// A stopped recorder's buffer of 1024 periods is full after this long.
+const FULL: Duration = Duration::from_millis(1500);
 /// Simulated time of a lockstep run that is still under way when it has been seen to begin: seconds of real time [s].
 const LENGTH: &str = "duration=50";
 /// What the loop's lateness is measured over.

@@ -18,7 +18,9 @@ impl Summary {
             0.0 => format!("{end:.2} s"),
             wall => {
                 let speed = |time: f64| format!("{time:.3} s, {:.0} x real time", end / time);
-                format!("{end:.2} s in {}, of which the loop {}", speed(wall), speed(self.loop_s))
+                let of_it =
+                    if self.loop_s > 0.0 { format!(", the loop alone {}", speed(self.loop_s)) } else { String::new() };
+                format!("{end:.2} s in {}{of_it}", speed(wall))
             }
         };
         let sideways = format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg));

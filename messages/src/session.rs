@@ -16,7 +16,7 @@ use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
 pub use remains::Remains;
-use std::fs::File;
+use std::fs::{File, read_link};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -112,16 +112,18 @@ impl Session {
 
     /// Numbers of the processes that are in it, as far as they are this user's to see.
     pub fn members(&self) -> Vec<u32> {
-        let list = self.list();
-        let holds = |number: &u32| {
-            let handles = std::fs::read_dir(format!("/proc/{number}/fd")).into_iter().flatten().flatten();
-            handles.into_iter().any(|handle| std::fs::read_link(handle.path()).is_ok_and(|target| target == list))
-        };
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
-        let mut members: Vec<u32> = numbers.filter(holds).collect();
+        let mut members: Vec<u32> = numbers.filter(|number| self.is_member(*number)).collect();
         members.sort_unstable();
         members
+    }
+
+    /// Whether the process of this number is in it, as far as that is this user's to see.
+    fn is_member(&self, number: u32) -> bool {
+        let (handles, list) = (std::fs::read_dir(format!("/proc/{number}/fd")), self.list());
+        let mut targets = handles.into_iter().flatten().flatten().filter_map(|handle| read_link(handle.path()).ok());
+        targets.any(|target| target == list)
     }
 
     /// The file on which every member holds a lock.

@@ -66,20 +66,13 @@ impl Membership {
         parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
     }
 
-    /// Whether others are in the session, of whom one will be the last out. A lock that could not be made exclusive has been
-    /// given back, so what is left are theirs.
-    fn has_company(&self) -> bool {
-        let locks = std::fs::read_to_string("/proc/locks").unwrap_or_default();
-        let theirs = |inode| locks.lines().any(|lock| lock.contains(" READ ") && lock.contains(&format!(":{inode} ")));
-        self.file.metadata().is_ok_and(|file| theirs(file.ino()))
-    }
-
     /// How long to go on asking for the lock that is somebody else's.
     fn patience(&self) -> Duration {
         match self.is_orphaned() {
             // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
             true => ORPHANED,
-            false if self.has_company() => Duration::ZERO,
+            // One that lives and is in the session is the last one out.
+            false if self.session.is_member(self.parent) => Duration::ZERO,
             false => GLANCE,
         }
     }

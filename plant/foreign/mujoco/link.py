@@ -32,7 +32,7 @@ class Link(session.Session):
 
     def __init__(self):
         super().__init__("plant")
-        self.truth = self.topic("biped/truth", wire.Truth, readers=2, buffer=4096, history=0, overflow=False)
+        self.truth = self.topic("biped/truth", wire.Truth, readers=2, buffer=1024, history=0, overflow=False)
         builder = self.truth.publisher_builder().max_loaned_samples(1)
         # never waits for ever: Python hears no TERM meanwhile
         self.recorder = builder.backpressure_strategy(iox2.BackpressureStrategy.DiscardData).create()
@@ -47,7 +47,7 @@ class Link(session.Session):
         return command
 
     def record(self, truth):
-        """Writes a truth, and counts it as unrecorded if a recorder's buffer, of 4096, had no room."""
+        """Writes a truth, and counts it as unrecorded if a recorder's buffer, of 1024, had no room."""
         recorders = self.truth.dynamic_config.number_of_subscribers
         truth.tally.unrecorded += max(0, recorders - self.recorder.send_copy(session.sealed(truth)))
 
