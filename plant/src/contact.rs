@@ -48,10 +48,9 @@ mod spring_damper;
 mod sweep;
 mod twofold;
 
-pub(crate) use active_set::pushes;
-pub(crate) use growing::Growing;
 pub use memory::Memory;
-pub(crate) use scaled::{YIELD, dot};
+pub(crate) use scaled::YIELD;
+pub(crate) use solver::SOLVED;
 pub use solver::Solver;
 
 use messages::scene::Law;

@@ -1,4 +1,4 @@
-//! H = LᵀL without fill-in: degrees of freedom on different branches never meet.
+//! H = LᵀDL without fill-in: degrees of freedom on different branches never meet.
 //!
 //! # Source
 //! Featherstone, Rigid Body Dynamics Algorithms (2008), §6.5; here by rows, each from all that its branch has to say.
@@ -73,30 +73,30 @@ impl PathMatrix {
     }
 }
 
-/// The factor L of H = LᵀL, lower triangular on paths.
+/// The factors of H = LᵀDL: L unit lower triangular on paths, D diagonal.
 #[derive(Clone, Debug)]
 pub struct Factor {
     l: PathMatrix,
-    /// 1 / L_ii.
-    reciprocal: Vec<f64>,
-    /// 1 / L_ii².
+    /// 1 / D_i.
     inverse: Vec<f64>,
+    /// √(1 / D_i).
+    root: Vec<f64>,
 }
 
 impl Factor {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
         let zeros = vec![0.0; model.dofs()];
-        Factor { l: PathMatrix::new(model), reciprocal: zeros.clone(), inverse: zeros }
+        Factor { l: PathMatrix::new(model), inverse: zeros.clone(), root: zeros }
     }
 
-    /// Computes L.
+    /// Computes L and D.
     ///
     /// # Errors
     /// [`PlantError::Singular`] if H is not positive definite.
     pub fn factorize(&mut self, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
         let (stride, width) = (self.l.stride, self.l.stride * BLOCK);
-        // U = diag(L) L: without roots, which would make each row wait longer for the one before
+        // U = DL: each row is scaled when all are known, and waits for no more of the one before than it must
         for i in (0..model.dofs()).rev() {
             let place = self.l.length[i] - 1;
             let (rows, branch) = self.l.blocks.split_at_mut((i + 1) * stride);
@@ -105,10 +105,10 @@ impl Factor {
             // U_ij = H_ij - Σ U_ki U_kj / U_kk over the branch of i
             for (b, (entries, h)) in row.iter_mut().zip(&h.blocks[i * stride..]).enumerate().take(place / BLOCK + 1) {
                 let mut sum = *h;
-                for (k, inverse) in inverses.iter().enumerate() {
-                    let factor = branch.as_flattened()[k * width + place] * inverse;
+                for (k, inverse) in inverses.iter().enumerate().rev() {
+                    let factor = -branch.as_flattened()[k * width + place] * inverse;
                     let u = &branch[k * stride + b];
-                    sum = std::array::from_fn(|c| sum[c] - factor * u[c]);
+                    sum = std::array::from_fn(|c| factor.mul_add(u[c], sum[c]));
                 }
                 *entries = sum;
             }
@@ -119,10 +119,9 @@ impl Factor {
             self.inverse[i] = 1.0 / pivot;
         }
         for (i, row) in self.l.blocks.chunks_mut(stride).enumerate() {
-            let scale = self.inverse[i].sqrt();
-            self.reciprocal[i] = scale;
-            row.as_flattened_mut().iter_mut().for_each(|l| *l *= scale);
+            row.as_flattened_mut().iter_mut().for_each(|l| *l *= self.inverse[i]);
         }
+        self.root.iter_mut().zip(&self.inverse).for_each(|(root, inverse)| *root = inverse.sqrt());
         Ok(())
     }
 
@@ -134,42 +133,47 @@ impl Factor {
             let place = self.l.length[i] - 1;
             let mut y = v[i];
             for k in (i + 1..model.branch(i).end).rev() {
-                y -= numbers[k * width + place] * v[k];
+                y = (-numbers[k * width + place]).mul_add(v[k], y);
             }
-            v[i] = y * self.reciprocal[i];
+            v[i] = y;
         }
-        self.second_half_solve(model, v);
+        v.iter_mut().zip(&self.inverse).for_each(|(v, inverse)| *v *= inverse);
+        self.descend(model, v);
+    }
+
+    /// v = L⁻¹ √D⁻¹ v: what [`Factor::half_solve`] leaves to do.
+    pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
+        v.iter_mut().zip(&self.root).for_each(|(v, root)| *v *= root);
+        self.descend(model, v);
     }
 
     /// v = L⁻¹ v.
-    pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
+    fn descend(&self, model: &Model, v: &mut [f64]) {
         let width = self.l.stride * BLOCK;
         let numbers = self.l.blocks.as_flattened();
         for i in 0..model.dofs() {
-            let place = self.l.length[i] - 1;
-            let x = v[i] * self.reciprocal[i];
-            v[i] = x;
+            let (place, x) = (self.l.length[i] - 1, v[i]);
             for k in i + 1..model.branch(i).end {
-                v[k] -= numbers[k * width + place] * x;
+                v[k] = (-numbers[k * width + place]).mul_add(x, v[k]);
             }
         }
     }
 
-    /// Y = L⁻ᵀK, for columns of K that are zero off the path to `link`, [`BLOCK`] of them side by side: a block for each degree of
-    /// freedom of the path, base first, then those of the next columns.
+    /// Y = √D⁻¹ L⁻ᵀK, for columns of K that are zero off the path to `link`, W of them side by side: a block for each degree of freedom
+    /// of the path, base first, then those of the next columns.
     ///
     /// The result has the same pattern, so that in the Delassus matrix KᵀH⁻¹K = YᵀY two links meet in the first
     /// [`Model::shared`] blocks.
-    pub fn half_solve(&self, model: &Model, link: usize, columns: &mut [[f64; BLOCK]]) {
+    pub fn half_solve<const W: usize>(&self, model: &Model, link: usize, columns: &mut [[f64; W]]) {
         let path = model.path(link);
         for column in columns.chunks_exact_mut(path.len().max(1)) {
             for (depth, &i) in path.iter().enumerate().rev() {
                 let (before, rest) = column.split_at_mut(depth);
-                let y = rest[0].map(|y| y * self.reciprocal[i]);
-                rest[0] = y;
+                let y = rest[0];
                 for (entry, l) in before.iter_mut().zip(self.l.row(i)) {
-                    *entry = std::array::from_fn(|c| entry[c] - l * y[c]);
+                    *entry = std::array::from_fn(|c| (-l).mul_add(y[c], entry[c]));
                 }
+                rest[0] = y.map(|y| y * self.root[i]);
             }
         }
     }

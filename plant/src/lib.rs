@@ -7,7 +7,7 @@
 //! | poses, points, momentum, energy | [`kinematics`], [`spatial`] |
 //! | (2)-(11) as the paper has them | [`dynamics`] |
 //! | H and b, fast | [`composite`] |
-//! | H = LᵀL | [`factor`] |
+//! | H = LᵀDL | [`factor`] |
 //! | one step, the story | [`step`] |
 //! | springs and dampers on joints | [`springs`] |
 //! | which points can touch | [`detect`] |

@@ -86,22 +86,9 @@ pub(super) fn rays(bits: u8, d: usize) -> u8 {
     }
 }
 
-/// What a contact with two tangents pushes along, if its basis is these bits: unit pushes, as (normal, tangents).
-pub(crate) fn pushes(bits: u8, friction: f64) -> impl Iterator<Item = [f64; 3]> {
-    let ray = |j: usize| {
-        let (row, sign) = Scaled::facet(j);
-        let mut ray = [1.0, 0.0, 0.0];
-        ray[row] = sign * friction;
-        ray
-    };
-    let axis = |row: usize| std::array::from_fn(|k| f64::from(k == row));
-    let (pushes, count) = match Guess::read(bits, 4) {
-        Guess::Open => ([[0.0; 3]; 3], 0),
-        Guess::Sticks => ([0, 1, 2].map(axis), 3),
-        Guess::Slides(j) => ([ray(j); 3], 1),
-        Guess::SlidesBetween(j, k) => ([ray(j), ray(k), ray(k)], 2),
-    };
-    pushes.into_iter().take(count)
+/// The bits of a contact that sticks, or of one that is open.
+pub(super) fn standing(sticks: bool, d: usize) -> u8 {
+    if sticks { Guess::Sticks } else { Guess::Open }.write(d)
 }
 
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their rays.

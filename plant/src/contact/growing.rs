@@ -14,7 +14,7 @@ const DEPENDENT: f64 = 1e-14;
 
 /// L, in the room that it had before.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Growing {
+pub(super) struct Growing {
     /// Room of a row.
     width: usize,
     rows: Vec<f64>,

@@ -1,6 +1,6 @@
 //! What a step remembers of the one before.
 
-use super::Problem;
+use super::{Problem, active_set};
 
 /// Bases, or impulses, of the last step by contact identity. Part of the state of a simulation: where A is singular, f (not
 /// v) depends on it.
@@ -20,6 +20,12 @@ impl Memory {
         self.basis.clone_from(&other.basis);
         (self.yields, self.rests) = (other.yields, other.rests);
         self.impulse.clone_from(&other.impulse);
+    }
+
+    /// Remembers contacts that neither moved nor slipped: those that push stick, the others are open.
+    pub(crate) fn stand(&mut self, contacts: impl Iterator<Item = (usize, bool)>) {
+        contacts.for_each(|(id, pushes)| self.remember(id, active_set::standing(pushes, 4)));
+        (self.yields, self.rests) = (true, true);
     }
 
     /// Whether nothing that touched moved in the last step.

@@ -5,7 +5,6 @@ mod fall_back;
 mod hard;
 mod rehearse;
 mod slide;
-mod welded;
 
 use super::basis::Block;
 use super::cones::Cones;
@@ -18,7 +17,7 @@ use super::{Memory, Problem, Report, active_set};
 use messages::scene::Law;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
-const SOLVED: f64 = 4e-11;
+pub(crate) const SOLVED: f64 = 4e-11;
 /// Contacts of one foot: so few settle even from a poor guess.
 pub(super) const FEW: usize = 4;
 /// More contacts than two feet have.
@@ -92,7 +91,7 @@ impl Solver {
     }
 
     /// The bases of the last step.
-    pub(crate) fn recall(&mut self, problem: &Problem, memory: &Memory) {
+    fn recall(&mut self, problem: &Problem, memory: &Memory) {
         self.basis.clear();
         self.basis.extend(problem.id.iter().map(|&id| memory.recall(id)));
     }

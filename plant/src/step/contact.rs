@@ -7,9 +7,6 @@ use crate::error::PlantError;
 use crate::step::settings::Settings;
 use messages::scene::Law;
 
-/// Trials of a weld, each with the contacts corrected by the one before.
-const WELDS: usize = 4;
-
 impl Plant {
     /// The points that may touch within a step of `h`.
     pub(super) fn find_touches(&mut self, h: f64) {
@@ -60,18 +57,20 @@ impl Plant {
     /// Where nothing moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
     pub(super) fn solve_contacts(&mut self, h: f64) -> Result<(), PlantError> {
         if !self.work.touches.is_empty() {
-            self.pose_problem(h);
-            let (welded, report) = match self.weld() {
-                Some(report) => (true, report),
-                None => (false, self.solve_problem()?),
+            let welded = self.weld(h);
+            let report = match welded {
+                Some(report) => report,
+                None => self.solve_problem(h)?,
             };
             let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.counts.note(&report);
             self.report = report;
             let Workspace { factor, free, change, map, solver, weld, .. } = &mut self.work;
-            let impulse = if welded { &weld.wrench } else { &solver.impulse };
-            map.respond(&self.model, factor, impulse, change);
+            match welded {
+                Some(_) => weld.respond(&self.model, factor, change),
+                None => map.respond(&self.model, factor, &solver.impulse, change),
+            }
             free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
         self.state.xdot.copy_from_slice(&self.work.free);
@@ -79,29 +78,22 @@ impl Plant {
     }
 
     /// The solution in which every touching link stays where it is, if it did in the step before and that obeys the law.
-    fn weld(&mut self) -> Option<Report> {
-        let Settings { law, restitution, welds, .. } = self.settings;
-        let Workspace { pose, factor, free, touches, map, problem, solver, weld, .. } = &mut self.work;
-        if !(welds && law == Law::Aligned && restitution == 0.0 && problem.tangents == 2 && self.memory.rests()) {
+    fn weld(&mut self, h: f64) -> Option<Report> {
+        let Settings { law, restitution, welds, friction, .. } = self.settings;
+        let Workspace { pose, factor, free, touches, problem, weld, .. } = &mut self.work;
+        if !(welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6 && self.memory.rests()) {
             return None;
         }
-        weld.reduce(&self.model, pose, factor, touches, free, map);
-        solver.recall(problem, &self.memory);
-        for _ in 0..WELDS {
-            if !weld.hold(touches, problem, map, solver.basis()) {
-                return None;
-            }
-            let rows = [&weld.diagonal, &weld.impulse, &weld.velocity].map(Vec::as_slice);
-            let report = solver.accept(problem, rows, &mut self.memory);
-            if report.is_some() || !solver.correct() {
-                return report;
-            }
-        }
-        None
+        let report = weld.hold(&self.model, pose, factor, touches, free, friction, h)?;
+        self.memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
+        (problem.contacts, problem.tangents) = (touches.len(), 2);
+        problem.delassus.clear();
+        Some(report)
     }
 
     /// The solution of the problem (14), every contact by itself.
-    fn solve_problem(&mut self) -> Result<Report, PlantError> {
+    fn solve_problem(&mut self, h: f64) -> Result<Report, PlantError> {
+        self.pose_problem(h);
         let Workspace { pose, factor, touches, map, problem, solver, .. } = &mut self.work;
         map.assemble(&self.model, pose, factor, touches, problem);
         let report = solver.solve(problem, self.settings.law, &mut self.memory);
@@ -111,12 +103,17 @@ impl Plant {
 
     /// Takes the contact impulses of the last solution into the record.
     pub(super) fn record_contacts(&mut self) {
-        let Workspace { touches, map, solver, .. } = &self.work;
-        if !touches.is_empty() {
-            self.record.note(&self.report);
-            for (i, touch) in touches.iter().enumerate() {
-                self.record.push(touch.id, map.force(i, &solver.impulse, touches.len()).into());
-            }
+        let Workspace { touches, map, solver, problem, weld, .. } = &self.work;
+        if touches.is_empty() {
+            return;
+        }
+        self.record.note(&self.report);
+        for (i, touch) in touches.iter().enumerate() {
+            let impulse = match problem.delassus.is_empty() {
+                true => weld.impulse[i],
+                false => map.force(i, &solver.impulse, touches.len()),
+            };
+            self.record.push(touch.id, impulse.into());
         }
     }
 }

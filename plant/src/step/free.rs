@@ -6,7 +6,7 @@ use crate::kinematics::contact_column;
 use crate::springs;
 
 impl Plant {
-    /// H, b and H = LᵀL at the present pose and velocity. Springs and dampers of the joints act as they will after the
+    /// H, b and H = LᵀDL at the present pose and velocity. Springs and dampers of the joints act as they will after the
     /// time `ahead`, their forces changing with those of the step over the time `grip`; see [`springs`].
     pub(super) fn find_inertia(&mut self, grip: f64, ahead: f64) -> Result<(), PlantError> {
         self.counts.evaluations += 1;

@@ -1,0 +1,98 @@
+//! Λ of the feet in blocks of three: force on force, force on moment, and so on; its factor, and solutions.
+//!
+//! By blocks, for what a processor waits for here is one division after the other: this way there is one for three rows.
+
+use super::{FEET, Six, halves, six};
+use nalgebra::{Matrix3, Vector3};
+
+/// Blocks of a row.
+const PARTS: usize = 2 * FEET;
+
+/// A symmetric matrix, of which the lower blocks count.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Blocks([[Matrix3<f64>; PARTS]; PARTS]);
+
+/// Its factors LDLᵀ: L below the diagonal, D⁻¹ on it.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Factored([[Matrix3<f64>; PARTS]; PARTS]);
+
+impl Blocks {
+    /// Sets the six rows and columns where foot i meets foot j <= i: the product of what their rows of Y share.
+    pub fn put(&mut self, i: usize, j: usize, a: &[Six], b: &[Six]) {
+        let mut product = [Six::default(); 6];
+        for (a, b) in a.iter().zip(b) {
+            for (sum, a) in product.iter_mut().zip(a) {
+                *sum = std::array::from_fn(|k| a.mul_add(b[k], sum[k]));
+            }
+        }
+        for (r, c) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            self.0[2 * i + r][2 * j + c] = Matrix3::from_fn(|row, column| product[3 * r + row][3 * c + column]);
+        }
+    }
+
+    /// The factor for so many feet, with every row yielding by this part of its own diagonal; none unless positive definite.
+    pub fn factorize(&self, feet: usize, give: f64, factored: &mut Factored) -> Option<()> {
+        let (l, size) = (&mut factored.0, 2 * feet);
+        for (l, row) in l.iter_mut().zip(&self.0).take(size) {
+            l[..size].copy_from_slice(&row[..size]);
+        }
+        for k in 0..size {
+            let yielding = Matrix3::from_diagonal(&(self.0[k][k].diagonal() * give));
+            let inverse = inverse(&(l[k][k] + yielding))?;
+            let column: [Matrix3<f64>; PARTS] = std::array::from_fn(|i| l[i][k]); // L D
+            for i in k + 1..size {
+                let factor = column[i] * inverse;
+                for (entry, other) in l[i][k + 1..=i].iter_mut().zip(&column[k + 1..]) {
+                    *entry -= factor * other.transpose();
+                }
+                l[i][k] = factor;
+            }
+            l[k][k] = inverse;
+        }
+        Some(())
+    }
+
+    /// Rows of foot i times w, and t.
+    pub fn times(&self, i: usize, w: &[Six], t: &Six) -> Six {
+        let [mut straight, mut round] = halves(t);
+        for (j, w) in w.iter().enumerate() {
+            let [force, moment] = halves(w);
+            let block = |r: usize, c: usize| match (2 * i + r, 2 * j + c) {
+                (row, column) if row / 2 >= column / 2 => self.0[row][column],
+                (row, column) => self.0[column][row].transpose(),
+            };
+            straight += block(0, 0) * force + block(0, 1) * moment;
+            round += block(1, 0) * force + block(1, 1) * moment;
+        }
+        six(&straight, &round)
+    }
+}
+
+impl Factored {
+    /// x = A⁻¹ x.
+    pub fn solve(&self, feet: usize, x: &mut [Six; FEET]) {
+        let size = 2 * feet;
+        let mut y = [Vector3::zeros(); PARTS];
+        for (y, x) in y.chunks_exact_mut(2).zip(&*x) {
+            y.copy_from_slice(&halves(x));
+        }
+        for i in 0..size {
+            y[i] = self.0[i][..i].iter().zip(&y).fold(y[i], |y, (l, known)| y - l * known);
+        }
+        for i in (0..size).rev() {
+            let rows = self.0[i + 1..size].iter().zip(&y[i + 1..]);
+            y[i] = rows.fold(self.0[i][i] * y[i], |y, (row, known)| y - row[i].tr_mul(known));
+        }
+        for (y, x) in y.chunks_exact(2).zip(x) {
+            *x = six(&y[0], &y[1]);
+        }
+    }
+}
+
+/// Inverse of a symmetric matrix that is positive definite, by its cofactors.
+fn inverse(a: &Matrix3<f64>) -> Option<Matrix3<f64>> {
+    let [x, y, z] = [0, 1, 2].map(|k| a.column(k).into_owned());
+    let (p, q, r) = (y.cross(&z), z.cross(&x), x.cross(&y));
+    let determinant = x.dot(&p);
+    (determinant > 0.0 && x.x > 0.0 && r.z > 0.0).then(|| Matrix3::from_columns(&[p, q, r]) / determinant)
+}

@@ -1,0 +1,218 @@
+//! What a wrench on a sole is at its contacts: pressure linear over the sole, and friction in proportion to the pressure.
+//!
+//! Contacts at d_i from c, q_i = (1, x_i, y_i), carry
+//!
+//! ```text
+//!   n_i = q_i·N⁻¹(F_z, -m_y, m_x),   N = Σ q_i q_iᵀ
+//!   f_i = n_i (s + γ z × (d_i − r)), s = F/F_z, γ = (m_z − r × F)/Σ n_i|d_i − r|²
+//! ```
+//!
+//! with r the centre of pressure. Of all pressures with that load these have the least norm; a contact that would pull is left out.
+//! However friction is aligned, its cone has the disc |f_F| <= μ f_N/√2 within: there the impulses obey Coulomb's law, whatever the
+//! directions of slip.
+
+use super::{Six, halves, six};
+use crate::detect::Touch;
+use nalgebra::{Matrix3, Vector2, Vector3};
+
+/// A determinant this small beside the product of the diagonal: these contacts are on one line.
+const IN_LINE: f64 = 1e-9;
+/// Rounds in which friction and pressure at different heights come to terms.
+const ROUNDS: usize = 3;
+/// Trials of what the friction is in proportion to.
+const TRIALS: usize = 8;
+/// What would slip takes so much less of it: somewhat more than it must, so that few trials are enough.
+const EASE: f64 = 1.5;
+/// A moment this small beside the load at the edge of the sole is rounding.
+const ROUNDING: f64 = 1e-14;
+
+/// The contacts of a link, seen from amid them.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Sole {
+    /// c, from O [m].
+    pub centre: Vector3<f64>,
+    /// d_i [m].
+    arms: Vec<Vector3<f64>>,
+    /// Greatest |d_i| [m].
+    reach: f64,
+    /// N⁻¹ of all contacts.
+    spread: Matrix3<f64>,
+    /// Of each contact: the load, what friction is in proportion to, and the friction.
+    pressure: Vec<f64>,
+    grip: Vec<f64>,
+    shear: Vec<Vector2<f64>>,
+}
+
+impl Sole {
+    /// Becomes the sole of a link's contacts; none if they are on one line.
+    pub fn set(&mut self, touches: &[Touch]) -> Option<()> {
+        self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
+        self.arms.clear();
+        self.arms.extend(touches.iter().map(|touch| touch.arm - self.centre));
+        self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
+        self.spread = spread(self.arms.iter())?;
+        Some(())
+    }
+
+    /// Number of contacts.
+    pub fn len(&self) -> usize {
+        self.arms.len()
+    }
+
+    /// The velocity that closes all gaps within the step of `h`, and nothing else.
+    pub fn landing(&self, touches: &[Touch], h: f64) -> Six {
+        let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * (touch.gap.max(0.0) / h);
+        let fit = self.spread * self.arms.iter().zip(touches).map(approach).sum::<Vector3<f64>>();
+        six(&Vector3::new(0.0, 0.0, -fit.x), &Vector3::new(-fit.z, fit.y, 0.0))
+    }
+
+    /// Appends the impulses that make up the wrench; none if some contact would have to pull, or slip.
+    pub fn spread(&mut self, wrench: &Six, free: &Six, friction: f64, impulses: &mut Vec<Vector3<f64>>) -> Option<()> {
+        let [force, moment] = halves(wrench);
+        let mut turned = Vector2::zeros(); // moment of the friction at its different heights
+        for _ in 0..ROUNDS {
+            self.press(&Vector3::new(force.z, turned.y - moment.y, moment.x - turned.x))?;
+            self.rub(&force.xy(), moment.z, free, friction)?;
+            let before = turned;
+            turned = self.arms.iter().zip(&self.shear).map(|(d, f)| Vector2::new(-f.y, f.x) * d.z).sum();
+            if (turned - before).amax() <= ROUNDING * force.z * self.reach {
+                impulses.extend(self.shear.iter().zip(&self.pressure).map(|(f, &n)| Vector3::new(f.x, f.y, n)));
+                return Some(());
+            }
+        }
+        None
+    }
+
+    /// Friction that makes up a force and a moment: in proportion to the pressure, less where that would slip.
+    fn rub(&mut self, force: &Vector2<f64>, moment: f64, free: &Six, friction: f64) -> Option<()> {
+        let Sole { arms, pressure, grip, shear, .. } = self;
+        grip.clone_from(pressure);
+        for _ in 0..TRIALS {
+            let total: f64 = grip.iter().sum();
+            let centre: Vector2<f64> = arms.iter().zip(&*grip).map(|(d, g)| d.xy() * *g).sum::<Vector2<f64>>() / total;
+            let inertia: f64 = arms.iter().zip(&*grip).map(|(d, g)| g * (d.xy() - centre).norm_squared()).sum();
+            let (mean, twist) = (force / total, (moment - centre.perp(force)) / inertia);
+            shear.clear();
+            let mut slips = false;
+            for ((d, g), n) in arms.iter().zip(grip.iter_mut()).zip(&*pressure) {
+                let from = d.xy() - centre;
+                let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
+                let bound = friction * n;
+                if 2.0 * f.norm_squared() > bound * bound {
+                    let [straight, round] = halves(free);
+                    let slip = (straight + round.cross(d)).xy();
+                    let excess = (f.dot(&slip).abs() + f.perp(&slip).abs()) / (bound * slip.norm());
+                    if excess > 1.0 {
+                        *g /= EASE * excess * excess;
+                        slips = true;
+                    }
+                }
+                shear.push(f);
+            }
+            if !slips {
+                return Some(());
+            }
+        }
+        None
+    }
+
+    /// Pressures of least norm for a load (F_z, -m_y, m_x) [N·s, N·m·s], none of which pulls.
+    fn press(&mut self, load: &Vector3<f64>) -> Option<()> {
+        let Sole { arms, pressure, spread: all, .. } = self;
+        pressure.clear();
+        pressure.resize(arms.len(), 1.0);
+        let mut fit = *all * load;
+        loop {
+            let mut least = 0.0;
+            let mut worst = None;
+            for (i, (n, d)) in pressure.iter_mut().zip(&*arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
+                *n = place(d).dot(&fit);
+                if *n <= least {
+                    (least, worst) = (*n, Some(i));
+                }
+            }
+            let Some(worst) = worst else { return Some(()) };
+            pressure[worst] = 0.0;
+            let rest = arms.iter().zip(&*pressure).filter(|(_, n)| **n != 0.0).map(|(d, _)| d);
+            fit = spread(rest)? * load;
+        }
+    }
+}
+
+/// q_i.
+fn place(d: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(1.0, d.x, d.y)
+}
+
+/// N⁻¹.
+fn spread<'a>(arms: impl Iterator<Item = &'a Vector3<f64>>) -> Option<Matrix3<f64>> {
+    let n = arms.fold(Matrix3::zeros(), |n, d| n + place(d) * place(d).transpose());
+    let wide = n.determinant() > IN_LINE * n.diagonal().product();
+    if wide { n.try_inverse() } else { None }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MU: f64 = 0.7;
+    /// A free slip askew.
+    const FREE: Six = [0.3, -0.1, -0.02, 0.1, 0.2, 0.4, 0.0, 0.0];
+
+    /// A foot of 200 mm by 100 mm, hardly tilted.
+    fn foot() -> Sole {
+        let corner = |(id, (x, y)): (usize, (f64, f64))| {
+            let arm = Vector3::new(0.3 + x, y - 0.2, -0.6 + 1e-6 * x);
+            Touch { id, link: 1, arm, gap: 0.0 }
+        };
+        let mut sole = Sole::default();
+        let corners = [(0.1, 0.05), (0.1, -0.05), (-0.1, 0.05), (-0.1, -0.05)];
+        sole.set(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>()).expect("a sole");
+        sole
+    }
+
+    /// Impulses of a load at a place on the sole, with friction there and a moment about the normal.
+    fn spread([x, y]: [f64; 2], shear: [f64; 2], twist: f64) -> (Sole, Six, Option<Vec<Vector3<f64>>>) {
+        let (mut sole, mut impulses) = (foot(), vec![]);
+        let (load, yaw) = (0.1, twist + x * shear[1] - y * shear[0]);
+        let wrench = [shear[0] * load, shear[1] * load, load, y * load, -x * load, yaw * load, 0.0, 0.0];
+        let found = sole.spread(&wrench, &FREE, MU, &mut impulses);
+        (sole, wrench, found.map(|()| impulses))
+    }
+
+    #[test]
+    fn impulses_at_the_contacts_make_up_the_wrench_within_the_law() {
+        for place in [[0.0, 0.0], [0.07, -0.02], [-0.095, 0.0], [0.06, 0.03]] {
+            for (shear, twist) in [([0.0, 0.0], 0.0), ([0.2, -0.3], 0.0), ([0.05, 0.1], 0.01), ([0.0, -0.1], -0.015)] {
+                let (sole, wrench, impulses) = spread(place, shear, twist);
+                let impulses = impulses.unwrap_or_else(|| panic!("{place:?} {shear:?} {twist}"));
+                let moment = |(d, f): (&Vector3<f64>, &Vector3<f64>)| d.cross(f);
+                let sum = six(&impulses.iter().sum(), &sole.arms.iter().zip(&impulses).map(moment).sum());
+                let error = sum.iter().zip(&wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+                assert!(error < 1e-15, "{place:?} {shear:?} {twist}: {error:e}");
+                let [straight, round] = halves(&FREE);
+                for (d, f) in sole.arms.iter().zip(&impulses) {
+                    let along = (straight + round.cross(d)).xy().normalize();
+                    let carried = f.xy().dot(&along).abs() + f.xy().perp(&along).abs();
+                    assert!(
+                        f.z >= 0.0 && carried.min(f.xy().norm() * 2f64.sqrt()) <= MU * f.z * (1.0 + 1e-12),
+                        "{f:?}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_would_tip_or_slip_has_none() {
+        for (place, shear, twist) in [
+            ([0.101, 0.0], [0.0, 0.0], 0.0),
+            ([0.0, -0.051], [0.0, 0.0], 0.0),
+            ([0.0, 0.0], [0.5, 0.6], 0.0),
+            ([0.0, 0.0], [0.0, 0.0], 0.08), // more than mu times the distance of the corners
+        ] {
+            let (.., impulses) = spread(place, shear, twist);
+            assert!(impulses.is_none(), "{place:?} {shear:?} {twist}: {impulses:?}");
+        }
+    }
+}
