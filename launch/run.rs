@@ -280,10 +280,10 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
             None => Role::start(name, &arguments(child), &bar),
         }
     };
-    // Before there are any files: if we are killed at once, the controller clears up. Ours get ready while we do; the plant
-    // speaks, and anybody else's begins, when we listen.
-    let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
+    // Before there are any files: if we are killed at once, they clear up. Ours get ready while we do, the plant first, which
+    // takes longest; it speaks, and anybody else's begins, when we listen.
     let held = args.plant.is_none().then(|| Role::hold("plant", &arguments(0), &bar)).transpose()?;
+    let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     swept.0.tell_scene(&load::text(scene))?;
     let mut roles = vec![held.map_or_else(|| start(0), Ok)?];
