@@ -107,11 +107,13 @@ fn turned(r: &Matrix3<f64>, link: &Link, angle: f64) -> Matrix3<f64> {
     };
     // only the two columns across the axis change
     let (s, c) = (angle * link.axis[k]).sin_cos();
-    let (u, v) = ((k + 1) % 3, (k + 2) % 3);
-    let mut turned = *r;
-    turned.set_column(u, &(r.column(u) * c + r.column(v) * s));
-    turned.set_column(v, &(r.column(v) * c - r.column(u) * s));
-    turned
+    let [axis, u, v] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| r.column(k).into_owned());
+    let (u, v) = (u * c + v * s, v * c - u * s);
+    match k {
+        0 => Matrix3::from_columns(&[axis, u, v]),
+        1 => Matrix3::from_columns(&[v, axis, u]),
+        _ => Matrix3::from_columns(&[u, v, axis]),
+    }
 }
 
 /// Computes the pose and velocity of every link, from the base outwards.
