@@ -16,20 +16,22 @@ pub struct PathMatrix {
     /// Length of each row.
     length: Vec<usize>,
     /// Rows in whole blocks, so that short loops need no remainder; what lies behind a row's end means nothing.
-    blocks: Vec<[f64; BLOCK]>,
+    blocks: Vec<[f64; PANEL]>,
     /// Blocks of a row.
     stride: usize,
 }
 
-/// Numbers that are worked on at once.
+/// Numbers of a row that are worked on at once: those of a leg with its base, three registers full.
+const PANEL: usize = 12;
+/// Numbers of a register; columns are worked on so many at a time.
 pub const BLOCK: usize = 4;
 
 impl PathMatrix {
     /// Zeros for a model.
     pub fn new(model: &Model) -> Self {
         let length: Vec<usize> = (1..model.links.len()).map(|link| model.depth(link)).collect();
-        let stride = length.iter().copied().max().unwrap_or(1).div_ceil(BLOCK);
-        PathMatrix { blocks: vec![[0.0; BLOCK]; stride * length.len()], length, stride }
+        let stride = length.iter().copied().max().unwrap_or(1).div_ceil(PANEL);
+        PathMatrix { blocks: vec![[0.0; PANEL]; stride * length.len()], length, stride }
     }
 
     /// Entries of the path to degree of freedom i, the last being the diagonal.
@@ -47,7 +49,7 @@ impl PathMatrix {
     /// Sets the entries (i, j) of one j and every i of its branch, in order.
     #[inline]
     pub(crate) fn set_column(&mut self, model: &Model, j: usize, values: impl Iterator<Item = f64>) {
-        let (place, width) = (self.length[j] - 1, self.stride * BLOCK);
+        let (place, width) = (self.length[j] - 1, self.stride * PANEL);
         let numbers = self.blocks.as_flattened_mut();
         for (i, value) in model.branch(j).zip(values) {
             numbers[i * width + place] = value;
@@ -57,7 +59,7 @@ impl PathMatrix {
     #[inline]
     pub(crate) fn add_diagonal(&mut self, i: usize, value: f64) {
         let place = self.length[i] - 1;
-        self.blocks.as_flattened_mut()[i * self.stride * BLOCK + place] += value;
+        self.blocks.as_flattened_mut()[i * self.stride * PANEL + place] += value;
     }
 
     /// The full symmetric matrix; allocates.
@@ -95,7 +97,7 @@ impl Factor {
     /// # Errors
     /// [`PlantError::Singular`] if H is not positive definite.
     pub fn factorize(&mut self, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
-        let (stride, width) = (self.l.stride, self.l.stride * BLOCK);
+        let (stride, width) = (self.l.stride, self.l.stride * PANEL);
         // U = DL: each row is scaled when all are known, and waits for no more of the one before than it must
         for i in (0..model.dofs()).rev() {
             let place = self.l.length[i] - 1;
@@ -103,7 +105,7 @@ impl Factor {
             let row = &mut rows[i * stride..];
             let inverses = &self.inverse[i + 1..model.branch(i).end];
             // U_ij = H_ij - Σ U_ki U_kj / U_kk over the branch of i
-            for (b, (entries, h)) in row.iter_mut().zip(&h.blocks[i * stride..]).enumerate().take(place / BLOCK + 1) {
+            for (b, (entries, h)) in row.iter_mut().zip(&h.blocks[i * stride..]).enumerate().take(place / PANEL + 1) {
                 let mut sum = *h;
                 for (k, inverse) in inverses.iter().enumerate().rev() {
                     let factor = -branch.as_flattened()[k * width + place] * inverse;
@@ -127,7 +129,7 @@ impl Factor {
 
     /// v = H⁻¹ v.
     pub fn solve(&self, model: &Model, v: &mut [f64]) {
-        let width = self.l.stride * BLOCK;
+        let width = self.l.stride * PANEL;
         let numbers = self.l.blocks.as_flattened();
         for i in (0..model.dofs()).rev() {
             let place = self.l.length[i] - 1;
@@ -149,7 +151,7 @@ impl Factor {
 
     /// v = L⁻¹ v.
     fn descend(&self, model: &Model, v: &mut [f64]) {
-        let width = self.l.stride * BLOCK;
+        let width = self.l.stride * PANEL;
         let numbers = self.l.blocks.as_flattened();
         for i in 0..model.dofs() {
             let (place, x) = (self.l.length[i] - 1, v[i]);
