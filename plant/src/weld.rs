@@ -1,4 +1,5 @@
-//! Links that stand: where nothing moved in the step before, every touching link is welded to the ground for the step.
+//! Links that stand: where nothing that pushed moved in the step before, every link that comes down to the ground is welded to it for
+//! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to.
 //!
 //! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are.
 //! With the velocities t of the links about a point c amid their contacts, and the wrenches w there,
@@ -23,6 +24,7 @@ use crate::detect::Touch;
 use crate::factor::Factor;
 use crate::kinematics::Pose;
 use crate::model::Model;
+use crate::spatial::Spatial;
 use blocks::{Blocks, Factored};
 use nalgebra::Vector3;
 use sole::Sole;
@@ -77,12 +79,22 @@ impl Weld {
         free: &[f64],
         friction: f64,
         h: f64,
+        change: &mut [f64],
     ) -> Option<Report> {
         self.stand(model, pose, factor, touches, free, h)?;
         self.resolve(model)?;
+        self.respond(model, factor, change);
         self.impulse.clear();
-        for foot in &mut self.feet[..self.count] {
-            foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?;
+        let mut feet = self.feet[..self.count].iter_mut().peekable();
+        for touches in touches.chunk_by(|a, b| a.link == b.link) {
+            let link = touches[0].link;
+            match feet.next_if(|foot| foot.link == link) {
+                Some(foot) => foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?,
+                None if hovers(touches, &(pose.twist(model, link, free) + pose.twist(model, link, change)), h) => {
+                    self.impulse.extend(touches.iter().map(|_| Vector3::zeros()));
+                }
+                None => return None,
+            }
         }
         Some(self.report(model, touches, friction, h)).filter(|report| report.natural_map <= SOLVED)
     }
@@ -99,9 +111,13 @@ impl Weld {
     ) -> Option<()> {
         self.count = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
+            let link = touches[0].link;
+            if hovers(touches, &pose.twist(model, link, free), h) {
+                continue;
+            }
             let foot = self.feet.get_mut(self.count)?;
             self.count += 1;
-            foot.link = touches[0].link;
+            foot.link = link;
             foot.sole.set(touches)?;
             foot.wanted = foot.sole.landing(touches, h);
             foot.free = Six::default();
@@ -160,9 +176,9 @@ impl Weld {
     /// a contact moves no less easily than the whole robot's mass does, A_kk >= 1/m.
     fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
         let (mut slip, mut work, mut gain) = (0.0_f64, 0.0_f64, 0.0);
-        let mut contacts = touches.iter().zip(&self.impulse);
         for foot in &self.feet[..self.count] {
-            for (touch, impulse) in contacts.by_ref().take(foot.sole.len()) {
+            let contacts = touches.iter().zip(&self.impulse);
+            for (touch, impulse) in contacts.filter(|(touch, _)| touch.link == foot.link) {
                 let v = foot.velocity(&touch.arm) + Vector3::z() * (touch.gap.max(0.0) / h);
                 slip = slip.max(v.z.abs() + (1.0 + friction) * v.xy().norm());
                 work = work.max((impulse.z * v.z).abs());
@@ -177,7 +193,7 @@ impl Weld {
     }
 
     /// H⁻¹KΔf: the change of velocity that the impulses make.
-    pub fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
+    fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
         change.fill(0.0);
         for foot in &self.feet[..self.count] {
             for (row, &dof) in foot.rows.iter().zip(model.path(foot.link)) {
@@ -186,6 +202,11 @@ impl Weld {
         }
         factor.second_half_solve(model, change);
     }
+}
+
+/// Whether a link that moves so stays above the ground for a step of `h`.
+fn hovers(touches: &[Touch], twist: &Spatial, h: f64) -> bool {
+    touches.iter().all(|touch| touch.gap + h * twist.at(&touch.arm).z > 0.0)
 }
 
 impl Foot {
