@@ -54,11 +54,6 @@ impl Sole {
         Some(())
     }
 
-    /// Number of contacts.
-    pub fn len(&self) -> usize {
-        self.arms.len()
-    }
-
     /// The velocity that closes all gaps within the step of `h`, and nothing else.
     pub fn landing(&self, touches: &[Touch], h: f64) -> Six {
         let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * (touch.gap.max(0.0) / h);
