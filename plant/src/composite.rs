@@ -44,7 +44,11 @@ impl Composite {
             self.inertia[link.parent] += carried;
             self.wrench[i] = carried.times(&pose.links[i].column);
         }
-        for (j, link) in model.links[1..].iter().enumerate() {
+        let upright = model.upright();
+        for (i, wrench) in self.wrench[1..].iter().enumerate().filter(|_| upright > 0) {
+            h.set_first(i, wrench);
+        }
+        for (j, link) in model.links[1..].iter().enumerate().skip(upright) {
             let Spatial { angular, linear } = pose.links[j + 1].column;
             let wrenches = self.wrench[1..][model.branch(j)].iter();
             // a virtual link slides, or turns about O: half of its column is zero

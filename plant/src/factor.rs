@@ -5,6 +5,7 @@
 
 use crate::error::PlantError;
 use crate::model::Model;
+use crate::spatial::Spatial;
 use nalgebra::DMatrix;
 
 /// A matrix over degrees of freedom whose entry (i, j), j <= i, is zero unless j is on the path to i: H, and its L.
@@ -54,6 +55,14 @@ impl PathMatrix {
         for (i, value) in model.branch(j).zip(values) {
             numbers[i * width + place] = value;
         }
+    }
+
+    /// Sets the first six entries of row i: force and moment, which are those of degrees of freedom along and about the axes of W.
+    #[inline]
+    pub(crate) fn set_first(&mut self, i: usize, wrench: &Spatial) {
+        let row = &mut self.blocks[i * self.stride];
+        let Spatial { linear: f, angular: n } = wrench;
+        row[..6].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z]);
     }
 
     #[inline]

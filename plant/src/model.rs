@@ -145,6 +145,16 @@ impl Model {
         self.dofs() + usize::from(self.base == Base::Quaternion)
     }
 
+    /// How many degrees of freedom, from the first on, are along and then about the axes of W.
+    #[inline]
+    pub fn upright(&self) -> usize {
+        match self.base {
+            Base::Fixed | Base::Planar => 0,
+            Base::Virtual => 3,
+            Base::Quaternion => 6,
+        }
+    }
+
     /// Degrees of freedom between W and a link, base first: the only ones that move it.
     #[inline]
     pub fn path(&self, link: usize) -> &[usize] {

@@ -188,8 +188,9 @@ impl State {
 fn turn(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     // sin(half)/half, whose series needs no second term below 1e-8
-    let sinc = if half < 1e-8 { 1.0 } else { half.sin() / half };
-    let [a, x, y, z] = [half.cos(), 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
+    let (sin, cos) = half.sin_cos();
+    let sinc = if half < 1e-8 { 1.0 } else { sin / half };
+    let [a, x, y, z] = [cos, 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
     let product = [
         a * q[0] - x * q[1] - y * q[2] - z * q[3],
         a * q[1] + x * q[0] + y * q[3] - z * q[2],
