@@ -24,7 +24,6 @@ use crate::detect::Touch;
 use crate::factor::Factor;
 use crate::kinematics::Pose;
 use crate::model::Model;
-use crate::spatial::Spatial;
 use blocks::{Blocks, Factored};
 use nalgebra::Vector3;
 use sole::Sole;
@@ -90,10 +89,13 @@ impl Weld {
             let link = touches[0].link;
             match feet.next_if(|foot| foot.link == link) {
                 Some(foot) => foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?,
-                None if hovers(touches, &(pose.twist(model, link, free) + pose.twist(model, link, change)), h) => {
+                None => {
+                    let twist = pose.twist(model, link, free) + pose.twist(model, link, change);
+                    if !hovers(touches, |arm| twist.at(arm), h) {
+                        return None;
+                    }
                     self.impulse.extend(touches.iter().map(|_| Vector3::zeros()));
                 }
-                None => return None,
             }
         }
         Some(self.report(model, touches, friction, h)).filter(|report| report.natural_map <= SOLVED)
@@ -111,15 +113,9 @@ impl Weld {
     ) -> Option<()> {
         self.count = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let link = touches[0].link;
-            if hovers(touches, &pose.twist(model, link, free), h) {
-                continue;
-            }
             let foot = self.feet.get_mut(self.count)?;
-            self.count += 1;
-            foot.link = link;
-            foot.sole.set(touches)?;
-            foot.wanted = foot.sole.landing(touches, h);
+            foot.link = touches[0].link;
+            foot.sole.gather(touches);
             foot.free = Six::default();
             foot.rows.clear();
             for &dof in model.path(foot.link) {
@@ -128,6 +124,12 @@ impl Weld {
                 foot.free = std::array::from_fn(|k| row[k].mul_add(free[dof], foot.free[k]));
                 foot.rows.push(row);
             }
+            if hovers(touches, |arm| foot.velocity(&foot.free, arm), h) {
+                continue;
+            }
+            self.count += 1;
+            foot.sole.fit()?;
+            foot.wanted = foot.sole.landing(touches, h);
             factor.half_solve(model, foot.link, &mut foot.rows);
         }
         Some(())
@@ -179,7 +181,7 @@ impl Weld {
         for foot in &self.feet[..self.count] {
             let contacts = touches.iter().zip(&self.impulse);
             for (touch, impulse) in contacts.filter(|(touch, _)| touch.link == foot.link) {
-                let v = foot.velocity(&touch.arm) + Vector3::z() * (touch.gap.max(0.0) / h);
+                let v = foot.velocity(&foot.motion, &touch.arm) + Vector3::z() * (touch.gap.max(0.0) / h);
                 slip = slip.max(v.z.abs() + (1.0 + friction) * v.xy().norm());
                 work = work.max((impulse.z * v.z).abs());
             }
@@ -204,15 +206,15 @@ impl Weld {
     }
 }
 
-/// Whether a link that moves so stays above the ground for a step of `h`.
-fn hovers(touches: &[Touch], twist: &Spatial, h: f64) -> bool {
-    touches.iter().all(|touch| touch.gap + h * twist.at(&touch.arm).z > 0.0)
+/// Whether a link whose points have such velocities stays above the ground for a step of `h`.
+fn hovers(touches: &[Touch], velocity: impl Fn(&Vector3<f64>) -> Vector3<f64>, h: f64) -> bool {
+    touches.iter().all(|touch| touch.gap + h * velocity(&touch.arm).z > 0.0)
 }
 
 impl Foot {
-    /// Velocity of a point of it, given from O [m/s].
-    fn velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
-        let [straight, round] = halves(&self.motion);
+    /// Velocity of a point of it, given from O, if it moves so [m/s].
+    fn velocity(&self, motion: &Six, arm: &Vector3<f64>) -> Vector3<f64> {
+        let [straight, round] = halves(motion);
         straight + round.cross(&(arm - self.sole.centre))
     }
 }
