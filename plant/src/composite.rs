@@ -85,12 +85,15 @@ impl Composite {
                 Spatial::default()
             };
         }
-        for i in (1..model.links.len()).rev() {
+        let upright = model.upright();
+        for i in (upright + 1..model.links.len()).rev() {
             let link = &model.links[i];
             let wrench = self.wrench[i];
             b[i - 1] = pose.links[i].column.dot(&wrench) + link.damping * xdot[i - 1];
             self.wrench[link.parent] += wrench;
         }
+        let Spatial { linear: f, angular: n } = self.wrench[upright];
+        b[..upright].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z][..upright]);
     }
 
     /// K̇ᵀẋ: the acceleration in W that a corner has without ẍ [m/s²], after [`Composite::bias`] at this pose. The lowest

@@ -134,8 +134,8 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
         };
         here.rotation = match link.motion {
             Motion::Revolute => turned(&parent.rotation, link, x),
-            Motion::Prismatic => parent.rotation,
-            Motion::Spin => rotation(&state.x[3..7]),
+            Motion::Spin if i == model.base_link => rotation(&state.x[3..7]), // of the turns together
+            Motion::Prismatic | Motion::Spin => parent.rotation,
         };
         here.column = match link.motion {
             Motion::Revolute | Motion::Spin => Spatial { angular: axis, linear: Vector3::zeros() },
