@@ -9,7 +9,7 @@
 //! ```
 //!
 //! where t_wanted closes what gaps there are and moves nothing else. Neither tangents nor a remembered basis are needed: the soles
-//! say what w is at each contact, and whether all that obeys Coulomb's law; see [`sole`].
+//! say what w is at each contact, and whether all that obeys Coulomb's law; see `weld/sole.rs`.
 //!
 //! What Λ of two feet does not see (that they press against each other) yields by a hair, as in the full problem.
 //!
