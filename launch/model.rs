@@ -57,15 +57,15 @@ mod tests {
 
     #[test]
     fn a_smaller_model_costs_less_and_the_same_one_the_same() {
-        let slide = load("slide", &[], SCENES).unwrap();
-        let plan = smallest(&slide).unwrap();
-        let small = RunModel::of(&slide, &plan, false);
+        let incline = load("incline", &[], SCENES).unwrap(); // slides all the time: at rest the full model is welded
+        let plan = smallest(&incline).unwrap();
+        let small = RunModel::of(&incline, &plan, false);
         assert!(small.cost_ratio < 0.8 && small.size.contains("in full"), "{small:?}");
-        let full = RunModel::of(&slide, &plan, true);
+        let full = RunModel::of(&incline, &plan, true);
         assert!(full.cost_ratio == 1.0 && full.size.starts_with("quaternion"), "{full:?}");
         let walk = load("walk", &[], SCENES).unwrap();
         assert_eq!(RunModel::of(&walk, &smallest(&walk).unwrap(), false).cost_ratio, 1.0);
-        let twin = cost_ratio(&slide, &slide).unwrap();
+        let twin = cost_ratio(&incline, &incline).unwrap();
         assert!((0.5..2.0).contains(&twin), "negative control: a model beside itself costs {twin}");
     }
 }
