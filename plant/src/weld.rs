@@ -1,5 +1,4 @@
-//! Links that stand: where nothing that pushed moved in the step before, every link that comes down to the ground is welded to it for
-//! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to.
+//! Links that stand: where nothing moved in the step before, every touching link is welded to the ground for the step.
 //!
 //! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are.
 //! With the velocities t of the links about a point c amid their contacts, and the wrenches w there,
@@ -78,25 +77,12 @@ impl Weld {
         free: &[f64],
         friction: f64,
         h: f64,
-        change: &mut [f64],
     ) -> Option<Report> {
         self.stand(model, pose, factor, touches, free, h)?;
         self.resolve(model)?;
-        self.respond(model, factor, change);
         self.impulse.clear();
-        let mut feet = self.feet[..self.count].iter_mut().peekable();
-        for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let link = touches[0].link;
-            match feet.next_if(|foot| foot.link == link) {
-                Some(foot) => foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?,
-                None => {
-                    let twist = pose.twist(model, link, free) + pose.twist(model, link, change);
-                    if !hovers(touches, |arm| twist.at(arm), h) {
-                        return None;
-                    }
-                    self.impulse.extend(touches.iter().map(|_| Vector3::zeros()));
-                }
-            }
+        for foot in &mut self.feet[..self.count] {
+            foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?;
         }
         Some(self.report(model, touches, friction, h)).filter(|report| report.natural_map <= SOLVED)
     }
@@ -114,8 +100,10 @@ impl Weld {
         self.count = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
             let foot = self.feet.get_mut(self.count)?;
+            self.count += 1;
             foot.link = touches[0].link;
-            foot.sole.gather(touches);
+            foot.sole.set(touches)?;
+            foot.wanted = foot.sole.landing(touches, h);
             foot.free = Six::default();
             foot.rows.clear();
             for &dof in model.path(foot.link) {
@@ -124,12 +112,6 @@ impl Weld {
                 foot.free = std::array::from_fn(|k| row[k].mul_add(free[dof], foot.free[k]));
                 foot.rows.push(row);
             }
-            if hovers(touches, |arm| foot.velocity(&foot.free, arm), h) {
-                continue;
-            }
-            self.count += 1;
-            foot.sole.fit()?;
-            foot.wanted = foot.sole.landing(touches, h);
             factor.half_solve(model, foot.link, &mut foot.rows);
         }
         Some(())
@@ -178,10 +160,10 @@ impl Weld {
     /// a contact moves no less easily than the whole robot's mass does, A_kk >= 1/m.
     fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
         let (mut slip, mut work, mut gain) = (0.0_f64, 0.0_f64, 0.0);
+        let mut contacts = touches.iter().zip(&self.impulse);
         for foot in &self.feet[..self.count] {
-            let contacts = touches.iter().zip(&self.impulse);
-            for (touch, impulse) in contacts.filter(|(touch, _)| touch.link == foot.link) {
-                let v = foot.velocity(&foot.motion, &touch.arm) + Vector3::z() * (touch.gap.max(0.0) / h);
+            for (touch, impulse) in contacts.by_ref().take(foot.sole.len()) {
+                let v = foot.velocity(&touch.arm) + Vector3::z() * (touch.gap.max(0.0) / h);
                 slip = slip.max(v.z.abs() + (1.0 + friction) * v.xy().norm());
                 work = work.max((impulse.z * v.z).abs());
             }
@@ -195,7 +177,7 @@ impl Weld {
     }
 
     /// H⁻¹KΔf: the change of velocity that the impulses make.
-    fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
+    pub fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
         change.fill(0.0);
         for foot in &self.feet[..self.count] {
             for (row, &dof) in foot.rows.iter().zip(model.path(foot.link)) {
@@ -206,15 +188,10 @@ impl Weld {
     }
 }
 
-/// Whether a link whose points have such velocities stays above the ground for a step of `h`.
-fn hovers(touches: &[Touch], velocity: impl Fn(&Vector3<f64>) -> Vector3<f64>, h: f64) -> bool {
-    touches.iter().all(|touch| touch.gap + h * velocity(&touch.arm).z > 0.0)
-}
-
 impl Foot {
-    /// Velocity of a point of it, given from O, if it moves so [m/s].
-    fn velocity(&self, motion: &Six, arm: &Vector3<f64>) -> Vector3<f64> {
-        let [straight, round] = halves(motion);
+    /// Velocity of a point of it, given from O [m/s].
+    fn velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
+        let [straight, round] = halves(&self.motion);
         straight + round.cross(&(arm - self.sole.centre))
     }
 }

@@ -10,7 +10,8 @@ impl Session {
     /// # Errors
     /// [`PortError::SharedMemory`] if there is no room for it.
     pub fn tell_scene(&self, text: &str) -> Result<(), PortError> {
-        let (draft, path) = (self.file("draft"), self.file("scene"));
+        // a draft of one's own: launcher and plant say it at the same time
+        let (draft, path) = (self.file(&format!("draft_{}", std::process::id())), self.file("scene"));
         let written = std::fs::write(&draft, text).and_then(|()| std::fs::rename(&draft, &path));
         written.map_err(|error| PortError::SharedMemory(format!("{} cannot be written: {error}", path.display())))
     }

@@ -80,7 +80,7 @@ pub(super) fn rays(bits: u8, d: usize) -> u8 {
     }
     match Guess::read(bits, d) {
         Guess::Open => 0,
-        Guess::Sticks => 0b11, // there and back along one tangent: the program finds out what else
+        Guess::Sticks => (1 << d) - 1,
         Guess::Slides(j) => 1 << j,
         Guess::SlidesBetween(j, k) => 1 << j | 1 << k,
     }

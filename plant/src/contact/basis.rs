@@ -42,8 +42,6 @@ pub(super) struct Block {
     order: Vec<usize>,
     right: Vec<f64>,
     solution: Vec<f64>,
-    /// The impulse before it was refined.
-    first: Vec<f64>,
     dependent: bool,
     /// The block is symmetric and positive: what yields, and reads along what it pushes.
     symmetric: bool,
@@ -60,7 +58,6 @@ impl Block {
         v.clone_from(&scaled.drift);
         self.dependent = false;
         if self.columns.is_empty() {
-            self.first.clone_from(f);
             return true;
         }
         if !self.factor(scaled) {
@@ -73,9 +70,6 @@ impl Block {
             self.substitute();
             for (c, y) in self.columns.iter().zip(&self.solution) {
                 f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
-            }
-            if before.is_infinite() {
-                self.first.clone_from(f);
             }
             scaled.velocity(f, v);
             if !minimises_energy(law) {
@@ -90,11 +84,6 @@ impl Block {
             before = left;
         }
         true
-    }
-
-    /// The last impulse, of contacts that yield if they do.
-    pub fn unrefined(&self) -> &[f64] {
-        &self.first
     }
 
     /// Whether some columns of the last basis depended on others, so that the impulse is one of many.
@@ -133,8 +122,7 @@ impl Block {
                 if bits & 1 == 1 {
                     column(normal, normal);
                 }
-                let moves = |k: usize| scaled.root[first + k] > 0.0;
-                for k in (1..stride).filter(|&k| moves(k) && (facet(2 * k - 2) || facet(2 * k - 1))) {
+                for k in (1..stride).filter(|k| facet(2 * k - 2) || facet(2 * k - 1)) {
                     let mut tangent = [0.0; 3];
                     tangent[k] = 1.0;
                     column(tangent, tangent);

@@ -11,6 +11,7 @@
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS.
 
+use super::basis::Block;
 use super::growing::Growing;
 use super::rays::Rays;
 use super::scaled::Scaled;
@@ -18,9 +19,6 @@ use messages::scene::Law;
 
 /// A negative w this small, relative to the step's scale, is rounding.
 const ROUNDING: f64 = 1e-12;
-
-/// The same of contacts that yield: in more than this they would only share out among them what they yield by.
-const GIVEN: f64 = 4e-12;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
@@ -50,9 +48,11 @@ pub(super) fn minimises_energy(law: Law) -> bool {
 impl EnergyQp {
     /// Solves; writes impulse, velocity and basis, one bit per basic ray. Adds the pivots to `count`; false beyond 20
     /// per ray. Starts from the given basis, when asked `again`, which means with another drift, from where the last one ended.
+    #[expect(clippy::too_many_arguments, reason = "problem and solution, their workspace, and the count")]
     pub fn pivot(
         &mut self,
         scaled: &Scaled,
+        block: &mut Block,
         basis: &mut [u8],
         f: &mut Vec<f64>,
         v: &mut Vec<f64>,
@@ -68,9 +68,7 @@ impl EnergyQp {
         for _ in 0..20 * self.rays.count() {
             let Some(joins) = self.most_negative(scaled) else {
                 self.write(scaled, basis);
-                f.clone_from(self.rays.push());
-                scaled.velocity(f, v);
-                return true;
+                return block.solve(scaled, Law::EnergyQp, basis, f, v);
             };
             *count += 1;
             let moved = self.join(scaled, joins) && self.descend(scaled);
@@ -143,7 +141,7 @@ impl EnergyQp {
     /// The ray outside the basis along which the energy falls most.
     fn most_negative(&mut self, scaled: &Scaled) -> Option<usize> {
         let EnergyQp { rays, basic, goal, velocity, barred, .. } = self;
-        let least = -if scaled.yields() { GIVEN } else { ROUNDING } * rays.velocity(scaled, basic, goal, velocity);
+        let least = -ROUNDING * rays.velocity(scaled, basic, goal, velocity);
         basic.iter().for_each(|&r| velocity[r] = 0.0);
         let speeds = (0..velocity.len()).filter(|&r| !barred[r]).map(|r| (r, rays.speed(r, velocity)));
         speeds.filter(|(_, speed)| *speed < least).min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(r, _)| r)

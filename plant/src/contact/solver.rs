@@ -51,11 +51,11 @@ impl Solver {
     ///
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
-    /// 1. the basis in `memory`, as it is, of contacts that yield by rounding (`scaled::YIELD`) or do not;
-    /// 2. for the energy program, principal pivoting, then that of contacts that yield;
-    /// 3. for Coulomb's law and few contacts, the basis corrected contact by contact (of one, or with one tangent, then Lemke's method);
-    ///    of many the same with contacts that yield, unless the energy program made it, and Lemke's method;
-    /// 4. the shifted energy program of contacts that yield;
+    /// 1. the basis in `memory`, as it is;
+    /// 2. for the energy program, principal pivoting; for Coulomb's law and few contacts, that basis corrected contact by contact
+    ///    (of one, or with one tangent, then Lemke's method);
+    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), of more than few unless the energy program made the basis;
+    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program;
     /// 5. Lemke's method in 32 digits from what that guessed, of few contacts from the start. Contacts yield by a hair
     ///    there: such a problem has a solution, and the path ends at it;
     /// 6. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
@@ -72,9 +72,8 @@ impl Solver {
         self.best.clear();
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.recall(problem, memory);
-        // on rays is what contacts that yield were found on; of two feet there is hardly another
-        let either = !self.on_rays() && self.scaled.contacts <= FEW;
-        let warm = self.holds(law, memory.yields) || either && self.holds(law, !memory.yields);
+        let on_rays = self.on_rays(); // found by contacts that yield
+        let warm = self.holds(law, memory.yields) || !on_rays && self.holds(law, !memory.yields);
         let mut report = Report { warm, ..Report::default() };
         if !report.warm {
             let solved = self.find(law, &mut report.pivots);
@@ -85,17 +84,10 @@ impl Solver {
         }
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
-        memory.rests = self.rests();
+        memory.rests = self.v.iter().all(|v| v.abs() <= SOLVED * residual::scale(&self.scaled, &self.f));
         self.unscale(problem);
         self.measure(problem, law, &mut report);
         report
-    }
-
-    /// Whether nothing that pushes moves.
-    fn rests(&self) -> bool {
-        let (stride, least) = (self.scaled.stride(), SOLVED * residual::scale(&self.scaled, &self.f));
-        let mut contacts = self.f.chunks_exact(stride).zip(self.v.chunks_exact(stride));
-        contacts.all(|(f, v)| f[0] == 0.0 || v.iter().all(|v| v.abs() <= least))
     }
 
     /// The bases of the last step.
@@ -122,8 +114,8 @@ impl Solver {
         few && !self.on_rays() && self.settle(law, pivots)
             // where its path is short, Lemke's method ends at a basis that is solved to rounding
             || (alone || few && law == Law::Complementarity) && self.pivot(law, SHORT, pivots)
-            // of many contacts most are redundant: its path visits few of them, if their last bases cannot be corrected
-            || many && !self.on_rays() && self.yielding(YIELD, |solver| solver.settle(law, pivots))
+            || (few || !self.on_rays()) && self.yielding(YIELD, |solver| solver.settle(law, pivots))
+            // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)
             || self.yielding(YIELD, |solver| solver.slide(law, pivots))
             || self.yielding(HAIR, |solver| solver.pivot_exactly(law, pivots))
@@ -167,16 +159,7 @@ impl Solver {
         if minimises_energy(law) {
             self.scaled.harden(&self.f, &mut self.v);
         }
-        let error = residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
-        if error <= SOLVED || !self.scaled.yields() || minimises_energy(law) {
-            return error;
-        }
-        // rigid contacts may need pulls along what A hardly sees where those that yield need none
-        let Solver { scaled, block, f, v, .. } = self;
-        f.copy_from_slice(block.unrefined());
-        scaled.velocity(f, v);
-        scaled.harden(f, v);
-        residual::natural_map(scaled, f, v, yardstick(law))
+        residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
     }
 
     /// Whether the basis in memory is the solution, of contacts that yield or do not.
@@ -199,8 +182,8 @@ impl Solver {
     /// Principal pivoting on the energy program.
     fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
         self.basis.fill(0);
-        let Solver { scaled, energy_qp, basis, f, v, .. } = self;
-        energy_qp.pivot(scaled, basis, f, v, false, pivots) && self.is_solved(law)
+        let Solver { scaled, energy_qp, block, basis, f, v, .. } = self;
+        energy_qp.pivot(scaled, block, basis, f, v, false, pivots) && self.is_solved(law)
     }
 
     /// Lemke's pivoting on the complementarity problem.

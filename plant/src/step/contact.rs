@@ -54,7 +54,7 @@ impl Plant {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
-    /// Where nothing that pushed moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
+    /// Where nothing moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
     pub(super) fn solve_contacts(&mut self, h: f64) -> Result<(), PlantError> {
         if !self.work.touches.is_empty() {
             let welded = self.weld(h);
@@ -66,9 +66,10 @@ impl Plant {
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.counts.note(&report);
             self.report = report;
-            let Workspace { factor, free, change, map, solver, .. } = &mut self.work;
-            if welded.is_none() {
-                map.respond(&self.model, factor, &solver.impulse, change);
+            let Workspace { factor, free, change, map, solver, weld, .. } = &mut self.work;
+            match welded {
+                Some(_) => weld.respond(&self.model, factor, change),
+                None => map.respond(&self.model, factor, &solver.impulse, change),
             }
             free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
@@ -76,14 +77,14 @@ impl Plant {
         Ok(())
     }
 
-    /// The solution in which every link that pushes stays where it is, if it did in the step before and that obeys the law.
+    /// The solution in which every touching link stays where it is, if it did in the step before and that obeys the law.
     fn weld(&mut self, h: f64) -> Option<Report> {
         let Settings { law, restitution, welds, friction, .. } = self.settings;
-        let Workspace { pose, factor, free, touches, problem, weld, change, .. } = &mut self.work;
+        let Workspace { pose, factor, free, touches, problem, weld, .. } = &mut self.work;
         if !(welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6 && self.memory.rests()) {
             return None;
         }
-        let report = weld.hold(&self.model, pose, factor, touches, free, friction, h, change)?;
+        let report = weld.hold(&self.model, pose, factor, touches, free, friction, h)?;
         self.memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);
         problem.delassus.clear();

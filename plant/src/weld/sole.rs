@@ -44,18 +44,19 @@ pub(super) struct Sole {
 }
 
 impl Sole {
-    /// Becomes the sole of a link's contacts.
-    pub fn gather(&mut self, touches: &[Touch]) {
+    /// Becomes the sole of a link's contacts; none if they are on one line.
+    pub fn set(&mut self, touches: &[Touch]) -> Option<()> {
         self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
         self.arms.clear();
         self.arms.extend(touches.iter().map(|touch| touch.arm - self.centre));
         self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
-    }
-
-    /// Finds how they share a load; none if they are on one line.
-    pub fn fit(&mut self) -> Option<()> {
         self.spread = spread(self.arms.iter())?;
         Some(())
+    }
+
+    /// Number of contacts.
+    pub fn len(&self) -> usize {
+        self.arms.len()
     }
 
     /// The velocity that closes all gaps within the step of `h`, and nothing else.
@@ -166,8 +167,7 @@ mod tests {
         };
         let mut sole = Sole::default();
         let corners = [(0.1, 0.05), (0.1, -0.05), (-0.1, 0.05), (-0.1, -0.05)];
-        sole.gather(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>());
-        sole.fit().expect("a sole");
+        sole.set(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>()).expect("a sole");
         sole
     }
 

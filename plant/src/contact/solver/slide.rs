@@ -5,18 +5,17 @@ use super::{SOLVED, Solver, yardstick};
 use messages::scene::Law;
 
 /// Most steps need one.
-const ROUNDS: usize = 20;
+const ROUNDS: usize = 12;
 
 impl Solver {
     /// The energy program (14)-(16), with mu |v_F| of its last solution added to each v_N.
     ///
     /// Its optimum has v_N >= mu |v_F|: that is Coulomb's law where nothing slides, and the shift makes it so where
     /// something does (De Saxcé; Acary & Cadoux). Long before the shift has settled the optimum says what slides where,
-    /// and the block has the solution. If it has not, something else slides; but while each round comes nearer, the slip of the
-    /// block, which is that of the settled shift if just this slides, makes the best next shift.
+    /// and the block has the solution.
     ///
     /// Each round also undoes what contacts yielded by in the one before (a proximal step), so that the limit is the
-    /// solution of rigid ones. What is solved without the block gets one more round for that.
+    /// solution of rigid ones.
     pub(super) fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
         for bits in &mut self.basis {
             *bits = active_set::rays(*bits, self.scaled.facets());
@@ -24,11 +23,9 @@ impl Solver {
         let stride = self.scaled.stride();
         self.proximal.copy(&self.scaled);
         self.shift.begin(self.scaled.contacts);
-        self.least = f64::INFINITY;
-        let mut nearer = true;
         for round in 0..ROUNDS {
-            let Solver { scaled, proximal, energy_qp, f, v, basis, .. } = self;
-            if !energy_qp.pivot(proximal, basis, f, v, round > 0, pivots) {
+            let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, .. } = self;
+            if !energy_qp.pivot(proximal, block, basis, f, v, round > 0, pivots) {
                 return false;
             }
             for (v, (shifted, b)) in v.iter_mut().zip(proximal.drift.iter().zip(&scaled.drift)) {
@@ -37,27 +34,18 @@ impl Solver {
             scaled.harden(f, v);
             let error = residual::natural_map(scaled, f, v, yardstick(law));
             basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
-            if self.least <= SOLVED {
-                self.take_better(error);
+            if error <= SOLVED {
                 return true;
             }
-            nearer &= error < self.least;
-            self.note(error);
-            let Solver { scaled, shift, proximal, f, v, basis, .. } = self;
             scaled.lead(f, &mut proximal.drift);
-            if self.least > SOLVED {
-                shift.advance(|i| residual::slip(scaled, i, &v[i * stride..]));
-                active_set::slide(scaled, f, v, basis);
-                if self.is_solved(law) {
-                    return true;
-                }
-                if nearer {
-                    let Solver { scaled, shift, v, .. } = self;
-                    shift.jump(|i| residual::slip(scaled, i, &v[i * stride..]));
-                }
+            shift.advance(|i| residual::slip(scaled, i, &v[i * stride..]));
+            let normals = proximal.drift.iter_mut().step_by(stride);
+            normals.zip(&shift.now).for_each(|(v, shift)| *v += shift);
+            active_set::slide(scaled, f, v, basis);
+            self.note(error);
+            if self.is_solved(law) {
+                return true;
             }
-            let normals = self.proximal.drift.iter_mut().step_by(stride);
-            normals.zip(&self.shift.now).for_each(|(v, shift)| *v += shift);
         }
         false
     }
@@ -84,11 +72,6 @@ impl Shift {
             list.clear();
             list.resize(contacts, 0.0);
         }
-    }
-
-    /// Just this.
-    fn jump(&mut self, slip: impl Fn(usize) -> f64) {
-        self.now.iter_mut().enumerate().for_each(|(i, now)| *now = slip(i));
     }
 
     /// The next, given what the last one asks for at each contact.
