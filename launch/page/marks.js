@@ -20,7 +20,7 @@ class Marks {
       const skin = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: .13, depthWrite: false });
       return { geometry, skin, outline: new THREE.EdgesGeometry(geometry), line: new THREE.LineBasicMaterial({ color }) };
     });
-    this.seen = 0;
+    [this.left, this.seen] = [[], 0]; // all prints, of which the group has those to be seen
     this.landed = about.feet.map(() => undefined);
     this.group.add(this.forces, this.com, this.shadow, this.zmp, this.plumb, this.prints);
   }
@@ -63,7 +63,8 @@ class Marks {
     this.zmp.position.set(x, y, .003);
     this.walk(film);
     const time = film.get(row, "time");
-    this.prints.children.forEach((print) => { print.visible = print.since <= time && Math.abs(print.position.x - com[0]) < 4; });
+    this.prints.clear();
+    this.left.filter(({ since, position }) => since <= time && Math.abs(position.x - com[0]) < 4).forEach((print) => this.prints.add(print));
   }
 
   /// Leaves a print wherever a foot stood that has been lifted, as far as the film goes.
@@ -87,13 +88,12 @@ class Marks {
     const print = Object.assign(new THREE.Mesh(geometry, skin), { since }).add(new THREE.LineSegments(outline, line));
     print.position.set(x, y, .0012);
     print.rotation.z = yaw;
-    this.prints.add(print);
+    this.left.push(print);
   }
 
   /// Forgets what was.
   clear() {
-    this.prints.clear();
-    this.seen = 0;
+    [this.left, this.seen] = [[], 0];
     this.landed.fill(undefined);
   }
 }
