@@ -1,10 +1,11 @@
 //! The main job: run a scene, watch over it, record it, and say what came out.
 
+mod one_process;
+mod watch;
+
 use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
-use crate::progress::Progress;
 use crate::realtime::RealtimeArgs;
-use crate::record::Recorder;
 use crate::recording::Writer;
 use crate::summary::Summary;
 use crate::swap::{Succession, Swap};
@@ -15,20 +16,17 @@ use messages::load;
 use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
-use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use nix::time::ClockId;
-use plant::Simulation;
-use plant::process::Next;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::mpsc;
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use watch::{Watch, fell};
+
+pub use one_process::in_process;
+pub use watch::goes_on;
 
 /// A look at children and progress this often; the truth's buffer holds longer.
 const LOOK: Duration = Duration::from_millis(2);
-/// Records that are handed over at once in one process, and such batches under way.
-const BATCH: usize = 128;
-const BATCHES: usize = 2;
 /// Time for the controller to hear the plant's goodbye.
 const GOODBYE: Duration = Duration::from_secs(1);
 
@@ -101,10 +99,10 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let begun = Instant::now() - processor_time(); // so much of it the program took to get here
     let written = args.scene.written()?;
     let scene = args.scene.on_model(&written);
-    let mut watch = Watch::new(&scene, args);
+    let mut watch = Watch::new(&scene, args.out.is_some(), args.quiet);
     watch.tape = args.record.as_deref().map(|path| Writer::create(path, &scene)).transpose()?;
     let outcome = match args.in_process {
-        true => one_process(&scene, &mut watch, stop),
+        true => one_process::run(&scene, &mut watch, stop),
         false => two_processes(args, &scene, &mut watch, stop),
     };
     watch.progress.finish();
@@ -134,127 +132,6 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
         (_, outcome) => outcome,
     }
-}
-
-/// Whatever listens to a run.
-struct Watch {
-    scene: Scene,
-    /// Makes the recorder of a run.
-    record: fn(&Scene) -> Recorder,
-    recorder: Recorder,
-    progress: Progress,
-    latest: Stamp,
-    tape: Option<Writer>,
-    /// Gaps in the sequence: records that were dropped on the way.
-    lost: u64,
-}
-
-impl Watch {
-    /// Only a report needs rows.
-    fn new(scene: &Scene, args: &RunArgs) -> Watch {
-        let record = if args.out.is_some() { Recorder::new } else { Recorder::without_rows };
-        let (recorder, progress) = (record(scene), Progress::new(scene, args.quiet));
-        Watch { scene: scene.clone(), record, recorder, progress, latest: Stamp::default(), tape: None, lost: 0 }
-    }
-
-    /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
-    fn take(&mut self, truth: &Truth) -> Result<(), Failure> {
-        if self.latest.run != truth.stamp.run && self.latest.seq > 0 {
-            self.recorder = (self.record)(&self.scene);
-            self.latest.seq = 0;
-        }
-        self.lost += truth.stamp.seq - self.latest.seq - 1;
-        self.latest = truth.stamp;
-        self.recorder.push(truth);
-        self.progress.update(truth);
-        self.tape.as_mut().map_or(Ok(()), |tape| tape.push(truth))
-    }
-
-    /// Takes all there is.
-    fn drain(&mut self, port: &mut RecorderPort) -> Result<(), Failure> {
-        while let Some(truth) = port.read()? {
-            self.take(&truth)?;
-        }
-        self.show();
-        Ok(())
-    }
-
-    /// Shows the latest of it.
-    fn show(&mut self) {
-        if let Some(last) = &self.recorder.last {
-            self.progress.show(&last.truth);
-        }
-    }
-}
-
-/// Whether a run has anything more to show.
-///
-/// # Errors
-/// A fall seen to its end, or a wish of the user's to stop.
-pub fn goes_on(recorder: &Recorder, stop: &AtomicBool) -> Result<(), Failure> {
-    match recorder.is_over() {
-        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
-        Some(time) => Err(fell(time)),
-        None => Ok(()),
-    }
-}
-
-fn fell(time: f64) -> Failure {
-    Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s"))
-}
-
-/// One process, with the recorder in a thread of its own, which gets the truth in batches.
-fn one_process(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
-    let (full, heard) = mpsc::sync_channel::<Vec<Truth>>(BATCHES);
-    let (empty, recycled) = mpsc::channel();
-    let listen = move || {
-        for mut batch in heard {
-            for truth in batch.drain(..) {
-                watch.take(&truth)?;
-                goes_on(&watch.recorder, stop)?;
-            }
-            watch.show();
-            let _ = empty.send(batch); // at the end nobody needs it
-        }
-        Ok(())
-    };
-    std::thread::scope(|scope| {
-        let listener = scope.spawn(listen);
-        let mut batch = Vec::with_capacity(BATCH);
-        let outcome = in_process(scene, |truth| {
-            batch.push(*truth);
-            if batch.len() < BATCH {
-                return Ok(());
-            }
-            let next = recycled.try_recv().unwrap_or_else(|_| Vec::with_capacity(BATCH));
-            full.send(std::mem::replace(&mut batch, next)).map_err(|_| Failure::new(Exit::Fault, "nobody records"))
-        });
-        let _ = full.send(batch);
-        drop(full);
-        // Who records says why he stopped.
-        listener.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)).and(outcome)
-    })
-}
-
-/// One process: the plant's loop with a controller at the other end of a function call. `hear` gets the truth of each
-/// control period and may end the run by an error.
-///
-/// # Errors
-/// Whatever plant, controller or `hear` fails with.
-pub fn in_process(scene: &Scene, mut hear: impl FnMut(&Truth) -> Result<(), Failure>) -> Result<(), Failure> {
-    use controller::process::ProcessError;
-    let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
-    let mut controller = controller.map_err(ProcessError::from)?;
-    let mut simulation = Simulation::new(scene, 1, 1)?;
-    plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, shell| {
-        hear(&shell.truth(simulation, sensors))?;
-        if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
-            let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
-            let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
-            simulation.hear(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
-        }
-        Ok(Next::Period { late_ns: 0 })
-    })
 }
 
 /// Two processes, started, recorded and reaped; nothing of them is left when this returns.

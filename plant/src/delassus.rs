@@ -8,7 +8,6 @@ use crate::detect::Touch;
 use crate::factor::{BLOCK, Factor};
 use crate::kinematics::Pose;
 use crate::model::Model;
-use crate::spatial::Spatial;
 use messages::scene::Law;
 use nalgebra::Vector3;
 use std::ops::Range;
@@ -96,74 +95,41 @@ impl ContactMap {
     /// Writes A of the same contacts.
     pub fn assemble(&mut self, model: &Model, pose: &Pose, factor: &Factor, touches: &[Touch], problem: &mut Problem) {
         let rows = 1 + problem.tangents;
-        self.clear();
+        let ContactMap { groups, blocks, row, tangents } = self;
+        groups.clear();
+        blocks.clear();
         let mut first = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let range = first..first + touches.len();
-            first = range.end;
-            let tangents = std::mem::take(&mut self.tangents);
-            self.add(model, pose, factor, touches[0].link, touches.len() * rows, |column, row| {
-                let contacts = touches.iter().zip(&tangents[range.clone()]);
-                for ((touch, tangents), k) in contacts.zip(row.chunks_exact_mut(rows)) {
+            let (link, tangents) = (touches[0].link, &tangents[first..first + touches.len()]);
+            let columns = first * rows..(first + touches.len()) * rows;
+            first += touches.len();
+            let (path, start, width) = (model.path(link), blocks.len(), columns.len().div_ceil(BLOCK));
+            let height = path.len().max(1);
+            blocks.resize(start + height * width, [0.0; BLOCK]);
+            row.clear();
+            row.resize(width, [0.0; BLOCK]);
+            let y = &mut blocks[start..];
+            for (depth, &dof) in path.iter().enumerate() {
+                let column = &pose.links[dof + 1].column;
+                for ((touch, tangents), k) in
+                    touches.iter().zip(tangents).zip(row.as_flattened_mut().chunks_exact_mut(rows))
+                {
                     let velocity = column.at(&touch.arm); // per unit rate: by virtual work, K's entry
                     k[0] = velocity.z;
                     k[1..].iter_mut().zip(tangents).for_each(|(k, t)| *k = velocity.x * t.x + velocity.y * t.y);
                 }
-            });
-            self.tangents = tangents;
+                y[depth..].iter_mut().step_by(height).zip(&*row).for_each(|(block, row)| *block = *row);
+            }
+            factor.half_solve(model, link, y);
+            groups.push(Group { link, columns, start, height });
         }
         let size = problem.rows();
         problem.delassus.resize(size * size, 0.0);
         self.multiply(model, size, &mut problem.delassus);
     }
 
-    /// Forgets all columns.
-    pub fn clear(&mut self) {
-        self.groups.clear();
-        self.blocks.clear();
-    }
-
-    /// Appends `count` columns of K that belong to one link, and makes them columns of Y. `entries` writes the row of K that
-    /// belongs to a degree of freedom, given the velocity of the link per unit rate.
-    pub fn add(
-        &mut self,
-        model: &Model,
-        pose: &Pose,
-        factor: &Factor,
-        link: usize,
-        count: usize,
-        entries: impl Fn(&Spatial, &mut [f64]),
-    ) {
-        let (path, start, width) = (model.path(link), self.blocks.len(), count.div_ceil(BLOCK));
-        let height = path.len().max(1);
-        let first = self.groups.last().map_or(0, |group| group.columns.end);
-        self.blocks.resize(start + height * width, [0.0; BLOCK]);
-        self.row.clear();
-        self.row.resize(width, [0.0; BLOCK]);
-        let columns = &mut self.blocks[start..];
-        for (depth, &dof) in path.iter().enumerate() {
-            entries(&pose.links[dof + 1].column, self.row.as_flattened_mut());
-            columns[depth..].iter_mut().step_by(height).zip(&self.row).for_each(|(block, row)| *block = *row);
-        }
-        factor.half_solve(model, link, columns);
-        self.groups.push(Group { link, columns: first..first + count, start, height });
-    }
-
-    /// Normal and tangents of contact i, in W.
-    #[inline]
-    pub fn axes(&self, i: usize) -> [Vector3<f64>; 3] {
-        let [along, across] = self.tangents[i];
-        [Vector3::z(), along, across]
-    }
-
-    /// A vector given along them, in W.
-    #[inline]
-    pub fn direction(&self, i: usize, parts: &[f64; 3]) -> Vector3<f64> {
-        self.axes(i).iter().zip(parts).fold(Vector3::zeros(), |sum, (axis, part)| sum + axis * *part)
-    }
-
     /// A = YᵀY: two links meet in the degrees of freedom that they share.
-    pub fn multiply(&self, model: &Model, size: usize, product: &mut [f64]) {
+    fn multiply(&self, model: &Model, size: usize, product: &mut [f64]) {
         for (i, a) in self.groups.iter().enumerate() {
             for b in &self.groups[..=i] {
                 let shared = model.shared(a.link, b.link);

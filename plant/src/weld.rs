@@ -29,7 +29,6 @@ use sole::Sole;
 
 /// More links are not welded: their contacts are solved one by one.
 const FEET: usize = 4;
-
 /// Solutions at most: from the second on they undo the yielding, wherever Λ allows.
 const REFINEMENTS: usize = 5;
 /// A velocity this small beside the free one is left.
@@ -66,29 +65,8 @@ pub struct Weld {
 }
 
 impl Weld {
-    /// Impulses under which no touching link moves, if Coulomb's law allows them.
-    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model, pose and factor are its tools")]
-    pub fn hold(
-        &mut self,
-        model: &Model,
-        pose: &Pose,
-        factor: &Factor,
-        touches: &[Touch],
-        free: &[f64],
-        friction: f64,
-        h: f64,
-    ) -> Option<Report> {
-        self.stand(model, pose, factor, touches, free, h)?;
-        self.resolve(model)?;
-        self.impulse.clear();
-        for foot in &mut self.feet[..self.count] {
-            foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?;
-        }
-        Some(self.report(model, touches, friction, h)).filter(|report| report.natural_map <= SOLVED)
-    }
-
-    /// Finds the feet: where they are, their free motion and what is wanted of it, and Y.
-    fn stand(
+    /// Finds the feet, if all can be welded: where they are, their free motion and what is wanted of it, and Y.
+    pub fn stand(
         &mut self,
         model: &Model,
         pose: &Pose,
@@ -117,6 +95,16 @@ impl Weld {
         Some(())
     }
 
+    /// Impulses under which they do not move, if Coulomb's law allows them.
+    pub fn hold(&mut self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Option<Report> {
+        self.resolve(model)?;
+        self.impulse.clear();
+        for foot in &mut self.feet[..self.count] {
+            foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?;
+        }
+        Some(self.report(model, touches, friction, h)).filter(|report| report.natural_map <= SOLVED)
+    }
+
     /// w for t = t_wanted, and t; none if Λ is not that of a body.
     fn resolve(&mut self, model: &Model) -> Option<()> {
         let Weld { feet, count, mobility, factored, .. } = self;
@@ -128,7 +116,7 @@ impl Weld {
             }
         }
         mobility.factorize(feet.len(), if feet.len() > 1 { YIELD } else { 0.0 }, factored)?;
-        feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Six::default()));
+        feet.iter_mut().for_each(|foot| foot.motion = foot.free);
         let mut wrench = [Six::default(); FEET];
         let mut scale = 0.0;
         for _ in 0..REFINEMENTS {
@@ -143,14 +131,14 @@ impl Weld {
                 break;
             }
             factored.solve(feet.len(), &mut change);
-            for (i, foot) in feet.iter_mut().enumerate() {
-                wrench[i] = std::array::from_fn(|k| foot.wrench[k] + change[i][k]);
-                foot.wrench = wrench[i];
+            for (wrench, change) in wrench.iter_mut().zip(&change).take(*count) {
+                *wrench = std::array::from_fn(|k| wrench[k] + change[k]);
             }
             for (i, foot) in feet.iter_mut().enumerate() {
                 foot.motion = mobility.times(i, &wrench[..*count], &foot.free);
             }
         }
+        feet.iter_mut().zip(wrench).for_each(|(foot, wrench)| foot.wrench = wrench);
         Some(())
     }
 

@@ -60,22 +60,13 @@ impl Scaled {
     }
 
     pub fn set(&mut self, problem: &Problem, law: Law) {
-        let m = problem.rows();
-        self.measure(problem, law, |k| problem.delassus[k * m + k]);
-        self.delassus.clear();
-        for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
-            self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
-        }
-    }
-
-    /// All but A~, of which the diagonal of A is enough to know.
-    pub fn measure(&mut self, problem: &Problem, law: Law, diagonal: impl Fn(usize) -> f64) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
         self.give = 0.0;
         let (m, stride) = (problem.rows(), self.stride());
-        let greatest = (0..m).map(&diagonal).fold(0.0, f64::max);
+        let diagonal = || problem.delassus.iter().step_by(m + 1);
+        let greatest = diagonal().copied().fold(0.0, f64::max);
         self.root.clear();
-        self.root.extend((0..m).map(diagonal).map(|a| if a <= IMMOVABLE * greatest { 0.0 } else { a.sqrt() }));
+        self.root.extend(diagonal().map(|&a| if a <= IMMOVABLE * greatest { 0.0 } else { a.sqrt() }));
         self.inverse.clear();
         self.inverse.extend(self.root.iter().map(|&r| if r == 0.0 { 0.0 } else { 1.0 / r }));
         self.drift.clear();
@@ -92,6 +83,10 @@ impl Scaled {
                     self.ratio[k] = self.root[normal] * self.inverse[k];
                 }
             }
+        }
+        self.delassus.clear();
+        for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
+            self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
         }
     }
 

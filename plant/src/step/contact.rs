@@ -84,7 +84,8 @@ impl Plant {
         if !(welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6 && self.memory.rests()) {
             return None;
         }
-        let report = weld.hold(&self.model, pose, factor, touches, free, friction, h)?;
+        weld.stand(&self.model, pose, factor, touches, free, h)?;
+        let report = weld.hold(&self.model, touches, friction, h)?;
         self.memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);
         problem.delassus.clear();

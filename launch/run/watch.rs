@@ -1,0 +1,77 @@
+//! What is made of the truth while a run goes on: record, progress, tape; and whether it goes on.
+
+use crate::exit::{Exit, Failure};
+use crate::progress::Progress;
+use crate::record::Recorder;
+use crate::recording::Writer;
+use messages::port::RecorderPort;
+use messages::scene::Scene;
+use messages::wire::{Stamp, Truth};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Whatever listens to a run.
+pub struct Watch {
+    scene: Scene,
+    /// Makes the recorder of a run.
+    record: fn(&Scene) -> Recorder,
+    pub recorder: Recorder,
+    pub progress: Progress,
+    pub latest: Stamp,
+    pub tape: Option<Writer>,
+    /// Gaps in the sequence: records that were dropped on the way.
+    pub lost: u64,
+}
+
+impl Watch {
+    /// Only a report needs rows.
+    pub fn new(scene: &Scene, reports: bool, quiet: bool) -> Watch {
+        let record = if reports { Recorder::new } else { Recorder::without_rows };
+        let (recorder, progress) = (record(scene), Progress::new(scene, quiet));
+        Watch { scene: scene.clone(), record, recorder, progress, latest: Stamp::default(), tape: None, lost: 0 }
+    }
+
+    /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
+    pub fn take(&mut self, truth: &Truth) -> Result<(), Failure> {
+        if self.latest.run != truth.stamp.run && self.latest.seq > 0 {
+            self.recorder = (self.record)(&self.scene);
+            self.latest.seq = 0;
+        }
+        self.lost += truth.stamp.seq - self.latest.seq - 1;
+        self.latest = truth.stamp;
+        self.recorder.push(truth);
+        self.progress.update(truth);
+        self.tape.as_mut().map_or(Ok(()), |tape| tape.push(truth))
+    }
+
+    /// Takes all there is.
+    pub fn drain(&mut self, port: &mut RecorderPort) -> Result<(), Failure> {
+        while let Some(truth) = port.read()? {
+            self.take(&truth)?;
+        }
+        self.show();
+        Ok(())
+    }
+
+    /// Shows the latest of it.
+    pub fn show(&mut self) {
+        if let Some(last) = &self.recorder.last {
+            self.progress.show(&last.truth);
+        }
+    }
+}
+
+/// Whether a run has anything more to show.
+///
+/// # Errors
+/// A fall seen to its end, or a wish of the user's to stop.
+pub fn goes_on(recorder: &Recorder, stop: &AtomicBool) -> Result<(), Failure> {
+    match recorder.is_over() {
+        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
+        Some(time) => Err(fell(time)),
+        None => Ok(()),
+    }
+}
+
+pub fn fell(time: f64) -> Failure {
+    Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s"))
+}
