@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// A stopped recorder's buffer of 1024 periods is full after this long.
 const FULL: Duration = Duration::from_millis(1500);
 /// Simulated time of a lockstep run that is still under way when it has been seen to begin: seconds of real time [s].
-const LENGTH: &str = "duration=50";
+const LENGTH: &str = "duration=200";
 /// What the loop's lateness is measured over.
 const WINDOW: Duration = Duration::from_secs(3);
 

@@ -1,4 +1,5 @@
-//! Links that stand: where nothing moved in the step before, every touching link is welded to the ground for the step.
+//! Links that stand: where nothing that pushed moved in the step before, every link that comes down to the ground is welded to it for
+//! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to.
 //!
 //! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are.
 //! With the velocities t of the links about a point c amid their contacts, and the wrenches w there,
@@ -10,12 +11,14 @@
 //! where t_wanted closes what gaps there are and moves nothing else. Neither tangents nor a remembered basis are needed: the soles
 //! say what w is at each contact, and whether all that obeys Coulomb's law; see `weld/sole.rs`.
 //!
-//! What Λ of two feet does not see (that they press against each other) yields by a hair, as in the full problem.
+//! What Λ of two feet hardly sees (that they press against each other) yields by a hair, each contact by as much as in the full problem:
+//! of all wrenches that solve it within what is called solved they have the least impulses.
 //!
 //! # Source
 //! Λ = JH⁻¹Jᵀ: Khatib (1987), the operational-space inertia's inverse, here of every foot at once.
 
 mod blocks;
+mod foot;
 mod sole;
 
 use crate::contact::{Report, SOLVED, YIELD};
@@ -24,39 +27,26 @@ use crate::factor::Factor;
 use crate::kinematics::Pose;
 use crate::model::Model;
 use blocks::{Blocks, Factored};
+use foot::Foot;
 use nalgebra::Vector3;
-use sole::Sole;
 
 /// More links are not welded: their contacts are solved one by one.
 const FEET: usize = 4;
 /// Solutions at most: from the second on they undo the yielding, wherever Λ allows.
 const REFINEMENTS: usize = 5;
-/// A velocity this small beside the free one is left.
-const ENOUGH: f64 = 1e-13;
+/// A residual this small is left.
+const ENOUGH: f64 = 0.5 * SOLVED;
 
 /// Velocity (v at c, angular) or wrench (force, moment about c) in W, filled up so that it is worked on four at a time.
 type Six = [f64; 8];
-
-/// A link on its contacts.
-#[derive(Clone, Debug, Default)]
-struct Foot {
-    link: usize,
-    sole: Sole,
-    /// Y = √D⁻¹ L⁻ᵀK of its six velocities, a row for each degree of freedom of its path.
-    rows: Vec<Six>,
-    free: Six,
-    wanted: Six,
-    /// t.
-    motion: Six,
-    /// w.
-    wrench: Six,
-}
 
 /// The welded links of a step; workspace and last solution.
 #[derive(Clone, Debug, Default)]
 pub struct Weld {
     feet: [Foot; FEET],
     count: usize,
+    hovering: [Foot; FEET],
+    hovers: usize,
     /// Λ.
     mobility: Blocks,
     factored: Factored,
@@ -65,7 +55,8 @@ pub struct Weld {
 }
 
 impl Weld {
-    /// Finds the feet, if all can be welded: where they are, their free motion and what is wanted of it, and Y.
+    /// Finds the feet, if all can be welded: where they are, their free motion and what is wanted of it, and Y of those that do not
+    /// hover.
     pub fn stand(
         &mut self,
         model: &Model,
@@ -75,38 +66,49 @@ impl Weld {
         free: &[f64],
         h: f64,
     ) -> Option<()> {
-        self.count = 0;
+        (self.count, self.hovers) = (0, 0);
+        let mut first = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
             let foot = self.feet.get_mut(self.count)?;
-            self.count += 1;
-            foot.link = touches[0].link;
-            foot.sole.set(touches)?;
-            foot.wanted = foot.sole.landing(touches, h);
-            foot.free = Six::default();
-            foot.rows.clear();
-            for &dof in model.path(foot.link) {
-                let column = &pose.links[dof + 1].column;
-                let row = six(&column.at(&foot.sole.centre), &column.angular);
-                foot.free = std::array::from_fn(|k| row[k].mul_add(free[dof], foot.free[k]));
-                foot.rows.push(row);
+            foot.set(model, pose, first, touches, free);
+            first += touches.len();
+            if foot.stays_above(&foot.free, touches, h) {
+                std::mem::swap(foot, self.hovering.get_mut(self.hovers)?);
+                self.hovers += 1;
+                continue;
             }
+            self.count += 1;
+            foot.land(touches, h)?;
             factor.half_solve(model, foot.link, &mut foot.rows);
         }
         Some(())
     }
 
-    /// Impulses under which they do not move, if Coulomb's law allows them.
-    pub fn hold(&mut self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Option<Report> {
-        self.resolve(model)?;
+    /// Impulses under which they do not move, if Coulomb's law allows them, and `change`, H⁻¹KΔf.
+    pub fn hold(
+        &mut self,
+        model: &Model,
+        factor: &Factor,
+        touches: &[Touch],
+        friction: f64,
+        h: f64,
+        change: &mut [f64],
+    ) -> Option<Report> {
+        self.resolve(model, friction)?;
         self.impulse.clear();
+        self.impulse.resize(touches.len(), Vector3::zeros());
         for foot in &mut self.feet[..self.count] {
-            foot.sole.spread(&foot.wrench, &foot.free, friction, &mut self.impulse)?;
+            let impulses = &mut self.impulse[foot.first..][..foot.sole.arms.len()];
+            foot.sole.spread(&foot.wrench, &foot.free, friction, impulses)?;
         }
-        Some(self.report(model, touches, friction, h)).filter(|report| report.natural_map <= SOLVED)
+        self.respond(model, factor, change);
+        let mut hovering = self.hovering[..self.hovers].iter();
+        let hover = hovering.all(|foot| foot.goes_on(model, touches, change, h));
+        Some(self.report(model, touches, friction, h)).filter(|report| hover && report.natural_map <= SOLVED)
     }
 
     /// w for t = t_wanted, and t; none if Λ is not that of a body.
-    fn resolve(&mut self, model: &Model) -> Option<()> {
+    fn resolve(&mut self, model: &Model, friction: f64) -> Option<()> {
         let Weld { feet, count, mobility, factored, .. } = self;
         let feet = &mut feet[..*count];
         for (i, a) in feet.iter().enumerate() {
@@ -115,30 +117,22 @@ impl Weld {
                 mobility.put(i, j, &a.rows[..shared], &b.rows[..shared]);
             }
         }
-        mobility.factorize(feet.len(), if feet.len() > 1 { YIELD } else { 0.0 }, factored)?;
-        feet.iter_mut().for_each(|foot| foot.motion = foot.free);
-        let mut wrench = [Six::default(); FEET];
-        let mut scale = 0.0;
+        mobility.factorize(feet, if feet.len() > 1 { YIELD } else { 0.0 }, factored)?;
+        feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Six::default()));
         for _ in 0..REFINEMENTS {
             let mut change = [Six::default(); FEET];
-            let mut left = 0.0_f64;
-            for (change, foot) in change.iter_mut().zip(&*feet) {
-                *change = std::array::from_fn(|k| foot.wanted[k] - foot.motion[k]);
-                left = change.iter().fold(left, |most, t| most.max(t.abs()));
+            change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.lacks());
+            factored.solve(feet.len(), &mut change);
+            for (foot, change) in feet.iter_mut().zip(&change) {
+                foot.wrench = std::array::from_fn(|k| foot.wrench[k] + change[k]);
             }
-            scale = f64::max(scale, left);
-            if left <= ENOUGH * scale {
+            for i in 0..feet.len() {
+                feet[i].motion = mobility.times(i, feet);
+            }
+            if is_enough(feet, model.mass(), friction) {
                 break;
             }
-            factored.solve(feet.len(), &mut change);
-            for (wrench, change) in wrench.iter_mut().zip(&change).take(*count) {
-                *wrench = std::array::from_fn(|k| wrench[k] + change[k]);
-            }
-            for (i, foot) in feet.iter_mut().enumerate() {
-                foot.motion = mobility.times(i, &wrench[..*count], &foot.free);
-            }
         }
-        feet.iter_mut().zip(wrench).for_each(|(foot, wrench)| foot.wrench = wrench);
         Some(())
     }
 
@@ -148,24 +142,23 @@ impl Weld {
     /// a contact moves no less easily than the whole robot's mass does, A_kk >= 1/m.
     fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
         let (mut slip, mut work, mut gain) = (0.0_f64, 0.0_f64, 0.0);
-        let mut contacts = touches.iter().zip(&self.impulse);
         for foot in &self.feet[..self.count] {
-            for (touch, impulse) in contacts.by_ref().take(foot.sole.len()) {
-                let v = foot.velocity(&touch.arm) + Vector3::z() * (touch.gap.max(0.0) / h);
+            for (i, d) in (foot.first..).zip(&foot.sole.arms) {
+                let v = velocity(&foot.motion, d) + Vector3::z() * (touches[i].gap.max(0.0) / h);
                 slip = slip.max(v.z.abs() + (1.0 + friction) * v.xy().norm());
-                work = work.max((impulse.z * v.z).abs());
+                work = work.max((self.impulse[i].z * v.z).abs());
             }
             let both = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
             gain += 0.5 * both.map(|((t, free), w)| w * (t + free)).sum::<f64>();
         }
         let (mass, push) = (model.mass(), self.impulse.iter().fold(0.0_f64, |push, impulse| push.max(impulse.z)));
-        let natural_map = mass * slip / push;
-        let signorini = mass * work / (push * push);
+        let relative = |x: f64, scale: f64| if x == 0.0 { 0.0 } else { x / scale }; // what only hovers has no scale
+        let (natural_map, signorini) = (relative(mass * slip, push), relative(mass * work, push * push));
         Report { natural_map, own: natural_map, signorini, energy_gain: gain, warm: true, ..Report::default() }
     }
 
     /// H⁻¹KΔf: the change of velocity that the impulses make.
-    pub fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
+    fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
         change.fill(0.0);
         for foot in &self.feet[..self.count] {
             for (row, &dof) in foot.rows.iter().zip(model.path(foot.link)) {
@@ -176,12 +169,11 @@ impl Weld {
     }
 }
 
-impl Foot {
-    /// Velocity of a point of it, given from O [m/s].
-    fn velocity(&self, arm: &Vector3<f64>) -> Vector3<f64> {
-        let [straight, round] = halves(&self.motion);
-        straight + round.cross(&(arm - self.sole.centre))
-    }
+/// Whether what is left of the velocities is as little as is called solved.
+fn is_enough(feet: &[Foot], mass: f64, friction: f64) -> bool {
+    let push = |foot: &Foot| foot.wrench[2] / foot.sole.arms.len() as f64; // at least, at some contact
+    let push = feet.iter().map(push).fold(0.0, f64::max);
+    feet.iter().all(|foot| mass * (1.0 + friction) * foot.left() <= ENOUGH * push)
 }
 
 fn six(straight: &Vector3<f64>, round: &Vector3<f64>) -> Six {
@@ -190,4 +182,10 @@ fn six(straight: &Vector3<f64>, round: &Vector3<f64>) -> Six {
 
 fn halves(six: &Six) -> [Vector3<f64>; 2] {
     [Vector3::new(six[0], six[1], six[2]), Vector3::new(six[3], six[4], six[5])]
+}
+
+/// Velocity of a point at d from c.
+fn velocity(t: &Six, d: &Vector3<f64>) -> Vector3<f64> {
+    let [straight, round] = halves(t);
+    straight + round.cross(d)
 }

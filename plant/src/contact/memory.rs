@@ -9,7 +9,7 @@ pub struct Memory {
     basis: Vec<u8>,
     /// The last solution needed contacts that yield: the next one tries them first.
     pub(super) yields: bool,
-    /// The last solution left no velocity.
+    /// The last solution left no velocity where anything pushed.
     pub(super) rests: bool,
     impulse: Vec<[f64; 3]>,
 }
@@ -28,7 +28,7 @@ impl Memory {
         (self.yields, self.rests) = (true, true);
     }
 
-    /// Whether nothing that touched moved in the last step.
+    /// Whether nothing that pushed moved in the last step.
     pub(crate) fn rests(&self) -> bool {
         self.rests
     }

@@ -84,10 +84,17 @@ impl Solver {
         }
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
-        memory.rests = self.v.iter().all(|v| v.abs() <= SOLVED * residual::scale(&self.scaled, &self.f));
+        memory.rests = self.rests();
         self.unscale(problem);
         self.measure(problem, law, &mut report);
         report
+    }
+
+    /// Whether nothing that pushes moves.
+    fn rests(&self) -> bool {
+        let (stride, least) = (self.scaled.stride(), SOLVED * residual::scale(&self.scaled, &self.f));
+        let mut contacts = self.f.chunks_exact(stride).zip(self.v.chunks_exact(stride));
+        contacts.all(|(f, v)| f[0] == 0.0 || v.iter().all(|v| v.abs() <= least))
     }
 
     /// The bases of the last step.

@@ -54,11 +54,10 @@ impl Plant {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
-    /// Where nothing moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
+    /// Where nothing that pushed moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
     pub(super) fn solve_contacts(&mut self, h: f64) -> Result<(), PlantError> {
         if !self.work.touches.is_empty() {
-            let welded = self.weld(h);
-            let report = match welded {
+            let report = match self.weld(h) {
                 Some(report) => report,
                 None => self.solve_problem(h)?,
             };
@@ -66,26 +65,22 @@ impl Plant {
             debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
             self.counts.note(&report);
             self.report = report;
-            let Workspace { factor, free, change, map, solver, weld, .. } = &mut self.work;
-            match welded {
-                Some(_) => weld.respond(&self.model, factor, change),
-                None => map.respond(&self.model, factor, &solver.impulse, change),
-            }
+            let Workspace { free, change, .. } = &mut self.work;
             free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
         }
         self.state.xdot.copy_from_slice(&self.work.free);
         Ok(())
     }
 
-    /// The solution in which every touching link stays where it is, if it did in the step before and that obeys the law.
+    /// The solution in which every link that pushes stays where it is, if it did in the step before and that obeys the law.
     fn weld(&mut self, h: f64) -> Option<Report> {
         let Settings { law, restitution, welds, friction, .. } = self.settings;
-        let Workspace { pose, factor, free, touches, problem, weld, .. } = &mut self.work;
+        let Workspace { pose, factor, free, touches, problem, weld, change, .. } = &mut self.work;
         if !(welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6 && self.memory.rests()) {
             return None;
         }
         weld.stand(&self.model, pose, factor, touches, free, h)?;
-        let report = weld.hold(&self.model, touches, friction, h)?;
+        let report = weld.hold(&self.model, factor, touches, friction, h, change)?;
         self.memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);
         problem.delassus.clear();
@@ -95,10 +90,11 @@ impl Plant {
     /// The solution of the problem (14), every contact by itself.
     fn solve_problem(&mut self, h: f64) -> Result<Report, PlantError> {
         self.pose_problem(h);
-        let Workspace { pose, factor, touches, map, problem, solver, .. } = &mut self.work;
+        let Workspace { pose, factor, touches, map, problem, solver, change, .. } = &mut self.work;
         map.assemble(&self.model, pose, factor, touches, problem);
         let report = solver.solve(problem, self.settings.law, &mut self.memory);
         self.settings.check(&report, self.steps, problem)?;
+        map.respond(&self.model, factor, &solver.impulse, change);
         Ok(report)
     }
 

@@ -2,6 +2,7 @@
 //!
 //! By blocks, for what a processor waits for here is one division after the other: this way there is one for three rows.
 
+use super::foot::Foot;
 use super::{FEET, Six, halves, six};
 use nalgebra::{Matrix3, Vector3};
 
@@ -30,14 +31,20 @@ impl Blocks {
         }
     }
 
-    /// The factor for so many feet, with every row yielding by this part of its own diagonal; none unless positive definite.
-    pub fn factorize(&self, feet: usize, give: f64, factored: &mut Factored) -> Option<()> {
-        let (l, size) = (&mut factored.0, 2 * feet);
+    /// Block of a row and a column.
+    fn block(&self, row: usize, column: usize) -> Matrix3<f64> {
+        if row >= column { self.0[row][column] } else { self.0[column][row].transpose() }
+    }
+
+    /// The factor, with every contact yielding by this part of what the first foot does; none unless positive definite.
+    pub fn factorize(&self, feet: &[Foot], give: f64, factored: &mut Factored) -> Option<()> {
+        let (l, size) = (&mut factored.0, 2 * feet.len());
+        let give = give * self.0[0][0].trace() / 3.0;
         for (l, row) in l.iter_mut().zip(&self.0).take(size) {
             l[..size].copy_from_slice(&row[..size]);
         }
         for k in 0..size {
-            let yielding = Matrix3::from_diagonal(&(self.0[k][k].diagonal() * give));
+            let yielding = Matrix3::from_diagonal(&(feet[k / 2].sole.yields()[k % 2] * give));
             let inverse = inverse(&(l[k][k] + yielding))?;
             let column: [Matrix3<f64>; PARTS] = std::array::from_fn(|i| l[i][k]); // L D
             for i in k + 1..size {
@@ -52,15 +59,12 @@ impl Blocks {
         Some(())
     }
 
-    /// Rows of foot i times w, and t.
-    pub fn times(&self, i: usize, w: &[Six], t: &Six) -> Six {
-        let [mut straight, mut round] = halves(t);
-        for (j, w) in w.iter().enumerate() {
-            let [force, moment] = halves(w);
-            let block = |r: usize, c: usize| match (2 * i + r, 2 * j + c) {
-                (row, column) if row / 2 >= column / 2 => self.0[row][column],
-                (row, column) => self.0[column][row].transpose(),
-            };
+    /// Velocity t of foot i.
+    pub fn times(&self, i: usize, feet: &[Foot]) -> Six {
+        let [mut straight, mut round] = halves(&feet[i].free);
+        for (j, foot) in feet.iter().enumerate() {
+            let [force, moment] = halves(&foot.wrench);
+            let block = |r: usize, c: usize| self.block(2 * i + r, 2 * j + c);
             straight += block(0, 0) * force + block(0, 1) * moment;
             round += block(1, 0) * force + block(1, 1) * moment;
         }

@@ -32,9 +32,9 @@ pub(super) struct Sole {
     /// c, from O [m].
     pub centre: Vector3<f64>,
     /// d_i [m].
-    arms: Vec<Vector3<f64>>,
+    pub arms: Vec<Vector3<f64>>,
     /// Greatest |d_i| [m].
-    reach: f64,
+    pub reach: f64,
     /// N⁻¹ of all contacts.
     spread: Matrix3<f64>,
     /// Of each contact: the load, what friction is in proportion to, and the friction.
@@ -44,19 +44,25 @@ pub(super) struct Sole {
 }
 
 impl Sole {
-    /// Becomes the sole of a link's contacts; none if they are on one line.
-    pub fn set(&mut self, touches: &[Touch]) -> Option<()> {
+    /// Becomes the sole of a link's contacts.
+    pub fn place(&mut self, touches: &[Touch]) {
         self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
         self.arms.clear();
         self.arms.extend(touches.iter().map(|touch| touch.arm - self.centre));
+    }
+
+    /// Gets ready to carry a wrench; none if the contacts are on one line.
+    pub fn spread_out(&mut self) -> Option<()> {
         self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
         self.spread = spread(self.arms.iter())?;
         Some(())
     }
 
-    /// Number of contacts.
-    pub fn len(&self) -> usize {
-        self.arms.len()
+    /// How it yields to force and moment if each contact yields by one: 1/Σ1, and 1/Σ|n × d|² about each axis.
+    pub fn yields(&self) -> [Vector3<f64>; 2] {
+        let round =
+            self.arms.iter().map(|d| Vector3::new(d.y * d.y, d.x * d.x, d.xy().norm_squared())).sum::<Vector3<f64>>();
+        [Vector3::repeat(1.0 / self.arms.len() as f64), round.map(|round| 1.0 / round)]
     }
 
     /// The velocity that closes all gaps within the step of `h`, and nothing else.
@@ -66,8 +72,8 @@ impl Sole {
         six(&Vector3::new(0.0, 0.0, -fit.x), &Vector3::new(-fit.z, fit.y, 0.0))
     }
 
-    /// Appends the impulses that make up the wrench; none if some contact would have to pull, or slip.
-    pub fn spread(&mut self, wrench: &Six, free: &Six, friction: f64, impulses: &mut Vec<Vector3<f64>>) -> Option<()> {
+    /// The impulses that make up the wrench; none if some contact would have to pull, or slip.
+    pub fn spread(&mut self, wrench: &Six, free: &Six, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
         let [force, moment] = halves(wrench);
         let mut turned = Vector2::zeros(); // moment of the friction at its different heights
         for _ in 0..ROUNDS {
@@ -76,7 +82,9 @@ impl Sole {
             let before = turned;
             turned = self.arms.iter().zip(&self.shear).map(|(d, f)| Vector2::new(-f.y, f.x) * d.z).sum();
             if (turned - before).amax() <= ROUNDING * force.z * self.reach {
-                impulses.extend(self.shear.iter().zip(&self.pressure).map(|(f, &n)| Vector3::new(f.x, f.y, n)));
+                for ((impulse, f), &n) in impulses.iter_mut().zip(&self.shear).zip(&self.pressure) {
+                    *impulse = Vector3::new(f.x, f.y, n);
+                }
                 return Some(());
             }
         }
@@ -167,13 +175,14 @@ mod tests {
         };
         let mut sole = Sole::default();
         let corners = [(0.1, 0.05), (0.1, -0.05), (-0.1, 0.05), (-0.1, -0.05)];
-        sole.set(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>()).expect("a sole");
+        sole.place(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>());
+        sole.spread_out().expect("a sole");
         sole
     }
 
     /// Impulses of a load at a place on the sole, with friction there and a moment about the normal.
     fn spread([x, y]: [f64; 2], shear: [f64; 2], twist: f64) -> (Sole, Six, Option<Vec<Vector3<f64>>>) {
-        let (mut sole, mut impulses) = (foot(), vec![]);
+        let (mut sole, mut impulses) = (foot(), vec![Vector3::zeros(); 4]);
         let (load, yaw) = (0.1, twist + x * shear[1] - y * shear[0]);
         let wrench = [shear[0] * load, shear[1] * load, load, y * load, -x * load, yaw * load, 0.0, 0.0];
         let found = sole.spread(&wrench, &FREE, MU, &mut impulses);

@@ -1,0 +1,71 @@
+//! One foot on its contacts, and how it moves.
+
+use super::sole::Sole;
+use super::{Six, halves, six, velocity};
+use crate::detect::Touch;
+use crate::kinematics::Pose;
+use crate::model::Model;
+
+/// A link on its contacts.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Foot {
+    pub link: usize,
+    /// Its first contact.
+    pub first: usize,
+    pub sole: Sole,
+    /// K of its six velocities, a row for each degree of freedom of its path; once welded, Y = √D⁻¹ L⁻ᵀK.
+    pub rows: Vec<Six>,
+    pub free: Six,
+    wanted: Six,
+    /// t.
+    pub motion: Six,
+    /// w.
+    pub wrench: Six,
+}
+
+impl Foot {
+    /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion.
+    pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) {
+        (self.link, self.first) = (touches[0].link, first);
+        self.sole.place(touches);
+        self.free = Six::default();
+        self.rows.clear();
+        for &dof in model.path(self.link) {
+            let column = &pose.links[dof + 1].column;
+            let row = six(&column.at(&self.sole.centre), &column.angular);
+            self.free = std::array::from_fn(|k| row[k].mul_add(free[dof], self.free[k]));
+            self.rows.push(row);
+        }
+    }
+
+    /// Whether the motion t keeps it above the ground for a step of `h`.
+    pub fn stays_above(&self, t: &Six, touches: &[Touch], h: f64) -> bool {
+        let mut contacts = self.sole.arms.iter().zip(touches);
+        contacts.all(|(d, touch)| velocity(t, d).z + touch.gap.max(0.0) / h > 0.0)
+    }
+
+    /// The same if it hovers, after a change of the robot's velocity.
+    pub fn goes_on(&self, model: &Model, touches: &[Touch], change: &[f64], h: f64) -> bool {
+        let paired = self.rows.iter().zip(model.path(self.link));
+        let t = paired.fold(self.free, |t, (row, &dof)| std::array::from_fn(|k| row[k].mul_add(change[dof], t[k])));
+        self.stays_above(&t, &touches[self.first..], h)
+    }
+
+    /// Gets ready to be welded; none on contacts in line.
+    pub fn land(&mut self, touches: &[Touch], h: f64) -> Option<()> {
+        self.sole.spread_out()?;
+        self.wanted = self.sole.landing(touches, h);
+        Some(())
+    }
+
+    /// What is wanted of its motion and lacks.
+    pub fn lacks(&self) -> Six {
+        std::array::from_fn(|k| self.wanted[k] - self.motion[k])
+    }
+
+    /// No contact moves faster that should not move.
+    pub fn left(&self) -> f64 {
+        let [straight, round] = halves(&self.lacks());
+        straight.norm() + round.norm() * self.sole.reach
+    }
+}
