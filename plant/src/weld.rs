@@ -34,6 +34,8 @@ use nalgebra::Vector3;
 const FEET: usize = 4;
 /// Solutions at most: from the second on they undo the yielding, wherever Λ allows.
 const REFINEMENTS: usize = 5;
+/// What a solution after the first must leave at most of the velocity before.
+const SHRINKS: f64 = 0.1;
 /// A residual this small is left.
 const ENOUGH: f64 = 0.5 * SOLVED;
 
@@ -119,7 +121,9 @@ impl Weld {
         }
         mobility.factorize(feet, if feet.len() > 1 { YIELD } else { 0.0 }, factored)?;
         feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Six::default()));
+        let mut before = f64::INFINITY;
         for _ in 0..REFINEMENTS {
+            let kept: [_; FEET] = std::array::from_fn(|i| feet.get(i).map(|foot| (foot.wrench, foot.motion)));
             let mut change = [Six::default(); FEET];
             change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.lacks());
             factored.solve(feet.len(), &mut change);
@@ -129,32 +133,58 @@ impl Weld {
             for i in 0..feet.len() {
                 feet[i].motion = mobility.times(i, feet);
             }
-            if is_enough(feet, model.mass(), friction) {
+            let left = feet.iter().map(Foot::left).fold(0.0, f64::max);
+            if left > SHRINKS * before {
+                // no push of the feet against each other changes what is left
+                let kept = kept.into_iter().flatten();
+                feet.iter_mut().zip(kept).for_each(|(foot, kept)| (foot.wrench, foot.motion) = kept);
                 break;
             }
+            if model.mass() * (1.0 + friction) * left <= ENOUGH * push(feet) {
+                break;
+            }
+            before = left;
         }
         Some(())
     }
 
     /// How well the impulses obey the law.
-    ///
-    /// They are within their cones, so that the natural map is no more than the velocity that is left. It is measured with a bound:
-    /// a contact moves no less easily than the whole robot's mass does, A_kk >= 1/m.
     fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let (mut slip, mut work, mut gain) = (0.0_f64, 0.0_f64, 0.0);
-        for foot in &self.feet[..self.count] {
-            for (i, d) in (foot.first..).zip(&foot.sole.arms) {
-                let v = velocity(&foot.motion, d) + Vector3::z() * (touches[i].gap.max(0.0) / h);
-                slip = slip.max(v.z.abs() + (1.0 + friction) * v.xy().norm());
-                work = work.max((self.impulse[i].z * v.z).abs());
-            }
-            let both = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
-            gain += 0.5 * both.map(|((t, free), w)| w * (t + free)).sum::<f64>();
+        let easily = 1.0 / model.mass(); // no contact moves less easily than the whole robot's mass does
+        let mut residuals = self.residuals(touches, friction, h, |_, _| [easily; 2]);
+        if residuals[0] > SOLVED {
+            residuals = self.residuals(touches, friction, h, |i, d| self.mobility.at(i, d));
         }
-        let (mass, push) = (model.mass(), self.impulse.iter().fold(0.0_f64, |push, impulse| push.max(impulse.z)));
-        let relative = |x: f64, scale: f64| if x == 0.0 { 0.0 } else { x / scale }; // what only hovers has no scale
-        let (natural_map, signorini) = (relative(mass * slip, push), relative(mass * work, push * push));
-        Report { natural_map, own: natural_map, signorini, energy_gain: gain, warm: true, ..Report::default() }
+        let work = |foot: &Foot| -> f64 {
+            let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
+            pairs.map(|((t, free), w)| w * (t + free)).sum()
+        };
+        let energy_gain = 0.5 * self.feet[..self.count].iter().map(work).sum::<f64>();
+        let [natural_map, signorini] = residuals;
+        Report { natural_map, own: natural_map, signorini, energy_gain, warm: true, ..Report::default() }
+    }
+
+    /// Bounds on the natural map, and on |f_N v_N|: the impulses are within their cones, so both are no more than the velocity that is
+    /// left makes them, scaled by how easily each contact moves up and, in its worst direction, along.
+    fn residuals(
+        &self,
+        touches: &[Touch],
+        friction: f64,
+        h: f64,
+        easily: impl Fn(usize, &Vector3<f64>) -> [f64; 2],
+    ) -> [f64; 2] {
+        let (mut left, mut work, mut push) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (k, foot) in self.feet[..self.count].iter().enumerate() {
+            for (i, d) in (foot.first..).zip(&foot.sole.arms) {
+                let [up, along] = easily(k, d).map(f64::sqrt);
+                let (v, n) = (velocity(&foot.motion, d), self.impulse[i].z);
+                let (rise, slip) = ((v.z + touches[i].gap.max(0.0) / h).abs(), v.xy().norm());
+                left = left.max((rise + friction * slip) / up + slip / along);
+                work = work.max(n * rise);
+                push = push.max(n * up);
+            }
+        }
+        [relative(left, push), relative(work, push * push)]
     }
 
     /// H⁻¹KΔf: the change of velocity that the impulses make.
@@ -169,11 +199,14 @@ impl Weld {
     }
 }
 
-/// Whether what is left of the velocities is as little as is called solved.
-fn is_enough(feet: &[Foot], mass: f64, friction: f64) -> bool {
-    let push = |foot: &Foot| foot.wrench[2] / foot.sole.arms.len() as f64; // at least, at some contact
-    let push = feet.iter().map(push).fold(0.0, f64::max);
-    feet.iter().all(|foot| mass * (1.0 + friction) * foot.left() <= ENOUGH * push)
+/// At least as much some contact pushes [N·s].
+fn push(feet: &[Foot]) -> f64 {
+    feet.iter().map(|foot| foot.wrench[2] / foot.sole.arms.len() as f64).fold(0.0, f64::max)
+}
+
+/// A ratio that is zero, not NaN, where nothing pushes and nothing has to.
+fn relative(x: f64, scale: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x / scale }
 }
 
 fn six(straight: &Vector3<f64>, round: &Vector3<f64>) -> Six {

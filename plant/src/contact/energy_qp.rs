@@ -11,7 +11,6 @@
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS.
 
-use super::basis::Block;
 use super::growing::Growing;
 use super::rays::Rays;
 use super::scaled::Scaled;
@@ -48,11 +47,9 @@ pub(super) fn minimises_energy(law: Law) -> bool {
 impl EnergyQp {
     /// Solves; writes impulse, velocity and basis, one bit per basic ray. Adds the pivots to `count`; false beyond 20
     /// per ray. Starts from the given basis, when asked `again`, which means with another drift, from where the last one ended.
-    #[expect(clippy::too_many_arguments, reason = "problem and solution, their workspace, and the count")]
     pub fn pivot(
         &mut self,
         scaled: &Scaled,
-        block: &mut Block,
         basis: &mut [u8],
         f: &mut Vec<f64>,
         v: &mut Vec<f64>,
@@ -68,7 +65,9 @@ impl EnergyQp {
         for _ in 0..20 * self.rays.count() {
             let Some(joins) = self.most_negative(scaled) else {
                 self.write(scaled, basis);
-                return block.solve(scaled, Law::EnergyQp, basis, f, v);
+                f.clone_from(self.rays.push());
+                scaled.velocity(f, v);
+                return true;
             };
             *count += 1;
             let moved = self.join(scaled, joins) && self.descend(scaled);

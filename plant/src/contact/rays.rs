@@ -52,7 +52,6 @@ impl Rays {
                 self.shortness.extend([shortness; 2]);
             }
         }
-        self.matrix.clear();
         self.matrix.resize(self.count() * self.count(), 0.0);
         self.there.clear();
         self.there.resize(self.count(), false);
@@ -96,6 +95,11 @@ impl Rays {
             self.push[first + k] += y * sign * self.slope[r / 2];
         }
         residual::scale(scaled, &self.push)
+    }
+
+    /// f of the last w.
+    pub fn push(&self) -> &Vec<f64> {
+        &self.push
     }
 
     /// w_r as a speed: e_r·v / |e_r|.

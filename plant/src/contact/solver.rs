@@ -54,7 +54,7 @@ impl Solver {
     /// 1. the basis in `memory`, as it is;
     /// 2. for the energy program, principal pivoting; for Coulomb's law and few contacts, that basis corrected contact by contact
     ///    (of one, or with one tangent, then Lemke's method);
-    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), of more than few unless the energy program made the basis;
+    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), also of many unless the energy program made the basis;
     /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program;
     /// 5. Lemke's method in 32 digits from what that guessed, of few contacts from the start. Contacts yield by a hair
     ///    there: such a problem has a solution, and the path ends at it;
@@ -121,7 +121,7 @@ impl Solver {
         few && !self.on_rays() && self.settle(law, pivots)
             // where its path is short, Lemke's method ends at a basis that is solved to rounding
             || (alone || few && law == Law::Complementarity) && self.pivot(law, SHORT, pivots)
-            || (few || !self.on_rays()) && self.yielding(YIELD, |solver| solver.settle(law, pivots))
+            || (few || many && !self.on_rays()) && self.yielding(YIELD, |solver| solver.settle(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)
             || self.yielding(YIELD, |solver| solver.slide(law, pivots))
@@ -189,8 +189,8 @@ impl Solver {
     /// Principal pivoting on the energy program.
     fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
         self.basis.fill(0);
-        let Solver { scaled, energy_qp, block, basis, f, v, .. } = self;
-        energy_qp.pivot(scaled, block, basis, f, v, false, pivots) && self.is_solved(law)
+        let Solver { scaled, energy_qp, basis, f, v, .. } = self;
+        energy_qp.pivot(scaled, basis, f, v, false, pivots) && self.is_solved(law)
     }
 
     /// Lemke's pivoting on the complementarity problem.

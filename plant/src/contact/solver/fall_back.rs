@@ -30,6 +30,15 @@ impl Solver {
         }
     }
 
+    /// Goes back to the impulse with the least residual so far, unless the present one has less.
+    pub(super) fn take_better(&mut self, error: f64) {
+        if error.is_nan() || error >= self.least {
+            self.f.clone_from(&self.best);
+            self.scaled.velocity(&self.f, &mut self.v);
+            self.scaled.harden(&self.f, &mut self.v);
+        }
+    }
+
     /// Proximal rounds: f' solves the problem with A + rho I and b - rho f, which is nowhere singular and has the same
     /// fixed point. Each basis is first tried on the true problem. Ends with the impulse whose residual is the least of
     /// all; returns the pivots.
@@ -40,15 +49,9 @@ impl Solver {
         for (rho, zero) in ROUNDS {
             self.proximal.regularise(&self.scaled, rho, &self.f);
             match law {
-                Law::EnergyQp | Law::EnergyQpGap => self.energy_qp.pivot(
-                    &self.proximal,
-                    &mut self.block,
-                    &mut self.basis,
-                    &mut self.f,
-                    &mut self.v,
-                    false,
-                    &mut pivots,
-                ),
+                Law::EnergyQp | Law::EnergyQpGap => {
+                    self.energy_qp.pivot(&self.proximal, &mut self.basis, &mut self.f, &mut self.v, false, &mut pivots)
+                }
                 _ => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis, &mut pivots),
             };
             for exact in [true, false] {

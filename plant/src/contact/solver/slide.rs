@@ -1,21 +1,26 @@
 //! Coulomb's law by the energy program (14)-(16), whose normal rows are shifted until they are what they should be.
 
 use super::super::{active_set, residual};
-use super::{SOLVED, Solver, yardstick};
+use super::{FEW, SOLVED, Solver, yardstick};
 use messages::scene::Law;
 
-/// Most steps need one.
+/// Most steps need one or two.
 const ROUNDS: usize = 12;
+/// Rounds in which the block may say what the next shift is, if its residual is no more than so many times the optimum's.
+const TRUSTING: usize = 4;
+const TRUSTED: f64 = 1e4;
 
 impl Solver {
     /// The energy program (14)-(16), with mu |v_F| of its last solution added to each v_N.
     ///
     /// Its optimum has v_N >= mu |v_F|: that is Coulomb's law where nothing slides, and the shift makes it so where
     /// something does (De Saxcé; Acary & Cadoux). Long before the shift has settled the optimum says what slides where,
-    /// and the block has the solution.
+    /// and the block has the solution. If it has not, something else slides; but at first, while it is not far off ([`TRUSTED`]), the
+    /// slip of the block, which is that of the settled shift if just this slides, makes the best next shift. (The pressure under one
+    /// foot that turns as it slides is not unique, and the shift by itself ends nearer to an even one.)
     ///
     /// Each round also undoes what contacts yielded by in the one before (a proximal step), so that the limit is the
-    /// solution of rigid ones.
+    /// solution of rigid ones. What is solved without the block may be solved better by it.
     pub(super) fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
         for bits in &mut self.basis {
             *bits = active_set::rays(*bits, self.scaled.facets());
@@ -24,8 +29,8 @@ impl Solver {
         self.proximal.copy(&self.scaled);
         self.shift.begin(self.scaled.contacts);
         for round in 0..ROUNDS {
-            let Solver { scaled, shift, proximal, energy_qp, block, f, v, basis, .. } = self;
-            if !energy_qp.pivot(proximal, block, basis, f, v, round > 0, pivots) {
+            let Solver { scaled, shift, proximal, energy_qp, f, v, basis, .. } = self;
+            if !energy_qp.pivot(proximal, basis, f, v, round > 0, pivots) {
                 return false;
             }
             for (v, (shifted, b)) in v.iter_mut().zip(proximal.drift.iter().zip(&scaled.drift)) {
@@ -35,17 +40,25 @@ impl Solver {
             let error = residual::natural_map(scaled, f, v, yardstick(law));
             basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
             if error <= SOLVED {
+                self.note(error);
+                let of_block = self.try_basis(law);
+                self.take_better(of_block);
                 return true;
             }
             scaled.lead(f, &mut proximal.drift);
             shift.advance(|i| residual::slip(scaled, i, &v[i * stride..]));
-            let normals = proximal.drift.iter_mut().step_by(stride);
-            normals.zip(&shift.now).for_each(|(v, shift)| *v += shift);
             active_set::slide(scaled, f, v, basis);
             self.note(error);
-            if self.is_solved(law) {
+            let of_block = self.try_basis(law);
+            if of_block <= SOLVED {
                 return true;
             }
+            let Solver { scaled, shift, proximal, v, .. } = self;
+            if scaled.contacts > FEW && round < TRUSTING && of_block < TRUSTED * error {
+                shift.jump(|i| residual::slip(scaled, i, &v[i * stride..]));
+            }
+            let normals = proximal.drift.iter_mut().step_by(stride);
+            normals.zip(&shift.now).for_each(|(v, shift)| *v += shift);
         }
         false
     }
@@ -72,6 +85,11 @@ impl Shift {
             list.clear();
             list.resize(contacts, 0.0);
         }
+    }
+
+    /// Just this.
+    fn jump(&mut self, slip: impl Fn(usize) -> f64) {
+        self.now.iter_mut().enumerate().for_each(|(i, now)| *now = slip(i));
     }
 
     /// The next, given what the last one asks for at each contact.
