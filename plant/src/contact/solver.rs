@@ -72,8 +72,9 @@ impl Solver {
         self.best.clear();
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.recall(problem, memory);
-        let on_rays = self.on_rays(); // found by contacts that yield
-        let warm = self.holds(law, memory.yields) || !on_rays && self.holds(law, !memory.yields);
+        // on rays is what contacts that yield were found on; of two feet there is hardly another
+        let either = !self.on_rays() && self.scaled.contacts <= FEW;
+        let warm = self.holds(law, memory.yields) || either && self.holds(law, !memory.yields);
         let mut report = Report { warm, ..Report::default() };
         if !report.warm {
             let solved = self.find(law, &mut report.pivots);
