@@ -150,10 +150,10 @@ impl Weld {
 
     /// How well the impulses obey the law.
     fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let easily = 1.0 / model.mass(); // no contact moves less easily than the whole robot's mass does
-        let mut residuals = self.residuals(touches, friction, h, |_, _| [easily; 2]);
+        let least = Ease::of([1.0 / model.mass(); 2]); // no contact moves less easily than the whole robot's mass does
+        let mut residuals = self.residuals(touches, friction, h, |_, _| least);
         if residuals[0] > SOLVED {
-            residuals = self.residuals(touches, friction, h, |i, d| self.mobility.at(i, d));
+            residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
         }
         let work = |foot: &Foot| -> f64 {
             let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
@@ -171,15 +171,15 @@ impl Weld {
         touches: &[Touch],
         friction: f64,
         h: f64,
-        easily: impl Fn(usize, &Vector3<f64>) -> [f64; 2],
+        ease: impl Fn(usize, &Vector3<f64>) -> Ease,
     ) -> [f64; 2] {
         let (mut left, mut work, mut push) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (k, foot) in self.feet[..self.count].iter().enumerate() {
             for (i, d) in (foot.first..).zip(&foot.sole.arms) {
-                let [up, along] = easily(k, d).map(f64::sqrt);
+                let Ease { up, per_up, per_along } = ease(k, d);
                 let (v, n) = (velocity(&foot.motion, d), self.impulse[i].z);
-                let (rise, slip) = ((v.z + touches[i].gap.max(0.0) / h).abs(), v.xy().norm());
-                left = left.max((rise + friction * slip) / up + slip / along);
+                let (rise, slip) = ((v.z + touches[i].gap.max(0.0) / h).abs(), v.x.abs() + v.y.abs());
+                left = left.max((rise + friction * slip) * per_up + slip * per_along);
                 work = work.max(n * rise);
                 push = push.max(n * up);
             }
@@ -196,6 +196,21 @@ impl Weld {
             }
         }
         factor.second_half_solve(model, change);
+    }
+}
+
+/// How easily a contact moves: roots of A_kk up and, in the worst direction, along, and what they divide by.
+#[derive(Clone, Copy, Debug)]
+struct Ease {
+    up: f64,
+    per_up: f64,
+    per_along: f64,
+}
+
+impl Ease {
+    fn of(mobility: [f64; 2]) -> Ease {
+        let [up, along] = mobility.map(f64::sqrt);
+        Ease { up, per_up: 1.0 / up, per_along: 1.0 / along }
     }
 }
 

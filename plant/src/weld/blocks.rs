@@ -40,27 +40,26 @@ impl Blocks {
     pub fn factorize(&self, feet: &[Foot], give: f64, factored: &mut Factored) -> Option<()> {
         let (l, size) = (&mut factored.0, 2 * feet.len());
         let give = give * self.0[0][0].trace() / 3.0;
-        for (l, row) in l.iter_mut().zip(&self.0).take(size) {
-            l[..size].copy_from_slice(&row[..size]);
-        }
-        for k in 0..size {
-            let yielding = Matrix3::from_diagonal(&(feet[k / 2].sole.yields()[k % 2] * give));
-            let inverse = inverse(&(l[k][k] + yielding))?;
-            let column: [Matrix3<f64>; PARTS] = std::array::from_fn(|i| l[i][k]); // L D
-            for i in k + 1..size {
-                let factor = column[i] * inverse;
-                for (entry, other) in l[i][k + 1..=i].iter_mut().zip(&column[k + 1..]) {
-                    *entry -= factor * other.transpose();
-                }
-                l[i][k] = factor;
+        for i in 0..size {
+            let (above, rest) = l.split_at_mut(i);
+            let row = &mut rest[0];
+            for j in 0..i {
+                let known = row[..j].iter().zip(&above[j]);
+                row[j] = known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()); // L D
             }
-            l[k][k] = inverse;
+            let mut diagonal = self.0[i][i] + Matrix3::from_diagonal(&(feet[i / 2].sole.yields()[i % 2] * give));
+            for (j, entry) in row[..i].iter_mut().enumerate() {
+                let ld = *entry;
+                *entry *= above[j][j];
+                diagonal -= *entry * ld.transpose();
+            }
+            row[i] = inverse(&diagonal)?;
         }
         Some(())
     }
 
     /// How easily a contact of foot i at d moves up, and along in its worst direction: from the three by three of A = JΛJᵀ.
-    pub fn at(&self, i: usize, d: &Vector3<f64>) -> [f64; 2] {
+    pub fn ease(&self, i: usize, d: &Vector3<f64>) -> [f64; 2] {
         let [force, mixed, moment] = [(0, 0), (1, 0), (1, 1)].map(|(r, c)| self.0[2 * i + r][2 * i + c]);
         let cross = d.cross_matrix();
         let turned = cross * mixed;
