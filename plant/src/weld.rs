@@ -35,11 +35,13 @@ const FEET: usize = 4;
 /// Solutions at most: from the second on they undo the yielding, wherever Λ allows.
 const REFINEMENTS: usize = 5;
 /// What a solution after the first must leave at most of the velocity before.
-const SHRINKS: f64 = 0.1;
+const SHRINKS: f64 = 0.5;
 /// A residual this small is left.
 const ENOUGH: f64 = 0.5 * SOLVED;
 
-/// Velocity (v at c, angular) or wrench (force, moment about c) in W, filled up so that it is worked on four at a time.
+/// Velocity (v at c, angular) or wrench (force, moment about c) in W.
+type Pair = [Vector3<f64>; 2];
+/// The same in a row, filled up so that it is worked on four at a time.
 type Six = [f64; 8];
 
 /// The welded links of a step; workspace and last solution.
@@ -120,15 +122,15 @@ impl Weld {
             }
         }
         mobility.factorize(feet, if feet.len() > 1 { YIELD } else { 0.0 }, factored)?;
-        feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Six::default()));
+        feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Pair::default()));
         let mut before = f64::INFINITY;
+        let mut kept = [(Pair::default(), Pair::default()); FEET];
         for _ in 0..REFINEMENTS {
-            let kept: [_; FEET] = std::array::from_fn(|i| feet.get(i).map(|foot| (foot.wrench, foot.motion)));
-            let mut change = [Six::default(); FEET];
+            let mut change = [Pair::default(); FEET];
             change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.lacks());
             factored.solve(feet.len(), &mut change);
             for (foot, change) in feet.iter_mut().zip(&change) {
-                foot.wrench = std::array::from_fn(|k| foot.wrench[k] + change[k]);
+                foot.wrench.iter_mut().zip(change).for_each(|(wrench, change)| *wrench += change);
             }
             for i in 0..feet.len() {
                 feet[i].motion = mobility.times(i, feet);
@@ -136,7 +138,6 @@ impl Weld {
             let left = feet.iter().map(Foot::left).fold(0.0, f64::max);
             if left > SHRINKS * before {
                 // no push of the feet against each other changes what is left
-                let kept = kept.into_iter().flatten();
                 feet.iter_mut().zip(kept).for_each(|(foot, kept)| (foot.wrench, foot.motion) = kept);
                 break;
             }
@@ -144,6 +145,7 @@ impl Weld {
                 break;
             }
             before = left;
+            kept.iter_mut().zip(&*feet).for_each(|(kept, foot)| *kept = (foot.wrench, foot.motion));
         }
         Some(())
     }
@@ -157,7 +159,7 @@ impl Weld {
         }
         let work = |foot: &Foot| -> f64 {
             let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
-            pairs.map(|((t, free), w)| w * (t + free)).sum()
+            pairs.map(|((t, free), w)| w.dot(&(t + free))).sum()
         };
         let energy_gain = 0.5 * self.feet[..self.count].iter().map(work).sum::<f64>();
         let [natural_map, signorini] = residuals;
@@ -191,8 +193,9 @@ impl Weld {
     fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
         change.fill(0.0);
         for foot in &self.feet[..self.count] {
+            let wrench = six(&foot.wrench);
             for (row, &dof) in foot.rows.iter().zip(model.path(foot.link)) {
-                change[dof] += row.iter().zip(&foot.wrench).map(|(y, w)| y * w).sum::<f64>();
+                change[dof] += row.iter().zip(&wrench).map(|(y, w)| y * w).sum::<f64>();
             }
         }
         factor.second_half_solve(model, change);
@@ -216,7 +219,7 @@ impl Ease {
 
 /// At least as much some contact pushes [N·s].
 fn push(feet: &[Foot]) -> f64 {
-    feet.iter().map(|foot| foot.wrench[2] / foot.sole.arms.len() as f64).fold(0.0, f64::max)
+    feet.iter().map(|foot| foot.wrench[0].z / foot.sole.arms.len() as f64).fold(0.0, f64::max)
 }
 
 /// A ratio that is zero, not NaN, where nothing pushes and nothing has to.
@@ -224,16 +227,15 @@ fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
 }
 
-fn six(straight: &Vector3<f64>, round: &Vector3<f64>) -> Six {
+fn six([straight, round]: &Pair) -> Six {
     [straight.x, straight.y, straight.z, round.x, round.y, round.z, 0.0, 0.0]
 }
 
-fn halves(six: &Six) -> [Vector3<f64>; 2] {
+fn pair(six: &Six) -> Pair {
     [Vector3::new(six[0], six[1], six[2]), Vector3::new(six[3], six[4], six[5])]
 }
 
 /// Velocity of a point at d from c.
-fn velocity(t: &Six, d: &Vector3<f64>) -> Vector3<f64> {
-    let [straight, round] = halves(t);
+fn velocity([straight, round]: &Pair, d: &Vector3<f64>) -> Vector3<f64> {
     straight + round.cross(d)
 }

@@ -55,7 +55,8 @@ impl Solver {
     /// 2. for the energy program, principal pivoting; for Coulomb's law and few contacts, that basis corrected contact by contact
     ///    (of one, or with one tangent, then Lemke's method);
     /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), also of many unless the energy program made the basis;
-    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program;
+    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program, of contacts that yield by less
+    ///    (`scaled::HAIR`) if need be;
     /// 5. Lemke's method in 32 digits from what that guessed, of few contacts from the start. Contacts yield by a hair
     ///    there: such a problem has a solution, and the path ends at it;
     /// 6. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
@@ -126,6 +127,7 @@ impl Solver {
             // of many contacts most are redundant, and its path visits few of them
             || many && self.pivot(law, FINE, pivots)
             || self.yielding(YIELD, |solver| solver.slide(law, pivots))
+            || self.yielding(HAIR, |solver| solver.slide(law, pivots)) // where they slip no faster than they yield
             || self.yielding(HAIR, |solver| solver.pivot_exactly(law, pivots))
     }
 

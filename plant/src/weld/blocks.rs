@@ -3,7 +3,7 @@
 //! By blocks, for what a processor waits for here is one division after the other: this way there is one for three rows.
 
 use super::foot::Foot;
-use super::{FEET, Six, halves, six};
+use super::{FEET, Pair, Six};
 use nalgebra::{Matrix3, Vector3};
 
 /// Blocks of a row.
@@ -69,35 +69,28 @@ impl Blocks {
     }
 
     /// Velocity t of foot i.
-    pub fn times(&self, i: usize, feet: &[Foot]) -> Six {
-        let [mut straight, mut round] = halves(&feet[i].free);
+    pub fn times(&self, i: usize, feet: &[Foot]) -> Pair {
+        let [mut straight, mut round] = feet[i].free;
         for (j, foot) in feet.iter().enumerate() {
-            let [force, moment] = halves(&foot.wrench);
+            let [force, moment] = foot.wrench;
             let block = |r: usize, c: usize| self.block(2 * i + r, 2 * j + c);
             straight += block(0, 0) * force + block(0, 1) * moment;
             round += block(1, 0) * force + block(1, 1) * moment;
         }
-        six(&straight, &round)
+        [straight, round]
     }
 }
 
 impl Factored {
     /// x = A⁻¹ x.
-    pub fn solve(&self, feet: usize, x: &mut [Six; FEET]) {
-        let size = 2 * feet;
-        let mut y = [Vector3::zeros(); PARTS];
-        for (y, x) in y.chunks_exact_mut(2).zip(&*x) {
-            y.copy_from_slice(&halves(x));
+    pub fn solve(&self, feet: usize, x: &mut [Pair; FEET]) {
+        let x = &mut x.as_flattened_mut()[..2 * feet];
+        for i in 0..x.len() {
+            x[i] = self.0[i][..i].iter().zip(&*x).fold(x[i], |x, (l, known)| x - l * known);
         }
-        for i in 0..size {
-            y[i] = self.0[i][..i].iter().zip(&y).fold(y[i], |y, (l, known)| y - l * known);
-        }
-        for i in (0..size).rev() {
-            let rows = self.0[i + 1..size].iter().zip(&y[i + 1..]);
-            y[i] = rows.fold(self.0[i][i] * y[i], |y, (row, known)| y - row[i].tr_mul(known));
-        }
-        for (y, x) in y.chunks_exact(2).zip(x) {
-            *x = six(&y[0], &y[1]);
+        for i in (0..x.len()).rev() {
+            let rows = self.0[i + 1..].iter().zip(&x[i + 1..]);
+            x[i] = rows.fold(self.0[i][i] * x[i], |x, (row, known)| x - row[i].tr_mul(known));
         }
     }
 }

@@ -1,7 +1,7 @@
 //! One foot on its contacts, and how it moves.
 
 use super::sole::Sole;
-use super::{Six, halves, six, velocity};
+use super::{Pair, Six, pair, six, velocity};
 use crate::detect::Touch;
 use crate::kinematics::Pose;
 use crate::model::Model;
@@ -15,12 +15,12 @@ pub(super) struct Foot {
     pub sole: Sole,
     /// K of its six velocities, a row for each degree of freedom of its path; once welded, Y = √D⁻¹ L⁻ᵀK.
     pub rows: Vec<Six>,
-    pub free: Six,
-    wanted: Six,
+    pub free: Pair,
+    wanted: Pair,
     /// t.
-    pub motion: Six,
+    pub motion: Pair,
     /// w.
-    pub wrench: Six,
+    pub wrench: Pair,
 }
 
 impl Foot {
@@ -28,18 +28,19 @@ impl Foot {
     pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) {
         (self.link, self.first) = (touches[0].link, first);
         self.sole.place(touches);
-        self.free = Six::default();
+        let mut t = Six::default();
         self.rows.clear();
         for &dof in model.path(self.link) {
             let column = &pose.links[dof + 1].column;
-            let row = six(&column.at(&self.sole.centre), &column.angular);
-            self.free = std::array::from_fn(|k| row[k].mul_add(free[dof], self.free[k]));
+            let row = six(&[column.at(&self.sole.centre), column.angular]);
+            t = std::array::from_fn(|k| row[k].mul_add(free[dof], t[k]));
             self.rows.push(row);
         }
+        self.free = pair(&t);
     }
 
     /// Whether the motion t keeps it above the ground for a step of `h`.
-    pub fn stays_above(&self, t: &Six, touches: &[Touch], h: f64) -> bool {
+    pub fn stays_above(&self, t: &Pair, touches: &[Touch], h: f64) -> bool {
         let mut contacts = self.sole.arms.iter().zip(touches);
         contacts.all(|(d, touch)| velocity(t, d).z + touch.gap.max(0.0) / h > 0.0)
     }
@@ -47,8 +48,9 @@ impl Foot {
     /// The same if it hovers, after a change of the robot's velocity.
     pub fn goes_on(&self, model: &Model, touches: &[Touch], change: &[f64], h: f64) -> bool {
         let paired = self.rows.iter().zip(model.path(self.link));
-        let t = paired.fold(self.free, |t, (row, &dof)| std::array::from_fn(|k| row[k].mul_add(change[dof], t[k])));
-        self.stays_above(&t, &touches[self.first..], h)
+        let t =
+            paired.fold(six(&self.free), |t, (row, &dof)| std::array::from_fn(|k| row[k].mul_add(change[dof], t[k])));
+        self.stays_above(&pair(&t), &touches[self.first..], h)
     }
 
     /// Gets ready to be welded; none on contacts in line.
@@ -59,13 +61,13 @@ impl Foot {
     }
 
     /// What is wanted of its motion and lacks.
-    pub fn lacks(&self) -> Six {
-        std::array::from_fn(|k| self.wanted[k] - self.motion[k])
+    pub fn lacks(&self) -> Pair {
+        [self.wanted[0] - self.motion[0], self.wanted[1] - self.motion[1]]
     }
 
     /// No contact moves faster that should not move.
     pub fn left(&self) -> f64 {
-        let [straight, round] = halves(&self.lacks());
+        let [straight, round] = self.lacks();
         straight.norm() + round.norm() * self.sole.reach
     }
 }

@@ -11,7 +11,7 @@
 //! However friction is aligned, its cone has the disc |f_F| <= μ f_N/√2 within: there the impulses obey Coulomb's law, whatever the
 //! directions of slip.
 
-use super::{Six, halves, six};
+use super::{Pair, velocity};
 use crate::detect::Touch;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
@@ -66,15 +66,15 @@ impl Sole {
     }
 
     /// The velocity that closes all gaps within the step of `h`, and nothing else.
-    pub fn landing(&self, touches: &[Touch], h: f64) -> Six {
+    pub fn landing(&self, touches: &[Touch], h: f64) -> Pair {
         let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * (touch.gap.max(0.0) / h);
         let fit = self.spread * self.arms.iter().zip(touches).map(approach).sum::<Vector3<f64>>();
-        six(&Vector3::new(0.0, 0.0, -fit.x), &Vector3::new(-fit.z, fit.y, 0.0))
+        [Vector3::new(0.0, 0.0, -fit.x), Vector3::new(-fit.z, fit.y, 0.0)]
     }
 
     /// The impulses that make up the wrench; none if some contact would have to pull, or slip.
-    pub fn spread(&mut self, wrench: &Six, free: &Six, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
-        let [force, moment] = halves(wrench);
+    pub fn spread(&mut self, wrench: &Pair, free: &Pair, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
+        let [force, moment] = wrench;
         let mut turned = Vector2::zeros(); // moment of the friction at its different heights
         for _ in 0..ROUNDS {
             self.press(&Vector3::new(force.z, turned.y - moment.y, moment.x - turned.x))?;
@@ -92,7 +92,7 @@ impl Sole {
     }
 
     /// Friction that makes up a force and a moment: in proportion to the pressure, less where that would slip.
-    fn rub(&mut self, force: &Vector2<f64>, moment: f64, free: &Six, friction: f64) -> Option<()> {
+    fn rub(&mut self, force: &Vector2<f64>, moment: f64, free: &Pair, friction: f64) -> Option<()> {
         let Sole { arms, pressure, grip, shear, .. } = self;
         grip.clone_from(pressure);
         for _ in 0..TRIALS {
@@ -107,8 +107,7 @@ impl Sole {
                 let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
                 let bound = friction * n;
                 if 2.0 * f.norm_squared() > bound * bound {
-                    let [straight, round] = halves(free);
-                    let slip = (straight + round.cross(d)).xy();
+                    let slip = velocity(free, d).xy();
                     let excess = (f.dot(&slip).abs() + f.perp(&slip).abs()) / (bound * slip.norm());
                     if excess > 1.0 {
                         *g /= EASE * excess * excess;
@@ -165,7 +164,7 @@ mod tests {
 
     const MU: f64 = 0.7;
     /// A free slip askew.
-    const FREE: Six = [0.3, -0.1, -0.02, 0.1, 0.2, 0.4, 0.0, 0.0];
+    const FREE: Pair = [Vector3::new(0.3, -0.1, -0.02), Vector3::new(0.1, 0.2, 0.4)];
 
     /// A foot of 200 mm by 100 mm, hardly tilted.
     fn foot() -> Sole {
@@ -181,10 +180,10 @@ mod tests {
     }
 
     /// Impulses of a load at a place on the sole, with friction there and a moment about the normal.
-    fn spread([x, y]: [f64; 2], shear: [f64; 2], twist: f64) -> (Sole, Six, Option<Vec<Vector3<f64>>>) {
+    fn spread([x, y]: [f64; 2], shear: [f64; 2], twist: f64) -> (Sole, Pair, Option<Vec<Vector3<f64>>>) {
         let (mut sole, mut impulses) = (foot(), vec![Vector3::zeros(); 4]);
         let (load, yaw) = (0.1, twist + x * shear[1] - y * shear[0]);
-        let wrench = [shear[0] * load, shear[1] * load, load, y * load, -x * load, yaw * load, 0.0, 0.0];
+        let wrench = [Vector3::new(shear[0], shear[1], 1.0) * load, Vector3::new(y, -x, yaw) * load];
         let found = sole.spread(&wrench, &FREE, MU, &mut impulses);
         (sole, wrench, found.map(|()| impulses))
     }
@@ -196,12 +195,11 @@ mod tests {
                 let (sole, wrench, impulses) = spread(place, shear, twist);
                 let impulses = impulses.unwrap_or_else(|| panic!("{place:?} {shear:?} {twist}"));
                 let moment = |(d, f): (&Vector3<f64>, &Vector3<f64>)| d.cross(f);
-                let sum = six(&impulses.iter().sum(), &sole.arms.iter().zip(&impulses).map(moment).sum());
-                let error = sum.iter().zip(&wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+                let sum: Pair = [impulses.iter().sum(), sole.arms.iter().zip(&impulses).map(moment).sum()];
+                let error = sum.iter().zip(&wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()));
                 assert!(error < 1e-15, "{place:?} {shear:?} {twist}: {error:e}");
-                let [straight, round] = halves(&FREE);
                 for (d, f) in sole.arms.iter().zip(&impulses) {
-                    let along = (straight + round.cross(d)).xy().normalize();
+                    let along = velocity(&FREE, d).xy().normalize();
                     let carried = f.xy().dot(&along).abs() + f.xy().perp(&along).abs();
                     assert!(
                         f.z >= 0.0 && carried.min(f.xy().norm() * 2f64.sqrt()) <= MU * f.z * (1.0 + 1e-12),
