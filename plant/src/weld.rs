@@ -18,6 +18,7 @@
 //! Λ = JH⁻¹Jᵀ: Khatib (1987), the operational-space inertia's inverse, here of every foot at once.
 
 mod blocks;
+mod certificate;
 mod foot;
 mod sole;
 
@@ -150,45 +151,6 @@ impl Weld {
         Some(())
     }
 
-    /// How well the impulses obey the law.
-    fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let least = Ease::of([1.0 / model.mass(); 2]); // no contact moves less easily than the whole robot's mass does
-        let mut residuals = self.residuals(touches, friction, h, |_, _| least);
-        if residuals[0] > SOLVED {
-            residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
-        }
-        let work = |foot: &Foot| -> f64 {
-            let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
-            pairs.map(|((t, free), w)| w.dot(&(t + free))).sum()
-        };
-        let energy_gain = 0.5 * self.feet[..self.count].iter().map(work).sum::<f64>();
-        let [natural_map, signorini] = residuals;
-        Report { natural_map, own: natural_map, signorini, energy_gain, warm: true, ..Report::default() }
-    }
-
-    /// Bounds on the natural map, and on |f_N v_N|: the impulses are within their cones, so both are no more than the velocity that is
-    /// left makes them, scaled by how easily each contact moves up and, in its worst direction, along.
-    fn residuals(
-        &self,
-        touches: &[Touch],
-        friction: f64,
-        h: f64,
-        ease: impl Fn(usize, &Vector3<f64>) -> Ease,
-    ) -> [f64; 2] {
-        let (mut left, mut work, mut push) = (0.0_f64, 0.0_f64, 0.0_f64);
-        for (k, foot) in self.feet[..self.count].iter().enumerate() {
-            for (i, d) in (foot.first..).zip(&foot.sole.arms) {
-                let Ease { up, per_up, per_along } = ease(k, d);
-                let (v, n) = (velocity(&foot.motion, d), self.impulse[i].z);
-                let (rise, slip) = ((v.z + touches[i].gap.max(0.0) / h).abs(), v.x.abs() + v.y.abs());
-                left = left.max((rise + friction * slip) * per_up + slip * per_along);
-                work = work.max(n * rise);
-                push = push.max(n * up);
-            }
-        }
-        [relative(left, push), relative(work, push * push)]
-    }
-
     /// H⁻¹KΔf: the change of velocity that the impulses make.
     fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
         change.fill(0.0);
@@ -202,29 +164,9 @@ impl Weld {
     }
 }
 
-/// How easily a contact moves: roots of A_kk up and, in the worst direction, along, and what they divide by.
-#[derive(Clone, Copy, Debug)]
-struct Ease {
-    up: f64,
-    per_up: f64,
-    per_along: f64,
-}
-
-impl Ease {
-    fn of(mobility: [f64; 2]) -> Ease {
-        let [up, along] = mobility.map(f64::sqrt);
-        Ease { up, per_up: 1.0 / up, per_along: 1.0 / along }
-    }
-}
-
 /// At least as much some contact pushes [N·s].
 fn push(feet: &[Foot]) -> f64 {
     feet.iter().map(|foot| foot.wrench[0].z / foot.sole.arms.len() as f64).fold(0.0, f64::max)
-}
-
-/// A ratio that is zero, not NaN, where nothing pushes and nothing has to.
-fn relative(x: f64, scale: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { x / scale }
 }
 
 fn six([straight, round]: &Pair) -> Six {

@@ -1,0 +1,72 @@
+//! How well the impulses of welded links obey Coulomb's law: bounds on the residuals, for which nobody needs the matrix A.
+//!
+//! The impulses are within their cones, so that both the natural map and |f_N v_N| are no more than the velocity that is left makes
+//! them. They are scaled by how easily each contact moves: no less than the whole robot's mass does, A_kk >= 1/m; or, where that is
+//! too coarse, as Λ of its foot tells.
+
+use super::foot::Foot;
+use super::{Weld, velocity};
+use crate::contact::{Report, SOLVED};
+use crate::detect::Touch;
+use crate::model::Model;
+use nalgebra::Vector3;
+
+impl Weld {
+    /// The residuals of the last solution; those that are called solved by the coarse bound are not measured by the finer one.
+    pub(super) fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
+        let least = Ease::of([1.0 / model.mass(); 2]); // no contact moves less easily than the whole robot's mass does
+        let mut residuals = self.residuals(touches, friction, h, |_, _| least);
+        if residuals[0] > SOLVED {
+            residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
+        }
+        let work = |foot: &Foot| -> f64 {
+            let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
+            pairs.map(|((t, free), w)| w.dot(&(t + free))).sum()
+        };
+        let energy_gain = 0.5 * self.feet[..self.count].iter().map(work).sum::<f64>();
+        let [natural_map, signorini] = residuals;
+        Report { natural_map, own: natural_map, signorini, energy_gain, warm: true, ..Report::default() }
+    }
+
+    /// Bounds on the natural map, and on |f_N v_N|, relative to the step's scale.
+    fn residuals(
+        &self,
+        touches: &[Touch],
+        friction: f64,
+        h: f64,
+        ease: impl Fn(usize, &Vector3<f64>) -> Ease,
+    ) -> [f64; 2] {
+        let (mut left, mut work, mut push) = (0.0_f64, 0.0_f64, 0.0_f64);
+        for (k, foot) in self.feet[..self.count].iter().enumerate() {
+            for (i, d) in (foot.first..).zip(&foot.sole.arms) {
+                let Ease { up, per_up, per_along } = ease(k, d);
+                let (v, n) = (velocity(&foot.motion, d), self.impulse[i].z);
+                let (rise, slip) = ((v.z + touches[i].gap.max(0.0) / h).abs(), v.x.abs() + v.y.abs());
+                left = left.max((rise + friction * slip) * per_up + slip * per_along);
+                work = work.max(n * rise);
+                push = push.max(n * up);
+            }
+        }
+        [relative(left, push), relative(work, push * push)]
+    }
+}
+
+/// How easily a contact moves: roots of A_kk up and, in the worst direction, along, and what they divide by.
+#[derive(Clone, Copy, Debug)]
+struct Ease {
+    up: f64,
+    per_up: f64,
+    per_along: f64,
+}
+
+impl Ease {
+    fn of(mobility: [f64; 2]) -> Ease {
+        let [up, along] = mobility.map(f64::sqrt);
+        Ease { up, per_up: 1.0 / up, per_along: 1.0 / along }
+    }
+}
+
+/// A ratio that is zero, not NaN, where nothing pushes and nothing has to.
+fn relative(x: f64, scale: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x / scale }
+}
