@@ -271,7 +271,7 @@ impl Workspace {
             map: ContactMap::new(model),
             problem: Problem::default(),
             solver,
-            weld: Weld::default(),
+            weld: Weld::new(model),
         }
     }
 }

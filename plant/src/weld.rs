@@ -46,7 +46,7 @@ type Pair = [Vector3<f64>; 2];
 type Six = [f64; 8];
 
 /// The welded links of a step; workspace and last solution.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug)]
 pub struct Weld {
     feet: [Foot; FEET],
     count: usize,
@@ -60,6 +60,20 @@ pub struct Weld {
 }
 
 impl Weld {
+    /// Room for the feet of a model.
+    pub fn new(model: &Model) -> Weld {
+        let feet = || std::array::from_fn(|_| Foot::new(model));
+        Weld {
+            feet: feet(),
+            count: 0,
+            hovering: feet(),
+            hovers: 0,
+            mobility: Blocks::default(),
+            factored: Factored::default(),
+            impulse: Vec::with_capacity(model.corners.len()),
+        }
+    }
+
     /// Finds the feet, if all can be welded: where they are, their free motion and what is wanted of it, and Y of those that do not
     /// hover.
     pub fn stand(

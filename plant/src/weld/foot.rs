@@ -24,6 +24,11 @@ pub(super) struct Foot {
 }
 
 impl Foot {
+    /// Room for the contacts of any link of a model.
+    pub fn new(model: &Model) -> Foot {
+        Foot { sole: Sole::new(model.corners.len()), rows: Vec::with_capacity(model.dofs()), ..Foot::default() }
+    }
+
     /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion.
     pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) {
         (self.link, self.first) = (touches[0].link, first);

@@ -44,6 +44,17 @@ pub(super) struct Sole {
 }
 
 impl Sole {
+    /// Room for so many contacts.
+    pub fn new(contacts: usize) -> Sole {
+        Sole {
+            arms: Vec::with_capacity(contacts),
+            pressure: Vec::with_capacity(contacts),
+            grip: Vec::with_capacity(contacts),
+            shear: Vec::with_capacity(contacts),
+            ..Sole::default()
+        }
+    }
+
     /// Becomes the sole of a link's contacts.
     pub fn place(&mut self, touches: &[Touch]) {
         self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
