@@ -156,7 +156,7 @@ fn memory_grows_neither_by_resets_nor_twice_by_a_recorder_that_lags() {
     };
     let ((fresh, _), (settled, lagged), (_, again)) = (resets(10), resets(10), resets(60));
     println!("own and shared [kB]: {fresh:?}, having lagged {settled:?}, again {lagged:?}, after 60 resets {again:?}");
-    assert!(settled[1] - fresh[1] > 900, "the control: {fresh:?}, {settled:?}");
+    assert!(settled[1] > 1000, "the control: the room for 1024 truths is not seen in {settled:?}");
     assert!((0..2).all(|kind| again[kind] - lagged[kind] < 150), "{lagged:?}, {again:?}");
     walk.end();
 }
