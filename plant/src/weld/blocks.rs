@@ -6,6 +6,8 @@ use super::foot::Foot;
 use super::{FEET, Pair, Six};
 use nalgebra::{Matrix3, Vector3};
 
+/// A determinant this small beside the product of the diagonal has lost its digits.
+const CANCELS: f64 = 1e-8;
 /// Blocks of a row.
 const PARTS: usize = 2 * FEET;
 
@@ -47,7 +49,7 @@ impl Blocks {
                 let known = row[..j].iter().zip(&above[j]);
                 row[j] = known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()); // L D
             }
-            let mut diagonal = self.0[i][i] + Matrix3::from_diagonal(&(feet[i / 2].sole.yields()[i % 2] * give));
+            let mut diagonal = self.0[i][i] + feet[i / 2].sole.yields()[i % 2] * give;
             for (j, entry) in row[..i].iter_mut().enumerate() {
                 let ld = *entry;
                 *entry *= above[j][j];
@@ -95,10 +97,13 @@ impl Factored {
     }
 }
 
-/// Inverse of a symmetric matrix that is positive definite, by its cofactors.
+/// Inverse of a symmetric matrix that is positive definite: by its cofactors, with one division, unless they cancel.
 fn inverse(a: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let [x, y, z] = [0, 1, 2].map(|k| a.column(k).into_owned());
     let (p, q, r) = (y.cross(&z), z.cross(&x), x.cross(&y));
     let determinant = x.dot(&p);
-    (determinant > 0.0 && x.x > 0.0 && r.z > 0.0).then(|| Matrix3::from_columns(&[p, q, r]) / determinant)
+    if determinant > CANCELS * x.x * y.y * z.z {
+        return Some(Matrix3::from_columns(&[p, q, r]) / determinant);
+    }
+    Some(a.cholesky()?.inverse())
 }

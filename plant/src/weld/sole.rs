@@ -69,11 +69,13 @@ impl Sole {
         Some(())
     }
 
-    /// How it yields to force and moment if each contact yields by one: 1/Σ1, and 1/Σ|n × d|² about each axis.
-    pub fn yields(&self) -> [Vector3<f64>; 2] {
-        let round =
-            self.arms.iter().map(|d| Vector3::new(d.y * d.y, d.x * d.x, d.xy().norm_squared())).sum::<Vector3<f64>>();
-        [Vector3::repeat(1.0 / self.arms.len() as f64), round.map(|round| 1.0 / round)]
+    /// How it yields to force and moment if each contact yields by one: N⁻¹ for what presses, 1/Σ1 and 1/Σ|d|² for what rubs.
+    pub fn yields(&self) -> [Matrix3<f64>; 2] {
+        let (n, s) = (self.arms.len() as f64, &self.spread);
+        let round = self.arms.iter().map(|d| d.xy().norm_squared()).sum::<f64>();
+        let force = Matrix3::from_diagonal(&Vector3::new(1.0 / n, 1.0 / n, s[(0, 0)]));
+        let moment = Matrix3::new(s[(2, 2)], -s[(1, 2)], 0.0, -s[(1, 2)], s[(1, 1)], 0.0, 0.0, 0.0, 1.0 / round);
+        [force, moment]
     }
 
     /// The velocity that closes all gaps within the step of `h`, and nothing else.
