@@ -70,13 +70,15 @@ fn a_controller_restarted_while_it_begins_to_walk_walks_later() {
 }
 
 #[test]
-fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_a_hundredth_it_does_not() {
+fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_hundredths_it_mostly_falls() {
     let scene = walk(8.0);
     let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
     let (lowest, speed) = living(200);
     assert!(lowest > UP && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
-    let (lowest, speed) = living(10); // it falls or, with luck, freezes
-    assert!(lowest < UP || speed < 0.05, "it walks, {speed} m/s: does this test see a fall?");
+    let lives = [5, 10, 15, 20, 30]; // with luck one of them freezes on both feet
+    let lowest = lives.map(|periods| living(periods).0);
+    let fallen = lowest.iter().filter(|lowest| **lowest < UP).count();
+    assert!(fallen >= 4, "the trunk stays at {lowest:?} m: does this test see a fall?");
 }
 
 #[test]

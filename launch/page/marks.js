@@ -20,7 +20,7 @@ class Marks {
       const skin = new THREE.MeshBasicMaterial({ color, transparent: true, opacity: .13, depthWrite: false });
       return { geometry, skin, outline: new THREE.EdgesGeometry(geometry), line: new THREE.LineBasicMaterial({ color }) };
     });
-    [this.left, this.seen] = [[], 0]; // all prints, of which the group has those to be seen
+    [this.printed, this.seen] = [[], 0]; // of all prints the group has those to be seen
     this.landed = about.feet.map(() => undefined);
     this.group.add(this.forces, this.com, this.shadow, this.zmp, this.plumb, this.prints);
   }
@@ -64,7 +64,7 @@ class Marks {
     this.walk(film);
     const time = film.get(row, "time");
     this.prints.clear();
-    this.left.filter(({ since, position }) => since <= time && Math.abs(position.x - com[0]) < 4).forEach((print) => this.prints.add(print));
+    this.printed.filter(({ since, position }) => since <= time && Math.abs(position.x - com[0]) < 4).forEach((print) => this.prints.add(print));
   }
 
   /// Leaves a print wherever a foot stood that has been lifted, as far as the film goes.
@@ -88,12 +88,12 @@ class Marks {
     const print = Object.assign(new THREE.Mesh(geometry, skin), { since }).add(new THREE.LineSegments(outline, line));
     print.position.set(x, y, .0012);
     print.rotation.z = yaw;
-    this.left.push(print);
+    this.printed.push(print);
   }
 
   /// Forgets what was.
   clear() {
-    [this.left, this.seen] = [[], 0];
+    [this.printed, this.seen] = [[], 0];
     this.landed.fill(undefined);
   }
 }

@@ -49,6 +49,7 @@ mod sweep;
 mod twofold;
 
 pub use memory::Memory;
+pub(crate) use residual::relative;
 pub(crate) use scaled::YIELD;
 pub(crate) use solver::SOLVED;
 pub use solver::Solver;

@@ -113,6 +113,6 @@ pub(super) fn slip_misalignment(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
 }
 
 /// A ratio that is zero, not NaN, for nothing of nothing.
-pub(super) fn relative(x: f64, scale: f64) -> f64 {
+pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
 }

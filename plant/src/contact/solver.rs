@@ -211,11 +211,8 @@ impl Solver {
         if self.is_solved(law) {
             return true;
         }
-        let Solver { scaled, f, v, best, .. } = self;
-        f.clone_from(best);
-        scaled.velocity(f, v);
-        scaled.harden(f, v);
-        let error = residual::natural_map(scaled, f, v, yardstick(law));
+        self.take_best();
+        let error = residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
         self.note(error);
         error <= SOLVED
     }

@@ -40,16 +40,15 @@ impl Blocks {
 
     /// The factor, with every contact yielding by this part of what the first foot does; none unless positive definite.
     pub fn factorize(&self, feet: &[Foot], give: f64, factored: &mut Factored) -> Option<()> {
-        let (l, size) = (&mut factored.0, 2 * feet.len());
         let give = give * self.0[0][0].trace() / 3.0;
-        for i in 0..size {
-            let (above, rest) = l.split_at_mut(i);
+        for (i, yielding) in feet.iter().flat_map(|foot| foot.sole.yields()).enumerate() {
+            let (above, rest) = factored.0.split_at_mut(i);
             let row = &mut rest[0];
             for j in 0..i {
                 let known = row[..j].iter().zip(&above[j]);
                 row[j] = known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()); // L D
             }
-            let mut diagonal = self.0[i][i] + feet[i / 2].sole.yields()[i % 2] * give;
+            let mut diagonal = self.0[i][i] + yielding * give;
             for (j, entry) in row[..i].iter_mut().enumerate() {
                 let ld = *entry;
                 *entry *= above[j][j];
@@ -97,12 +96,12 @@ impl Factored {
     }
 }
 
-/// Inverse of a symmetric matrix that is positive definite: by its cofactors, with one division, unless they cancel.
+/// Inverse of a symmetric matrix, none unless it is positive definite: by its cofactors, with one division, unless they cancel.
 fn inverse(a: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let [x, y, z] = [0, 1, 2].map(|k| a.column(k).into_owned());
     let (p, q, r) = (y.cross(&z), z.cross(&x), x.cross(&y));
     let determinant = x.dot(&p);
-    if determinant > CANCELS * x.x * y.y * z.z {
+    if x.x > 0.0 && r.z > 0.0 && determinant > CANCELS * (x.x * y.y * z.z).abs() {
         return Some(Matrix3::from_columns(&[p, q, r]) / determinant);
     }
     Some(a.cholesky()?.inverse())

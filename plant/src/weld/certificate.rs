@@ -6,7 +6,7 @@
 
 use super::foot::Foot;
 use super::{Weld, velocity};
-use crate::contact::{Report, SOLVED};
+use crate::contact::{Report, SOLVED, relative};
 use crate::detect::Touch;
 use crate::model::Model;
 use nalgebra::Vector3;
@@ -64,9 +64,4 @@ impl Ease {
         let [up, along] = mobility.map(f64::sqrt);
         Ease { up, per_up: 1.0 / up, per_along: 1.0 / along }
     }
-}
-
-/// A ratio that is zero, not NaN, where nothing pushes and nothing has to.
-fn relative(x: f64, scale: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { x / scale }
 }

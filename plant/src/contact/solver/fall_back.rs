@@ -30,13 +30,11 @@ impl Solver {
         }
     }
 
-    /// Goes back to the impulse with the least residual so far, unless the present one has less.
-    pub(super) fn take_better(&mut self, error: f64) {
-        if error.is_nan() || error >= self.least {
-            self.f.clone_from(&self.best);
-            self.scaled.velocity(&self.f, &mut self.v);
-            self.scaled.harden(&self.f, &mut self.v);
-        }
+    /// Goes back to the impulse with the least residual so far.
+    pub(super) fn take_best(&mut self) {
+        self.f.clone_from(&self.best);
+        self.scaled.velocity(&self.f, &mut self.v);
+        self.scaled.harden(&self.f, &mut self.v);
     }
 
     /// Proximal rounds: f' solves the problem with A + rho I and b - rho f, which is nowhere singular and has the same
@@ -61,14 +59,12 @@ impl Solver {
                     self.note(residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law)));
                 }
                 if self.least <= SOLVED {
-                    self.f.clone_from(&self.best);
-                    self.scaled.velocity(&self.f, &mut self.v);
+                    self.take_best();
                     return pivots;
                 }
             }
         }
-        self.f.clone_from(&self.best);
-        self.scaled.velocity(&self.f, &mut self.v);
+        self.take_best();
         pivots
     }
 }

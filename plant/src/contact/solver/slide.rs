@@ -42,7 +42,9 @@ impl Solver {
             if error <= SOLVED {
                 self.note(error);
                 let of_block = self.try_basis(law);
-                self.take_better(of_block);
+                if of_block.is_nan() || of_block >= self.least {
+                    self.take_best();
+                }
                 return true;
             }
             scaled.lead(f, &mut proximal.drift);
