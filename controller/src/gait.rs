@@ -10,7 +10,7 @@ mod stepping;
 
 use crate::constants::Constants;
 use crate::measures::Measures;
-use crate::pendulum::{Motion, lateral_energy, sagittal_energy, turning_point};
+use crate::pendulum::{Flow, Motion, lateral_energy, sagittal_energy, turning_point};
 use crate::support::{Chain, Task, TaskVector};
 use crate::swing::{Lift, Travel};
 use messages::scene::{ControllerScene, Gait};
@@ -41,6 +41,14 @@ pub struct GaitModel {
     swing_coupling: f64,
     /// W_2 [m].
     width: f64,
+    /// One control period of each pendulum.
+    flow: [Flow; 2],
+    /// E_1 by (42) for a step of 1 m, and E_2 by (40) [m²/s²].
+    energy: [f64; 2],
+    /// Speed of the steady gait at touchdown per step length, c_v [1/s].
+    touchdown_speed: f64,
+    /// K: by how much farther the foot lands per deviation of the speed at touchdown [s].
+    placement_gain: f64,
     lift: Lift,
     /// x_2 at which the first step is released [m].
     release: f64,
@@ -93,12 +101,19 @@ impl GaitModel {
     /// The scene's gait on a robot with these constants, planned each `h` [s].
     pub fn new(scene: &ControllerScene, chain: &Chain, constants: &Constants, h: f64) -> Self {
         let width = chain.leg_width();
-        let inner = turning_point(constants.omega[1], width, scene.period);
+        let (omega, period) = (constants.omega, scene.period);
+        let inner = turning_point(omega[1], width, period);
+        let swing_coupling = if period > chain.measures.slow { 0.0 } else { 0.3 * constants.swing_coupling };
+        let quarter = 0.25 * omega[0] * period;
         GaitModel {
             scene: scene.clone(),
-            omega: constants.omega,
-            swing_coupling: if scene.period > chain.measures.slow { 0.0 } else { 0.3 * constants.swing_coupling },
+            omega,
+            swing_coupling,
             width,
+            flow: omega.map(|omega| Flow::new(omega, h)),
+            energy: [sagittal_energy(omega[0], 1.0, period), lateral_energy(omega[1], width, period)],
+            touchdown_speed: omega[0] * (0.5 / quarter.tanh() - swing_coupling / quarter.sinh()),
+            placement_gain: scene.foot_placement_gain / (omega[0] * (2.0 * quarter).tanh()),
             lift: Lift { height: scene.swing_height, reach: 0.5 * width - inner },
             release: scene.release_x2.unwrap_or(inner),
             measures: chain.measures,
@@ -266,7 +281,7 @@ impl GaitModel {
 
     /// Their references by (42) and (40) [m²/s²].
     pub fn energy_references(&self, state: &GaitState) -> [f64; 2] {
-        let period = self.scene.period;
-        [sagittal_energy(self.omega[0], state.step, period), lateral_energy(self.omega[1], self.width, period)]
+        let [sagittal, lateral] = self.energy;
+        [sagittal * state.step * state.step, lateral]
     }
 }

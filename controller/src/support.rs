@@ -8,8 +8,9 @@
 use crate::error::ControllerError;
 use crate::measures::Measures;
 use messages::robot::{Body, LEFT_FOOT, RIGHT_FOOT, TRUNK};
+use messages::turn;
 use messages::wire::JOINTS;
-use nalgebra::{Matrix3, SMatrix, SVector, Unit, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 /// One number per joint.
 pub type Joints = SVector<f64, JOINTS>;
@@ -25,6 +26,11 @@ pub fn mirror(q: &Joints) -> Joints {
     Joints::from_fn(|i, _| if i == 0 || i == JOINTS - 1 { q[JOINTS - 1 - i] } else { -q[JOINTS - 1 - i] })
 }
 
+/// The axis of the link before, 0 forward or 1 sideways, about which joint j turns: rolls at the feet, pitches between.
+fn turns_about(j: usize) -> usize {
+    usize::from(j != 0 && j != JOINTS - 1)
+}
+
 /// The robot as a chain from the left foot to the right, at zero angles, origin at the left sole's centre.
 #[derive(Clone, Debug)]
 pub struct Chain {
@@ -34,8 +40,6 @@ pub struct Chain {
     pub com: [Vector3<f64>; JOINTS + 1],
     /// Principal moments of link 0 … 8 about its centre of mass [kg·m²].
     pub tensor: [Vector3<f64>; JOINTS + 1],
-    /// Direction of joint 0 … 7.
-    pub axis: [Vector3<f64>; JOINTS],
     /// Position of joint 0 … 7 [m].
     pub joint: [Vector3<f64>; JOINTS],
     /// Centre of the right sole [m].
@@ -89,7 +93,6 @@ impl Chain {
             return refuse("the bodies must be listed from `left foot` over `trunk`, the fifth, to `right foot`");
         }
         let mut origin = [Vector3::zeros(); JOINTS + 1];
-        let mut axis = [Vector3::zeros(); JOINTS];
         let mut joint = [Vector3::zeros(); JOINTS];
         // Outward from the trunk: the left leg's joints move the lower body, so their angles count backwards.
         for (child, parent, j) in
@@ -100,11 +103,10 @@ impl Chain {
             };
             origin[child] = origin[parent] + Vector3::from(link.at);
             joint[j] = origin[child];
-            axis[j] = Vector3::from(link.axis).normalize() * if child < parent { -1.0 } else { 1.0 };
-        }
-        let pattern = [Vector3::x(), Vector3::y(), Vector3::y(), Vector3::y()];
-        if (0..JOINTS).any(|j| (axis[j] - pattern[j.min(JOINTS - 1 - j)]).norm() > 1e-9) {
-            return refuse("the axes must be roll, pitch, pitch, pitch in each leg, as in the paper's Figure 4");
+            let axis = Vector3::from(link.axis).normalize() * if child < parent { -1.0 } else { 1.0 };
+            if (axis - Vector3::ith(turns_about(j), 1.0)).norm() > 1e-9 {
+                return refuse("the axes must be roll, pitch, pitch, pitch in each leg, as in the paper's Figure 4");
+            }
         }
         let sole = |body: usize| sole_centre(&bodies[body]).map(|centre| centre + origin[body]);
         let (Some(left), Some(right)) = (sole(0), sole(JOINTS)) else {
@@ -116,7 +118,6 @@ impl Chain {
             mass: std::array::from_fn(|i| bodies[i].mass),
             com: std::array::from_fn(|i| origin[i] + Vector3::from(bodies[i].com) - left),
             tensor: std::array::from_fn(|i| Vector3::from(bodies[i].moments())),
-            axis,
             joint: joint.map(|p| p - left),
             swing_sole: right - left,
             sole_half: [extent(0), extent(1)],
@@ -135,7 +136,7 @@ impl Chain {
         let mut at = Posture {
             rotation: [Matrix3::identity(); JOINTS + 1],
             com: self.com,
-            axis: self.axis,
+            axis: [Vector3::zeros(); JOINTS],
             joint: self.joint,
             swing_sole: self.swing_sole,
         };
@@ -144,9 +145,9 @@ impl Chain {
             if j > 0 {
                 at.joint[j] = at.joint[j - 1] + before * (self.joint[j] - self.joint[j - 1]);
             }
-            at.axis[j] = before * self.axis[j];
-            let turn = UnitQuaternion::from_axis_angle(&Unit::new_unchecked(self.axis[j]), s[j]);
-            at.rotation[j + 1] = before * turn.to_rotation_matrix().matrix();
+            let k = turns_about(j);
+            at.axis[j] = before.column(k).into();
+            at.rotation[j + 1] = turn::about(&before, k, s[j]);
             at.com[j + 1] = at.joint[j] + at.rotation[j + 1] * (self.com[j + 1] - self.joint[j]);
         }
         let last = JOINTS - 1;

@@ -5,6 +5,7 @@
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::scene::Scene;
+use messages::turn::sin_cos;
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
 
@@ -151,7 +152,8 @@ impl Link {
             JointKind::Prismatic => (0.0, travel, 0.0, rate),
         };
         let arm = parent.pose.rotation * (self.at + *self.axis * slide);
-        let turn = UnitQuaternion::from_axis_angle(&self.axis, angle);
+        let (s, c) = sin_cos(0.5 * angle);
+        let turn = UnitQuaternion::new_unchecked(Quaternion::from_parts(c, *self.axis * s));
         let origin = parent.pose.translation.vector + arm;
         Placed {
             pose: Isometry3::from_parts(origin.into(), parent.pose.rotation * turn),

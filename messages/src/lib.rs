@@ -8,6 +8,7 @@
 //! | scenes: TOML in, checked values out | [`scene`], [`load`] |
 //! | what may be asked of a running session | [`ask`] |
 //! | the link between two processes | [`port`], [`session`], [`clock`] |
+//! | sine, cosine, and what they turn | [`turn`] |
 //! | how a program learns where it takes part | [`invitation`] |
 
 pub mod ask;
@@ -20,4 +21,5 @@ pub mod port;
 pub mod robot;
 pub mod scene;
 pub mod session;
+pub mod turn;
 pub mod wire;

@@ -226,7 +226,7 @@ pub enum Base {
     Planar,
     /// The paper's virtual joints x, y, z, yaw, pitch, roll: six.
     Virtual,
-    /// Position and unit quaternion, velocities in W: six, without a singularity.
+    /// Position and unit quaternion, velocities in W: six, without a singularity; the default.
     Quaternion,
 }
 

@@ -38,13 +38,17 @@ impl Composite {
         for ((sum, link), pose) in self.inertia.iter_mut().zip(&model.links).zip(&pose.links) {
             *sum = if link.mass > 0.0 { Inertia::new(link.mass, &pose.com, &pose.tensor) } else { Inertia::default() };
         }
-        for i in (1..model.links.len()).rev() {
+        let upright = model.upright();
+        for i in (1 + upright..model.links.len()).rev() {
             let link = &model.links[i];
             let carried = self.inertia[i];
             self.inertia[link.parent] += carried;
             self.wrench[i] = carried.times(&pose.links[i].column);
         }
-        let upright = model.upright();
+        let all = self.inertia[upright]; // what the first links carry, who weigh nothing themselves
+        for (wrench, pose) in self.wrench.iter_mut().zip(&pose.links).take(1 + upright) {
+            *wrench = all.times(&pose.column);
+        }
         for (i, wrench) in self.wrench[1..].iter().enumerate().filter(|_| upright > 0) {
             h.set_first(i, wrench);
         }
@@ -67,13 +71,17 @@ impl Composite {
     ///
     /// `xdot` must be the rates that `pose` was computed with.
     pub fn bias(&mut self, model: &Model, pose: &Pose, xdot: &[f64], b: &mut [f64]) {
-        // gravity as an upward acceleration of link 0, as the paper does
-        self.acceleration[0] = Spatial { angular: Vector3::zeros(), linear: -model.gravity };
-        self.wrench[0] = Spatial::default();
-        for (i, link) in model.links.iter().enumerate().skip(1) {
+        let upright = model.upright();
+        for (i, link) in model.links.iter().enumerate().skip(upright) {
             let here = &pose.links[i];
-            let swept = pose.links[link.carrier].velocity.cross(&(here.column * xdot[i - 1]));
-            let a = self.acceleration[link.parent] + swept;
+            let a = if i == upright {
+                // gravity as an upward acceleration of link 0, as the paper does; and what slides sweeps the axes that turn
+                let Spatial { angular: w, linear: v } = here.velocity;
+                Spatial { angular: Vector3::zeros(), linear: v.cross(&w) - model.gravity }
+            } else {
+                let swept = pose.links[link.carrier].velocity.cross(&(here.column * xdot[i - 1]));
+                self.acceleration[link.parent] + swept
+            };
             self.acceleration[i] = a;
             self.wrench[i] = if link.mass > 0.0 {
                 let w = here.velocity.angular;
@@ -85,7 +93,6 @@ impl Composite {
                 Spatial::default()
             };
         }
-        let upright = model.upright();
         for i in (upright + 1..model.links.len()).rev() {
             let link = &model.links[i];
             let wrench = self.wrench[i];

@@ -3,6 +3,8 @@
 use crate::model::{Corner, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
+use messages::scene::Base;
+use messages::turn;
 use nalgebra::{Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
 
 /// Pose and velocity of one link. Axes of W; positions from the reference point O of [`Pose`].
@@ -34,9 +36,16 @@ pub struct Pose {
 }
 
 impl Pose {
-    /// Room for the poses of a model.
+    /// Room for the poses of a model, and what never changes in them: link 0, and the axes of those that follow those of W.
     pub fn new(model: &Model) -> Self {
-        Pose { reference: Vector3::zeros(), links: vec![LinkPose::default(); model.links.len()] }
+        let at_rest = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
+        let mut links = vec![at_rest; model.links.len()];
+        settle(&model.links[0], &mut links[0]);
+        for (k, link) in links[1..=model.upright()].iter_mut().enumerate() {
+            let unit = |first: usize| Vector3::from_fn(|row, _| f64::from(first + row == k));
+            link.column = Spatial { linear: unit(0), angular: unit(3) };
+        }
+        Pose { reference: Vector3::zeros(), links }
     }
 
     /// Position in W of a point given in a link's frame [m].
@@ -105,25 +114,25 @@ fn turned(r: &Matrix3<f64>, link: &Link, angle: f64) -> Matrix3<f64> {
     let Some(k) = link.along else {
         return r * Rotation3::from_axis_angle(&Unit::new_unchecked(link.axis), angle).matrix();
     };
-    // only the two columns across the axis change
-    let (s, c) = (angle * link.axis[k]).sin_cos();
-    let [axis, u, v] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| r.column(k).into_owned());
-    let (u, v) = (u * c + v * s, v * c - u * s);
-    match k {
-        0 => Matrix3::from_columns(&[axis, u, v]),
-        1 => Matrix3::from_columns(&[v, axis, u]),
-        _ => Matrix3::from_columns(&[u, v, axis]),
-    }
+    turn::about(r, k, angle * link.axis[k])
 }
 
 /// Computes the pose and velocity of every link, from the base outwards.
+///
+/// What slides along the axes of W and turns about them moves as one: O slides, and the last of these links has all their velocity.
 pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     let Pose { reference, links } = pose;
-    let joint_offset = model.coordinates() - model.dofs();
+    let (joint_offset, upright) = (model.coordinates() - model.dofs(), model.upright());
     *reference = model.mount_position;
-    links[0] = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
-    settle(&model.links[0], &mut links[0]);
-    for (i, link) in model.links.iter().enumerate().skip(1) {
+    if upright > 0 {
+        *reference += Vector3::from_column_slice(&state.x[..3]);
+        links[upright].velocity = upright_velocity(upright, &state.xdot);
+    }
+    if model.base == Base::Quaternion {
+        links[upright].rotation = rotation(&state.x[3..7]);
+        settle(&model.links[upright], &mut links[upright]);
+    }
+    for (i, link) in model.links.iter().enumerate().skip(1 + upright) {
         let virtual_link = i <= model.base_link;
         let x = state.x[i - 1 + if virtual_link { 0 } else { joint_offset }];
         let (before, rest) = links.split_at_mut(i);
@@ -133,9 +142,8 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
             None => before[link.carrier].rotation * link.axis,
         };
         here.rotation = match link.motion {
-            Motion::Revolute => turned(&parent.rotation, link, x),
-            Motion::Spin if i == model.base_link => rotation(&state.x[3..7]), // of the turns together
-            Motion::Prismatic | Motion::Spin => parent.rotation,
+            Motion::Revolute | Motion::Spin => turned(&parent.rotation, link, x),
+            Motion::Prismatic => parent.rotation,
         };
         here.column = match link.motion {
             Motion::Revolute | Motion::Spin => Spatial { angular: axis, linear: Vector3::zeros() },
@@ -158,9 +166,18 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
 
 /// Gives every link the velocity that the rates `xdot` make at this pose.
 pub fn velocities(model: &Model, xdot: &[f64], pose: &mut Pose) {
-    for (i, link) in model.links.iter().enumerate().skip(1) {
+    let upright = model.upright();
+    pose.links[upright].velocity = upright_velocity(upright, xdot);
+    for (i, link) in model.links.iter().enumerate().skip(1 + upright) {
         pose.links[i].velocity = pose.links[link.parent].velocity + pose.links[i].column * xdot[i - 1];
     }
+}
+
+/// Of the first links together, of which three slide and three turn, three slide, or there are none.
+fn upright_velocity(upright: usize, xdot: &[f64]) -> Spatial {
+    let part =
+        |from: usize| if upright > from { Vector3::from_column_slice(&xdot[from..from + 3]) } else { Vector3::zeros() };
+    Spatial { angular: part(3), linear: part(0) }
 }
 
 /// Centre of mass and tensor of a link whose rotation and origin are known.

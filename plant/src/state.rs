@@ -4,6 +4,7 @@ use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::{Model, finite};
 use messages::scene::{Base, Initial};
+use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Generalised position and velocity of (1).
@@ -188,7 +189,7 @@ impl State {
 fn turn(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     // sin(half)/half, whose series needs no second term below 1e-8
-    let (sin, cos) = half.sin_cos();
+    let (sin, cos) = sin_cos(half);
     let sinc = if half < 1e-8 { 1.0 } else { sin / half };
     let [a, x, y, z] = [cos, 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
     let product = [

@@ -42,6 +42,7 @@ use crate::state::State;
 use crate::truth::Record;
 use crate::weld::Weld;
 use messages::scene::{Base, Law, Method, Scene};
+use messages::turn::sin_cos;
 use messages::wire::{Encoders, Torques, Truth};
 
 /// Coordinate of the pitch of virtual joints.
@@ -198,7 +199,7 @@ impl Plant {
         if !self.state.x.iter().chain(&self.state.xdot).all(|number| number.is_finite()) {
             return Err(PlantError::NotFinite { time: (self.steps + 1) as f64 * self.settings.h });
         }
-        if self.model.base == Base::Virtual && self.state.x[PITCH].cos().abs() < UPRIGHT {
+        if self.model.base == Base::Virtual && sin_cos(self.state.x[PITCH]).1.abs() < UPRIGHT {
             return Err(PlantError::Gimbal { time: (self.steps + 1) as f64 * self.settings.h });
         }
         kinematics::pose(&self.model, &self.state, &mut self.work.pose);

@@ -48,6 +48,8 @@ type Six = [f64; 8];
 /// The welded links of a step; workspace and last solution.
 #[derive(Clone, Debug)]
 pub struct Weld {
+    /// Of the whole robot [kg].
+    mass: f64,
     feet: [Foot; FEET],
     count: usize,
     hovering: [Foot; FEET],
@@ -64,6 +66,7 @@ impl Weld {
     pub fn new(model: &Model) -> Weld {
         let feet = || std::array::from_fn(|_| Foot::new(model));
         Weld {
+            mass: model.mass(),
             feet: feet(),
             count: 0,
             hovering: feet(),
@@ -123,12 +126,12 @@ impl Weld {
         self.respond(model, factor, change);
         let mut hovering = self.hovering[..self.hovers].iter();
         let hover = hovering.all(|foot| foot.goes_on(model, touches, change, h));
-        Some(self.report(model, touches, friction, h)).filter(|report| hover && report.natural_map <= SOLVED)
+        Some(self.report(touches, friction, h)).filter(|report| hover && report.natural_map <= SOLVED)
     }
 
     /// w for t = t_wanted, and t; none if Λ is not that of a body.
     fn resolve(&mut self, model: &Model, friction: f64) -> Option<()> {
-        let Weld { feet, count, mobility, factored, .. } = self;
+        let Weld { mass, feet, count, mobility, factored, .. } = self;
         let feet = &mut feet[..*count];
         for (i, a) in feet.iter().enumerate() {
             for (j, b) in feet[..=i].iter().enumerate() {
@@ -156,7 +159,7 @@ impl Weld {
                 feet.iter_mut().zip(kept).for_each(|(foot, kept)| (foot.wrench, foot.motion) = kept);
                 break;
             }
-            if model.mass() * (1.0 + friction) * left <= ENOUGH * push(feet) {
+            if *mass * (1.0 + friction) * left <= ENOUGH * push(feet) {
                 break;
             }
             before = left;

@@ -2,7 +2,7 @@
 
 use super::{GaitModel, GaitState, Reference};
 use crate::measures::Measures;
-use crate::pendulum::{Motion, virtual_input};
+use crate::pendulum::{Flow, Motion, virtual_input};
 use crate::support::Task;
 use crate::swing::Travel;
 use messages::scene::Sagittal;
@@ -20,7 +20,7 @@ impl GaitModel {
         let Measures { fading, starting, .. } = self.measures;
         let u_2 = virtual_input(self.scene.energy_gain, reference_2 - energy_2, lateral.v, fading, INPUT_LIMIT[1]); // (39)
         let left = self.time_left(lateral);
-        state.com[1] = pendulum(lateral, self.omega[1], u_2, self.h); // (32)
+        state.com[1] = pendulum(lateral, &self.flow[1], u_2); // (32)
         let lateral = state.com[1];
         let u_1 = match self.scene.sagittal {
             Sagittal::FootPlacement => {
@@ -28,7 +28,8 @@ impl GaitModel {
                 self.swing_coupling * state.foot.a
             }
             Sagittal::Energy => {
-                state.landing = 2.0 * Motion { x: sagittal.x, v: sagittal.v }.after(self.omega[0], 0.0, left).x;
+                let flow = Flow::new(self.omega[0], left);
+                state.landing = 2.0 * Motion { x: sagittal.x, v: sagittal.v }.after(&flow, 0.0).x;
                 state.foot = Travel { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
                 if sagittal.v.abs() < starting {
                     INPUT_LIMIT[0].copysign(state.step) * f64::from(state.step != 0.0) // leave the rest point
@@ -38,7 +39,7 @@ impl GaitModel {
                 }
             }
         };
-        state.com[0] = pendulum(sagittal, self.omega[0], u_1, self.h); // (31)
+        state.com[0] = pendulum(sagittal, &self.flow[0], u_1); // (31)
         let (height, rate) = self.lift.height_and_rate(lateral.x - 0.5 * self.width, lateral.v); // (43)
         let reference = self.follow(state, task, height, [state.foot.v, rate], 1.0);
         Reference { time_left: Some(left), ..reference }
@@ -70,15 +71,15 @@ impl GaitModel {
         if left > self.measures.freeze {
             let [sagittal, _] = state.com;
             let foot = state.foot;
-            let free = Motion { x: sagittal.x, v: sagittal.v }.after(omega, 0.0, left);
-            let (sinh, cosh) = ((omega * left).sinh(), (omega * left).cosh());
-            let x_e = free.x - gamma * sinh * foot.v / omega;
-            let v_e = free.v - gamma * cosh * foot.v;
+            let [whole, half] = [left, 0.5 * left].map(|time| Flow::new(omega, time));
+            let free = Motion { x: sagittal.x, v: sagittal.v }.after(&whole, 0.0);
+            let x_e = free.x - gamma * whole.sinh * foot.v / omega;
+            let v_e = free.v - gamma * whole.cosh * foot.v;
             // Moving the foot by ΔX shifts (x_e, v_e) by these, per metre.
-            let per_x = gamma * (0.5 * omega * left).cosh();
-            let per_v = gamma * omega * (0.5 * omega * left).sinh();
-            let gain = self.scene.foot_placement_gain / (omega * (0.5 * omega * self.scene.period).tanh());
-            let v_ref = self.touchdown_speed() * state.step;
+            let per_x = gamma * half.cosh;
+            let per_v = gamma * omega * half.sinh;
+            let gain = self.placement_gain;
+            let v_ref = self.touchdown_speed * state.step;
             let fixed = x_e + 0.5 * state.step + gain * (v_e - v_ref);
             let per_x_t = per_x + gain * per_v;
             state.landing = (fixed - per_x_t * foot.x) / (1.0 - per_x_t);
@@ -87,16 +88,10 @@ impl GaitModel {
             state.foot = Travel { x: state.foot.x + self.h * state.foot.v, a: 0.0, ..state.foot };
         }
     }
-
-    /// Speed of the steady gait at touchdown per step length, c_v [1/s].
-    fn touchdown_speed(&self) -> f64 {
-        let h = 0.25 * self.omega[0] * self.scene.period;
-        self.omega[0] * (0.5 / h.tanh() - self.swing_coupling / h.sinh())
-    }
 }
 
-/// One period `h` [s] of ẍ = ω²x + u.
-fn pendulum(now: Travel, omega: f64, u: f64, h: f64) -> Travel {
-    let next = Motion { x: now.x, v: now.v }.after(omega, u, h);
-    Travel { x: next.x, v: next.v, a: omega * omega * next.x + u }
+/// One period of ẍ = ω²x + u.
+fn pendulum(now: Travel, period: &Flow, u: f64) -> Travel {
+    let next = Motion { x: now.x, v: now.v }.after(period, u);
+    Travel { x: next.x, v: next.v, a: period.omega * period.omega * next.x + u }
 }

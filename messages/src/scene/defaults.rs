@@ -31,7 +31,7 @@ impl Default for PlantScene {
     fn default() -> Self {
         PlantScene {
             dt: 5e-4,
-            base: Base::Virtual,
+            base: Base::Quaternion,
             law: Law::Aligned,
             tolerance: 1e-9,
             method: Method::SemiImplicitEuler,

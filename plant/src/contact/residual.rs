@@ -56,6 +56,12 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
 fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     let [n, a, b] = [x[0], x[1].abs(), x[2].abs()];
     let [h1, h2] = half;
+    if h2 > 0.0 && a * h2 + b * h1 <= n * h1 * h2 {
+        return x;
+    }
+    if n + a * h1 <= 0.0 && n + b * h2 <= 0.0 {
+        return [0.0; 3];
+    }
     let (l1, l2) = ((1.0 + h1 * h1).sqrt(), (1.0 + h2 * h2).sqrt());
     // Lengths of the projections on the two edges.
     let (t1, t2) = ((n + a * h1) / l1, (n + b * h2) / l2);

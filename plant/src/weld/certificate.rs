@@ -8,13 +8,12 @@ use super::foot::Foot;
 use super::{Weld, velocity};
 use crate::contact::{Report, SOLVED, relative};
 use crate::detect::Touch;
-use crate::model::Model;
 use nalgebra::Vector3;
 
 impl Weld {
     /// The residuals of the last solution; those that are called solved by the coarse bound are not measured by the finer one.
-    pub(super) fn report(&self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let least = Ease::of([1.0 / model.mass(); 2]); // no contact moves less easily than the whole robot's mass does
+    pub(super) fn report(&self, touches: &[Touch], friction: f64, h: f64) -> Report {
+        let least = Ease::of([1.0 / self.mass; 2]); // no contact moves less easily than the whole robot's mass does
         let mut residuals = self.residuals(touches, friction, h, |_, _| least);
         if residuals[0] > SOLVED {
             residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));

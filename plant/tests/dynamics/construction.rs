@@ -46,7 +46,8 @@ fn every_bad_scene_is_refused_by_name() {
     refused(|scene| scene.initial.joints = vec![0.0; 7], &["initial.joints", "8"]);
     refused(|scene| scene.initial.joint_rates = vec![f64::NAN; 8], &["initial.joint_rates", "finite"]);
     refused(|scene| scene.initial.position[1] = f64::NAN, &["position"]);
-    refused(|scene| scene.initial.orientation_deg = [0.0, 90.0, 0.0], &["orientation", "pitch"]);
+    let virtually = |scene: &mut Scene| scene.plant.base = Base::Virtual;
+    refused(|scene| (virtually(scene), scene.initial.orientation_deg[1] = 90.0).1, &["orientation", "pitch"]);
     let planar = |scene: &mut Scene| scene.plant.base = Base::Planar;
     refused(|scene| (planar(scene), scene.initial.orientation_deg[0] = 5.0).1, &["orientation", "roll"]);
     refused(|scene| (planar(scene), scene.initial.velocity[1] = 1.0).1, &["initial.velocity", "planar"]);

@@ -5,7 +5,7 @@ use super::{FEW, SOLVED, Solver, yardstick};
 use messages::scene::Law;
 
 /// Most steps need one or two.
-const ROUNDS: usize = 12;
+const ROUNDS: usize = 24;
 /// Rounds in which the block may say what the next shift is, if its residual is no more than so many times the optimum's.
 const TRUSTING: usize = 4;
 const TRUSTED: f64 = 1e4;
