@@ -4,7 +4,7 @@
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 use controller::support::{Chain, Joints, TaskVector, mirror};
-use messages::scene::Scene;
+use messages::scene::{Base, Scene};
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, Vector3};
 use plant::kinematics::{self, Pose};
@@ -21,7 +21,8 @@ struct World {
 
 impl World {
     fn new() -> World {
-        let scene = Scene::default();
+        let mut scene = Scene::default();
+        scene.plant.base = Base::Virtual; // any six numbers are a pose
         let model = Model::new(&scene).expect("Table 1");
         World { state: State::zero(&model), pose: Pose::new(&model), model, scene }
     }

@@ -113,7 +113,7 @@ impl FakeWalk {
         } else {
             0.0
         };
-        let weight = 9.81 * self.robot.mass();
+        let weight = 9.81 * self.robot.mass;
         let shares = if plan.support == 0 { [1.0 - share, share] } else { [share, 1.0 - share] };
         let (zx, zy) = (0.4 * (9.0 * time).sin(), 0.3 * (21.0 * time).cos());
         for (foot, share) in shares.into_iter().enumerate() {

@@ -5,9 +5,9 @@
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::scene::Scene;
-use messages::turn::sin_cos;
+use messages::turn::{along, turned};
 use messages::wire::{CONTACTS, Truth};
-use nalgebra::{Isometry3, Point3, Quaternion, Translation3, Unit, UnitQuaternion, Vector3};
+use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// The scene's robot, arranged for walking the tree from the base outwards.
 pub struct Robot {
@@ -23,6 +23,8 @@ pub struct Robot {
     pub trunk: usize,
     links: Vec<Link>,
     lumps: Vec<(usize, Point3<f64>, f64)>,
+    /// Total mass, with the payload [kg].
+    pub mass: f64,
 }
 
 /// A foot and its flat rectangular sole.
@@ -39,7 +41,7 @@ pub struct Foot {
 #[derive(Clone, Copy)]
 pub struct Placed {
     /// Body frame to W.
-    pub pose: Isometry3<f64>,
+    pub pose: IsometryMatrix3<f64>,
     /// Velocity of the frame's origin [m/s].
     pub velocity: Vector3<f64>,
     /// Angular velocity [rad/s].
@@ -51,7 +53,8 @@ struct Link {
     parent: usize,
     joint: usize,
     kind: JointKind,
-    axis: Unit<Vector3<f64>>,
+    axis: Vector3<f64>,
+    along: Option<usize>,
     at: Vector3<f64>,
 }
 
@@ -74,17 +77,13 @@ impl Robot {
         let feet =
             find(LEFT_FOOT).zip(find(RIGHT_FOOT)).map(|(left, right)| [left, right].map(|i| Foot::new(i, &bodies[i])));
         let (trunk, links) = (or_base(TRUNK), links(&bodies, base));
-        Robot { name: scene.robot_name().into(), bodies, contacts, feet, trunk, links, lumps }
+        let mass = lumps.iter().map(|lump| lump.2).sum();
+        Robot { name: scene.robot_name().into(), bodies, contacts, feet, trunk, links, lumps, mass }
     }
 
     /// Names of the joints, in wire order: those of the bodies that they move.
     pub fn joints(&self) -> Vec<&str> {
         self.bodies.iter().filter(|body| body.joint.is_some()).map(|body| body.name.as_str()).collect()
-    }
-
-    /// Total mass, with the payload [kg].
-    pub fn mass(&self) -> f64 {
-        self.lumps.iter().map(|lump| lump.2).sum()
     }
 
     /// Pose and velocity of every body in W, in the scene's order.
@@ -98,9 +97,9 @@ impl Robot {
     pub fn place_in(&self, truth: &Truth, placed: &mut Vec<Placed>) {
         let [w, x, y, z] = truth.base_orientation;
         let base = Placed {
-            pose: Isometry3::from_parts(
-                Translation3::from(truth.base_position),
-                UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+            pose: IsometryMatrix3::from_parts(
+                truth.base_position.into(),
+                UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).into(),
             ),
             velocity: truth.base_velocity.into(),
             spin: truth.base_spin.into(),
@@ -122,7 +121,7 @@ impl Robot {
             sum.0 += mass * (placed[body].pose.translation.vector + arm);
             sum.1 += mass * (placed[body].velocity + placed[body].spin.cross(&arm));
         }
-        (sum.0 / self.mass(), sum.1 / self.mass())
+        (sum.0 / self.mass, sum.1 / self.mass)
     }
 }
 
@@ -146,17 +145,17 @@ impl Foot {
 
 impl Link {
     fn carry(&self, parent: &Placed, travel: f64, rate: f64) -> Placed {
-        let axis = parent.pose.rotation * *self.axis;
+        let rotation = parent.pose.rotation;
+        let axis = rotation * self.axis;
         let (angle, slide, turning, sliding) = match self.kind {
             JointKind::Revolute => (travel, 0.0, rate, 0.0),
             JointKind::Prismatic => (0.0, travel, 0.0, rate),
         };
-        let arm = parent.pose.rotation * (self.at + *self.axis * slide);
-        let (s, c) = sin_cos(0.5 * angle);
-        let turn = UnitQuaternion::new_unchecked(Quaternion::from_parts(c, *self.axis * s));
+        let arm = rotation * (self.at + self.axis * slide);
+        let turned = turned(rotation.matrix(), &self.axis, self.along, angle);
         let origin = parent.pose.translation.vector + arm;
         Placed {
-            pose: Isometry3::from_parts(origin.into(), parent.pose.rotation * turn),
+            pose: IsometryMatrix3::from_parts(origin.into(), Rotation3::from_matrix_unchecked(turned)),
             velocity: parent.velocity + parent.spin.cross(&arm) + axis * sliding,
             spin: parent.spin + axis * turning,
         }
@@ -170,8 +169,9 @@ fn links(bodies: &[Body], base: usize) -> Vec<Link> {
         .enumerate()
         .filter_map(|(number, (body, joint))| {
             let parent = bodies.iter().position(|other| other.name == joint.parent)?;
-            let axis = Unit::new_normalize(Vector3::from(joint.axis));
-            Some(Link { body, parent, joint: number, kind: joint.kind, axis, at: joint.at.into() })
+            let axis = Vector3::from(joint.axis).normalize();
+            let along = along(&axis);
+            Some(Link { body, parent, joint: number, kind: joint.kind, axis, along, at: joint.at.into() })
         })
         .collect();
     let (mut reached, mut links) = (vec![base], Vec::new());

@@ -50,7 +50,7 @@ impl Drawing {
             parent_frame_id: WORLD,
             child_frame_id: body.name.clone(),
             translation: placed.pose.translation.vector.into(),
-            rotation: placed.pose.rotation.into(),
+            rotation: UnitQuaternion::from(placed.pose.rotation).into(),
         });
         json_message(file, self.frames, time, &FrameTransforms { transforms: transforms.collect() })?;
         let arrows =

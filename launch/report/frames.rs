@@ -4,7 +4,7 @@ use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, plot};
 use super::{Figure, Panel};
 use crate::record::{Recorder, Row};
 use messages::robot::Body;
-use nalgebra::{Isometry3, Point3};
+use nalgebra::{IsometryMatrix3, Point3};
 use plotters::style::RGBColor;
 
 /// Instants that are drawn.
@@ -109,7 +109,7 @@ fn side(body: &str) -> RGBColor {
 }
 
 /// The box of a body, projected: the hull of its eight corners.
-fn outline(body: &Body, pose: &Isometry3<f64>, view: View, centre: f64) -> Outline {
+fn outline(body: &Body, pose: &IsometryMatrix3<f64>, view: View, centre: f64) -> Outline {
     let corners = (0..8).map(|i| {
         let place = |axis: usize| body.com[axis] + body.size[axis] * if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
         let corner = pose * Point3::new(place(0), place(1), place(2));

@@ -7,7 +7,7 @@
 //! Reduction by Cody & Waite, *Software Manual for the Elementary Functions* (1980); polynomials of Sun Microsystems' fdlibm 5.3,
 //! `k_sin.c` and `k_cos.c`.
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// π/2 in two parts.
@@ -51,6 +51,20 @@ pub fn sin_cos(x: f64) -> (f64, f64) {
     (if quarters & 2 == 0 { s } else { -s }, if (quarters + 1) & 2 == 0 { c } else { -c })
 }
 
+/// Which of a body's own axes a unit axis lies along, if any: turning about it is cheaper.
+pub fn along(axis: &Vector3<f64>) -> Option<usize> {
+    (0..3).find(|&k| axis[k].abs() == 1.0)
+}
+
+/// R turned by an angle [rad] about a unit axis, given in the frame of R; [`along`] says which of its own that is, if any.
+#[inline]
+pub fn turned(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, angle: f64) -> Matrix3<f64> {
+    match along {
+        Some(k) => about(r, k, angle * axis[k]),
+        None => r * Rotation3::from_axis_angle(&Unit::new_unchecked(*axis), angle).matrix(),
+    }
+}
+
 /// Axes of a body, the columns of R, turned by an angle [rad] about the k-th of them.
 #[inline]
 pub fn about(r: &Matrix3<f64>, k: usize, angle: f64) -> Matrix3<f64> {
@@ -67,7 +81,6 @@ pub fn about(r: &Matrix3<f64>, k: usize, angle: f64) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::{Rotation3, Vector3};
 
     #[test]
     fn sine_and_cosine_are_the_librarys_to_rounding_at_any_angle() {
@@ -93,7 +106,12 @@ mod tests {
             for angle in [-2.5, 0.0, 0.7] {
                 let expected = start * Rotation3::from_axis_angle(&axis, angle);
                 assert!((about(start.matrix(), k, angle) - expected.matrix()).amax() < 1e-15, "{k} {angle}");
+                for axis in [axis, -axis] {
+                    let turned = [along(&axis), None].map(|along| turned(start.matrix(), &axis, along, angle));
+                    assert!((turned[0] - turned[1]).amax() < 1e-15, "{axis} {angle}");
+                }
             }
         }
+        assert_eq!(along(&Vector3::new(0.6, 0.0, 0.8)), None);
     }
 }

@@ -4,8 +4,8 @@ use crate::model::{Corner, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
 use messages::scene::Base;
-use messages::turn;
-use nalgebra::{Matrix3, Rotation3, Unit, UnitQuaternion, Vector3};
+use messages::turn::turned;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Pose and velocity of one link. Axes of W; positions from the reference point O of [`Pose`].
 #[derive(Clone, Copy, Debug, Default)]
@@ -108,15 +108,6 @@ fn rotation(q: &[f64]) -> Matrix3<f64> {
     )
 }
 
-/// R turned by an angle about the joint's axis, given in the frame of R.
-#[inline]
-fn turned(r: &Matrix3<f64>, link: &Link, angle: f64) -> Matrix3<f64> {
-    let Some(k) = link.along else {
-        return r * Rotation3::from_axis_angle(&Unit::new_unchecked(link.axis), angle).matrix();
-    };
-    turn::about(r, k, angle * link.axis[k])
-}
-
 /// Computes the pose and velocity of every link, from the base outwards.
 ///
 /// What slides along the axes of W and turns about them moves as one: O slides, and the last of these links has all their velocity.
@@ -142,7 +133,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
             None => before[link.carrier].rotation * link.axis,
         };
         here.rotation = match link.motion {
-            Motion::Revolute | Motion::Spin => turned(&parent.rotation, link, x),
+            Motion::Revolute | Motion::Spin => turned(&parent.rotation, &link.axis, link.along, x),
             Motion::Prismatic => parent.rotation,
         };
         here.column = match link.motion {

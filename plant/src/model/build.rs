@@ -6,6 +6,7 @@ use crate::kinematics::{self, Pose};
 use crate::state::{self, State};
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Law, Scene};
+use messages::turn;
 use nalgebra::{Matrix3, Vector3};
 
 impl Model {
@@ -188,7 +189,7 @@ fn virtual_link(parent: usize, motion: Motion, axis: Vector3<f64>) -> Link {
         carrier: parent,
         motion,
         axis,
-        along: (0..3).find(|&k| axis[k].abs() == 1.0),
+        along: turn::along(&axis),
         at: Vector3::zeros(),
         mass: 0.0,
         com: Vector3::zeros(),
