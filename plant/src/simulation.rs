@@ -85,6 +85,11 @@ impl Simulation {
         Ok(())
     }
 
+    /// As [`Plant::get_ready`].
+    pub fn get_ready(&mut self) {
+        self.plant.get_ready();
+    }
+
     /// As [`Plant::push`].
     pub fn push(&mut self, body: usize, impulse: [f64; 3], duration: f64) -> bool {
         self.plant.push(body, impulse, duration)

@@ -63,6 +63,8 @@ pub struct Plant {
     bearings: Vec<Bearing>,
     drives: Drives,
     steps: u64,
+    /// Whether H, b and the factor of H are there already for the step to come.
+    ready: bool,
     applied: Torques,
     record: Record,
     report: Report,
@@ -135,6 +137,7 @@ impl Plant {
             memory: Memory::default(),
             bearings: vec![Bearing::default(); model.corners.len()],
             steps: 0,
+            ready: false,
             applied: Torques::default(),
             record: Record::default(),
             report: Report::default(),
@@ -158,6 +161,15 @@ impl Plant {
             self.step()?;
         }
         Ok(self.encoders())
+    }
+
+    /// Finds what the paper's next step needs whatever the torques will be: H, b and the factor of H. Who waits for a command may
+    /// call this meanwhile; no result depends on it.
+    pub fn get_ready(&mut self) {
+        if !self.ready && self.settings.method == Method::SemiImplicitEuler {
+            let h = self.settings.h;
+            self.ready = self.find_inertia(h, h).is_ok(); // the step finds the error again
+        }
     }
 
     /// One integration step under the torques in force.

@@ -9,7 +9,9 @@ impl Plant {
     /// # Source
     /// (12)-(22). Symplectic where H is constant: Hairer, Lubich & Wanner, *Geometric Numerical Integration*, I.1.
     pub(super) fn semi_implicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
-        self.find_inertia(h, h)?;
+        if !std::mem::take(&mut self.ready) {
+            self.find_inertia(h, h)?;
+        }
         self.predict_free_motion(h);
         self.find_touches(h);
         self.solve_contacts(h)?;

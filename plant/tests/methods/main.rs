@@ -5,4 +5,5 @@
 mod comparison;
 mod flight;
 mod ground;
+mod ready;
 mod support;
