@@ -75,23 +75,24 @@ fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_hundredt
     let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
     let (lowest, speed) = living(200);
     assert!(lowest > UP && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
-    let lives = [5, 10, 15, 20, 30]; // with luck one of them freezes on both feet
-    let lowest = lives.map(|periods| living(periods).0);
+    // with luck some of them freeze on both feet
+    let lowest: Vec<_> = (4..=40).step_by(3).map(|periods| living(periods).0).collect();
+    println!("{lowest:.2?}");
     let fallen = lowest.iter().filter(|lowest| **lowest < UP).count();
-    assert!(fallen >= 4, "the trunk stays at {lowest:?} m: does this test see a fall?");
+    assert!(2 * fallen > lowest.len(), "the trunk stays at {lowest:?} m: does this test see a fall?");
 }
 
 #[test]
 fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() {
     for (role, words) in [("controller", "1 controller replaced"), ("plant", "starting it anew")] {
-        let mut walk = Running::start(role, &["--respawn", "1", "--set", "duration=300"]);
+        let mut walk = Running::start(role, &["--respawn", "1", "--set", "duration=900"]);
         walk.until("walking", |truth| truth.telemetry.steps > 5);
         walk.leave();
         walk.signal(role, Signal::SIGKILL);
         let (code, out, errors) = walk.wait();
         assert_eq!(code, Some(0), "{role}: {errors}");
         assert!(errors.contains(&format!("the {role} died")) && errors.contains(words), "{errors}");
-        assert!(out.contains("no fall") && out.contains("300.00 s"), "{role}: {out}");
+        assert!(out.contains("no fall") && out.contains("900.00 s"), "{role}: {out}");
     }
 }
 

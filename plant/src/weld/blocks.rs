@@ -1,13 +1,12 @@
 //! Λ of the feet in blocks of three: force on force, force on moment, and so on; its factor, and solutions.
 //!
-//! By blocks, for what a processor waits for here is one division after the other: this way there is one for three rows.
+//! The factors are those of row by row, LDLᵀ with L unit triangular, but worked on by blocks; nowhere is a block inverted, which where
+//! feet press against each other would lose what the contacts yield by.
 
 use super::foot::Foot;
 use super::{FEET, Pair, Six};
 use nalgebra::{Matrix3, Vector3};
 
-/// A determinant this small beside the product of the diagonal has lost its digits.
-const CANCELS: f64 = 1e-8;
 /// Blocks of a row.
 const PARTS: usize = 2 * FEET;
 
@@ -15,9 +14,23 @@ const PARTS: usize = 2 * FEET;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Blocks([[Matrix3<f64>; PARTS]; PARTS]);
 
-/// Its factors LDLᵀ: L below the diagonal, D⁻¹ on it.
+/// Its factors LDLᵀ.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Factored([[Matrix3<f64>; PARTS]; PARTS]);
+pub(super) struct Factored {
+    /// LD below the diagonal.
+    scaled: [[Matrix3<f64>; PARTS]; PARTS],
+    /// L there.
+    below: [[Matrix3<f64>; PARTS]; PARTS],
+    /// What each block on the diagonal is made of.
+    diagonal: [Diagonal; PARTS],
+}
+
+/// A three by three LDLᵀ: l_21, l_31, l_32, and D⁻¹.
+#[derive(Clone, Copy, Debug, Default)]
+struct Diagonal {
+    l: [f64; 3],
+    inverse: Vector3<f64>,
+}
 
 impl Blocks {
     /// Sets the six rows and columns where foot i meets foot j <= i: the product of what their rows of Y share.
@@ -42,19 +55,16 @@ impl Blocks {
     pub fn factorize(&self, feet: &[Foot], give: f64, factored: &mut Factored) -> Option<()> {
         let give = give * self.0[0][0].trace() / 3.0;
         for (i, yielding) in feet.iter().flat_map(|foot| foot.sole.yields()).enumerate() {
-            let (above, rest) = factored.0.split_at_mut(i);
-            let row = &mut rest[0];
+            let Factored { scaled, below, diagonal } = factored;
+            let mut own = self.0[i][i] + yielding * give;
             for j in 0..i {
-                let known = row[..j].iter().zip(&above[j]);
-                row[j] = known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()); // L D
+                let known = scaled[i][..j].iter().zip(&below[j]);
+                let ld = diagonal[j].divide(&known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()));
+                let l = Matrix3::from_fn(|row, column| ld[(row, column)] * diagonal[j].inverse[column]);
+                own -= l * ld.transpose();
+                (scaled[i][j], below[i][j]) = (ld, l);
             }
-            let mut diagonal = self.0[i][i] + yielding * give;
-            for (j, entry) in row[..i].iter_mut().enumerate() {
-                let ld = *entry;
-                *entry *= above[j][j];
-                diagonal -= *entry * ld.transpose();
-            }
-            row[i] = inverse(&diagonal)?;
+            diagonal[i] = Diagonal::of(&own)?;
         }
         Some(())
     }
@@ -87,22 +97,48 @@ impl Factored {
     pub fn solve(&self, feet: usize, x: &mut [Pair; FEET]) {
         let x = &mut x.as_flattened_mut()[..2 * feet];
         for i in 0..x.len() {
-            x[i] = self.0[i][..i].iter().zip(&*x).fold(x[i], |x, (l, known)| x - l * known);
+            let left = self.below[i][..i].iter().zip(&*x).fold(x[i], |x, (l, known)| x - l * known);
+            x[i] = self.diagonal[i].descend(left);
         }
         for i in (0..x.len()).rev() {
-            let rows = self.0[i + 1..].iter().zip(&x[i + 1..]);
-            x[i] = rows.fold(self.0[i][i] * x[i], |x, (row, known)| x - row[i].tr_mul(known));
+            let rows = self.below[i + 1..].iter().zip(&x[i + 1..]);
+            let own = &self.diagonal[i];
+            x[i] = own.ascend(rows.fold(x[i].component_mul(&own.inverse), |x, (row, known)| x - row[i].tr_mul(known)));
         }
     }
 }
 
-/// Inverse of a symmetric matrix, none unless it is positive definite: by its cofactors, with one division, unless they cancel.
-fn inverse(a: &Matrix3<f64>) -> Option<Matrix3<f64>> {
-    let [x, y, z] = [0, 1, 2].map(|k| a.column(k).into_owned());
-    let (p, q, r) = (y.cross(&z), z.cross(&x), x.cross(&y));
-    let determinant = x.dot(&p);
-    if x.x > 0.0 && r.z > 0.0 && determinant > CANCELS * (x.x * y.y * z.z).abs() {
-        return Some(Matrix3::from_columns(&[p, q, r]) / determinant);
+impl Diagonal {
+    /// Of a symmetric matrix; none unless it is positive definite.
+    fn of(a: &Matrix3<f64>) -> Option<Diagonal> {
+        // a_11 times the second row of what the first leaves, so that two divisions need not wait for each other
+        let (minor, across) = (a.m11 * a.m22 - a.m21 * a.m21, a.m11 * a.m32 - a.m21 * a.m31);
+        let (first, second) = (1.0 / a.m11, 1.0 / minor);
+        let l = [a.m21 * first, a.m31 * first, across * second];
+        let last = a.m33 - l[1] * a.m31 - l[2] * across * first;
+        let definite = a.m11 > 0.0 && minor > 0.0 && last > 0.0;
+        definite.then(|| Diagonal { l, inverse: Vector3::new(first, a.m11 * second, 1.0 / last) })
     }
-    Some(a.cholesky()?.inverse())
+
+    /// A L⁻ᵀ.
+    fn divide(&self, a: &Matrix3<f64>) -> Matrix3<f64> {
+        let [p, q, r] = self.l;
+        let [x, y, z] = [0, 1, 2].map(|k| a.column(k).into_owned());
+        let y = y - x * p;
+        Matrix3::from_columns(&[x, y, z - x * q - y * r])
+    }
+
+    /// L⁻¹ x.
+    fn descend(&self, x: Vector3<f64>) -> Vector3<f64> {
+        let [p, q, r] = self.l;
+        let y = x.y - p * x.x;
+        Vector3::new(x.x, y, x.z - q * x.x - r * y)
+    }
+
+    /// L⁻ᵀ x.
+    fn ascend(&self, x: Vector3<f64>) -> Vector3<f64> {
+        let [p, q, r] = self.l;
+        let (z, y) = (x.z, x.y - r * x.z);
+        Vector3::new(x.x - p * y - q * z, y, z)
+    }
 }
