@@ -169,4 +169,26 @@ mod tests {
             }
         }
     }
+
+    /// Twenty-four equations hold ten degrees of freedom: what is redundant has to be told from rounding.
+    #[test]
+    fn a_table_is_welded_from_three_corners_a_foot_on_and_stands_as_corner_by_corner() {
+        for (points, scene) in Curve::ALL[0].scenes(false).expect("good scenes") {
+            let plant = || plant::Plant::new(&scene).expect("a good scene");
+            let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_welds(), 0.0_f64, 0);
+            for _ in 0..300 {
+                for plant in [&mut ours, &mut theirs] {
+                    plant.advance(&Default::default()).expect("a step");
+                }
+                let [a, b] = [ours.state(), theirs.state()];
+                let pairs = a.x.iter().zip(&b.x).chain(a.xdot.iter().zip(&b.xdot));
+                worst = pairs.fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
+                welded += usize::from(points > 0.0 && ours.problem().delassus.is_empty());
+                assert!(points == 0.0 || !theirs.problem().delassus.is_empty());
+            }
+            println!("{points} corners: states differ by {worst:.1e}, {welded} of 300 steps welded");
+            assert!(worst < 1e-9, "{points} corners: {worst}");
+            assert!(if points < 12.0 { welded == 0 } else { welded > 290 }, "{points} corners: {welded} steps welded");
+        }
+    }
 }

@@ -3,7 +3,6 @@
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 use messages::load::load;
-use messages::robot::{Body, Joint};
 use messages::scene::Scene;
 use messages::wire::Torques;
 use plant::Plant;
@@ -71,43 +70,4 @@ fn what_slides_or_tips_is_not_welded() {
         assert!(worst < 1e-6, "{name}: {worst}");
         assert!(welded < 200, "{name}: {welded} steps were welded");
     }
-}
-
-/// Four feet that hang from a trunk by sprung ankles, so many corners each.
-fn table(corners: [usize; 4]) -> Scene {
-    let sides = [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
-    let foot = |(count, [x, y]): (usize, [f64; 2])| Body {
-        name: format!("foot {x} {y}"),
-        mass: 0.5,
-        size: [0.1, 0.1, 0.05],
-        com: [0.0, 0.0, -0.2],
-        contacts: sides[..count].iter().map(|[dx, dy]| [0.05 * x * dx, 0.05 * y * dy, -0.225]).collect(),
-        joint: Some(Joint {
-            parent: "trunk".into(),
-            axis: [0.0, 1.0, 0.0],
-            at: [0.2 * x, 0.15 * y, -0.05],
-            stiffness: 200.0,
-            damping: 2.0,
-            ..Joint::default()
-        }),
-        ..Body::default()
-    };
-    let trunk = Body { name: "trunk".into(), mass: 4.0, size: [0.4, 0.3, 0.1], ..Body::default() };
-    let bodies = std::iter::once(trunk).chain(corners.into_iter().zip(sides).map(foot)).collect();
-    let mut scene = Scene { bodies, rate: 1e3, ..Scene::default() };
-    (scene.plant.dt, scene.plant.drive_inertia, scene.initial.clearance) = (1e-3, 0.0, Some(0.0));
-    scene
-}
-
-/// Twenty-four equations hold ten degrees of freedom: what is redundant has to be told from rounding.
-#[test]
-fn four_feet_of_three_and_more_corners_are_welded_as_two_are() {
-    for corners in [[3; 4], [4, 3, 3, 3], [4, 4, 4, 3], [4; 4]] {
-        let (worst, welded, _) = compare(&table(corners), 300);
-        println!("{corners:?}: states differ by {worst:.1e}, {welded} of 300 steps welded");
-        assert!(worst < 1e-9, "{corners:?}: {worst}");
-        assert!(welded > 290, "{corners:?}: only {welded} steps");
-    }
-    let (.., plants) = compare(&table([2; 4]), 300);
-    assert!(!plants[0].problem().delassus.is_empty(), "negative control: two corners are an edge");
 }

@@ -56,28 +56,24 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
 fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     let [n, a, b] = [x[0], x[1].abs(), x[2].abs()];
     let [h1, h2] = half;
-    if h2 > 0.0 && a * h2 + b * h1 <= n * h1 * h2 {
-        return x;
-    }
     if n + a * h1 <= 0.0 && n + b * h2 <= 0.0 {
         return [0.0; 3];
     }
+    let inside = if h2 == 0.0 { b == 0.0 && a <= h1 * n } else { a * h2 + b * h1 <= n * h1 * h2 };
+    if inside {
+        return x;
+    }
     let (l1, l2) = ((1.0 + h1 * h1).sqrt(), (1.0 + h2 * h2).sqrt());
-    // Lengths of the projections on the two edges.
+    // Lengths of the projections on the two edges, of which the longer is positive.
     let (t1, t2) = ((n + a * h1) / l1, (n + b * h2) / l2);
-    let nearest = if h2 == 0.0 {
-        if n >= 0.0 && a <= h1 * n { [n, a, 0.0] } else { [t1.max(0.0) / l1, t1.max(0.0) / l1 * h1, 0.0] }
+    let step = (a / h1 + b / h2 - n) / (1.0 + (h1 * h1).recip() + (h2 * h2).recip());
+    let facet = [n + step, a - step / h1, b - step / h2];
+    let nearest = if h2 > 0.0 && facet.iter().all(|&p| p >= 0.0) {
+        facet
+    } else if t1 >= t2 {
+        [t1 / l1, t1 / l1 * h1, 0.0]
     } else {
-        let excess = a / h1 + b / h2 - n;
-        let step = excess.max(0.0) / (1.0 + (h1 * h1).recip() + (h2 * h2).recip());
-        let facet = [n + step, a - step / h1, b - step / h2];
-        if facet.iter().all(|&p| p >= 0.0) {
-            facet
-        } else if t1 >= t2 {
-            [t1.max(0.0) / l1, t1.max(0.0) / l1 * h1, 0.0]
-        } else {
-            [t2.max(0.0) / l2, 0.0, t2.max(0.0) / l2 * h2]
-        }
+        [t2 / l2, 0.0, t2 / l2 * h2]
     };
     [nearest[0], nearest[1].copysign(x[1]), nearest[2].copysign(x[2])]
 }
