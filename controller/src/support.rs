@@ -140,15 +140,18 @@ impl Chain {
             joint: self.joint,
             swing_sole: self.swing_sole,
         };
+        let mut turns = [(0.0, 1.0); JOINTS];
+        turn::sines_cosines(s.as_slice(), &mut turns);
+        let mut rotation = at.rotation[0];
         for j in 0..JOINTS {
-            let before = at.rotation[j];
             if j > 0 {
-                at.joint[j] = at.joint[j - 1] + before * (self.joint[j] - self.joint[j - 1]);
+                at.joint[j] = at.joint[j - 1] + rotation * (self.joint[j] - self.joint[j - 1]);
             }
             let k = turns_about(j);
-            at.axis[j] = before.column(k).into();
-            at.rotation[j + 1] = turn::about(&before, k, s[j]);
-            at.com[j + 1] = at.joint[j] + at.rotation[j + 1] * (self.com[j + 1] - self.joint[j]);
+            at.axis[j] = if k == 0 { rotation.column(0).into() } else { rotation.column(1).into() };
+            rotation = turn::about(&rotation, k, turns[j]);
+            at.com[j + 1] = at.joint[j] + rotation * (self.com[j + 1] - self.joint[j]);
+            at.rotation[j + 1] = rotation;
         }
         let last = JOINTS - 1;
         at.swing_sole = at.joint[last] + at.rotation[JOINTS] * (self.swing_sole - self.joint[last]);

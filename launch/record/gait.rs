@@ -55,7 +55,8 @@ pub struct Gait {
     /// Every step so far; the last is still going on.
     pub steps: Vec<Step>,
     side: Option<usize>,
-    before: Option<(Sample, Lateral)>,
+    /// Time, centre of mass and lateral plane of the sample before.
+    before: Option<(f64, Vector3<f64>, Lateral)>,
     crossing: Option<(f64, Vector3<f64>)>,
     deepest: Option<(f64, Sole)>,
 }
@@ -68,12 +69,11 @@ impl Gait {
     /// Takes the next sample.
     pub fn push(&mut self, sample: &Sample) {
         let Some((now, soles)) = Lateral::new(sample).zip(sample.soles) else { return };
-        if let Some((old, then)) = &self.before
+        if let Some((time, com, then)) = &self.before
             && then.support != now.support
         {
             let share = then.offset / (then.offset - now.offset);
-            let time = old.time + share * (sample.time - old.time);
-            self.crossing = Some((time, old.com.lerp(&sample.com, share)));
+            self.crossing = Some((time + share * (sample.time - time), com.lerp(&sample.com, share)));
             self.deepest = None;
         }
         if self.deepest.is_none_or(|(least, _)| now.position < least) {
@@ -91,7 +91,7 @@ impl Gait {
         {
             (step.x2_min, step.sole) = (least, sole);
         }
-        self.before = Some((sample.clone(), now));
+        self.before = Some((sample.time, sample.com, now));
     }
 
     fn begin(&mut self, support: usize, sole: Sole) {

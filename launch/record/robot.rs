@@ -5,8 +5,8 @@
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::scene::Scene;
-use messages::turn::{along, turned};
-use messages::wire::{CONTACTS, Truth};
+use messages::turn::{along, sines_cosines, turned};
+use messages::wire::{CONTACTS, JOINTS, Truth};
 use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// The scene's robot, arranged for walking the tree from the base outwards.
@@ -106,10 +106,14 @@ impl Robot {
         };
         placed.clear();
         placed.resize(self.bodies.len(), base);
+        let mut turns = [(0.0, 1.0); JOINTS];
+        sines_cosines(&truth.angle, &mut turns);
         for link in &self.links {
-            let at_joint = |values: &[f64]| values.get(link.joint).copied().unwrap_or(0.0);
-            let (travel, rate) = (at_joint(&truth.angle), at_joint(&truth.rate));
-            placed[link.body] = link.carry(&placed[link.parent], travel, rate);
+            let (travel, turn, rate) = match link.joint {
+                joint if joint < JOINTS => (truth.angle[joint], turns[joint], truth.rate[joint]),
+                _ => (0.0, (0.0, 1.0), 0.0),
+            };
+            placed[link.body] = link.carry(&placed[link.parent], travel, turn, rate);
         }
     }
 
@@ -144,20 +148,23 @@ impl Foot {
 }
 
 impl Link {
-    fn carry(&self, parent: &Placed, travel: f64, rate: f64) -> Placed {
-        let rotation = parent.pose.rotation;
+    /// The body beyond a joint that has gone so far, the sine and cosine of which are `turn`, at this rate.
+    fn carry(&self, parent: &Placed, travel: f64, turn: (f64, f64), rate: f64) -> Placed {
+        let rotation = &parent.pose.rotation;
         let axis = rotation * self.axis;
-        let (angle, slide, turning, sliding) = match self.kind {
-            JointKind::Revolute => (travel, 0.0, rate, 0.0),
-            JointKind::Prismatic => (0.0, travel, 0.0, rate),
+        let hinge = rotation * self.at;
+        let (turned, arm, sliding, turning) = match self.kind {
+            JointKind::Revolute => {
+                let turned = turned(rotation.matrix(), &self.axis, self.along, turn);
+                (Rotation3::from_matrix_unchecked(turned), hinge, Vector3::zeros(), axis * rate)
+            }
+            JointKind::Prismatic => (*rotation, hinge + axis * travel, axis * rate, Vector3::zeros()),
         };
-        let arm = rotation * (self.at + self.axis * slide);
-        let turned = turned(rotation.matrix(), &self.axis, self.along, angle);
         let origin = parent.pose.translation.vector + arm;
         Placed {
-            pose: IsometryMatrix3::from_parts(origin.into(), Rotation3::from_matrix_unchecked(turned)),
-            velocity: parent.velocity + parent.spin.cross(&arm) + axis * sliding,
-            spin: parent.spin + axis * turning,
+            pose: IsometryMatrix3::from_parts(origin.into(), turned),
+            velocity: parent.velocity + parent.spin.cross(&arm) + sliding,
+            spin: parent.spin + turning,
         }
     }
 }

@@ -7,7 +7,7 @@
 //! Reduction by Cody & Waite, *Software Manual for the Elementary Functions* (1980); polynomials of Sun Microsystems' fdlibm 5.3,
 //! `k_sin.c` and `k_cos.c`.
 
-use nalgebra::{Matrix3, Rotation3, Unit, Vector3};
+use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// π/2 in two parts.
@@ -34,21 +34,40 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
+/// Adding it leaves the nearest whole number in the last bits of a float.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
+
 /// sin x and cos x, to within a unit in the last place of 1.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    if x.abs() >= FAR || x.is_nan() {
-        return x.sin_cos();
+    if x.abs() < FAR { near(x) } else { x.sin_cos() }
+}
+
+/// The same of many angles, bit for bit, several at a time.
+#[inline]
+pub fn sines_cosines(angles: &[f64], out: &mut [(f64, f64)]) {
+    for (x, out) in angles.iter().zip(&mut *out) {
+        *out = near(*x);
     }
-    let quarters = (x * FRAC_2_PI).round_ties_even();
+    if !angles.iter().all(|x| x.abs() < FAR) {
+        angles.iter().zip(out).for_each(|(x, out)| *out = sin_cos(*x));
+    }
+}
+
+/// sin x and cos x of |x| < [`FAR`], without a branch.
+#[inline(always)]
+fn near(x: f64) -> (f64, f64) {
+    let shifted = x * FRAC_2_PI + WHOLE;
+    let quarters = shifted - WHOLE;
     let r = (-quarters).mul_add(QUARTER[1], (-quarters).mul_add(QUARTER[0], x)); // |r| <= π/4
     let z = r * r;
     let sum = |coefficients: &[f64; 6]| coefficients.iter().rev().fold(0.0_f64, |sum, c| sum.mul_add(z, *c));
     let sine = (r * z).mul_add(sum(&SINE), r);
     let cosine = (z * z).mul_add(sum(&COSINE), 1.0 - 0.5 * z);
-    let quarters = quarters as i64;
-    let (s, c) = if quarters & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
-    (if quarters & 2 == 0 { s } else { -s }, if (quarters + 1) & 2 == 0 { c } else { -c })
+    let whole = shifted.to_bits();
+    let (s, c) = if whole & 1 == 0 { (sine, cosine) } else { (cosine, sine) };
+    let turned = |value: f64, quarters: u64| f64::from_bits(value.to_bits() ^ ((quarters & 2) << 62));
+    (turned(s, whole), turned(c, whole.wrapping_add(1)))
 }
 
 /// Which of a body's own axes a unit axis lies along, if any: turning about it is cheaper.
@@ -56,31 +75,41 @@ pub fn along(axis: &Vector3<f64>) -> Option<usize> {
     (0..3).find(|&k| axis[k].abs() == 1.0)
 }
 
-/// R turned by an angle [rad] about a unit axis, given in the frame of R; [`along`] says which of its own that is, if any.
+/// R turned about a unit axis, given in the frame of R, by the angle with this sine and cosine; [`along`] says which of its own
+/// that is, if any.
 #[inline]
-pub fn turned(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, angle: f64) -> Matrix3<f64> {
+pub fn turned(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, (s, c): (f64, f64)) -> Matrix3<f64> {
     match along {
-        Some(k) => about(r, k, angle * axis[k]),
-        None => r * Rotation3::from_axis_angle(&Unit::new_unchecked(*axis), angle).matrix(),
+        Some(k) => about(r, k, (s * axis[k], c)),
+        None => r * (Matrix3::identity() * c + axis.cross_matrix() * s + axis * axis.transpose() * (1.0 - c)),
     }
 }
 
-/// Axes of a body, the columns of R, turned by an angle [rad] about the k-th of them.
+/// Axes of a body, the columns of R, turned about the k-th of them by the angle with this sine and cosine.
 #[inline]
-pub fn about(r: &Matrix3<f64>, k: usize, angle: f64) -> Matrix3<f64> {
-    let (s, c) = sin_cos(angle);
-    let [axis, u, v] = [k, (k + 1) % 3, (k + 2) % 3].map(|k| r.column(k).into_owned());
-    let (u, v) = (u * c + v * s, v * c - u * s);
+pub fn about(r: &Matrix3<f64>, k: usize, (s, c): (f64, f64)) -> Matrix3<f64> {
+    let [x, y, z] = [0, 1, 2].map(|k| r.column(k).into_owned());
+    let mixed = |u: Vector3<f64>, v: Vector3<f64>| (u * c + v * s, v * c - u * s);
     match k {
-        0 => Matrix3::from_columns(&[axis, u, v]),
-        1 => Matrix3::from_columns(&[v, axis, u]),
-        _ => Matrix3::from_columns(&[u, v, axis]),
+        0 => {
+            let (y, z) = mixed(y, z);
+            Matrix3::from_columns(&[x, y, z])
+        }
+        1 => {
+            let (z, x) = mixed(z, x);
+            Matrix3::from_columns(&[x, y, z])
+        }
+        _ => {
+            let (x, y) = mixed(x, y);
+            Matrix3::from_columns(&[x, y, z])
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use nalgebra::Rotation3;
 
     #[test]
     fn sine_and_cosine_are_the_librarys_to_two_units_in_the_last_place() {
@@ -101,15 +130,26 @@ mod tests {
     }
 
     #[test]
+    fn many_at_once_are_the_same_bits() {
+        for far in [0.0, 1e7, f64::NAN] {
+            let angles: Vec<f64> = (0..11).map(|k| 1.7 * f64::from(k) - 8.0).chain([far, -0.0]).collect();
+            let mut pairs = vec![(0.0, 0.0); angles.len()];
+            sines_cosines(&angles, &mut pairs);
+            let bits = |(s, c): (f64, f64)| [s.to_bits(), c.to_bits()];
+            assert!(angles.iter().zip(&pairs).all(|(x, pair)| bits(sin_cos(*x)) == bits(*pair)), "{far}");
+        }
+    }
+
+    #[test]
     fn a_body_turns_about_its_own_axis() {
         let start = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
         for k in 0..3 {
             let unit = Vector3::ith_axis(k);
             for angle in [-2.5, 0.0, 0.7] {
                 let expected = start * Rotation3::from_axis_angle(&unit, angle);
-                assert!((about(start.matrix(), k, angle) - expected.matrix()).amax() < 1e-15, "{k} {angle}");
+                assert!((about(start.matrix(), k, sin_cos(angle)) - expected.matrix()).amax() < 1e-15, "{k} {angle}");
                 for axis in [unit.into_inner(), -unit.into_inner()] {
-                    let turned = [along(&axis), None].map(|along| turned(start.matrix(), &axis, along, angle));
+                    let turned = [along(&axis), None].map(|along| turned(start.matrix(), &axis, along, sin_cos(angle)));
                     assert!((turned[0] - turned[1]).amax() < 1e-15, "{axis} {angle}");
                 }
             }

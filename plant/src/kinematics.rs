@@ -4,7 +4,7 @@ use crate::model::{Corner, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
 use messages::scene::Base;
-use messages::turn::turned;
+use messages::turn::{sines_cosines, turned};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Pose and velocity of one link. Axes of W; positions from the reference point O of [`Pose`].
@@ -33,6 +33,8 @@ pub struct Pose {
     pub reference: Vector3<f64>,
     /// One per link of the model.
     pub links: Vec<LinkPose>,
+    /// Sine and cosine of what each joint has turned by, of those links that do not move as one.
+    turns: Vec<(f64, f64)>,
 }
 
 impl Pose {
@@ -45,7 +47,8 @@ impl Pose {
             let unit = |first: usize| Vector3::from_fn(|row, _| f64::from(first + row == k));
             link.column = Spatial { linear: unit(0), angular: unit(3) };
         }
-        Pose { reference: Vector3::zeros(), links }
+        let turns = vec![(0.0, 1.0); model.dofs() - model.upright()];
+        Pose { reference: Vector3::zeros(), links, turns }
     }
 
     /// Position in W of a point given in a link's frame [m].
@@ -112,8 +115,9 @@ fn rotation(q: &[f64]) -> Matrix3<f64> {
 ///
 /// What slides along the axes of W and turns about them moves as one: O slides, and the last of these links has all their velocity.
 pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
-    let Pose { reference, links } = pose;
-    let (joint_offset, upright) = (model.coordinates() - model.dofs(), model.upright());
+    let Pose { reference, links, turns } = pose;
+    let upright = model.upright();
+    let joints = &state.x[upright + model.coordinates() - model.dofs()..];
     *reference = model.mount_position;
     if upright > 0 {
         *reference += Vector3::from_column_slice(&state.x[..3]);
@@ -123,9 +127,10 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
         links[upright].rotation = rotation(&state.x[3..7]);
         settle(&model.links[upright], &mut links[upright]);
     }
+    sines_cosines(joints, turns);
     for (i, link) in model.links.iter().enumerate().skip(1 + upright) {
         let virtual_link = i <= model.base_link;
-        let x = state.x[i - 1 + if virtual_link { 0 } else { joint_offset }];
+        let x = joints[i - 1 - upright];
         let (before, rest) = links.split_at_mut(i);
         let (parent, here) = (&before[link.parent], &mut rest[0]);
         let axis = match link.along {
@@ -133,7 +138,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
             None => before[link.carrier].rotation * link.axis,
         };
         here.rotation = match link.motion {
-            Motion::Revolute | Motion::Spin => turned(&parent.rotation, &link.axis, link.along, x),
+            Motion::Revolute | Motion::Spin => turned(&parent.rotation, &link.axis, link.along, turns[i - 1 - upright]),
             Motion::Prismatic => parent.rotation,
         };
         here.column = match link.motion {
