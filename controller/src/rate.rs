@@ -29,25 +29,50 @@ pub fn bias(pitch: f64) -> Joints {
     -LEVEL_WEIGHT * LEVEL_GAIN * pitch * pitch_sum()
 }
 
-/// C⁻¹ v, by Sherman and Morrison.
-fn unweigh(v: &Joints) -> Joints {
-    let s = pitch_sum();
-    v - s * (LEVEL_WEIGHT * s.dot(v) / (1.0 + LEVEL_WEIGHT * s.dot(&s)))
-}
-
 /// Joint rates without bounds, in closed form; `None` if J is singular.
 ///
-/// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0. Shapes: J 7×8, ẋ 7, c_0 8. Source: (28), (29).
+/// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0, and by Sherman and Morrison C⁻¹ = I − share s sᵀ.
+/// Shapes: J 7×8, ẋ 7, c_0 8. Source: (28), (29).
 pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Option<Joints> {
-    let mut weighted = SMatrix::<f64, JOINTS, 7>::zeros(); // C⁻¹ Jᵀ
-    for (row, mut column) in jacobian.row_iter().zip(weighted.column_iter_mut()) {
-        column.copy_from(&unweigh(&row.transpose()));
+    let s = pitch_sum();
+    let share = LEVEL_WEIGHT / (1.0 + LEVEL_WEIGHT * s.dot(&s));
+    let unweigh = |v: &Joints| v - s * (share * s.dot(v));
+    let pitch = jacobian * s;
+    let mut weighted = pitch * pitch.transpose() * -share; // J C⁻¹ Jᵀ
+    for column in jacobian.column_iter() {
+        for k in 0..7 {
+            for i in k..7 {
+                weighted[(i, k)] += column[i] * column[k];
+            }
+        }
     }
-    let factor = (jacobian * weighted).cholesky()?;
     let free = unweigh(bias);
-    let lambda = factor.solve(&(xdot - jacobian * free));
-    let rates = free + weighted * lambda;
+    let lambda = solve(weighted, xdot - jacobian * free)?;
+    let rates = free + unweigh(&jacobian.tr_mul(&lambda));
     rates.iter().all(|rate| rate.is_finite()).then_some(rates)
+}
+
+/// x of A x = b, A being symmetric, by A = L D Lᵀ; `None` unless A is positive definite. Of A the lower triangle is read.
+fn solve(mut a: SMatrix<f64, 7, 7>, mut b: TaskVector) -> Option<TaskVector> {
+    let mut inverse = [0.0; 7];
+    for k in 0..7 {
+        if a[(k, k)] <= 0.0 || a[(k, k)].is_nan() {
+            return None;
+        }
+        inverse[k] = 1.0 / a[(k, k)];
+        for j in k + 1..7 {
+            let factor = a[(j, k)] * inverse[k];
+            b[j] -= factor * b[k];
+            for i in j..7 {
+                a[(i, j)] -= factor * a[(i, k)];
+            }
+        }
+    }
+    for k in (0..7).rev() {
+        let known: f64 = (k + 1..7).map(|j| a[(j, k)] * b[j]).sum();
+        b[k] = (b[k] - known) * inverse[k];
+    }
+    Some(b)
 }
 
 /// Joint rates within `lower` ≤ q̇ ≤ `upper` [rad/s], by an interior-point method; `None` if (29) cannot hold there.
