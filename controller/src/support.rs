@@ -143,13 +143,13 @@ impl Chain {
         let mut turns = [(0.0, 1.0); JOINTS];
         turn::sines_cosines(s.as_slice(), &mut turns);
         let mut rotation = at.rotation[0];
-        for j in 0..JOINTS {
+        for (j, &turn) in turns.iter().enumerate() {
             if j > 0 {
                 at.joint[j] = at.joint[j - 1] + rotation * (self.joint[j] - self.joint[j - 1]);
             }
             let k = turns_about(j);
             at.axis[j] = if k == 0 { rotation.column(0).into() } else { rotation.column(1).into() };
-            rotation = turn::about(&rotation, k, turns[j]);
+            rotation = turn::about(&rotation, k, turn);
             at.com[j + 1] = at.joint[j] + rotation * (self.com[j + 1] - self.joint[j]);
             at.rotation[j + 1] = rotation;
         }

@@ -66,7 +66,8 @@ impl PlantPort {
     pub fn open(session: &Session, contract: &Contract) -> Result<PlantPort, PortError> {
         let place = Place::open(session, contract)?;
         let sensors = Outlet::open(&place, SENSORS, "plant", || false)?;
-        let (command, truth) = (Inlet::open(&place, COMMAND)?, TruthOutlet::open(&place, contract.pace)?);
+        let (command, truth) =
+            (Inlet::open(&place, COMMAND, contract.pace)?, TruthOutlet::open(&place, contract.pace)?);
         let desk = Desk::open(&place, desk::PLANT)?;
         place.reserve()?;
         Ok(PlantPort { sensors, command, truth, desk, place })
@@ -183,7 +184,7 @@ impl ControllerPort {
         waits: impl Fn() -> bool,
     ) -> Result<ControllerPort, PortError> {
         let place = Place::open(session, contract)?;
-        let sensors = Inlet::open(&place, SENSORS)?;
+        let sensors = Inlet::open(&place, SENSORS, contract.pace)?;
         let command = Outlet::open(&place, COMMAND, "controller", waits)?;
         let desk = Desk::open(&place, desk::CONTROLLER)?;
         place.reserve()?;

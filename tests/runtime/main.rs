@@ -2,6 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod busy;
 mod ends;
 mod same;
 mod strangers;

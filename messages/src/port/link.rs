@@ -1,5 +1,6 @@
 //! The two ends of a topic: written at once, waited for by spinning, sleeping, or one after the other.
 
+use super::contract::Pace;
 use super::error::{PortError, broken};
 use super::place::{Place, Topic};
 use crate::clock::now_ns;
@@ -12,15 +13,22 @@ use iceoryx2::port::update_connections::UpdateConnections;
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use iceoryx2::sample_mut::SampleMut;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 /// A reader that spins looks so often, about 1 µs, before it does anything else.
 const LOOKS: u32 = 16;
 /// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
 const SPIN: Duration = Duration::from_micros(50);
+/// The same in lockstep, while it gives way: longer than a recorder takes the other side's processor for. To wake a sleeper would
+/// take longer than several periods.
+const LOCKSTEP_SPIN: Duration = Duration::from_millis(1);
 /// For so long after its own last message a reader is surely still spinning [ns].
 const AWAKE_NS: u64 = SPIN.as_nanos() as u64 / 2;
+/// Whoever has a message to write, or to record, gives the processor back within this time; others take it for whole slices.
+const IMPOSITION: Duration = Duration::from_millis(2);
+/// For so long nobody is given way to after one who kept it longer.
+const GRUDGE: Duration = Duration::from_millis(100);
 /// A sleeping reader looks around this often, so that a stop request or a restarted peer is noticed.
 const SLICE: Duration = Duration::from_millis(10);
 /// A successor tries its place this often.
@@ -37,7 +45,7 @@ fn knock() -> EventId {
 pub enum Waiting {
     /// Looks without pause: soonest, but takes a processor; never under a real-time scheduler, which it would block.
     Spin,
-    /// Looks without pause for 50 µs, then sleeps until it is woken.
+    /// Looks without pause for 50 µs, in lockstep for 1 ms if the processor is free, then sleeps until it is woken.
     #[default]
     Hybrid,
     /// Sleeps until it is woken: spares the processor.
@@ -151,13 +159,18 @@ pub(super) struct Inlet<M: Stamped> {
     pub heard_ns: u64,
     /// How to wait.
     pub waiting: Waiting,
+    /// In lockstep a hybrid gives way while it spins.
+    pace: Pace,
+    /// When somebody who was given way to last kept the processor for long.
+    imposed_on: Cell<Option<Instant>>,
 }
 
 impl<M: Stamped> Inlet<M> {
-    pub fn open(place: &Place, name: &str) -> Result<Inlet<M>, PortError> {
+    pub fn open(place: &Place, name: &str, pace: Pace) -> Result<Inlet<M>, PortError> {
         let reader = Reader::open(&place.link::<M>(name)?, 1)?;
         let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(Inlet { reader, held: None, bell, heard_ns: 0, waiting: Waiting::default() })
+        let (waiting, imposed_on) = (Waiting::default(), Cell::new(None));
+        Ok(Inlet { reader, held: None, bell, heard_ns: 0, waiting, pace, imposed_on })
     }
 
     /// The next message, as it came.
@@ -199,8 +212,8 @@ impl<M: Stamped> Inlet<M> {
             }
             match self.waiting {
                 Waiting::Spin => (),
-                // The writer may be waiting for this very processor.
-                Waiting::Hybrid if waited < SPIN => std::thread::yield_now(),
+                Waiting::Hybrid if self.is_polite() && waited < LOCKSTEP_SPIN => self.give_way(),
+                Waiting::Hybrid if waited < SPIN => (),
                 Waiting::Hybrid | Waiting::Event => {
                     match self.bell.timed_wait(|ring| knocked |= ring.id == knock(), SLICE - waited) {
                         Ok(_) if knocked => return self.look(1),
@@ -210,6 +223,18 @@ impl<M: Stamped> Inlet<M> {
                 }
             }
         }
+    }
+
+    /// Lets others have the processor: the writer may be waiting for this very one. Whoever keeps it for long is not the writer, and
+    /// would do so at every look.
+    fn give_way(&self) {
+        let before = Instant::now();
+        std::thread::yield_now();
+        self.imposed_on.set((before.elapsed() > IMPOSITION).then(Instant::now));
+    }
+
+    fn is_polite(&self) -> bool {
+        self.pace == Pace::Lockstep && self.imposed_on.get().is_none_or(|then| then.elapsed() > GRUDGE)
     }
 
     /// Looks for a message, a few times if it may come any moment.
