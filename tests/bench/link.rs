@@ -27,8 +27,17 @@ pub fn print() {
         }
     }
     println!("\nthe walk of 14 s, start of the processes included, simulated time over time taken");
-    for (name, flag) in [("two processes in lockstep", None), ("one process", Some("--in-process"))] {
-        let summary = biped(&[&["run", "walk"], flag.as_slice()].concat(), "summary.json");
-        println!("{name:<52}{:>9.0}", summary["realtime_factor"].as_f64().unwrap_or(f64::NAN));
+    for (name, flag) in WALKS {
+        println!("{name:<52}{:>9.0}", walk(flag));
     }
+}
+
+/// The whole walk, and what it is asked for by.
+pub const WALKS: [(&str, Option<&str>); 2] =
+    [("two processes in lockstep", None), ("one process", Some("--in-process"))];
+
+/// Simulated time over time taken of one walk, start of the processes included.
+pub fn walk(flag: Option<&str>) -> f64 {
+    let summary = biped(&[&["run", "walk"], flag.as_slice()].concat(), "summary.json");
+    summary["realtime_factor"].as_f64().unwrap_or(f64::NAN)
 }
