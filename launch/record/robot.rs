@@ -109,10 +109,9 @@ impl Robot {
         let mut turns = [(0.0, 1.0); JOINTS];
         sines_cosines(&truth.angle, &mut turns);
         for link in &self.links {
-            let (travel, turn, rate) = match link.joint {
-                joint if joint < JOINTS => (truth.angle[joint], turns[joint], truth.rate[joint]),
-                _ => (0.0, (0.0, 1.0), 0.0),
-            };
+            let k = link.joint;
+            let (travel, turn, rate) =
+                if k < JOINTS { (truth.angle[k], turns[k], truth.rate[k]) } else { (0.0, (0.0, 1.0), 0.0) };
             placed[link.body] = link.carry(&placed[link.parent], travel, turn, rate);
         }
     }

@@ -89,6 +89,7 @@ pub fn turned(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, (s, c
 #[inline]
 pub fn about(r: &Matrix3<f64>, k: usize, (s, c): (f64, f64)) -> Matrix3<f64> {
     let [x, y, z] = [0, 1, 2].map(|k| r.column(k).into_owned());
+    // Each case by itself: columns picked by a number that varies go through memory, an eighth of the controller's tick.
     let mixed = |u: Vector3<f64>, v: Vector3<f64>| (u * c + v * s, v * c - u * s);
     match k {
         0 => {

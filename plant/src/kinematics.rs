@@ -130,7 +130,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     sines_cosines(joints, turns);
     for (i, link) in model.links.iter().enumerate().skip(1 + upright) {
         let virtual_link = i <= model.base_link;
-        let x = joints[i - 1 - upright];
+        let (x, turn) = (joints[i - 1 - upright], turns[i - 1 - upright]);
         let (before, rest) = links.split_at_mut(i);
         let (parent, here) = (&before[link.parent], &mut rest[0]);
         let axis = match link.along {
@@ -138,7 +138,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
             None => before[link.carrier].rotation * link.axis,
         };
         here.rotation = match link.motion {
-            Motion::Revolute | Motion::Spin => turned(&parent.rotation, &link.axis, link.along, turns[i - 1 - upright]),
+            Motion::Revolute | Motion::Spin => turned(&parent.rotation, &link.axis, link.along, turn),
             Motion::Prismatic => parent.rotation,
         };
         here.column = match link.motion {

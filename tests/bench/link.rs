@@ -34,7 +34,7 @@ pub fn print() {
 
 /// The whole walk, and what it is asked for by.
 pub const WALKS: [(&str, Option<&str>); 2] =
-    [("two processes in lockstep", None), ("one process", Some("--in-process"))];
+    [("walk, two processes in lockstep", None), ("walk, one process", Some("--in-process"))];
 
 /// Simulated time over time taken of one walk, start of the processes included.
 pub fn walk(flag: Option<&str>) -> f64 {
