@@ -86,6 +86,20 @@ pub(super) fn rays(bits: u8, d: usize) -> u8 {
     }
 }
 
+/// The rays that span an impulse of contact `i` within its cone, or the nearest of one outside.
+pub(super) fn rays_of(scaled: &Scaled, i: usize, f: &[f64]) -> u8 {
+    if f[0] <= 0.0 {
+        return 0;
+    }
+    let reach = &scaled.reach[i * f.len()..];
+    let (mut rays, mut friction) = (0, 0.0);
+    for k in (1..f.len()).filter(|&k| f[k] != 0.0) {
+        rays |= 1 << (2 * (k - 1) + usize::from(f[k] > 0.0));
+        friction += f[k].abs() / reach[k];
+    }
+    if friction < f[0] { rays | 0b11 } else { rays }
+}
+
 /// The bits of a contact that sticks, or of one that is open.
 pub(super) fn standing(sticks: bool, d: usize) -> u8 {
     if sticks { Guess::Sticks } else { Guess::Open }.write(d)

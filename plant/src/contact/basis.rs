@@ -11,17 +11,15 @@
 //! | energy QP | its basic rays | the same |
 
 use super::energy_qp::minimises_energy;
+use super::growing::{Growing, LANES, take};
 use super::rays::ray;
-use super::{active_set::RAYS, growing::Growing, residual, scaled::Scaled};
+use super::{active_set::RAYS, residual, scaled::Scaled};
 use messages::scene::Law;
 
 /// Refinements at most.
 const REFINEMENTS: usize = 3;
 /// A pivot this small, the unit diagonal being 1, belongs to a column that depends on those before it.
 const DEPENDENT: f64 = 1e-14;
-
-/// Numbers that are worked on at once.
-const LANES: usize = 4;
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
@@ -34,13 +32,17 @@ struct Column {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     columns: Vec<Column>,
-    /// Rows in whole blocks, which are worked on at once.
-    matrix: Vec<[f64; LANES]>,
-    /// Blocks of a row.
+    /// L and U off the diagonal, by columns in whole blocks, which are worked on at once.
+    lower: Vec<[f64; LANES]>,
+    upper: Vec<[f64; LANES]>,
+    /// 1 / U_kk; zero where the unknown depends on those before it.
+    inverse: Vec<[f64; LANES]>,
+    /// Blocks of a column.
     width: usize,
     read_row: Vec<f64>,
     order: Vec<usize>,
     right: Vec<f64>,
+    x: Vec<[f64; LANES]>,
     solution: Vec<f64>,
     dependent: bool,
     /// The block is symmetric and positive: what yields, and reads along what it pushes.
@@ -146,54 +148,62 @@ impl Block {
         self.symmetric || self.pivot(scaled)
     }
 
-    /// E A G = P^-1 L U in place.
+    /// E A G = P^-1 L U.
     fn pivot(&mut self, scaled: &Scaled) -> bool {
         let p = self.columns.len();
-        self.width = p.div_ceil(LANES);
-        self.matrix.clear();
-        self.matrix.resize(p * self.width, [0.0; LANES]);
-        for (row, entries) in self.columns.iter().zip(self.matrix.chunks_exact_mut(self.width)) {
+        let width = p.div_ceil(LANES);
+        self.width = width;
+        self.lower.resize(p * width, [0.0; LANES]);
+        self.upper.resize(p * width, [0.0; LANES]); // what is behind the last row counts for nothing
+        self.inverse.clear();
+        self.inverse.resize(width, [0.0; LANES]);
+        for (r, row) in self.columns.iter().enumerate() {
             let read = scaled.read(row.first, &row.read, &mut self.read_row);
-            let columns = self.columns.iter().zip(entries.as_flattened_mut());
-            columns.for_each(|(c, entry)| *entry = in_contact(&c.push, &read[c.first..]));
+            let entries = self.upper.as_flattened_mut()[r..].iter_mut().step_by(width * LANES);
+            self.columns.iter().zip(entries).for_each(|(c, entry)| *entry = in_contact(&c.push, &read[c.first..]));
         }
         self.order.clear();
         self.order.extend(0..p);
-        for k in 0..p {
-            let size = |r: usize| self.matrix[r * self.width + k / LANES][k % LANES].abs();
-            let best = (k + 1..p).fold(k, |best, r| if size(r) > size(best) { r } else { best });
-            if size(best).is_nan() {
-                return false;
-            }
-            if size(best) <= DEPENDENT {
-                self.matrix[k * self.width + k / LANES][k % LANES] = f64::INFINITY; // its unknown stays zero
-                self.dependent = true;
-                continue;
-            }
-            if best != k {
-                self.order.swap(k, best);
-                (0..self.width).for_each(|c| self.matrix.swap(k * self.width + c, best * self.width + c));
-            }
-            self.eliminate(k);
-        }
-        true
+        (0..p).all(|k| self.eliminate(k))
     }
 
-    /// Takes row k from those below, whole blocks at a time; the factors stay where they made zeros.
-    fn eliminate(&mut self, k: usize) {
-        let (block, lane) = (k / LANES, k % LANES);
-        let (upper, lower) = self.matrix.split_at_mut((k + 1) * self.width);
-        let pivot = &upper[k * self.width + block..];
-        let reciprocal = 1.0 / pivot[0][lane];
-        for row in lower.chunks_exact_mut(self.width) {
-            let row = &mut row[block..];
-            let (kept, factor) = (row[0], row[0][lane] * reciprocal);
-            for (entries, u) in row.iter_mut().zip(pivot) {
-                *entries = std::array::from_fn(|c| entries[c] - factor * u[c]);
-            }
-            row[0][..lane].copy_from_slice(&kept[..lane]);
-            row[0][lane] = factor;
+    /// Takes the k-th unknown from the rows below the greatest of its entries, which becomes row k. False if that is no number.
+    fn eliminate(&mut self, k: usize) -> bool {
+        let Block { width, upper, lower, inverse, order, .. } = self;
+        let (column, rest) = upper[k * *width..].split_at_mut(*width);
+        let size = |r: usize| column.as_flattened()[r].abs();
+        let best = (k + 1..order.len()).fold(k, |best, r| if size(r) > size(best) { r } else { best });
+        if size(best).is_nan() {
+            return false;
         }
+        let (block, lane) = (k / LANES, k % LANES);
+        if size(best) <= DEPENDENT {
+            column.as_flattened_mut()[k..].fill(0.0); // its unknown stays zero
+            lower[k * *width..][..*width].fill([0.0; LANES]);
+            self.dependent = true;
+            return true;
+        }
+        if best != k {
+            order.swap(k, best);
+            lower.chunks_exact_mut(*width).take(k).for_each(|l| l.as_flattened_mut().swap(k, best));
+            column.as_flattened_mut().swap(k, best);
+        }
+        let reciprocal = 1.0 / column.as_flattened()[k];
+        inverse.as_flattened_mut()[k] = reciprocal;
+        let l = &mut lower[k * *width..][block..*width];
+        for (b, (l, u)) in l.iter_mut().zip(&mut column[block..]).enumerate() {
+            let below = |c: usize| (block + b) * LANES + c > k;
+            *l = std::array::from_fn(|c| if below(c) { u[c] * reciprocal } else { 0.0 });
+            *u = std::array::from_fn(|c| if (block + b) * LANES + c < k { u[c] } else { 0.0 });
+        }
+        for column in rest.chunks_exact_mut(*width) {
+            if best != k {
+                column.as_flattened_mut().swap(k, best);
+            }
+            let known = column[block][lane];
+            take(&mut column[block..], known, l);
+        }
+        true
     }
 
     fn substitute(&mut self) {
@@ -201,18 +211,21 @@ impl Block {
             self.solution.clone_from(&self.right);
             return self.factor.solve(&mut self.solution);
         }
-        let p = self.columns.len();
-        let row = |k: usize| &self.matrix[k * self.width..][..self.width].as_flattened()[..p];
-        self.solution.clear();
-        for k in 0..p {
-            let known: f64 = row(k).iter().zip(&self.solution).map(|(l, y)| l * y).sum();
-            self.solution.push(self.right[self.order[k]] - known);
+        let Block { width, upper, lower, inverse, order, x, right, solution, .. } = self;
+        x.clear();
+        x.resize(*width, [0.0; LANES]);
+        x.as_flattened_mut().iter_mut().zip(&*order).for_each(|(x, &row)| *x = right[row]);
+        for (k, l) in lower.chunks_exact(*width).enumerate() {
+            let known = x[k / LANES][k % LANES];
+            take(&mut x[k / LANES..], known, &l[k / LANES..]);
         }
-        for k in (0..p).rev() {
-            let row = row(k);
-            let known: f64 = row[k + 1..].iter().zip(&self.solution[k + 1..]).map(|(u, y)| u * y).sum();
-            self.solution[k] = (self.solution[k] - known) / row[k];
+        for (k, u) in upper.chunks_exact(*width).enumerate().rev() {
+            let known = x[k / LANES][k % LANES] * inverse[k / LANES][k % LANES];
+            take(&mut x[..=k / LANES], known, u);
         }
+        let x = x.as_flattened().iter().zip(inverse.as_flattened());
+        solution.clear();
+        solution.extend(x.take(order.len()).map(|(x, inverse)| x * inverse));
     }
 }
 

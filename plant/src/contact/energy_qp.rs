@@ -45,28 +45,30 @@ pub(super) fn minimises_energy(law: Law) -> bool {
 }
 
 impl EnergyQp {
-    /// Solves; writes impulse, velocity and basis, one bit per basic ray. Adds the pivots to `count`; false beyond 20
-    /// per ray. Starts from the given basis, when asked `again`, which means with another drift, from where the last one ended.
+    /// Solves the problem with this drift; writes impulse and basis, one bit per basic ray. Adds the pivots to `count`; false beyond
+    /// 20 per ray. Starts from the given basis, when asked `again`, which means with another drift, from where the last one ended.
     pub fn pivot(
         &mut self,
         scaled: &Scaled,
+        drift: &[f64],
         basis: &mut [u8],
         f: &mut Vec<f64>,
-        v: &mut Vec<f64>,
         again: bool,
         count: &mut u32,
     ) -> bool {
-        match again {
-            true => self.rays.turn(scaled),
-            false => self.begin(scaled, basis),
+        if !again {
+            self.rays.set(scaled);
+        }
+        self.rays.turn(drift);
+        if !again {
+            self.begin(scaled, basis);
         }
         self.barred.fill(false);
         self.descend(scaled);
         for _ in 0..20 * self.rays.count() {
             let Some(joins) = self.most_negative(scaled) else {
                 self.write(scaled, basis);
-                f.clone_from(self.rays.push());
-                scaled.velocity(f, v);
+                self.rays.push(scaled, &self.basic, &self.goal, f);
                 return true;
             };
             *count += 1;
@@ -85,7 +87,6 @@ impl EnergyQp {
 
     /// No amount of any ray, and those of the basis basic.
     fn begin(&mut self, scaled: &Scaled, basis: &[u8]) {
-        self.rays.set(scaled);
         let count = self.rays.count();
         self.amount.clear();
         self.amount.resize(count, 0.0);
@@ -140,10 +141,16 @@ impl EnergyQp {
     /// The ray outside the basis along which the energy falls most.
     fn most_negative(&mut self, scaled: &Scaled) -> Option<usize> {
         let EnergyQp { rays, basic, goal, velocity, barred, .. } = self;
-        let least = -ROUNDING * rays.velocity(scaled, basic, goal, velocity);
+        rays.velocity(basic, goal, velocity);
         basic.iter().for_each(|&r| velocity[r] = 0.0);
-        let speeds = (0..velocity.len()).filter(|&r| !barred[r]).map(|r| (r, rays.speed(r, velocity)));
-        speeds.filter(|(_, speed)| *speed < least).min_by(|(_, a), (_, b)| a.total_cmp(b)).map(|(r, _)| r)
+        let scale = goal.iter().fold(scaled.size, |size, y| size.max(*y));
+        let (mut least, mut joins) = (-ROUNDING * scale, None);
+        for (r, (speed, barred)) in rays.speeds(velocity).zip(&*barred).enumerate() {
+            if speed < least && !barred {
+                (least, joins) = (speed, Some(r));
+            }
+        }
+        joins
     }
 
     /// Goes to the optimum over the basic rays, dropping those that become negative on the way. False if there is none.

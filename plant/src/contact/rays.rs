@@ -3,7 +3,6 @@
 //! Each cone is spanned by its edge rays (1, ±mu d). Q = RᵀAR has a row for each, and only those of rays that push are ever read:
 //! they are made when they are asked for.
 
-use super::residual;
 use super::scaled::Scaled;
 
 /// Q and q of a problem.
@@ -21,15 +20,13 @@ pub(super) struct Rays {
     there: Vec<bool>,
     /// eᵀA of a ray.
     read: Vec<f64>,
-    /// f of the last w.
-    push: Vec<f64>,
 }
 
 /// Ray j of contact i in scaled rows.
 pub(super) fn ray(scaled: &Scaled, i: usize, j: usize) -> [f64; 3] {
     let (k, sign) = Scaled::facet(j);
     let mut ray = [1.0, 0.0, 0.0];
-    ray[k] = sign * scaled.friction[i] / scaled.ratio[i * scaled.stride() + k];
+    ray[k] = sign * scaled.reach[i * scaled.stride() + k];
     ray
 }
 
@@ -39,7 +36,7 @@ impl Rays {
         self.shortness.len()
     }
 
-    /// Of another problem.
+    /// Of another problem, its drift apart.
     pub fn set(&mut self, scaled: &Scaled) {
         self.tangents = scaled.tangents;
         self.slope.clear();
@@ -55,14 +52,12 @@ impl Rays {
         self.matrix.resize(self.count() * self.count(), 0.0);
         self.there.clear();
         self.there.resize(self.count(), false);
-        self.turn(scaled);
     }
 
-    /// Of the same problem with another drift.
-    pub fn turn(&mut self, scaled: &Scaled) {
-        self.drift.clear();
+    /// Of the same problem with this drift.
+    pub fn turn(&mut self, drift: &[f64]) {
         self.drift.resize(self.count(), 0.0);
-        expand(&self.slope, self.tangents, &scaled.drift, &mut self.drift);
+        expand(&self.slope, self.tangents, drift, &mut self.drift);
     }
 
     /// q_r.
@@ -82,29 +77,29 @@ impl Rays {
         &self.matrix[range]
     }
 
-    /// w of the amounts y of some rays, whose rows are there, into `w`; returns the step's scale.
-    pub fn velocity(&mut self, scaled: &Scaled, rays: &[usize], amounts: &[f64], w: &mut Vec<f64>) -> f64 {
+    /// w of the amounts y of some rays, whose rows are there, into `w`.
+    pub fn velocity(&self, rays: &[usize], amounts: &[f64], w: &mut Vec<f64>) {
         w.clone_from(&self.drift);
-        self.push.clear();
-        self.push.resize(scaled.drift.len(), 0.0);
         for (&r, &y) in rays.iter().zip(amounts) {
             let row = &self.matrix[r * w.len()..][..w.len()];
-            w.iter_mut().zip(row).for_each(|(w, q)| *w += y * q);
-            let (first, (k, sign)) = (r / scaled.facets() * scaled.stride(), Scaled::facet(r % scaled.facets()));
-            self.push[first] += y;
-            self.push[first + k] += y * sign * self.slope[r / 2];
+            w.iter_mut().zip(row).for_each(|(w, q)| *w = q.mul_add(y, *w));
         }
-        residual::scale(scaled, &self.push)
     }
 
-    /// f of the last w.
-    pub fn push(&self) -> &Vec<f64> {
-        &self.push
+    /// f of the amounts y of some rays.
+    pub fn push(&self, scaled: &Scaled, rays: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
+        f.clear();
+        f.resize(scaled.drift.len(), 0.0);
+        for (&r, &y) in rays.iter().zip(amounts) {
+            let (first, (k, sign)) = (r / scaled.facets() * scaled.stride(), Scaled::facet(r % scaled.facets()));
+            f[first] += y;
+            f[first + k] += y * sign * self.slope[r / 2];
+        }
     }
 
-    /// w_r as a speed: e_r·v / |e_r|.
-    pub fn speed(&self, r: usize, w: &[f64]) -> f64 {
-        w[r] * self.shortness[r]
+    /// w as speeds: e_r·v / |e_r|.
+    pub fn speeds(&self, w: &[f64]) -> impl Iterator<Item = f64> {
+        w.iter().zip(&self.shortness).map(|(w, shortness)| w * shortness)
     }
 }
 

@@ -29,11 +29,9 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
     let mut worst = 0.0_f64;
     for i in 0..scaled.contacts {
         let rows = i * stride..(i + 1) * stride;
-        let (f, v, ratio) = (&f[rows.clone()], &v[rows.clone()], &scaled.ratio[rows]);
+        let (f, v, reach) = (&f[rows.clone()], &v[rows.clone()], &scaled.reach[rows]);
         let (mut half, mut x) = ([0.0; 2], [0.0; 3]);
-        for k in 1..stride {
-            half[k - 1] = scaled.friction[i] / ratio[k];
-        }
+        half[..stride - 1].copy_from_slice(&reach[1..]);
         for k in 0..stride {
             x[k] = f[k] - v[k];
         }
@@ -59,29 +57,33 @@ fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     if n + a * h1 <= 0.0 && n + b * h2 <= 0.0 {
         return [0.0; 3];
     }
-    let inside = if h2 == 0.0 { b == 0.0 && a <= h1 * n } else { a * h2 + b * h1 <= n * h1 * h2 };
+    let excess = a * h2 + b * h1 - n * h1 * h2;
+    let inside = if h2 == 0.0 { b == 0.0 && a <= h1 * n } else { excess <= 0.0 };
     if inside {
         return x;
     }
-    let (l1, l2) = ((1.0 + h1 * h1).sqrt(), (1.0 + h2 * h2).sqrt());
-    // Lengths of the projections on the two edges, of which the longer is positive.
-    let (t1, t2) = ((n + a * h1) / l1, (n + b * h2) / l2);
-    let step = (a / h1 + b / h2 - n) / (1.0 + (h1 * h1).recip() + (h2 * h2).recip());
-    let facet = [n + step, a - step / h1, b - step / h2];
-    let nearest = if h2 > 0.0 && facet.iter().all(|&p| p >= 0.0) {
-        facet
-    } else if t1 >= t2 {
-        [t1 / l1, t1 / l1 * h1, 0.0]
+    let signed = |nearest: [f64; 3]| [nearest[0], nearest[1].copysign(x[1]), nearest[2].copysign(x[2])];
+    if h2 > 0.0 {
+        let step = excess / (h1 * h1 * (1.0 + h2 * h2) + h2 * h2);
+        let facet = [n + step * h1 * h2, a - step * h2, b - step * h1];
+        if facet.iter().all(|&p| p >= 0.0) {
+            return signed(facet);
+        }
+    }
+    // Squares of the edges' lengths, and projections on them, of which the longer is positive.
+    let (l1, l2) = (1.0 + h1 * h1, 1.0 + h2 * h2);
+    let (p1, p2) = (n + a * h1, n + b * h2);
+    if p1 * l2.sqrt() >= p2 * l1.sqrt() {
+        signed([p1 / l1, p1 / l1 * h1, 0.0])
     } else {
-        [t2 / l2, 0.0, t2 / l2 * h2]
-    };
-    [nearest[0], nearest[1].copysign(x[1]), nearest[2].copysign(x[2])]
+        signed([p2 / l2, 0.0, p2 / l2 * h2])
+    }
 }
 
 /// mu |v_F| of contact i in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
 pub(super) fn slip(scaled: &Scaled, i: usize, v: &[f64]) -> f64 {
-    let ratio = &scaled.ratio[i * scaled.stride()..];
-    (1..scaled.stride()).fold(0.0, |slip: f64, k| slip.max(scaled.friction[i] / ratio[k] * v[k].abs()))
+    let reach = &scaled.reach[i * scaled.stride()..];
+    (1..scaled.stride()).fold(0.0, |slip: f64, k| slip.max(reach[k] * v[k].abs()))
 }
 
 /// Greatest |f_N v_N|, (19), relative to the square of the step's scale.

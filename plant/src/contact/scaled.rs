@@ -35,6 +35,8 @@ pub(super) struct Scaled {
     pub friction: Vec<f64>,
     /// For each tangent row c = sqrt(A_NN / A_kk), so that the cone reads sum c |f~_k| <= mu f~_N.
     pub ratio: Vec<f64>,
+    /// mu / c, likewise: how far friction along one tangent goes.
+    pub reach: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
     /// 1 / root, zero where immovable.
@@ -75,6 +77,8 @@ impl Scaled {
         self.friction.clone_from(&problem.friction);
         self.ratio.clear();
         self.ratio.resize(m, 1.0);
+        self.reach.clear();
+        self.reach.resize(m, 0.0);
         for i in 0..problem.contacts {
             let normal = i * stride;
             self.drift[normal] += lift(problem, law, i) * self.inverse[normal];
@@ -82,11 +86,13 @@ impl Scaled {
                 if self.root[k] > 0.0 {
                     self.ratio[k] = self.root[normal] * self.inverse[k];
                 }
+                self.reach[k] = self.friction[i] / self.ratio[k];
             }
         }
-        self.delassus.clear();
-        for (row, si) in problem.delassus.chunks_exact(m.max(1)).zip(&self.inverse) {
-            self.delassus.extend(row.iter().zip(&self.inverse).map(|(a, sj)| a * si * sj));
+        self.delassus.resize(m * m, 0.0);
+        let rows = self.delassus.chunks_exact_mut(m.max(1)).zip(problem.delassus.chunks_exact(m.max(1)));
+        for ((scaled, row), si) in rows.zip(&self.inverse) {
+            scaled.iter_mut().zip(row).zip(&self.inverse).for_each(|((scaled, a), sj)| *scaled = a * (si * sj));
         }
     }
 
@@ -124,6 +130,7 @@ impl Scaled {
         self.root.clone_from(&original.root);
         self.friction.clone_from(&original.friction);
         self.ratio.clone_from(&original.ratio);
+        self.reach.clone_from(&original.reach);
     }
 
     /// Becomes the problem of one proximal round: A + rho I, b - rho f.
@@ -150,9 +157,11 @@ impl Scaled {
 
     /// v~ = A~ f~ + b~.
     pub fn velocity(&self, impulse: &[f64], velocity: &mut Vec<f64>) {
-        velocity.clear();
-        let rows = self.delassus.chunks_exact(self.drift.len().max(1)).zip(&self.drift);
-        velocity.extend(rows.map(|(row, b)| b + dot(row, impulse)));
+        velocity.clone_from(&self.drift);
+        let rows = self.delassus.chunks_exact(self.drift.len().max(1)).zip(impulse);
+        for (row, f) in rows.filter(|(_, f)| **f != 0.0) {
+            velocity.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
+        }
     }
 }
 

@@ -39,6 +39,9 @@ pub struct Solver {
     basis: Vec<u8>,
     /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
     shift: slide::Shift,
+    shifted: Vec<f64>,
+    /// The last basis whose block failed there.
+    tried: Vec<u8>,
     f: Vec<f64>,
     v: Vec<f64>,
     best: Vec<f64>,
@@ -192,8 +195,8 @@ impl Solver {
     /// Principal pivoting on the energy program.
     fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
         self.basis.fill(0);
-        let Solver { scaled, energy_qp, basis, f, v, .. } = self;
-        energy_qp.pivot(scaled, basis, f, v, false, pivots) && self.is_solved(law)
+        let Solver { scaled, energy_qp, basis, f, .. } = self;
+        energy_qp.pivot(scaled, &scaled.drift, basis, f, false, pivots) && self.is_solved(law)
     }
 
     /// Lemke's pivoting on the complementarity problem.

@@ -47,9 +47,14 @@ impl Solver {
         for (rho, zero) in ROUNDS {
             self.proximal.regularise(&self.scaled, rho, &self.f);
             match law {
-                Law::EnergyQp | Law::EnergyQpGap => {
-                    self.energy_qp.pivot(&self.proximal, &mut self.basis, &mut self.f, &mut self.v, false, &mut pivots)
-                }
+                Law::EnergyQp | Law::EnergyQpGap => self.energy_qp.pivot(
+                    &self.proximal,
+                    &self.proximal.drift,
+                    &mut self.basis,
+                    &mut self.f,
+                    false,
+                    &mut pivots,
+                ),
                 _ => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis, &mut pivots),
             };
             for exact in [true, false] {

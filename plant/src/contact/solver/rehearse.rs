@@ -30,6 +30,8 @@ impl Solver {
         self.basis.fill(every_ray | RAYS);
         self.yielding(YIELD, |solver| {
             solver.is_solved(law);
+            let stride = solver.scaled.stride(); // impulses within their cones, for as many rays as may join
+            solver.f.iter_mut().enumerate().for_each(|(k, f)| *f = if k % stride == 0 { 1.0 } else { 0.1 });
             solver.slide(law, &mut pivots)
         });
         self.yielding(HAIR, |solver| solver.pivot_exactly(law, &mut pivots));

@@ -19,23 +19,26 @@ impl Solver {
     /// slip of the block, which is that of the settled shift if just this slides, makes the best next shift. (The pressure under one
     /// foot that turns as it slides is not unique, and the shift by itself ends nearer to an even one.)
     ///
-    /// Each round also undoes what contacts yielded by in the one before (a proximal step), so that the limit is the
-    /// solution of rigid ones. What is solved without the block may be solved better by it.
+    /// The first round begins with the rays along which contacts pushed in the step before; where one stuck, with those of its
+    /// impulse in the block that failed. Each round also undoes what contacts yielded by in the one before (a proximal step), so
+    /// that the limit is the solution of rigid ones. What is solved without the block may be solved better by it; a block that
+    /// failed is not asked twice.
     pub(super) fn slide(&mut self, law: Law, pivots: &mut u32) -> bool {
-        for bits in &mut self.basis {
-            *bits = active_set::rays(*bits, self.scaled.facets());
+        let (d, stride) = (self.scaled.facets(), self.scaled.stride());
+        for (i, (bits, f)) in self.basis.iter_mut().zip(self.f.chunks_exact(stride)).enumerate() {
+            let pushed = active_set::rays(*bits, d);
+            let sticks = pushed == (1 << d) - 1;
+            *bits = if sticks { active_set::rays_of(&self.scaled, i, f) } else { pushed };
         }
-        let stride = self.scaled.stride();
-        self.proximal.copy(&self.scaled);
+        self.shifted.clone_from(&self.scaled.drift);
         self.shift.begin(self.scaled.contacts);
+        self.tried.clear();
         for round in 0..ROUNDS {
-            let Solver { scaled, shift, proximal, energy_qp, f, v, basis, .. } = self;
-            if !energy_qp.pivot(proximal, basis, f, v, round > 0, pivots) {
+            let Solver { scaled, shift, shifted, energy_qp, f, v, basis, .. } = self;
+            if !energy_qp.pivot(scaled, shifted, basis, f, round > 0, pivots) {
                 return false;
             }
-            for (v, (shifted, b)) in v.iter_mut().zip(proximal.drift.iter().zip(&scaled.drift)) {
-                *v -= shifted - b;
-            }
+            scaled.velocity(f, v);
             scaled.harden(f, v);
             let error = residual::natural_map(scaled, f, v, yardstick(law));
             basis.iter_mut().for_each(|bits| *bits |= active_set::RAYS);
@@ -47,19 +50,23 @@ impl Solver {
                 }
                 return true;
             }
-            scaled.lead(f, &mut proximal.drift);
+            scaled.lead(f, shifted);
             shift.advance(|i| residual::slip(scaled, i, &v[i * stride..]));
             active_set::slide(scaled, f, v, basis);
             self.note(error);
-            let of_block = self.try_basis(law);
-            if of_block <= SOLVED {
-                return true;
+            if self.basis != self.tried {
+                self.tried.clone_from(&self.basis);
+                let of_block = self.try_basis(law);
+                if of_block <= SOLVED {
+                    return true;
+                }
+                let Solver { scaled, shift, v, .. } = self;
+                if scaled.contacts > FEW && round < TRUSTING && of_block < TRUSTED * error {
+                    shift.jump(|i| residual::slip(scaled, i, &v[i * stride..]));
+                }
             }
-            let Solver { scaled, shift, proximal, v, .. } = self;
-            if scaled.contacts > FEW && round < TRUSTING && of_block < TRUSTED * error {
-                shift.jump(|i| residual::slip(scaled, i, &v[i * stride..]));
-            }
-            let normals = proximal.drift.iter_mut().step_by(stride);
+            let Solver { shift, shifted, .. } = self;
+            let normals = shifted.iter_mut().step_by(stride);
             normals.zip(&shift.now).for_each(|(v, shift)| *v += shift);
         }
         false
