@@ -38,6 +38,7 @@ mod growing;
 mod lemke;
 mod memory;
 mod newton;
+mod pivoted;
 mod project;
 mod rays;
 mod residual;

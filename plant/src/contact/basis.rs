@@ -11,15 +11,14 @@
 //! | energy QP | its basic rays | the same |
 
 use super::energy_qp::minimises_energy;
-use super::growing::{Growing, LANES, take};
+use super::growing::Growing;
+use super::pivoted::Pivoted;
 use super::rays::ray;
 use super::{active_set::RAYS, residual, scaled::Scaled};
 use messages::scene::Law;
 
 /// Refinements at most.
 const REFINEMENTS: usize = 3;
-/// A pivot this small, the unit diagonal being 1, belongs to a column that depends on those before it.
-const DEPENDENT: f64 = 1e-14;
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
@@ -32,23 +31,14 @@ struct Column {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     columns: Vec<Column>,
-    /// L and U off the diagonal, by columns in whole blocks, which are worked on at once.
-    lower: Vec<[f64; LANES]>,
-    upper: Vec<[f64; LANES]>,
-    /// 1 / U_kk; zero where the unknown depends on those before it.
-    inverse: Vec<[f64; LANES]>,
-    /// Blocks of a column.
-    width: usize,
     read_row: Vec<f64>,
-    order: Vec<usize>,
-    right: Vec<f64>,
-    x: Vec<[f64; LANES]>,
-    solution: Vec<f64>,
-    dependent: bool,
     /// The block is symmetric and positive: what yields, and reads along what it pushes.
     symmetric: bool,
     square: Vec<f64>,
     factor: Growing,
+    /// Of a block that is not.
+    pivoted: Pivoted,
+    solution: Vec<f64>,
 }
 
 impl Block {
@@ -58,8 +48,8 @@ impl Block {
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         v.clone_from(&scaled.drift);
-        self.dependent = false;
         if self.columns.is_empty() {
+            self.symmetric = true; // and nothing depends on anything
             return true;
         }
         if !self.factor(scaled) {
@@ -67,9 +57,12 @@ impl Block {
         }
         let mut before = f64::INFINITY;
         for _ in 0..=REFINEMENTS {
-            self.right.clear();
-            self.right.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
-            self.substitute();
+            self.solution.clear();
+            self.solution.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
+            match self.symmetric {
+                true => self.factor.solve(&mut self.solution),
+                false => self.pivoted.solve(&mut self.solution),
+            }
             for (c, y) in self.columns.iter().zip(&self.solution) {
                 f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
             }
@@ -90,7 +83,7 @@ impl Block {
 
     /// Whether some columns of the last basis depended on others, so that the impulse is one of many.
     pub fn is_dependent(&self) -> bool {
-        self.dependent
+        !self.symmetric && self.pivoted.is_dependent()
     }
 
     fn columns(&mut self, scaled: &Scaled, law: Law, basis: &[u8]) {
@@ -135,97 +128,16 @@ impl Block {
 
     /// Factorises E A G: as a symmetric matrix, or with pivoting.
     fn factor(&mut self, scaled: &Scaled) -> bool {
-        self.symmetric = scaled.yields() && self.columns.iter().all(|column| column.read == column.push);
-        if self.symmetric {
-            let Block { columns, square, read_row, factor, .. } = self;
-            square.clear();
-            for row in &*columns {
-                let read = scaled.read(row.first, &row.read, read_row);
-                square.extend(columns.iter().map(|c| in_contact(&c.push, &read[c.first..])));
-            }
-            self.symmetric = factor.factorize(columns.len(), square);
+        let Block { columns, read_row, square, factor, pivoted, symmetric, .. } = self;
+        square.clear();
+        for row in &*columns {
+            let read = scaled.read(row.first, &row.read, read_row);
+            square.extend(columns.iter().map(|c| in_contact(&c.push, &read[c.first..])));
         }
-        self.symmetric || self.pivot(scaled)
-    }
-
-    /// E A G = P^-1 L U.
-    fn pivot(&mut self, scaled: &Scaled) -> bool {
-        let p = self.columns.len();
-        let width = p.div_ceil(LANES);
-        self.width = width;
-        self.lower.resize(p * width, [0.0; LANES]);
-        self.upper.resize(p * width, [0.0; LANES]); // what is behind the last row counts for nothing
-        self.inverse.clear();
-        self.inverse.resize(width, [0.0; LANES]);
-        for (r, row) in self.columns.iter().enumerate() {
-            let read = scaled.read(row.first, &row.read, &mut self.read_row);
-            let entries = self.upper.as_flattened_mut()[r..].iter_mut().step_by(width * LANES);
-            self.columns.iter().zip(entries).for_each(|(c, entry)| *entry = in_contact(&c.push, &read[c.first..]));
-        }
-        self.order.clear();
-        self.order.extend(0..p);
-        (0..p).all(|k| self.eliminate(k))
-    }
-
-    /// Takes the k-th unknown from the rows below the greatest of its entries, which becomes row k. False if that is no number.
-    fn eliminate(&mut self, k: usize) -> bool {
-        let Block { width, upper, lower, inverse, order, .. } = self;
-        let (column, rest) = upper[k * *width..].split_at_mut(*width);
-        let size = |r: usize| column.as_flattened()[r].abs();
-        let best = (k + 1..order.len()).fold(k, |best, r| if size(r) > size(best) { r } else { best });
-        if size(best).is_nan() {
-            return false;
-        }
-        let (block, lane) = (k / LANES, k % LANES);
-        if size(best) <= DEPENDENT {
-            column.as_flattened_mut()[k..].fill(0.0); // its unknown stays zero
-            lower[k * *width..][..*width].fill([0.0; LANES]);
-            self.dependent = true;
-            return true;
-        }
-        if best != k {
-            order.swap(k, best);
-            lower.chunks_exact_mut(*width).take(k).for_each(|l| l.as_flattened_mut().swap(k, best));
-            column.as_flattened_mut().swap(k, best);
-        }
-        let reciprocal = 1.0 / column.as_flattened()[k];
-        inverse.as_flattened_mut()[k] = reciprocal;
-        let l = &mut lower[k * *width..][block..*width];
-        for (b, (l, u)) in l.iter_mut().zip(&mut column[block..]).enumerate() {
-            let below = |c: usize| (block + b) * LANES + c > k;
-            *l = std::array::from_fn(|c| if below(c) { u[c] * reciprocal } else { 0.0 });
-            *u = std::array::from_fn(|c| if (block + b) * LANES + c < k { u[c] } else { 0.0 });
-        }
-        for column in rest.chunks_exact_mut(*width) {
-            if best != k {
-                column.as_flattened_mut().swap(k, best);
-            }
-            let known = column[block][lane];
-            take(&mut column[block..], known, l);
-        }
-        true
-    }
-
-    fn substitute(&mut self) {
-        if self.symmetric {
-            self.solution.clone_from(&self.right);
-            return self.factor.solve(&mut self.solution);
-        }
-        let Block { width, upper, lower, inverse, order, x, right, solution, .. } = self;
-        x.clear();
-        x.resize(*width, [0.0; LANES]);
-        x.as_flattened_mut().iter_mut().zip(&*order).for_each(|(x, &row)| *x = right[row]);
-        for (k, l) in lower.chunks_exact(*width).enumerate() {
-            let known = x[k / LANES][k % LANES];
-            take(&mut x[k / LANES..], known, &l[k / LANES..]);
-        }
-        for (k, u) in upper.chunks_exact(*width).enumerate().rev() {
-            let known = x[k / LANES][k % LANES] * inverse[k / LANES][k % LANES];
-            take(&mut x[..=k / LANES], known, u);
-        }
-        let x = x.as_flattened().iter().zip(inverse.as_flattened());
-        solution.clear();
-        solution.extend(x.take(order.len()).map(|(x, inverse)| x * inverse));
+        *symmetric = scaled.yields()
+            && columns.iter().all(|column| column.read == column.push)
+            && factor.factorize(columns.len(), square);
+        *symmetric || pivoted.factorize(columns.len(), square)
     }
 }
 

@@ -121,13 +121,6 @@ impl Growing {
     }
 }
 
-/// x − known l.
-pub(super) fn take(x: &mut [[f64; LANES]], known: f64, l: &[[f64; LANES]]) {
-    for (x, l) in x.iter_mut().zip(l) {
-        *x = std::array::from_fn(|r| l[r].mul_add(-known, x[r]));
-    }
-}
-
 /// x − Σ known_c l_c.
 #[inline(always)]
 fn take_four(x: &mut [f64; LANES], known: &[f64; LANES], l: &Tile) {
