@@ -57,12 +57,9 @@ impl EnergyQp {
         count: &mut u32,
     ) -> bool {
         if !again {
-            self.rays.set(scaled);
-        }
-        self.rays.turn(drift);
-        if !again {
             self.begin(scaled, basis);
         }
+        self.rays.turn(drift);
         self.barred.fill(false);
         self.descend(scaled);
         for _ in 0..20 * self.rays.count() {
@@ -87,6 +84,7 @@ impl EnergyQp {
 
     /// No amount of any ray, and those of the basis basic.
     fn begin(&mut self, scaled: &Scaled, basis: &[u8]) {
+        self.rays.set(scaled);
         let count = self.rays.count();
         self.amount.clear();
         self.amount.resize(count, 0.0);
