@@ -94,7 +94,7 @@ pub(super) fn rays_of(scaled: &Scaled, i: usize, f: &[f64]) -> u8 {
     let reach = &scaled.reach[i * f.len()..];
     let (mut rays, mut friction) = (0, 0.0);
     for k in (1..f.len()).filter(|&k| f[k] != 0.0) {
-        rays |= 1 << (2 * (k - 1) + usize::from(f[k] > 0.0));
+        rays |= 1 << Scaled::facet_along(k, f[k] > 0.0);
         friction += f[k].abs() / reach[k];
     }
     if friction < f[0] { rays | 0b11 } else { rays }
@@ -123,7 +123,7 @@ pub(super) fn complement(scaled: &Scaled, f: &[f64], basis: &mut [u8]) {
     for (bits, f) in basis.iter_mut().zip(f.chunks_exact(stride)) {
         let guess = Guess::read(*bits, d);
         *bits = match guess {
-            Guess::Sticks => (1..stride).fold(1, |bits, k| bits | 1 << (2 * k - 1 + usize::from(f[k] > 0.0))),
+            Guess::Sticks => (1..stride).fold(1, |bits, k| bits | 1 << (1 + Scaled::facet_along(k, f[k] > 0.0))),
             _ => guess.write(d),
         };
     }
@@ -181,7 +181,7 @@ impl Guess {
         let slip = |j: usize| -Scaled::facet(j).1 * v[Scaled::facet(j).0] / ratio[Scaled::facet(j).0];
         let fastest = |other: usize| {
             let tangent = (1..stride).find(|&k| k != Scaled::facet(other).0)?;
-            let against = 2 * (tangent - 1) + usize::from(v[tangent] < 0.0);
+            let against = Scaled::facet_along(tangent, v[tangent] < 0.0);
             (slip(against) > slip(other) + least).then_some(against)
         };
         match self {
@@ -192,7 +192,7 @@ impl Guess {
                 let most = (2..stride).fold(1, |most, k| if share(k) > share(most) { k } else { most });
                 let carried: f64 = (1..stride).map(share).sum();
                 if carried > scaled.friction[i] * f[0] + least {
-                    Guess::Slides(2 * (most - 1) + usize::from(f[most] > 0.0))
+                    Guess::Slides(Scaled::facet_along(most, f[most] > 0.0))
                 } else {
                     Guess::Sticks
                 }

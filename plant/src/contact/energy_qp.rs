@@ -59,7 +59,7 @@ impl EnergyQp {
         if !again {
             self.begin(scaled, basis);
         }
-        self.rays.turn(drift);
+        self.rays.turn(scaled, drift);
         self.barred.fill(false);
         self.descend(scaled);
         for _ in 0..20 * self.rays.count() {

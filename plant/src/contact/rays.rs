@@ -8,9 +8,6 @@ use super::scaled::Scaled;
 /// Q and q of a problem.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Rays {
-    tangents: usize,
-    /// Slope of each edge: mu along each tangent, scaled.
-    slope: Vec<f64>,
     /// 1 / |e_r|.
     shortness: Vec<f64>,
     /// q.
@@ -38,16 +35,9 @@ impl Rays {
 
     /// Of another problem, its drift apart.
     pub fn set(&mut self, scaled: &Scaled) {
-        self.tangents = scaled.tangents;
-        self.slope.clear();
         self.shortness.clear();
-        for i in 0..scaled.contacts {
-            for j in (0..scaled.facets()).step_by(2) {
-                let slope = -ray(scaled, i, j)[1 + j / 2];
-                self.slope.push(slope);
-                let shortness = 1.0 / (1.0 + slope * slope).sqrt();
-                self.shortness.extend([shortness; 2]);
-            }
+        for slope in scaled.reach.chunks_exact(scaled.stride()).flat_map(|reach| &reach[1..]) {
+            self.shortness.extend([1.0 / (1.0 + slope * slope).sqrt(); 2]);
         }
         self.matrix.resize(self.count() * self.count(), 0.0);
         self.there.clear();
@@ -55,9 +45,9 @@ impl Rays {
     }
 
     /// Of the same problem with this drift.
-    pub fn turn(&mut self, drift: &[f64]) {
+    pub fn turn(&mut self, scaled: &Scaled, drift: &[f64]) {
         self.drift.resize(self.count(), 0.0);
-        expand(&self.slope, self.tangents, drift, &mut self.drift);
+        expand(scaled, drift, &mut self.drift);
     }
 
     /// q_r.
@@ -71,7 +61,7 @@ impl Rays {
         if !self.there[r] {
             let (i, j) = (r / scaled.facets(), r % scaled.facets());
             let read = scaled.read(i * scaled.stride(), &ray(scaled, i, j), &mut self.read);
-            expand(&self.slope, self.tangents, read, &mut self.matrix[range.clone()]);
+            expand(scaled, read, &mut self.matrix[range.clone()]);
             self.there[r] = true;
         }
         &self.matrix[range]
@@ -93,7 +83,7 @@ impl Rays {
         for (&r, &y) in rays.iter().zip(amounts) {
             let (first, (k, sign)) = (r / scaled.facets() * scaled.stride(), Scaled::facet(r % scaled.facets()));
             f[first] += y;
-            f[first + k] += y * sign * self.slope[r / 2];
+            f[first + k] += y * sign * scaled.reach[first + k];
         }
     }
 
@@ -104,10 +94,10 @@ impl Rays {
 }
 
 /// What rows of contacts are along the rays of each: normal and tangents, there and back.
-fn expand(slope: &[f64], tangents: usize, rows: &[f64], along: &mut [f64]) {
-    let contacts = rows.chunks_exact(1 + tangents).zip(slope.chunks_exact(tangents));
-    for ((rows, slopes), along) in contacts.zip(along.chunks_exact_mut(2 * tangents)) {
-        for ((row, slope), pair) in rows[1..].iter().zip(slopes).zip(along.chunks_exact_mut(2)) {
+fn expand(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
+    let contacts = rows.chunks_exact(scaled.stride()).zip(scaled.reach.chunks_exact(scaled.stride()));
+    for ((rows, reach), along) in contacts.zip(along.chunks_exact_mut(scaled.facets())) {
+        for ((row, slope), pair) in rows[1..].iter().zip(&reach[1..]).zip(along.chunks_exact_mut(2)) {
             pair.copy_from_slice(&[rows[0] - slope * row, rows[0] + slope * row]);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::project::{bounded, cone, greatest_slip, pyramid};
 use super::residual::relative;
-use super::scaled::{Scaled, dot};
+use super::scaled::{Scaled, respond};
 use super::{Problem, Report, lift};
 use messages::scene::Law;
 
@@ -91,8 +91,7 @@ impl Round {
 
     /// v~ = A~ f~ + b~.
     pub fn velocity(&self, f: &[f64], v: &mut Vec<f64>) {
-        v.clear();
-        v.extend(self.delassus.chunks_exact(f.len().max(1)).zip(&self.drift).map(|(row, b)| b + dot(row, f)));
+        respond(&self.delassus, &self.drift, f, v);
     }
 
     /// Scales an impulse of the problem.

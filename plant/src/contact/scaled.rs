@@ -61,6 +61,11 @@ impl Scaled {
         (1 + j / 2, if j.is_multiple_of(2) { -1.0 } else { 1.0 })
     }
 
+    /// The facet that pushes there, or back, along the tangent of row k.
+    pub fn facet_along(k: usize, there: bool) -> usize {
+        2 * (k - 1) + usize::from(there)
+    }
+
     pub fn set(&mut self, problem: &Problem, law: Law) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
         self.give = 0.0;
@@ -157,11 +162,17 @@ impl Scaled {
 
     /// v~ = A~ f~ + b~.
     pub fn velocity(&self, impulse: &[f64], velocity: &mut Vec<f64>) {
-        velocity.clone_from(&self.drift);
-        let rows = self.delassus.chunks_exact(self.drift.len().max(1)).zip(impulse);
-        for (row, f) in rows.filter(|(_, f)| **f != 0.0) {
-            velocity.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
-        }
+        respond(&self.delassus, &self.drift, impulse, velocity);
+    }
+}
+
+/// v = A f + b, with A symmetric. Columns of what does not push count too: what is no number in them must show.
+pub(super) fn respond(delassus: &[f64], drift: &[f64], impulse: &[f64], velocity: &mut Vec<f64>) {
+    velocity.clear();
+    velocity.extend_from_slice(drift);
+    let rows = delassus.chunks_exact(drift.len().max(1)).zip(impulse);
+    for (row, f) in rows {
+        velocity.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
     }
 }
 

@@ -39,6 +39,7 @@ pub struct Solver {
     basis: Vec<u8>,
     /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
     shift: slide::Shift,
+    /// The drift with that.
     shifted: Vec<f64>,
     /// The last basis whose block failed there.
     tried: Vec<u8>,
@@ -241,9 +242,7 @@ impl Solver {
 
     /// v = A f + b of the present impulse.
     fn find_velocity(&mut self, problem: &Problem) {
-        self.velocity.clear();
-        let rows = problem.delassus.chunks_exact(problem.rows().max(1)).zip(&problem.drift);
-        self.velocity.extend(rows.map(|(row, b)| b + scaled::dot(row, &self.impulse)));
+        scaled::respond(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
     }
 
     fn measure(&self, problem: &Problem, law: Law, report: &mut Report) {
