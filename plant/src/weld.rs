@@ -1,7 +1,8 @@
 //! Links that stand: where nothing that pushed moved in the step before, every link that comes down to the ground is welded to it for
 //! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to.
 //!
-//! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are.
+//! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are;
+//! on an edge five, for it may turn about that, and on a point three.
 //! With the velocities t of the links about a point c amid their contacts, and the wrenches w there,
 //!
 //! ```text
@@ -44,6 +45,12 @@ const ENOUGH: f64 = 0.5 * SOLVED;
 type Pair = [Vector3<f64>; 2];
 /// The same in a row, filled up so that it is worked on four at a time.
 type Six = [f64; 8];
+
+/// Whether links may stand that did in the step before. A link on one or two contacts of which one did not push is about to turn.
+pub fn is_promising(touches: &[Touch], pushed: impl Fn(usize) -> bool) -> bool {
+    let mut links = touches.chunk_by(|a, b| a.link == b.link);
+    links.all(|link| link.len() > 2 || link.iter().all(|touch| pushed(touch.id) == pushed(link[0].id)))
+}
 
 /// The welded links of a step; workspace and last solution.
 #[derive(Clone, Debug)]
@@ -92,7 +99,7 @@ impl Weld {
         let mut first = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
             let foot = self.feet.get_mut(self.count)?;
-            foot.set(model, pose, first, touches, free);
+            foot.set(model, pose, first, touches, free)?;
             first += touches.len();
             if foot.stays_above(&foot.free, touches, h) {
                 std::mem::swap(foot, self.hovering.get_mut(self.hovers)?);
@@ -100,7 +107,7 @@ impl Weld {
                 continue;
             }
             self.count += 1;
-            foot.land(touches, h)?;
+            foot.land(touches, h);
             factor.half_solve(model, foot.link, &mut foot.rows);
         }
         Some(())

@@ -33,6 +33,11 @@ impl Memory {
         self.rests
     }
 
+    /// Whether a contact pushed in the last step.
+    pub(crate) fn pushed(&self, id: usize) -> bool {
+        self.recall(id) != 0
+    }
+
     pub(super) fn recall(&self, id: usize) -> u8 {
         self.basis.get(id).copied().unwrap_or(0)
     }

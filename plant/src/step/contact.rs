@@ -5,6 +5,7 @@ use crate::contact::{Report, is_plastic};
 use crate::detect::touching;
 use crate::error::PlantError;
 use crate::step::settings::Settings;
+use crate::weld;
 use messages::scene::Law;
 
 impl Plant {
@@ -76,12 +77,14 @@ impl Plant {
     fn weld(&mut self, h: f64) -> Option<Report> {
         let Settings { law, restitution, welds, friction, .. } = self.settings;
         let Workspace { pose, factor, free, touches, problem, weld, change, .. } = &mut self.work;
-        if !(welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6 && self.memory.rests()) {
+        let memory = &mut self.memory;
+        let welds = welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6;
+        if !(welds && memory.rests() && weld::is_promising(touches, |id| memory.pushed(id))) {
             return None;
         }
         weld.stand(&self.model, pose, factor, touches, free, h)?;
         let report = weld.hold(&self.model, factor, touches, friction, h, change)?;
-        self.memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
+        memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);
         problem.delassus.clear();
         Some(report)

@@ -57,6 +57,9 @@ impl Blocks {
         for (i, yielding) in feet.iter().flat_map(|foot| foot.sole.yields()).enumerate() {
             let Factored { scaled, below, diagonal } = factored;
             let mut own = self.0[i][i] + yielding * give;
+            if i % 2 == 1 {
+                own += feet[i / 2].sole.loose;
+            }
             for j in 0..i {
                 let known = scaled[i][..j].iter().zip(&below[j]);
                 let ld = diagonal[j].divide(&known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()));

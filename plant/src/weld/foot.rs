@@ -13,7 +13,7 @@ pub(super) struct Foot {
     /// Its first contact.
     pub first: usize,
     pub sole: Sole,
-    /// K of its six velocities, a row for each degree of freedom of its path; once welded, Y = √D⁻¹ L⁻ᵀK.
+    /// K of its six velocities, where it is held, a row for each degree of freedom of its path; once welded, Y = √D⁻¹ L⁻ᵀK.
     pub rows: Vec<Six>,
     pub free: Pair,
     wanted: Pair,
@@ -29,19 +29,21 @@ impl Foot {
         Foot { sole: Sole::new(model.corners.len()), rows: Vec::with_capacity(model.dofs()), ..Foot::default() }
     }
 
-    /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion.
-    pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) {
+    /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion, but for turning where they do not hold
+    /// it. None where [`Sole::place`] has none.
+    pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) -> Option<()> {
         (self.link, self.first) = (touches[0].link, first);
-        self.sole.place(touches);
+        self.sole.place(touches)?;
         let mut t = Six::default();
         self.rows.clear();
         for &dof in model.path(self.link) {
             let column = &pose.links[dof + 1].column;
-            let row = six(&[column.at(&self.sole.centre), column.angular]);
+            let row = six(&[column.at(&self.sole.centre), column.angular - self.sole.loose * column.angular]);
             t = std::array::from_fn(|k| row[k].mul_add(free[dof], t[k]));
             self.rows.push(row);
         }
         self.free = pair(&t);
+        Some(())
     }
 
     /// Whether the motion t keeps it above the ground for a step of `h`.
@@ -58,11 +60,9 @@ impl Foot {
         self.stays_above(&pair(&t), &touches[self.first..], h)
     }
 
-    /// Gets ready to be welded; none on contacts in line.
-    pub fn land(&mut self, touches: &[Touch], h: f64) -> Option<()> {
-        self.sole.spread_out()?;
+    /// Gets ready to be welded.
+    pub fn land(&mut self, touches: &[Touch], h: f64) {
         self.wanted = self.sole.landing(touches, h);
-        Some(())
     }
 
     /// What is wanted of its motion and lacks.

@@ -8,6 +8,9 @@
 //! ```
 //!
 //! with r the centre of pressure. Of all pressures with that load these have the least norm; a contact that would pull is left out.
+//! Contacts on one line do not hold the link against turning about it, nor one contact at all: about these axes there is neither a
+//! moment nor anything to be solved for, and N⁻¹ is the inverse where N has one.
+//!
 //! However friction is aligned, its cone has the disc |f_F| <= μ f_N/√2 within: there the impulses obey Coulomb's law, whatever the
 //! directions of slip.
 
@@ -37,6 +40,8 @@ pub(super) struct Sole {
     pub reach: f64,
     /// N⁻¹ of all contacts.
     spread: Matrix3<f64>,
+    /// The projection on the axes about which they do not hold the link: zero but for contacts on one line.
+    pub loose: Matrix3<f64>,
     /// Of each contact: the load, what friction is in proportion to, and the friction.
     pressure: Vec<f64>,
     grip: Vec<f64>,
@@ -55,17 +60,22 @@ impl Sole {
         }
     }
 
-    /// Becomes the sole of a link's contacts.
-    pub fn place(&mut self, touches: &[Touch]) {
+    /// Becomes the sole of a link's contacts, ready to carry a wrench; none if they are so nearly on one line that it is not clear
+    /// whether they are.
+    pub fn place(&mut self, touches: &[Touch]) -> Option<()> {
         self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
         self.arms.clear();
         self.arms.extend(touches.iter().map(|touch| touch.arm - self.centre));
-    }
-
-    /// Gets ready to carry a wrench; none if the contacts are on one line.
-    pub fn spread_out(&mut self) -> Option<()> {
         self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
-        self.spread = spread(self.arms.iter())?;
+        (self.spread, self.loose) = match &self.arms[..] {
+            [_] => (Matrix3::from_diagonal(&Vector3::x()), Matrix3::identity()),
+            [d, _] => {
+                let (along, level) = (d.normalize(), Vector3::new(0.0, d.x, d.y));
+                let line = Matrix3::from_diagonal(&(0.5 * Vector3::x()));
+                (line + 0.5 * level * level.transpose() / level.norm_squared().powi(2), along * along.transpose())
+            }
+            arms => (spread(arms.iter())?, Matrix3::zeros()),
+        };
         Some(())
     }
 
@@ -74,7 +84,8 @@ impl Sole {
         let (n, s) = (self.arms.len() as f64, &self.spread);
         let round = self.arms.iter().map(|d| d.xy().norm_squared()).sum::<f64>();
         let force = Matrix3::from_diagonal(&Vector3::new(1.0 / n, 1.0 / n, s[(0, 0)]));
-        let moment = Matrix3::new(s[(2, 2)], -s[(1, 2)], 0.0, -s[(1, 2)], s[(1, 1)], 0.0, 0.0, 0.0, 1.0 / round);
+        let twist = if round > 0.0 { 1.0 / round } else { 0.0 };
+        let moment = Matrix3::new(s[(2, 2)], -s[(1, 2)], 0.0, -s[(1, 2)], s[(1, 1)], 0.0, 0.0, 0.0, twist);
         [force, moment]
     }
 
@@ -112,7 +123,8 @@ impl Sole {
             let total: f64 = grip.iter().sum();
             let centre: Vector2<f64> = arms.iter().zip(&*grip).map(|(d, g)| d.xy() * *g).sum::<Vector2<f64>>() / total;
             let inertia: f64 = arms.iter().zip(&*grip).map(|(d, g)| g * (d.xy() - centre).norm_squared()).sum();
-            let (mean, twist) = (force / total, (moment - centre.perp(force)) / inertia);
+            let twist = if inertia > 0.0 { (moment - centre.perp(force)) / inertia } else { 0.0 };
+            let mean = force / total;
             shear.clear();
             let mut slips = false;
             for ((d, g), n) in arms.iter().zip(grip.iter_mut()).zip(&*pressure) {
@@ -143,13 +155,14 @@ impl Sole {
         pressure.resize(arms.len(), 1.0);
         let mut fit = *all * load;
         loop {
-            let mut least = 0.0;
+            let mut least = -ROUNDING * load.x; // less than this is no pull
             let mut worst = None;
             for (i, (n, d)) in pressure.iter_mut().zip(&*arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
-                *n = place(d).dot(&fit);
-                if *n <= least {
-                    (least, worst) = (*n, Some(i));
+                let pressure = place(d).dot(&fit);
+                if pressure < least {
+                    (least, worst) = (pressure, Some(i));
                 }
+                *n = pressure.max(0.0);
             }
             let Some(worst) = worst else { return Some(()) };
             pressure[worst] = 0.0;
@@ -187,8 +200,7 @@ mod tests {
         };
         let mut sole = Sole::default();
         let corners = [(0.1, 0.05), (0.1, -0.05), (-0.1, 0.05), (-0.1, -0.05)];
-        sole.place(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>());
-        sole.spread_out().expect("a sole");
+        sole.place(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>()).expect("a sole");
         sole
     }
 
@@ -221,6 +233,30 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn an_edge_carries_what_its_ends_do_and_no_moment_about_itself() {
+        let ends = [Vector3::new(0.1, 0.05, -0.6), Vector3::new(-0.1, 0.03, -0.600_001)];
+        let touch = |(id, arm): (usize, Vector3<f64>)| Touch { id, link: 1, arm, gap: 0.0 };
+        let touches: Vec<_> = ends.into_iter().enumerate().map(touch).collect();
+        let (mut sole, mut impulses) = (Sole::default(), vec![Vector3::zeros(); 2]);
+        sole.place(&touches).expect("an edge");
+        let carries = |share: f64, sole: &mut Sole, impulses: &mut [Vector3<f64>]| {
+            let force = Vector3::new(0.02, -0.01, 0.1);
+            let moment = (sole.arms[0] * share + sole.arms[1] * (1.0 - share)).cross(&force);
+            assert!((sole.loose * moment).amax() < 1e-17, "{moment:?}");
+            sole.spread(&[force, moment], &FREE, MU, impulses).map(|()| [force, moment])
+        };
+        for share in [0.1, 0.5, 0.9] {
+            let [force, moment] = carries(share, &mut sole, &mut impulses).unwrap_or_else(|| panic!("{share}"));
+            let moments: Vector3<f64> = sole.arms.iter().zip(&impulses).map(|(d, f)| d.cross(f)).sum();
+            let error = (impulses[0] + impulses[1] - force).amax().max((moments - moment).amax());
+            assert!(error < 1e-15, "{share}: {error:e}");
+        }
+        assert!(carries(1.01, &mut sole, &mut impulses).is_none(), "an end pulls");
+        let between = Touch { id: 2, link: 1, arm: (ends[0] + ends[1]) * 0.5, gap: 0.0 };
+        assert!(sole.place(&[touches[0], touches[1], between]).is_none(), "three in line");
     }
 
     #[test]
