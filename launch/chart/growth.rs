@@ -21,6 +21,9 @@ use rayon::prelude::*;
 use scenes::Curve;
 use std::time::Instant;
 
+/// All is measured so often, and the least counts: a machine may be slower for seconds.
+const ROUNDS: usize = 4;
+
 /// One measurement.
 pub struct Point {
     curve: &'static str,
@@ -42,22 +45,19 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     }
     let mut points = Vec::new();
     let held = Core::hold();
-    for curve in Curve::ALL {
+    for curve in Curve::ALL.iter().cycle().take(Curve::ALL.len() * if args.quick { 1 } else { ROUNDS }) {
         let scenes = curve.scenes(args.quick)?;
         watch.expect(scenes.len());
         for (x, scene) in &scenes {
             watch.step(Job::Timing)?;
             if let Ok((seconds, _)) = time(scene, &[]) {
-                points.push(Point {
-                    curve: curve.name,
-                    engine: OURS,
-                    x: *x,
-                    us: 1e6 * seconds / periods(scene) as f64,
-                });
+                let us = 1e6 * seconds / periods(scene) as f64;
+                keep_least(&mut points, Point { curve: curve.name, engine: OURS, x: *x, us });
             }
         }
         if args.peers.is_some() {
-            points.extend(peers::points(&curve, &scenes, &args.out, watch)?);
+            let theirs = peers::points(curve, &scenes, &args.out, watch)?;
+            theirs.into_iter().for_each(|point| keep_least(&mut points, point));
         }
     }
     drop(held);
@@ -72,6 +72,15 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     write_whole(&args.out.join("growth.csv"), &csv).map_err(unwritable)?;
     say(format!("{}\n{}\n{}", times(&points), exponents(&points), processors(&sweeps)));
     Ok(())
+}
+
+/// A measurement, or the least of one and those before it.
+fn keep_least(points: &mut Vec<Point>, new: Point) {
+    let same = |old: &&mut Point| (old.curve, old.engine, old.x) == (new.curve, new.engine, new.x);
+    match points.iter_mut().find(same) {
+        Some(old) => old.us = old.us.min(new.us),
+        None => points.push(new),
+    }
 }
 
 /// Points of one engine on a curve.
@@ -172,7 +181,7 @@ mod tests {
 
     /// Twenty-four equations hold ten degrees of freedom: what is redundant has to be told from rounding.
     #[test]
-    fn a_table_is_welded_from_three_corners_a_foot_on_and_stands_as_corner_by_corner() {
+    fn a_table_that_does_not_tip_is_welded_and_stands_as_corner_by_corner() {
         for (points, scene) in Curve::ALL[0].scenes(false).expect("good scenes") {
             let plant = || plant::Plant::new(&scene).expect("a good scene");
             let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_welds(), 0.0_f64, 0);
@@ -188,7 +197,9 @@ mod tests {
             }
             println!("{points} corners: states differ by {worst:.1e}, {welded} of 300 steps welded");
             assert!(worst < 1e-9, "{points} corners: {worst}");
-            assert!(if points < 12.0 { welded == 0 } else { welded > 290 }, "{points} corners: {welded} steps welded");
+            // on one corner it tips; of three and of five, one carries nothing
+            let stands = ![0.0, 1.0, 3.0, 5.0].contains(&points);
+            assert!(!stands || welded > 290, "{points} corners: {welded} steps welded");
         }
     }
 }
