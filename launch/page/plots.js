@@ -21,7 +21,7 @@ const POWERS = {
   scale: { distr: 3, range: (_, low, high) => [Math.max(1e-18, (low || 1e-16) / 3), Math.max((high || 1e-12) * 3, 1e-12)] },
   axis: {
     filter: (_, ticks) => ticks,
-    splits: () => Array.from({ length: 12 }, (_, index) => 10 ** (3 * index - 24)),
+    splits: (_, axis, low, high) => Array.from({ length: 12 }, (_, index) => 10 ** (3 * index - 24)).filter((tick) => low <= tick && tick <= high),
     values: (_, ticks) => ticks.map((tick) => `1e${Math.round(Math.log10(tick))}`),
   },
 };
