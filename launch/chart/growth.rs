@@ -45,7 +45,8 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     }
     let mut points = Vec::new();
     let held = Core::hold();
-    for curve in Curve::ALL.iter().cycle().take(Curve::ALL.len() * if args.quick { 1 } else { ROUNDS }) {
+    let rounds = if args.quick { 1 } else { ROUNDS };
+    for curve in (0..rounds).flat_map(|_| &Curve::ALL) {
         let scenes = curve.scenes(args.quick)?;
         watch.expect(scenes.len());
         for (x, scene) in &scenes {
@@ -199,7 +200,7 @@ mod tests {
             assert!(worst < 1e-9, "{points} corners: {worst}");
             // on one corner it tips; of three and of five, one carries nothing
             let stands = ![0.0, 1.0, 3.0, 5.0].contains(&points);
-            assert!(!stands || welded > 290, "{points} corners: {welded} steps welded");
+            assert!(if stands { welded > 290 } else { welded < 20 }, "{points} corners: {welded} steps welded");
         }
     }
 }

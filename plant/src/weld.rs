@@ -99,7 +99,7 @@ impl Weld {
         let mut first = 0;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
             let foot = self.feet.get_mut(self.count)?;
-            foot.set(model, pose, first, touches, free)?;
+            foot.set(model, pose, first, touches, free);
             first += touches.len();
             if foot.stays_above(&foot.free, touches, h) {
                 std::mem::swap(foot, self.hovering.get_mut(self.hovers)?);
@@ -107,7 +107,7 @@ impl Weld {
                 continue;
             }
             self.count += 1;
-            foot.land(touches, h);
+            foot.land(touches, h)?;
             factor.half_solve(model, foot.link, &mut foot.rows);
         }
         Some(())

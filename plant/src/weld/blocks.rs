@@ -54,12 +54,9 @@ impl Blocks {
     /// The factor, with every contact yielding by this part of what the first foot does; none unless positive definite.
     pub fn factorize(&self, feet: &[Foot], give: f64, factored: &mut Factored) -> Option<()> {
         let give = give * self.0[0][0].trace() / 3.0;
-        for (i, yielding) in feet.iter().flat_map(|foot| foot.sole.yields()).enumerate() {
+        for (i, yielding) in feet.iter().flat_map(|foot| foot.sole.yields(give)).enumerate() {
             let Factored { scaled, below, diagonal } = factored;
-            let mut own = self.0[i][i] + yielding * give;
-            if i % 2 == 1 {
-                own += feet[i / 2].sole.loose;
-            }
+            let mut own = self.0[i][i] + yielding;
             for j in 0..i {
                 let known = scaled[i][..j].iter().zip(&below[j]);
                 let ld = diagonal[j].divide(&known.fold(self.0[i][j], |entry, (ld, l)| entry - ld * l.transpose()));

@@ -30,10 +30,10 @@ impl Foot {
     }
 
     /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion, but for turning where they do not hold
-    /// it. None where [`Sole::place`] has none.
-    pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) -> Option<()> {
+    /// it.
+    pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) {
         (self.link, self.first) = (touches[0].link, first);
-        self.sole.place(touches)?;
+        self.sole.place(touches);
         let mut t = Six::default();
         self.rows.clear();
         for &dof in model.path(self.link) {
@@ -43,7 +43,6 @@ impl Foot {
             self.rows.push(row);
         }
         self.free = pair(&t);
-        Some(())
     }
 
     /// Whether the motion t keeps it above the ground for a step of `h`.
@@ -60,9 +59,11 @@ impl Foot {
         self.stays_above(&pair(&t), &touches[self.first..], h)
     }
 
-    /// Gets ready to be welded.
-    pub fn land(&mut self, touches: &[Touch], h: f64) {
+    /// Gets ready to be welded; none where [`Sole::spread_out`] has none.
+    pub fn land(&mut self, touches: &[Touch], h: f64) -> Option<()> {
+        self.sole.spread_out()?;
         self.wanted = self.sole.landing(touches, h);
+        Some(())
     }
 
     /// What is wanted of its motion and lacks.

@@ -60,33 +60,41 @@ impl Sole {
         }
     }
 
-    /// Becomes the sole of a link's contacts, ready to carry a wrench; none if they are so nearly on one line that it is not clear
-    /// whether they are.
-    pub fn place(&mut self, touches: &[Touch]) -> Option<()> {
+    /// Becomes the sole of a link's contacts.
+    pub fn place(&mut self, touches: &[Touch]) {
         self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
         self.arms.clear();
         self.arms.extend(touches.iter().map(|touch| touch.arm - self.centre));
+        self.loose = match &self.arms[..] {
+            [_] => Matrix3::identity(),
+            [d, _] => d.normalize() * d.normalize().transpose(),
+            _ => Matrix3::zeros(),
+        };
+    }
+
+    /// Gets ready to carry a wrench; none if three contacts or more are on one line.
+    pub fn spread_out(&mut self) -> Option<()> {
         self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
-        (self.spread, self.loose) = match &self.arms[..] {
-            [_] => (Matrix3::from_diagonal(&Vector3::x()), Matrix3::identity()),
+        self.spread = match &self.arms[..] {
+            [_] => Matrix3::from_diagonal(&Vector3::x()),
             [d, _] => {
-                let (along, level) = (d.normalize(), Vector3::new(0.0, d.x, d.y));
-                let line = Matrix3::from_diagonal(&(0.5 * Vector3::x()));
-                (line + 0.5 * level * level.transpose() / level.norm_squared().powi(2), along * along.transpose())
+                let (up, along) = (Vector3::x(), Vector3::new(0.0, d.x, d.y));
+                0.5 * (up * up.transpose() + along * along.transpose() / along.norm_squared().powi(2))
             }
-            arms => (spread(arms.iter())?, Matrix3::zeros()),
+            arms => spread(arms.iter())?,
         };
         Some(())
     }
 
-    /// How it yields to force and moment if each contact yields by one: N⁻¹ for what presses, 1/Σ1 and 1/Σ|d|² for what rubs.
-    pub fn yields(&self) -> [Matrix3<f64>; 2] {
+    /// How it yields to force and moment if each contact yields by `give`: N⁻¹ for what presses, 1/Σ1 and 1/Σ|d|² for what rubs; by one
+    /// where it is loose.
+    pub fn yields(&self, give: f64) -> [Matrix3<f64>; 2] {
         let (n, s) = (self.arms.len() as f64, &self.spread);
         let round = self.arms.iter().map(|d| d.xy().norm_squared()).sum::<f64>();
         let force = Matrix3::from_diagonal(&Vector3::new(1.0 / n, 1.0 / n, s[(0, 0)]));
         let twist = if round > 0.0 { 1.0 / round } else { 0.0 };
         let moment = Matrix3::new(s[(2, 2)], -s[(1, 2)], 0.0, -s[(1, 2)], s[(1, 1)], 0.0, 0.0, 0.0, twist);
-        [force, moment]
+        [force * give, moment * give + self.loose]
     }
 
     /// The velocity that closes all gaps within the step of `h`, and nothing else.
@@ -158,11 +166,11 @@ impl Sole {
             let mut least = -ROUNDING * load.x; // less than this is no pull
             let mut worst = None;
             for (i, (n, d)) in pressure.iter_mut().zip(&*arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
-                let pressure = place(d).dot(&fit);
-                if pressure < least {
-                    (least, worst) = (pressure, Some(i));
+                *n = place(d).dot(&fit);
+                if *n < least {
+                    (least, worst) = (*n, Some(i));
                 }
-                *n = pressure.max(0.0);
+                *n = n.max(0.0);
             }
             let Some(worst) = worst else { return Some(()) };
             pressure[worst] = 0.0;
@@ -200,7 +208,8 @@ mod tests {
         };
         let mut sole = Sole::default();
         let corners = [(0.1, 0.05), (0.1, -0.05), (-0.1, 0.05), (-0.1, -0.05)];
-        sole.place(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>()).expect("a sole");
+        sole.place(&corners.into_iter().enumerate().map(corner).collect::<Vec<_>>());
+        sole.spread_out().expect("a sole");
         sole
     }
 
@@ -241,7 +250,8 @@ mod tests {
         let touch = |(id, arm): (usize, Vector3<f64>)| Touch { id, link: 1, arm, gap: 0.0 };
         let touches: Vec<_> = ends.into_iter().enumerate().map(touch).collect();
         let (mut sole, mut impulses) = (Sole::default(), vec![Vector3::zeros(); 2]);
-        sole.place(&touches).expect("an edge");
+        sole.place(&touches);
+        sole.spread_out().expect("an edge");
         let carries = |share: f64, sole: &mut Sole, impulses: &mut [Vector3<f64>]| {
             let force = Vector3::new(0.02, -0.01, 0.1);
             let moment = (sole.arms[0] * share + sole.arms[1] * (1.0 - share)).cross(&force);
@@ -256,7 +266,8 @@ mod tests {
         }
         assert!(carries(1.01, &mut sole, &mut impulses).is_none(), "an end pulls");
         let between = Touch { id: 2, link: 1, arm: (ends[0] + ends[1]) * 0.5, gap: 0.0 };
-        assert!(sole.place(&[touches[0], touches[1], between]).is_none(), "three in line");
+        sole.place(&[touches[0], touches[1], between]);
+        assert!(sole.spread_out().is_none(), "three in line");
     }
 
     #[test]
