@@ -1,7 +1,9 @@
-//! What slides, sticks, and must not lift: scenes 1, 2, 3 and 20.
+//! What slides, sticks, and must not lift: scenes 1, 2, 3 and 20; and the walk before its first step.
 
-use crate::support::{G, advance, assert_near, clearance, load, plant, position, run, step, totals};
+use crate::support::{G, advance, assert_near, clearance, load, plant, pose, position, run, scene, step, totals};
+use controller::Controller;
 use messages::scene::Law;
+use plant::Plant;
 
 /// The laws that are Coulomb's on a straight slip.
 const COULOMB: [Law; 2] = [Law::Complementarity, Law::Aligned];
@@ -109,4 +111,40 @@ fn a_cube_sticks_for_an_hour_inside_its_friction_cone() {
     let way = (position(&plant) - start).norm();
     println!("moved {way:e} m in an hour");
     assert!(way <= 1e-9);
+}
+
+/// Both legs move in planes across the trunk's roll axis, which the trunk's width parts: on two flat soles a trunk that has rolled by φ
+/// stands on width/cos φ. So it cannot sway on both feet unless they slide, however slowly; where friction holds them, they tip.
+#[test]
+fn who_has_no_hip_to_roll_spreads_the_feet_by_swaying() {
+    let (spread, tipped, roll) = sway("0.7");
+    println!("rolled by {roll:.4} rad; off by {spread:.1e} m, corners {tipped:.1e} m up");
+    assert_near("roll", roll, 0.05, 0.01);
+    assert_near("width", spread, 0.0, 1e-9);
+    assert_near("highest corner", tipped, 0.0, 1e-7);
+    let (spread, tipped, roll) = sway("1.5");
+    let growth = 0.1 * (1.0 / roll.cos() - 1.0);
+    println!("held: {spread:.1e} m of {growth:.1e} m lacking, corners {tipped:.1e} m up");
+    assert!(spread > 0.9 * growth && tipped > growth, "held by friction");
+}
+
+/// The walk until it lifts a foot: by how much at most the distance of the soles is not that, how high a corner gets [m], and how far
+/// the trunk rolls [rad].
+fn sway(friction: &str) -> (f64, f64, f64) {
+    let scene = scene("walk", &[&format!("plant.friction={friction}")]);
+    let mut plant = Plant::new(&scene).expect("a robot");
+    let mut controller = Controller::new(&scene).expect("a controller");
+    let (mut off, mut highest, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for _ in 0..1250 {
+        let torques = controller.tick(&plant.encoders()).expect("a tick");
+        plant.advance(&torques).expect("a period");
+        let (model, pose) = (plant.model(), pose(&plant));
+        let corners: Vec<_> = model.corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect();
+        let [left, right] = [0, 4].map(|first| corners[first..first + 4].iter().map(|at| at.y).sum::<f64>() / 4.0);
+        let roll = pose.links[model.base_link].rotation.column(1).z.asin();
+        off = off.max((left - right - 0.1 / roll.cos()).abs());
+        highest = corners.iter().fold(highest, |highest, at| highest.max(at.z));
+        most = most.max(roll.abs());
+    }
+    (off, highest, most)
 }
