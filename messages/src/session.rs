@@ -85,8 +85,8 @@ impl Session {
             let Ok(file) = File::options().write(true).open(&path) else { continue };
             let Ok(found) = file.metadata() else { continue };
             let size = found.len();
-            if 512 * found.blocks() >= size {
-                continue; // whoever made it has taken it
+            if 512 * found.blocks() >= size || file.try_lock().is_err() {
+                continue; // another member has taken it, or is about to
             }
             // Where room cannot be reserved for another reason, it is as it was.
             let reserved = fallocate(&file, FallocateFlags::FALLOC_FL_KEEP_SIZE, 0, size as i64);
