@@ -83,13 +83,14 @@ impl Session {
         for path in self.leftovers() {
             // a folder, or gone in the meantime
             let Ok(file) = File::options().write(true).open(&path) else { continue };
-            let Ok(found) = file.metadata() else { continue };
-            let size = found.len();
-            if 512 * found.blocks() >= size || file.try_lock().is_err() {
-                continue; // another member has taken it, or is about to
+            let lacking = || file.metadata().ok().filter(|found| 512 * found.blocks() < found.len());
+            if lacking().is_none() {
+                continue; // whoever made it has taken it
             }
+            let _ = file.lock(); // two that take it at once take twice as long
+            let Some(found) = lacking() else { continue };
             // Where room cannot be reserved for another reason, it is as it was.
-            let reserved = fallocate(&file, FallocateFlags::FALLOC_FL_KEEP_SIZE, 0, size as i64);
+            let reserved = fallocate(&file, FallocateFlags::FALLOC_FL_KEEP_SIZE, 0, found.len() as i64);
             if reserved == Err(Errno::ENOSPC) {
                 return Err(PortError::SharedMemory(format!("{SHARED_MEMORY} is full")));
             }
