@@ -117,16 +117,19 @@ fn a_cube_sticks_for_an_hour_inside_its_friction_cone() {
 /// stands on width/cos φ. So it cannot sway on both feet unless they slide, however slowly; where friction holds them, they tip.
 #[test]
 fn who_has_no_hip_to_roll_spreads_the_feet_by_swaying() {
-    let (spread, tipped, roll) = sway("0.7");
-    println!("rolled by {roll:.4} rad; off by {spread:.1e} m, corners {tipped:.1e} m up");
+    let (off, tipped, roll) = sway("0.7");
+    println!("rolled by {roll:.4} rad; off by {off:.1e} m, corners {tipped:.1e} m up");
     assert_near("roll", roll, 0.05, 0.01);
-    assert_near("width", spread, 0.0, 1e-9);
+    assert_near("width", off, 0.0, 1e-9);
     assert_near("highest corner", tipped, 0.0, 1e-7);
-    let (spread, tipped, roll) = sway("1.5");
-    let growth = 0.1 * (1.0 / roll.cos() - 1.0);
-    println!("held: {spread:.1e} m of {growth:.1e} m lacking, corners {tipped:.1e} m up");
-    assert!(spread > 0.9 * growth && tipped > growth, "held by friction");
+    let (off, tipped, roll) = sway("1.5");
+    let growth = HIPS / roll.cos() - HIPS;
+    println!("held: {off:.1e} m of {growth:.1e} m lacking, corners {tipped:.1e} m up");
+    assert!(off > 0.9 * growth && tipped > growth, "held by friction");
 }
+
+/// Distance of the hips [m].
+const HIPS: f64 = 0.1;
 
 /// The walk until it lifts a foot: by how much at most the distance of the soles is not that, how high a corner gets [m], and how far
 /// the trunk rolls [rad].
@@ -142,7 +145,7 @@ fn sway(friction: &str) -> (f64, f64, f64) {
         let corners: Vec<_> = model.corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect();
         let [left, right] = [0, 4].map(|first| corners[first..first + 4].iter().map(|at| at.y).sum::<f64>() / 4.0);
         let roll = pose.links[model.base_link].rotation.column(1).z.asin();
-        off = off.max((left - right - 0.1 / roll.cos()).abs());
+        off = off.max((left - right - HIPS / roll.cos()).abs());
         highest = corners.iter().fold(highest, |highest, at| highest.max(at.z));
         most = most.max(roll.abs());
     }
