@@ -6,10 +6,12 @@ use std::ffi::OsString;
 use std::fs::{Metadata, read_dir};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// What is half done for so long is never finished: the living take microseconds.
 const HALF_DONE: Duration = Duration::from_millis(100);
+/// It is looked at this often, so that the living are not waited for any longer.
+const LOOK: Duration = Duration::from_millis(1);
 
 impl Session {
     /// Removes what was left half made: segments without a size, for which whoever opens one as root waits for ever, and
@@ -42,15 +44,15 @@ impl Session {
     }
 }
 
-/// Removes the files that `find` finds twice, some time apart.
+/// Removes the files that `find` finds again and again.
 fn clear(find: impl Fn() -> Vec<PathBuf>) {
-    let mut found = find();
-    if !found.is_empty() {
-        std::thread::sleep(HALF_DONE);
+    let (start, mut found) = (Instant::now(), find());
+    while !found.is_empty() && start.elapsed() < HALF_DONE {
+        std::thread::sleep(LOOK);
         let still = find();
         found.retain(|path| still.contains(path));
-        found.iter().for_each(|path| _ = std::fs::remove_file(path));
     }
+    found.iter().for_each(|path| _ = std::fs::remove_file(path));
 }
 
 /// What is in a folder; nothing if there is none.
@@ -71,6 +73,25 @@ fn is_half_made(path: &Path) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn what_is_finished_meanwhile_is_not_waited_for() {
+        let file = Session::unique().root();
+        let clearing = |finds: u32| {
+            let (start, left) = (Instant::now(), Cell::new(finds));
+            std::fs::write(&file, "").expect("a file");
+            clear(|| {
+                left.set(left.get().saturating_sub(1));
+                if left.get() > 0 { vec![file.clone()] } else { vec![] }
+            });
+            (start.elapsed(), file.exists())
+        };
+        let (long, abandoned) = clearing(u32::MAX);
+        let living = (0..5).map(|_| clearing(3)).min().expect("five");
+        std::fs::remove_file(&file).expect("it is there still");
+        assert!(!abandoned && living.1 && 2 * living.0 < long, "{living:?} beside {long:?}");
+    }
 
     #[test]
     fn what_nobody_uses_goes_and_what_somebody_uses_stays() {
