@@ -1,8 +1,7 @@
 //! The same results, however plant and controller are started.
 
-use super::{biped, end, eventually, fresh_folder, session, start};
+use super::{end, eventually, fresh_folder, session, start};
 use std::path::{Path, PathBuf};
-use std::process::Stdio;
 
 fn trajectory_hash(folder: &Path) -> String {
     let text = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
@@ -25,18 +24,6 @@ fn two_processes_walk_bit_for_bit_like_one_and_like_themselves() {
     assert_eq!(run("again", &[]), two);
     assert_eq!(run("one", &["--in-process"]), two);
     assert_ne!(run("other", &["--set", "plant.friction=0.69"]), two, "the hash must see a difference");
-}
-
-#[test]
-fn the_walk_comes_to_what_the_readme_shows() {
-    let mut printed = biped(&["run", "walk", "--quiet"]);
-    let printed = printed.stdout(Stdio::piped()).output().expect("the program ends").stdout;
-    let printed = String::from_utf8(printed).expect("text");
-    let shown = include_str!("../../README.md").split("```\n").nth(1).expect("what the first command prints");
-    assert!(shown.lines().count() > 5, "{shown}");
-    for line in shown.lines() {
-        assert!(printed.lines().any(|printed| printed == line), "`{line}` is not in\n{printed}");
-    }
 }
 
 #[test]
