@@ -2,7 +2,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::say;
-use clap::{Args, Subcommand};
+use clap::{ArgGroup, Args, Subcommand};
 use messages::port::{Ask, Verdict, ask};
 use messages::session::Session;
 use messages::wire::STATES;
@@ -86,7 +86,7 @@ pub struct PushArgs {
 
 /// Arguments of `biped set`.
 #[derive(Args)]
-#[group(required = true, multiple = true)]
+#[command(group = ArgGroup::new("either").args(["period", "speed"]).required(true).multiple(true))]
 pub struct SetArgs {
     /// Period of two steps [s]
     #[arg(long)]
