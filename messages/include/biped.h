@@ -235,8 +235,8 @@ typedef struct {
     uint64_t seed; /* Of `reset`: the new seed, 0 keeping the old one. */
     double impulse[3]; /* Of `push`: impulse in W [N·s]. */
     double duration; /* Of `push`: duration [s]. */
-    double period; /* Of `set`: period of two steps [s]. */
-    double speed; /* Of `set`: walking speed [m/s]. */
+    double period; /* Of `set`: period of two steps [s], infinity leaving it. */
+    double speed; /* Of `set`: walking speed [m/s], infinity leaving it. */
 } biped_Request;
 BIPED_ASSERT(sizeof(biped_Request) == 136, "layout");
 BIPED_ASSERT(offsetof(biped_Request, stamp) == 0, "layout");
@@ -252,7 +252,7 @@ BIPED_ASSERT(offsetof(biped_Request, speed) == 128, "layout");
 typedef struct {
     biped_Stamp stamp; /* Head; `sim_ns` tells the simulated time. */
     uint64_t verdict; /* Index into VERDICTS. */
-    uint64_t state; /* Index into STATES: the plant's state. */
+    uint64_t state; /* Index into STATES: the plant's state; 0 from the controller. */
 } biped_Reply;
 BIPED_ASSERT(sizeof(biped_Reply) == 80, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, stamp) == 0, "layout");

@@ -20,11 +20,11 @@ pub enum Law {
     EnergyQpGap,
     /// The energy minimum with friction bounded by mu f_N of the step before.
     Lagged,
-    /// The conditions (17)-(22) with the paper's one slip direction, by Lemke's method.
+    /// The conditions (17)-(22) with the paper's one slip direction.
     Complementarity,
     /// (17)-(22) with both tangents resisted, the first along the slip; the default.
     Aligned,
-    /// (17)-(22) with this many directions of friction, fixed in the world, by Lemke's method.
+    /// (17)-(22) with this many directions of friction, fixed in the world.
     Facets(u8),
     /// Coulomb's law with a round cone.
     Cone,

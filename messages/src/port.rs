@@ -1,4 +1,4 @@
-//! The link between plant, controller and recorder: the only file that knows iceoryx2.
+//! The link between plant, controller and recorder: these are the only files that know iceoryx2, but for the marker of a message.
 //!
 //! | topic | from → to | buffer | when full |
 //! |---|---|---|---|

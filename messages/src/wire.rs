@@ -280,9 +280,9 @@ wire! {
         impulse: [f64; 3],
         /// Of `push`: duration [s].
         duration: f64,
-        /// Of `set`: period of two steps [s].
+        /// Of `set`: period of two steps [s], infinity leaving it.
         period: f64,
-        /// Of `set`: walking speed [m/s].
+        /// Of `set`: walking speed [m/s], infinity leaving it.
         speed: f64,
     }
 
@@ -292,7 +292,7 @@ wire! {
         stamp: Stamp,
         /// Index into [`VERDICTS`].
         verdict: u64,
-        /// Index into [`STATES`]: the plant's state.
+        /// Index into [`STATES`]: the plant's state; 0 from the controller.
         state: u64,
     }
 }

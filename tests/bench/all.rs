@@ -2,7 +2,7 @@
 //!
 //! | command | measures |
 //! |---|---|
-//! | `cargo bench` | everything below |
+//! | `cargo bench` | everything below but the peers |
 //! | `cargo bench -- step` | what has this word in its name; `--help` lists more |
 //! | `cargo bench -- tail` | the slowest steps of a walk |
 //! | `cargo bench -- --peers` | a table beside MuJoCo, Pinocchio and four QP solvers, on the same states and programs |

@@ -59,7 +59,7 @@ impl Asked {
 /// Asks the plant or the controller of a running session, and waits for the answer.
 ///
 /// # Errors
-/// [`PortError::Absent`] if there is no such session, or nobody at the desk.
+/// [`PortError::NoSession`] if there is no such session, [`PortError::Absent`] if there is nobody at the desk.
 pub fn ask(session: &Session, what: Ask) -> Result<Reply, PortError> {
     let (name, role) = if what.is_for_controller() { (CONTROLLER, "controller") } else { (PLANT, "plant") };
     let absent = || PortError::Absent { session: session.name().into(), role };

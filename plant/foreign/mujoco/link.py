@@ -32,7 +32,7 @@ class Link(session.Session):
 
     def __init__(self):
         super().__init__("plant")
-        self.truth = self.topic("biped/truth", wire.Truth, readers=2, buffer=1024, history=0, overflow=False)
+        self.truth = self.topic("biped/truth", wire.Truth, readers=3, buffer=1024, history=0, overflow=False)
         builder = self.truth.publisher_builder().max_loaned_samples(1)
         # never waits for ever: Python hears no TERM meanwhile
         self.recorder = builder.backpressure_strategy(iox2.BackpressureStrategy.DiscardData).create()
