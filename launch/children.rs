@@ -8,6 +8,7 @@ use messages::invitation::Invitation;
 use messages::session::Session;
 use nix::sys::prctl;
 use nix::sys::signal::{Signal, kill};
+use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid};
 use nix::unistd::{Pid, getppid};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::PidfdFlags;
@@ -123,9 +124,20 @@ impl Role {
     /// Its exit status, once it has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {
+            self.end_group();
             self.status = self.process.try_wait().ok().flatten();
         }
         self.status
+    }
+
+    /// Kills what somebody else's program has started and left behind: until it is reaped the group's number belongs to it.
+    fn end_group(&self) {
+        let Ok(pid) = i32::try_from(self.process.id()) else { return };
+        let has_ended =
+            || waitid(Id::Pid(Pid::from_raw(pid)), WaitPidFlag::WEXITED | WaitPidFlag::WNOHANG | WaitPidFlag::WNOWAIT);
+        if self.grouped && has_ended().is_ok_and(|status| status != WaitStatus::StillAlive) {
+            let _ = kill(Pid::from_raw(-pid), Signal::SIGKILL);
+        }
     }
 
     /// The same as of the last look.

@@ -91,7 +91,7 @@ pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
 pub fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> String {
     let rows = summary.lines().into_iter().map(|(name, value)| {
         let class = match name {
-            "outcome" if summary.fell => " class=\"bad\"",
+            "outcome" if summary.fell || summary.cut_short_by.is_some() => " class=\"bad\"",
             "outcome" => " class=\"good\"",
             _ => "",
         };

@@ -6,7 +6,7 @@
 //! torques of the one to those of the other (`plant/src/handover.rs`).
 
 use crate::children::{self, Role};
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure};
 use messages::port::{Ask, Contract, Pace, ask};
 use messages::session::Session;
 use messages::wire::Stamp;
@@ -37,7 +37,9 @@ impl FromStr for Swap {
     fn from_str(text: &str) -> Result<Swap, String> {
         let parts = text.split_once('=').and_then(|(time, command)| Some((time.trim().parse().ok()?, command.trim())));
         match parts {
-            Some((time, command)) if time >= 0.0 && !command.is_empty() => Ok(Swap { time, command: command.into() }),
+            Some((time, command)) if (0.0..f64::INFINITY).contains(&time) && !command.is_empty() => {
+                Ok(Swap { time, command: command.into() })
+            }
             _ => Err("a simulated time and a command are needed, such as 3=\"python3 walk.py\"".into()),
         }
     }
@@ -104,7 +106,7 @@ impl Succession {
             return;
         }
         if let Ok(reply) = ask(&self.session, Ask::Pause) {
-            let there = (time * self.contract.rate).round() as u64 + 1;
+            let there = ((time * self.contract.rate).round() as u64).saturating_add(1);
             let periods = there.saturating_sub(reply.stamp.seq);
             let _ = (periods > 0).then(|| ask(&self.session, Ask::Step { periods }));
         }
@@ -113,8 +115,10 @@ impl Succession {
     /// Whether the next one waits for nothing but its place.
     fn is_ready(&mut self) -> Result<bool, Failure> {
         let Some(heir) = &mut self.heir else { return Ok(false) };
-        heir.role.ended();
-        heir.role.verdict()?;
+        if heir.role.ended().is_some() {
+            heir.role.verdict()?;
+            return Err(Failure::new(Exit::PeerMissing, "the successor ended before its turn came"));
+        }
         if heir.joined.is_none() && self.looked.elapsed() > LOOK {
             self.looked = Instant::now();
             let group = heir.role.number();

@@ -53,6 +53,14 @@ fn wrong_usage_is_refused() {
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
     refused(&["run", "walk", "--in-process", "--realtime"], &["--in-process"]);
     refused(&["plant", "walk", "--session", "../x"], &["../x", "letters"]);
+    refused(&["run", "walk", "--swap", "inf=biped controller"], &["a simulated time"]);
+}
+
+#[test]
+fn a_gait_that_no_foot_can_bear_falls_or_walks_but_never_panics() {
+    let gait = ["--in-process", "--quiet", "--set", "duration=3", "--set", "controller.release_x2=0.101"];
+    let (code, errors) = biped(&[&["run", "walk"], &gait[..]].concat());
+    assert!(code == Some(0) || code == Some(7), "{code:?} {errors}");
 }
 
 #[test]

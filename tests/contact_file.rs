@@ -77,6 +77,8 @@ fn a_file_that_is_no_contact_problem_is_refused_in_one_sentence() {
         (&good.replace("[1, 0, 0, 1]", "[1, 3, 0, 1]"), "symmetric"),
         (&good.replace("[0.5]", "[-0.5]"), "negative"),
         (&good.replace("\"tangents\": 1", "\"tangents\": 3"), "1 or 2"),
+        (&good.replace("\"contacts\": 1", "\"contacts\": 18446744073709551615"), "contacts"),
+        (&good.replace("\"id\": [0]", "\"id\": [900000000000]"), "id 900000000000"),
     ];
     for (text, words) in cases {
         std::fs::write(folder.join("case.json"), text).expect("a file");

@@ -60,6 +60,13 @@ fn a_successor_that_fails_is_named_and_the_run_ends_in_order() {
 }
 
 #[test]
+fn a_successor_that_ends_before_its_turn_ends_the_run() {
+    let (summary, told) = walk("stand", &["true".into()], &[1.0], &[]);
+    assert!(told.contains("the successor ended before its turn"), "{told}");
+    assert_eq!(summary["fell"], false);
+}
+
+#[test]
 #[ignore = "minutes: a hundred hand-overs in each scene"]
 fn a_hundred_times_in_lockstep() {
     a_hundred_times(&[]);

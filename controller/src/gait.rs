@@ -253,7 +253,7 @@ impl GaitModel {
         let rise = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r); // least jerk
         let rate = 30.0 * r * r * (1.0 - r).powi(2) / lift;
         let load = 1.0 - state.com[1].x / self.width * (1.0 - state.since / unload).max(0.0);
-        self.follow(state, task, height * rise, [0.0, height * rate], load)
+        self.follow(state, task, height * rise, [0.0, height * rate], load.clamp(0.0, 1.0))
     }
 
     /// (30): task rates that make the measured task follow the plan.

@@ -36,7 +36,7 @@ impl Watch {
             self.recorder = (self.record)(&self.scene);
             self.latest.seq = 0;
         }
-        self.lost += truth.stamp.seq - self.latest.seq - 1;
+        self.lost += truth.stamp.seq.saturating_sub(self.latest.seq + 1); // another program may count otherwise
         self.latest = truth.stamp;
         self.recorder.push(truth);
         self.progress.update(truth);

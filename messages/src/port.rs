@@ -68,7 +68,7 @@ impl PlantPort {
         let sensors = Outlet::open(&place, SENSORS, "plant", || false)?;
         let (command, truth) =
             (Inlet::open(&place, COMMAND, contract.pace)?, TruthOutlet::open(&place, contract.pace)?);
-        let desk = Desk::open(&place, desk::PLANT)?;
+        let desk = Desk::open(&place, desk::PLANT, "plant")?;
         place.reserve()?;
         Ok(PlantPort { sensors, command, truth, desk, place })
     }
@@ -186,7 +186,7 @@ impl ControllerPort {
         let place = Place::open(session, contract)?;
         let sensors = Inlet::open(&place, SENSORS, contract.pace)?;
         let command = Outlet::open(&place, COMMAND, "controller", waits)?;
-        let desk = Desk::open(&place, desk::CONTROLLER)?;
+        let desk = Desk::open(&place, desk::CONTROLLER, "controller")?;
         place.reserve()?;
         command.knock()?; // a plant that waits gives us its last sensors at once
         Ok(ControllerPort { desk, command, sensors, _place: place })

@@ -58,6 +58,9 @@ pub use solver::Solver;
 use messages::scene::Law;
 use serde::{Deserialize, Serialize};
 
+/// Contacts of a problem at most, and numbers of contacts.
+const MOST: usize = 1 << 12;
+
 /// One contact step, `v = A f + b`.
 ///
 /// Rows are contact-major: for each contact its normal, then its tangents. The first tangent is the direction of the free
@@ -146,6 +149,12 @@ impl Problem {
     /// # Errors
     /// A sentence.
     pub fn check(&self) -> Result<(), String> {
+        if !(1..=2).contains(&self.tangents) {
+            return Err(format!("tangents = {}, but it must be 1 or 2", self.tangents));
+        }
+        if self.contacts > MOST {
+            return Err(format!("contacts = {}, but there may be {MOST} at most", self.contacts));
+        }
         let m = self.rows();
         let lengths = [
             ("id", self.id.len(), self.contacts),
@@ -156,9 +165,6 @@ impl Problem {
             ("gap", self.gap.len(), self.contacts),
             ("before", self.before.len(), m),
         ];
-        if !(1..=2).contains(&self.tangents) {
-            return Err(format!("tangents = {}, but it must be 1 or 2", self.tangents));
-        }
         for (name, length, right) in lengths {
             if length != right {
                 let (contacts, tangents) = (self.contacts, self.tangents);
@@ -166,6 +172,12 @@ impl Problem {
                     "{name} has {length} numbers, but {right} are needed for contacts = {contacts}, tangents = {tangents}"
                 ));
             }
+        }
+        if let Some(id) = self.id.iter().find(|id| **id >= MOST) {
+            return Err(format!("id {id} is not below {MOST}"));
+        }
+        if let Some(i) = (1..self.contacts).find(|&i| self.id[..i].contains(&self.id[i])) {
+            return Err(format!("id {} is there twice", self.id[i]));
         }
         let lists = [&self.delassus, &self.drift, &self.friction, &self.approach, &self.gap, &self.before];
         if !lists.into_iter().flatten().all(|number| number.is_finite()) {

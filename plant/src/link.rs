@@ -39,7 +39,7 @@ impl<'a> Link<'a> {
             patience: Patience::new("controller", options.patience),
             limit: options.patience,
             is_driven: scene.controller.is_some(),
-            period_ns: (1e9 / scene.rate / options.speed).round() as u64,
+            period_ns: ((1e9 / scene.rate / options.speed).round() as u64).max(1),
             deadline: 0,
             desk: Desk::default(),
             remarks: Remarks::default(),

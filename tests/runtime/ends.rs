@@ -1,6 +1,6 @@
 //! However a process ends, the others say so, end in order, and leave nothing.
 
-use super::{all_gone, end, eventually, roles_of, send, session, start, walking};
+use super::{all_gone, end, eventually, fresh_folder, roles_of, send, session, start, walking};
 use nix::sys::signal::Signal;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
@@ -48,6 +48,19 @@ fn a_killed_child_is_named_and_the_other_is_ended() {
         assert!(errors.contains(&format!("the {role} failed")) && errors.contains("SIGKILL"), "{errors}");
         all_gone(&roles);
     }
+}
+
+#[test]
+fn what_a_foreign_program_leaves_behind_ends_with_it() {
+    let file = fresh_folder("orphan").with_extension("pid");
+    let script = format!("sh -c 'sleep 600 & echo $! > {}; exit 3'", file.display());
+    let (code, errors) = end(start(&["run", "stand", "--quiet", "--controller", &script]));
+    assert!(code == Some(3) && errors.contains("the controller failed (exit status: 3)"), "{code:?} {errors}");
+    let orphan = std::fs::read_to_string(&file).expect("its number");
+    let stat = PathBuf::from(format!("/proc/{}/stat", orphan.trim()));
+    let is_dead = || std::fs::read_to_string(&stat).map_or(true, |stat| stat.contains(") Z "));
+    eventually("the end of what it has started", is_dead);
+    std::fs::remove_file(file).expect("our own file");
 }
 
 #[test]

@@ -8,6 +8,7 @@ use crate::wire::{Reply, Request, Stamped};
 use iceoryx2::active_request::ActiveRequest;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
+use iceoryx2::service::port_factory::server::ServerCreateError;
 use std::time::{Duration, Instant};
 
 pub(super) const PLANT: &str = "biped/plant/desk";
@@ -22,9 +23,15 @@ pub(super) struct Desk {
 }
 
 impl Desk {
-    pub fn open(place: &Place, name: &str) -> Result<Desk, PortError> {
-        let server = place.desk(name)?.server_builder().create().map_err(|e| broken("opening a desk", e))?;
-        Ok(Desk { server })
+    /// The desk of a role, which has one place.
+    pub fn open(place: &Place, name: &str, role: &'static str) -> Result<Desk, PortError> {
+        match place.desk(name)?.server_builder().create() {
+            Ok(server) => Ok(Desk { server }),
+            Err(ServerCreateError::ExceedsMaxSupportedServers) => {
+                Err(PortError::Taken { session: place.session().into(), role })
+            }
+            Err(error) => Err(broken("opening a desk", error)),
+        }
     }
 
     /// The next request, if there is one.

@@ -22,7 +22,8 @@ impl Plant {
         let (mut done, mut step) = (0.0, self.stride.min(h));
         while done < h {
             // a sliver at the end would cost a step of its own
-            let part = if done + 1.01 * step >= h { h - done } else { step };
+            let last = done + 1.01 * step >= h;
+            let part = if last { h - done } else { step };
             let (record, report) = (self.record, self.report);
             self.begin();
             self.work.memory.copy(&self.memory);
@@ -35,7 +36,7 @@ impl Plant {
             let factor = (0.9 * (self.settings.tolerance_step / error).cbrt()).clamp(0.2, 4.0);
             let shortest = h * SHORTEST;
             if error <= self.settings.tolerance_step || step <= shortest {
-                done += part;
+                done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);
                 self.stride = step;
             } else {

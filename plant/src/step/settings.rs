@@ -36,7 +36,7 @@ impl Push {
     /// An impulse [N·s] on a link, spread over as many steps of `h` from step `from` on as the duration holds [s], but one.
     pub fn new(link: usize, impulse: [f64; 3], from: u64, duration: f64, h: f64) -> Push {
         let count = ((duration / h).round() as u64).max(1);
-        Push { link, force: Vector3::from(impulse) / (count as f64 * h), steps: from..from + count }
+        Push { link, force: Vector3::from(impulse) / (count as f64 * h), steps: from..from.saturating_add(count) }
     }
 }
 

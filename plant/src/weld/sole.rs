@@ -142,6 +142,9 @@ impl Sole {
                 if 2.0 * f.norm_squared() > bound * bound {
                     let slip = velocity(free, d).xy();
                     let excess = (f.dot(&slip).abs() + f.perp(&slip).abs()) / (bound * slip.norm());
+                    if excess.is_nan() {
+                        return None; // without a slip there is no telling where the cone's corner lies
+                    }
                     if excess > 1.0 {
                         *g /= EASE * excess * excess;
                         slips = true;
