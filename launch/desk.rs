@@ -78,7 +78,7 @@ pub struct PushArgs {
     #[arg(long, default_value_t = 4)]
     body: usize,
     /// Time over which the impulse is spread [s]
-    #[arg(long, default_value_t = 0.05)]
+    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
     duration: f64,
     #[command(flatten)]
     session: SessionArgs,
@@ -89,7 +89,7 @@ pub struct PushArgs {
 #[command(group = ArgGroup::new("either").args(["period", "speed"]).required(true).multiple(true))]
 pub struct SetArgs {
     /// Period of two steps [s]
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     period: Option<f64>,
     /// Walking speed [m/s]
     #[arg(long, allow_negative_numbers = true)]

@@ -7,6 +7,7 @@ use messages::load::SceneError;
 use messages::port::PortError;
 use plant::PlantError;
 use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Exit codes of every role.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -33,6 +34,14 @@ pub enum Exit {
     Nonconforming = 10,
     /// Ctrl-C or TERM.
     Interrupted = 130,
+}
+
+/// Whether to go on: not when the user has asked to stop.
+///
+/// # Errors
+/// That.
+pub fn unless(stop: &AtomicBool) -> Result<(), Failure> {
+    if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, "interrupted")) } else { Ok(()) }
 }
 
 /// The same for people.

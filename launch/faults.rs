@@ -168,6 +168,9 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let quick = if args.quick { " --quick" } else { "" };
     say(format_args!("biped faults{quick} --seed {seed}\n\n{HEAD}"));
     let wanted = |fault: Fault| args.only.as_ref().is_none_or(|words| fault.to_string().contains(words));
+    if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
+        return Err(Failure::new(Exit::Usage, "no fault has the words of --only in its name"));
+    }
     let (mut rows, mut failures) = (vec![], vec![]);
     for (fault, whole, few) in FAULTS.into_iter().filter(|(fault, ..)| wanted(*fault)) {
         let trials = if args.quick { few } else { whole };

@@ -66,7 +66,8 @@ use messages::load::load;
 use messages::port::{Pace, PortError};
 use messages::scene::Scene;
 use model::RunModel;
-use std::io::Write;
+use std::io::{ErrorKind, Write};
+use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -256,9 +257,9 @@ fn main() -> ExitCode {
         Some(Command::Tunnel(args)) => tunnel::run(&args, &stop),
         Some(Command::Become(args)) => children::become_other(&args),
         Some(Command::Export(args)) => export::run(&args),
-        Some(Command::Info(args)) => recording::info::run(&args),
-        Some(Command::Convert(args)) => recording::table::run(&args),
-        Some(Command::Replay(args)) => recording::replay::run(&args),
+        Some(Command::Info(args)) => recording::info::run(&args, &stop),
+        Some(Command::Convert(args)) => recording::table::run(&args, &stop),
+        Some(Command::Replay(args)) => recording::replay::run(&args, &stop),
         Some(Command::List { hashes: true, .. }) => hashes::print(),
         Some(Command::List { keys: false, .. }) => list::scenes(),
         Some(Command::List { keys: true, .. }) => list::keys(),
@@ -288,7 +289,25 @@ fn guarded<T>(open: impl FnOnce() -> Result<T, PortError>) -> Result<T, PortErro
     opened
 }
 
-/// Prints; a reader that has had enough, such as `head`, is no error.
+/// Prints; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
 fn say(text: impl std::fmt::Display) {
-    let _ = write!(std::io::stdout(), "{text}");
+    let mut out = std::io::stdout();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("error: what is printed cannot be written: {error}");
+            std::process::exit(Exit::Fault as i32);
+        }
+        _ => (),
+    }
+}
+
+/// Refuses to write into the file that is read.
+fn keeps(input: &Path, output: &Path) -> Result<(), Failure> {
+    let same = input.canonicalize().is_ok_and(|input| output.canonicalize().is_ok_and(|output| input == output));
+    match same {
+        true => {
+            Err(Failure::new(Exit::Usage, format!("{} is what is read: write into another file", output.display())))
+        }
+        false => Ok(()),
+    }
 }

@@ -9,7 +9,7 @@ use crate::realtime::RealtimeArgs;
 use crate::recording::Writer;
 use crate::summary::Summary;
 use crate::swap::{Succession, Swap};
-use crate::{PaceArgs, SceneArgs, fitted, guarded, report, say};
+use crate::{PaceArgs, SceneArgs, fitted, guarded, keeps, report, say};
 use clap::Args;
 use messages::invitation::Invitation;
 use messages::load;
@@ -17,7 +17,8 @@ use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use nix::time::ClockId;
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use watch::{Watch, fell};
@@ -100,6 +101,15 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let written = args.scene.written()?;
     let scene = args.scene.on_model(&written);
     let mut watch = Watch::new(&scene, args.out.is_some(), args.quiet);
+    for output in args.record.iter().chain(&args.out) {
+        for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
+            keeps(Path::new(input), output)?;
+        }
+    }
+    if let Some(folder) = &args.out {
+        // before the work, not after it
+        std::fs::create_dir_all(folder).map_err(|error| unwritten(folder, &error))?;
+    }
     watch.tape = args.record.as_deref().map(|path| Writer::create(path, &scene)).transpose()?;
     let outcome = match args.in_process {
         true => one_process::run(&scene, &mut watch, stop),
@@ -121,7 +131,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let text = load::text(&scene);
         report::write(folder, &watch.recorder, &summary, &scene, &text)
             .and_then(|()| std::fs::write(folder.join("scene.toml"), &text))
-            .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display())))?;
+            .map_err(|error| unwritten(folder, &error))?;
     }
     say(&summary);
     match (summary.fall_time_s, outcome) {
@@ -167,7 +177,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     roles[0].begin();
     roles.extend(controller);
     let mut lives = args.respawn;
-    let mut succession = Succession::new(&args.swap, &swept.0, &contract);
+    let mut succession = Succession::new(&args.swap, &swept.0, &contract, patience);
     let succeed = |command: &str| {
         let heir = Invitation { succeeds: true, ..invitation.clone() };
         Role::foreign("controller", command, &children::environment(&heir)?, &bar)
@@ -207,6 +217,10 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     children::end(&mut roles, || drop(watch.drain(&mut port)));
     watch.drain(&mut port)?;
     outcome
+}
+
+fn unwritten(folder: &Path, error: &io::Error) -> Failure {
+    Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display()))
 }
 
 fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {

@@ -35,8 +35,8 @@ pub struct StudyArgs {
     #[arg(long)]
     quiet: bool,
     /// Contact problems to solve, of all families together; for `problems`
-    #[arg(long, default_value_t = 1_000_000, value_name = "N")]
-    count: usize,
+    #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    count: u64,
 }
 
 /// Which table.
@@ -64,8 +64,8 @@ pub type Outcome = Result<Summary, String>;
 /// are rows of the table.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Study::Problems = args.study {
-        let bar = bar(args, args.count, "problems");
-        let mut results = problems::solve(args.count, stop, |more| bar.inc(more))?;
+        let bar = bar(args, args.count as usize, "problems");
+        let mut results = problems::solve(args.count as usize, stop, |more| bar.inc(more))?;
         bar.finish_and_clear();
         let rows = problems::rows(&mut results);
         return hand_out(args, &table(&rows), &comma_separated(&rows));

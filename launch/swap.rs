@@ -49,6 +49,8 @@ impl FromStr for Swap {
 pub struct Succession {
     session: Session,
     contract: Contract,
+    /// With one that does not join.
+    patience: Duration,
     left: VecDeque<Swap>,
     /// The next one.
     heir: Option<Heir>,
@@ -57,17 +59,18 @@ pub struct Succession {
 
 struct Heir {
     role: Role,
+    started: Instant,
     /// Since when it has been a member of the session.
     joined: Option<Instant>,
 }
 
 impl Succession {
     /// In order of time.
-    pub fn new(swaps: &[Swap], session: &Session, contract: &Contract) -> Succession {
+    pub fn new(swaps: &[Swap], session: &Session, contract: &Contract, patience: Duration) -> Succession {
         let mut left = swaps.to_vec();
         left.sort_by(|a, b| a.time.total_cmp(&b.time));
         let (left, session) = (left.into(), session.clone());
-        Succession { session, contract: *contract, left, heir: None, looked: Instant::now() }
+        Succession { session, contract: *contract, patience, left, heir: None, looked: Instant::now() }
     }
 
     /// Looks whether it is time for the next one, by the stamp of the latest truth, and lets it take the incumbent's place.
@@ -83,7 +86,7 @@ impl Succession {
     ) -> Result<(), Failure> {
         let Some(next) = self.left.front().cloned().filter(|_| now.seq > 0) else { return Ok(()) };
         if self.heir.is_none() {
-            self.heir = Some(Heir { role: start(&next.command)?, joined: None });
+            self.heir = Some(Heir { role: start(&next.command)?, started: Instant::now(), joined: None });
             self.stand_still_at(next.time);
         }
         let is_ready = self.is_ready()?; // or it has failed
@@ -124,6 +127,10 @@ impl Succession {
             let group = heir.role.number();
             let of_it = |member: u32| i32::try_from(member).is_ok_and(|member| group_of(member) == group);
             heir.joined = self.session.members().into_iter().any(of_it).then(Instant::now);
+        }
+        if heir.joined.is_none() && heir.started.elapsed() > self.patience {
+            let words = format!("the successor did not join within {:?}", self.patience);
+            return Err(Failure::new(Exit::PeerMissing, words));
         }
         Ok(heir.joined.is_some_and(|joined| joined.elapsed() > SETTLING))
     }

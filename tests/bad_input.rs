@@ -53,6 +53,9 @@ fn wrong_usage_is_refused() {
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
     refused(&["run", "walk", "--in-process", "--realtime"], &["--in-process"]);
     refused(&["plant", "walk", "--session", "../x"], &["../x", "letters"]);
+    refused(&["faults", "--only", "nosuch"], &["--only"]);
+    refused(&["study", "problems", "--count", "0"], &["--count"]);
+    refused(&["view", "README.md", "--out", "./README.md"], &["README.md is what is read"]);
     refused(&["run", "walk", "--swap", "inf=biped controller"], &["a simulated time"]);
 }
 
@@ -61,6 +64,23 @@ fn a_gait_that_no_foot_can_bear_falls_or_walks_but_never_panics() {
     let gait = ["--in-process", "--quiet", "--set", "duration=3", "--set", "controller.release_x2=0.101"];
     let (code, errors) = biped(&[&["run", "walk"], &gait[..]].concat());
     assert!(code == Some(0) || code == Some(7), "{code:?} {errors}");
+}
+
+#[test]
+fn what_cannot_be_printed_or_written_is_told_at_once() {
+    let full = std::fs::File::options().write(true).open("/dev/full").expect("a full device");
+    let mut print = Command::new(env!("CARGO_BIN_EXE_biped"));
+    let output = print.args(["export", "toml"]).stdout(full).output().expect("the program starts");
+    let errors = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(4) && errors.contains("cannot be written"), "{errors}");
+    let scene = std::env::temp_dir().join(format!("biped-test-{}-own.toml", std::process::id()));
+    std::fs::copy("launch/scenes/stand.toml", &scene).expect("a file");
+    let name = scene.display().to_string();
+    refused(&["run", &name, "--record", &name], &["is what is read"]);
+    assert_eq!(std::fs::read(&scene).ok(), std::fs::read("launch/scenes/stand.toml").ok());
+    std::fs::remove_file(scene).expect("our own file");
+    let (code, errors) = biped(&["run", "walk", "--realtime", "--set", "duration=1e6", "--out", "README.md/x"]);
+    assert!(code == Some(4) && errors.contains("README.md/x cannot be written"), "{code:?} {errors}");
 }
 
 #[test]

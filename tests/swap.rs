@@ -64,6 +64,8 @@ fn a_successor_that_ends_before_its_turn_ends_the_run() {
     let (summary, told) = walk("stand", &["true".into()], &[1.0], &[]);
     assert!(told.contains("the successor ended before its turn"), "{told}");
     assert_eq!(summary["fell"], false);
+    let (_, told) = walk("stand", &["sleep 600".into()], &[1.0], &["--patience", "1"]);
+    assert!(told.contains("the successor did not join within 1s"), "{told}");
 }
 
 #[test]

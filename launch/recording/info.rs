@@ -1,12 +1,13 @@
 //! `biped info`: what a recording has.
 
 use super::Reader;
-use crate::exit::Failure;
+use crate::exit::{Failure, unless};
 use crate::say;
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// Arguments of `biped info`.
 #[derive(Args)]
@@ -22,7 +23,7 @@ pub struct InfoArgs {
 ///
 /// # Errors
 /// See [`Reader::open`].
-pub fn run(args: &InfoArgs) -> Result<(), Failure> {
+pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
     if args.scene {
         say(reader.word("scene"));
@@ -31,6 +32,7 @@ pub fn run(args: &InfoArgs) -> Result<(), Failure> {
     let scene = reader.scene()?;
     let (mut counts, mut end) = (BTreeMap::<Arc<str>, u64>::new(), 0);
     while let Some(item) = reader.next() {
+        unless(stop)?;
         *counts.entry(item.topic).or_default() += 1;
         end = item.time;
     }

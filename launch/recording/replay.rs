@@ -2,7 +2,7 @@
 //! recorded, bit for bit.
 
 use super::Reader;
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::say;
 use clap::Args;
 use controller::Controller;
@@ -12,6 +12,7 @@ use messages::wire::{Command, Stamp, Stamped, Truth};
 use plant::Simulation;
 use std::collections::VecDeque;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 
 /// Sensors that a late command may answer.
 const RECENT: usize = 4096;
@@ -61,9 +62,9 @@ impl Comparison {
 ///
 /// # Errors
 /// If anything differs; see also [`Reader::open`].
-pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
+pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
-    let found = if args.plant { plant(&mut reader)? } else { controller(&mut reader)? };
+    let found = if args.plant { plant(&mut reader, stop)? } else { controller(&mut reader, stop)? };
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
     let Comparison { count, differ, greatest, first, beginnings, remark, is_asked } = found;
     say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
@@ -88,11 +89,12 @@ pub fn run(args: &ReplayArgs) -> Result<(), Failure> {
 }
 
 /// Recorded sensors to a controller: each of its commands beside the recorded one that answers the same sensors.
-fn controller(reader: &mut Reader) -> Result<Comparison, Failure> {
+fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     let scene = reader.scene()?;
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
     while reader.next_truth(&mut truth).is_some() {
+        unless(stop)?;
         found.is_asked |= truth.tally.requests > 0;
         let Truth { stamp, command, asked, encoders, .. } = truth;
         if (command.run, command.epoch, command.seq) != (last.run, last.epoch, last.seq) && command.run == stamp.run {
@@ -136,12 +138,13 @@ fn controller(reader: &mut Reader) -> Result<Comparison, Failure> {
 }
 
 /// Recorded torques to a plant: each of its states beside the recorded one.
-fn plant(reader: &mut Reader) -> Result<Comparison, Failure> {
+fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     // What the link did to the commands is in the record already.
     let scene = Scene { link: LinkScene::default(), ..reader.scene()? };
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let mut simulation = None::<Simulation>;
     while reader.next_truth(&mut truth).is_some() {
+        unless(stop)?;
         found.is_asked |= truth.tally.requests > 0;
         let Truth { stamp, command, asked: torques, telemetry, .. } = truth;
         let simulation = match &mut simulation {

@@ -1,7 +1,7 @@
 //! `biped convert`: a recording as tables, one for each topic of numbers.
 
 use super::{Content, Reader, Topic, failed};
-use crate::exit::Failure;
+use crate::exit::{Exit, Failure, unless};
 use crate::say;
 use bytemuck::bytes_of;
 use clap::Args;
@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 
 /// Arguments of `biped convert`.
 #[derive(Args)]
@@ -25,11 +26,38 @@ pub struct ConvertArgs {
 ///
 /// # Errors
 /// See [`Reader::open`]; or if the folder cannot be written.
-pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
+pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
     std::fs::create_dir_all(&args.csv).map_err(|error| failed(&args.csv, "cannot be made", error))?;
     let mut tables = BTreeMap::new();
+    if let Err(failure) = fill(&mut reader, &args.csv, &mut tables, stop) {
+        tables.values().for_each(|table: &Table| _ = std::fs::remove_file(&table.path)); // half of one is none
+        return Err(failure);
+    }
+    if tables.is_empty() {
+        return Err(Failure::new(
+            Exit::Usage,
+            format!("{}: there is nothing in it to make tables of", args.file.display()),
+        ));
+    }
+    for table in tables.into_values() {
+        table.finish()?;
+    }
+    if let Some(why) = reader.cut {
+        eprintln!("{} is cut short: {why}; the tables have all before that", args.file.display());
+    }
+    Ok(())
+}
+
+/// Takes all there is into the table of its topic.
+fn fill(
+    reader: &mut Reader,
+    folder: &Path,
+    tables: &mut BTreeMap<&'static str, Table>,
+    stop: &AtomicBool,
+) -> Result<(), Failure> {
     while let Some(item) = reader.next() {
+        unless(stop)?;
         let (topic, bytes) = match &item.content {
             Content::Sensors(sensors) => (Topic::Sensors, bytes_of(sensors)),
             Content::Command(command) => (Topic::Command, bytes_of(command)),
@@ -38,17 +66,11 @@ pub fn run(args: &ConvertArgs) -> Result<(), Failure> {
             Content::Other => continue,
         };
         if !tables.contains_key(topic.name()) {
-            tables.insert(topic.name(), Table::create(&args.csv, topic)?);
+            tables.insert(topic.name(), Table::create(folder, topic)?);
         }
         if let Some(table) = tables.get_mut(topic.name()) {
             table.row(item.time, bytes)?;
         }
-    }
-    for table in tables.into_values() {
-        table.finish()?;
-    }
-    if let Some(why) = reader.cut {
-        eprintln!("{} is cut short: {why}; the tables have all before that", args.file.display());
     }
     Ok(())
 }

@@ -1,13 +1,13 @@
 //! `biped view FILE`: the page of a recording, as the report of that run has it.
 
 use super::server::{Door, html, nothing};
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::progress::Counter;
 use crate::record::Recorder;
 use crate::recording::Reader;
 use crate::report::{self, write_whole};
-use crate::say;
 use crate::summary::Summary;
+use crate::{keeps, say};
 use messages::load;
 use messages::wire::Truth;
 use std::path::Path;
@@ -25,9 +25,13 @@ const OFTEN: u64 = 1 << 12;
 /// # Errors
 /// See [`Reader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
 pub fn run(file: &Path, out: Option<&Path>, port: u16, stop: &AtomicBool) -> Result<(), Failure> {
+    if let Some(out) = out {
+        keeps(file, out)?;
+    }
     let page = page(file, stop)?;
     if let Some(out) = out {
-        write_whole(out, &page).map_err(|error| Failure::new(Exit::Fault, format!("cannot be written: {error}")))?;
+        write_whole(out, &page)
+            .map_err(|error| Failure::new(Exit::Fault, format!("the page cannot be written: {error}")))?;
         say(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }
@@ -61,9 +65,7 @@ fn page(file: &Path, stop: &AtomicBool) -> Result<String, Failure> {
         count += 1;
         if count % OFTEN == 0 {
             progress.reach(reader.read() >> 20);
-            if stop.load(Relaxed) {
-                return Err(Failure::new(Exit::Interrupted, "interrupted"));
-            }
+            unless(stop)?;
         }
     }
     progress.finish();
