@@ -30,8 +30,7 @@ mod trial;
 
 use self::core::Core;
 use crate::exit::{Exit, Failure};
-use crate::report::write_whole;
-use crate::say;
+use crate::output::{folder, say, unwritten, write_whole};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -70,8 +69,10 @@ pub struct ChartArgs {
 pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let begun = Instant::now();
     let chosen = cases::chosen(&args.scenes)?;
-    let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
-    std::fs::create_dir_all(&args.out).map_err(unwritable)?;
+    let table = args.peers.as_ref().and_then(Option::as_deref);
+    let given = table.map_or(Ok(vec![]), peers::read)?;
+    folder(&args.out)?;
+    let failed = |error| unwritten(&args.out, &error);
     let watch = Watch::new(args.quiet, stop);
     if args.growth {
         return growth::run(args, &watch);
@@ -92,19 +93,19 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let remarks = match &args.peers {
         None => vec![alone],
         Some(None) => {
-            write(&rows, &[alone]).map_err(unwritable)?; // what follows takes minutes, and may fail
+            write(&rows, &[alone]).map_err(failed)?; // what follows takes minutes, and may fail
             let (found, left_out) = peers::rows(&args.out, &args.scenes, args.quick, &watch)?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()
         }
         Some(Some(table)) => {
-            rows.extend(peers::read(table)?);
+            rows.extend(given);
             let origin = format!("Other simulators are those of {}, measured in another session.", table.display());
             vec![origin, peers::REMARK.into()]
         }
     };
     watch.bar.finish_and_clear();
-    write(&rows, &remarks).map_err(unwritable)?;
+    write(&rows, &remarks).map_err(failed)?;
     say(format!(
         "{} measurements in {}, drawn in chart.html beside it; {:.0} s\n",
         rows.len(),

@@ -19,8 +19,9 @@ mod stamps;
 
 pub use company::others;
 
+use crate::SceneArgs;
 use crate::exit::{Exit, Failure};
-use crate::{SceneArgs, say};
+use crate::output::say;
 use clap::Args;
 use guest::Host;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -79,7 +80,13 @@ impl Report<'_> {
 
     /// Checks one part after the other, until Ctrl-C.
     fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
-        parts.iter().try_for_each(|part| if self.stop.load(Relaxed) { Ok(()) } else { part(host, self) })
+        for (nth, part) in parts.iter().enumerate().take_while(|_| !self.stop.load(Relaxed)) {
+            part(host, self)?;
+            if nth == 0 && self.kept == 0 {
+                self.note("what does not begin refuses everything: what is kept below says little");
+            }
+        }
+        Ok(())
     }
 }
 

@@ -1,7 +1,7 @@
 //! At the desk of a running session: `biped pause|resume|step|reset|push|rearm|set`.
 
 use crate::exit::{Exit, Failure};
-use crate::say;
+use crate::output::say;
 use clap::{ArgGroup, Args, Subcommand};
 use messages::port::{Ask, Verdict, ask};
 use messages::session::Session;

@@ -1,7 +1,8 @@
 //! `biped doctor`: whether this machine is fit to run, and what is running; `biped clean`: removes what dead sessions left.
 
 use crate::exit::{Exit, Failure};
-use crate::{realtime, say};
+use crate::output::say;
+use crate::realtime;
 use messages::port::{ROOM, TRANSPORT};
 use messages::session::{Remains, Room, Session};
 use messages::wire::SCHEMA_HASH;

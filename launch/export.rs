@@ -16,7 +16,8 @@ mod toml;
 mod urdf;
 
 use crate::exit::Failure;
-use crate::{fitted, list, say};
+use crate::output::say;
+use crate::{fitted, list};
 use clap::{Args, ValueEnum};
 use messages::load::load;
 use messages::robot::{Joint, JointKind, Sphere};

@@ -17,8 +17,8 @@ pub mod stage;
 mod stop;
 
 use crate::exit::{Exit, Failure};
+use crate::output::{folder, say, unwritten, write_whole};
 use crate::progress::Counter;
-use crate::say;
 use clap::Args;
 use stage::{Outcome, Role, Trial};
 use std::fmt;
@@ -163,6 +163,7 @@ const HEAD: &str = "| fault | trials | passed | median ms | greatest ms | |\n|--
 /// # Errors
 /// If something hung, lied or was left.
 pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    args.out.as_deref().map_or(Ok(()), folder)?;
     let seed = args.seed.unwrap_or_else(|| fastrand::u64(..1 << 32));
     let mut random = fastrand::Rng::with_seed(seed);
     let quick = if args.quick { " --quick" } else { "" };
@@ -189,8 +190,7 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
         rows.push(row);
     }
     if let Some(folder) = &args.out {
-        write(folder, &rows, seed)
-            .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display())))?;
+        write(folder, &rows, seed).map_err(|error| unwritten(folder, &error))?;
     }
     match rows.iter().map(|row| row.failures.len()).sum() {
         _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
@@ -206,9 +206,8 @@ fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<(
         markdown += &format!("| {} |\n", cells.join(" | "));
         csv += &(cells.map(|cell| format!("\"{}\"", cell.replace('"', "'"))).join(",") + "\n");
     }
-    std::fs::create_dir_all(folder)?;
-    std::fs::write(folder.join("faults.md"), markdown)?;
-    std::fs::write(folder.join("faults.csv"), csv)
+    write_whole(&folder.join("faults.md"), &markdown)?;
+    write_whole(&folder.join("faults.csv"), &csv)
 }
 
 impl Fault {

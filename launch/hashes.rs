@@ -6,8 +6,8 @@
 
 use crate::exit::Failure;
 use crate::list::SCENES;
+use crate::output::say;
 use crate::run::in_process;
-use crate::say;
 use messages::load::load;
 use rayon::prelude::*;
 

@@ -31,10 +31,9 @@ mod watch;
 
 pub use peer::{PeerArgs, serve as peer};
 
-use crate::exit::{Exit, Failure};
+use crate::exit::Failure;
+use crate::output::{folder, say, unwritten, write_whole};
 use crate::realtime::{RealtimeArgs, keep_to};
-use crate::report::write_whole;
-use crate::say;
 use bench::{Bench, Plan};
 use carrier::Carrier;
 use clap::Args;
@@ -67,8 +66,8 @@ pub struct LatencyArgs {
 /// # Errors
 /// A link that breaks, a folder that cannot be written, or Ctrl-C.
 pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
-    std::fs::create_dir_all(&args.out).map_err(unwritable)?;
+    folder(&args.out)?;
+    let failed = |error| unwritten(&args.out, &error);
     let mut results = Results::new(Host::watch());
     let mut bench = Bench::start(if args.quick { Plan::QUICK } else { Plan::FULL }, args.quiet, stop)?;
     bench.expect(bench.plan.rounds as usize * Carrier::ALL.len() + walk::count() + 2);
@@ -85,8 +84,8 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     results.host.finish();
     breakdown::parts(&mut results);
     judge(&mut results);
-    write_whole(&args.out.join("latency.json"), &results.json()?).map_err(unwritable)?;
-    page::write(&args.out, &results).map_err(unwritable)?;
+    write_whole(&args.out.join("latency.json"), &results.json()?).map_err(failed)?;
+    page::write(&args.out, &results).map_err(failed)?;
     say(format_args!(
         "{results}\nfigures in {}, drawn in latency.html beside it\n",
         args.out.join("latency.json").display()

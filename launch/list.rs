@@ -1,7 +1,7 @@
 //! `biped list`: the built-in scenes, and every key of a scene.
 
 use crate::exit::Failure;
-use crate::say;
+use crate::output::say;
 use messages::load::{self, BuiltIn};
 use serde_json::Value;
 

@@ -13,7 +13,7 @@
 //! | real-time scheduling | [`realtime`] |
 //! | progress bar and live line | [`progress`] |
 //! | scenes, their keys and their bits | [`list`], [`hashes`] |
-//! | what goes wrong, exit codes | [`exit`] |
+//! | what goes wrong, exit codes; what is written | [`exit`], [`output`] |
 //! | another controller amid the walk | [`swap`] |
 //! | the wire format for other languages | [`wire`] |
 //! | plant and controller on two machines | [`tunnel`] |
@@ -42,6 +42,7 @@ mod hashes;
 mod latency;
 mod list;
 mod model;
+mod output;
 mod processor;
 mod progress;
 mod realtime;
@@ -66,8 +67,6 @@ use messages::load::load;
 use messages::port::{Pace, PortError};
 use messages::scene::Scene;
 use model::RunModel;
-use std::io::{ErrorKind, Write};
-use std::path::Path;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -287,27 +286,4 @@ fn guarded<T>(open: impl FnOnce() -> Result<T, PortError>) -> Result<T, PortErro
     let opened = open();
     drop(done);
     opened
-}
-
-/// Prints; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
-fn say(text: impl std::fmt::Display) {
-    let mut out = std::io::stdout();
-    match write!(out, "{text}").and_then(|()| out.flush()) {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("error: what is printed cannot be written: {error}");
-            std::process::exit(Exit::Fault as i32);
-        }
-        _ => (),
-    }
-}
-
-/// Refuses to write into the file that is read.
-fn keeps(input: &Path, output: &Path) -> Result<(), Failure> {
-    let same = input.canonicalize().is_ok_and(|input| output.canonicalize().is_ok_and(|output| input == output));
-    match same {
-        true => {
-            Err(Failure::new(Exit::Usage, format!("{} is what is read: write into another file", output.display())))
-        }
-        false => Ok(()),
-    }
 }

@@ -12,6 +12,7 @@ mod torques;
 mod trajectory;
 
 use crate::csv;
+use crate::output::write_whole;
 use crate::record::{Recorder, Row};
 use crate::summary::Summary;
 use crate::view::film;
@@ -77,14 +78,6 @@ pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scen
         write_whole(&folder.join("figures").join(panel.name).with_extension("svg"), &panel.svg)?;
     }
     Ok(())
-}
-
-/// Writes beside the file and renames, so that no reader ever sees half of it.
-pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
-    let draft = path.with_extension("part");
-    let named = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
-    fs::write(&draft, text).map_err(named)?;
-    fs::rename(&draft, path).map_err(named)
 }
 
 /// The page: the run in 3-D, its summary, and every figure.

@@ -16,14 +16,14 @@ mod map;
 mod table;
 
 use crate::exit::{Exit, Failure};
+use crate::output::{folder, say, unwritten, write_whole};
 use crate::progress::Counter;
-use crate::report::write_whole;
-use crate::{say, study};
+use crate::study;
 use cells::Cells;
 use clap::Args;
 use grid::{Case, Grid};
 use rayon::prelude::*;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use table::Table;
 
@@ -76,7 +76,7 @@ pub struct RobustnessArgs {
 pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let grid = Grid::new(args)?;
     let cases = grid.cases();
-    std::fs::create_dir_all(&args.out).map_err(|error| unwritable(&args.out, &error))?;
+    folder(&args.out)?;
     if !args.merge.is_empty() {
         return draw(args, &grid, &cases, &table::merge(&args.merge, &grid, &cases)?);
     }
@@ -114,7 +114,7 @@ fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[Case], rows: &[Option<Strin
     let files = [("robustness.csv", table::text(grid, rows)), ("robustness.svg", map::survival(grid, &cells))];
     for (name, text) in files {
         let path = args.out.join(name);
-        write_whole(&path, &text).map_err(|error| unwritable(&path, &error))?;
+        write_whole(&path, &text).map_err(|error| unwritten(&path, &error))?;
     }
     say(cells.summary(grid));
     say(format!(
@@ -123,8 +123,4 @@ fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[Case], rows: &[Option<Strin
         args.out.join("robustness.csv").display()
     ));
     Ok(())
-}
-
-fn unwritable(path: &Path, error: &std::io::Error) -> Failure {
-    Failure::new(Exit::Fault, format!("{} cannot be written: {error}", path.display()))
 }

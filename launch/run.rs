@@ -5,11 +5,12 @@ mod watch;
 
 use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
+use crate::output::{folder, keeps, say, unwritten};
 use crate::realtime::RealtimeArgs;
 use crate::recording::Writer;
 use crate::summary::Summary;
 use crate::swap::{Succession, Swap};
-use crate::{PaceArgs, SceneArgs, fitted, guarded, keeps, report, say};
+use crate::{PaceArgs, SceneArgs, fitted, guarded, report};
 use clap::Args;
 use messages::invitation::Invitation;
 use messages::load;
@@ -17,7 +18,6 @@ use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use nix::time::ClockId;
-use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -100,16 +100,17 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let begun = Instant::now() - processor_time(); // so much of it the program took to get here
     let written = args.scene.written()?;
     let scene = args.scene.on_model(&written);
+    if scene.controller.is_none() && (args.controller.is_some() || !args.swap.is_empty()) {
+        let alone = format!("scene {} has no controller, so --controller and --swap do nothing", args.scene.scene);
+        return Err(Failure::new(Exit::Usage, alone));
+    }
     let mut watch = Watch::new(&scene, args.out.is_some(), args.quiet);
     for output in args.record.iter().chain(&args.out) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
             keeps(Path::new(input), output)?;
         }
     }
-    if let Some(folder) = &args.out {
-        // before the work, not after it
-        std::fs::create_dir_all(folder).map_err(|error| unwritten(folder, &error))?;
-    }
+    args.out.as_deref().map_or(Ok(()), folder)?;
     watch.tape = args.record.as_deref().map(|path| Writer::create(path, &scene)).transpose()?;
     let outcome = match args.in_process {
         true => one_process::run(&scene, &mut watch, stop),
@@ -217,10 +218,6 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     children::end(&mut roles, || drop(watch.drain(&mut port)));
     watch.drain(&mut port)?;
     outcome
-}
-
-fn unwritten(folder: &Path, error: &io::Error) -> Failure {
-    Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display()))
 }
 
 fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {

@@ -2,7 +2,7 @@
 
 use crate::exit::{Exit, Failure};
 use crate::faults::stage::{Process, Role, Stage, is_finite, walk};
-use crate::say;
+use crate::output::{folder, say, unwritten, write_whole};
 use clap::Args;
 use messages::port::{Ask, Contract, Pace, RecorderPort, ask};
 use messages::session::Session;
@@ -26,7 +26,7 @@ const FLAT: f64 = 1024.0;
 #[derive(Args)]
 pub struct SoakArgs {
     /// For so long [min]
-    #[arg(long, default_value_t = 60.0, value_name = "M", value_parser = minutes)]
+    #[arg(long, default_value_t = 60.0, value_name = "M", value_parser = minutes, allow_negative_numbers = true)]
     minutes: f64,
     /// At the pace of the clock instead of as fast as possible
     #[arg(long)]
@@ -61,13 +61,12 @@ fn minutes(text: &str) -> Result<f64, String> {
 /// # Errors
 /// If something grows, or ends.
 pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    args.out.as_deref().map_or(Ok(()), folder)?;
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
     let (samples, simulated, falls) = soak(pace, Duration::from_secs_f64(args.minutes * 60.0), stop).map_err(fault)?;
     if let Some(folder) = &args.out {
-        std::fs::create_dir_all(folder)
-            .and_then(|()| std::fs::write(folder.join("soak.csv"), table(&samples)))
-            .map_err(|error| fault(format!("{} cannot be written: {error}", folder.display())))?;
+        write_whole(&folder.join("soak.csv"), &table(&samples)).map_err(|error| unwritten(folder, &error))?;
     }
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
         return Err(Failure::new(Exit::Interrupted, "interrupted before the first sample"));

@@ -2,10 +2,9 @@
 
 use crate::exit::{Exit, Failure};
 use crate::list::SCENES;
+use crate::output::{folder, say, unwritten, write_whole};
 use crate::record::Recorder;
-use crate::report::write_whole;
 use crate::run::{goes_on, in_process};
-use crate::say;
 use crate::summary::Summary;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -34,9 +33,9 @@ pub struct StudyArgs {
     /// Show no progress
     #[arg(long)]
     quiet: bool,
-    /// Contact problems to solve, of all families together; for `problems`
-    #[arg(long, default_value_t = 1_000_000, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
-    count: u64,
+    /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    count: Option<u64>,
 }
 
 /// Which table.
@@ -63,12 +62,17 @@ pub type Outcome = Result<Summary, String>;
 /// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
 /// are rows of the table.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    args.out.as_deref().map_or(Ok(()), folder)?;
     if let Study::Problems = args.study {
-        let bar = bar(args, args.count as usize, "problems");
-        let mut results = problems::solve(args.count as usize, stop, |more| bar.inc(more))?;
+        let count = args.count.unwrap_or(1_000_000) as usize;
+        let bar = bar(args, count, "problems");
+        let mut results = problems::solve(count, stop, |more| bar.inc(more))?;
         bar.finish_and_clear();
         let rows = problems::rows(&mut results);
         return hand_out(args, &table(&rows), &comma_separated(&rows));
+    }
+    if args.count.is_some() {
+        return Err(Failure::new(Exit::Usage, "--count is of `study problems`: other tables have their cases"));
     }
     let cases = cases(args.study);
     let bar = bar(args, cases.len(), "cases");
@@ -96,13 +100,11 @@ fn hand_out(args: &StudyArgs, markdown: &str, csv: &str) -> Result<(), Failure> 
     say(markdown);
     match &args.out {
         None => Ok(()),
-        Some(folder) => write(folder, args.study, markdown, csv)
-            .map_err(|error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", folder.display()))),
+        Some(folder) => write(folder, args.study, markdown, csv).map_err(|error| unwritten(folder, &error)),
     }
 }
 
 fn write(folder: &Path, study: Study, markdown: &str, csv: &str) -> io::Result<()> {
-    std::fs::create_dir_all(folder)?;
     let path = folder.join(format!("{study:?}").to_lowercase());
     write_whole(&path.with_extension("md"), markdown)?;
     write_whole(&path.with_extension("csv"), csv)

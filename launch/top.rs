@@ -117,7 +117,9 @@ impl Span {
 
     /// All of it, in lines for people.
     fn lines(&self, session: &Session) -> Vec<String> {
-        let Some(truth) = &self.latest else { return vec![format!("session {}: nothing yet", session.name())] };
+        let Some(truth) = &self.latest else {
+            return vec![format!("session {}: nothing yet; one that is paused says nothing", session.name())];
+        };
         let [rate, pace, speed] = self.rates();
         let (telemetry, tally) = (&truth.telemetry, &truth.tally);
         let state = name(&STATES, truth.state);
@@ -167,7 +169,7 @@ impl Span {
 
     /// The same in one plain line.
     fn line(&self) -> String {
-        let Some(truth) = &self.latest else { return "nothing yet".into() };
+        let Some(truth) = &self.latest else { return "nothing yet; a session that is paused says nothing".into() };
         let [rate, pace, speed] = self.rates();
         let time = truth.stamp.sim_ns as f64 * 1e-9;
         let refused: u64 = truth.tally.refused.iter().sum();

@@ -24,7 +24,7 @@ pub struct ViewArgs {
     #[arg(long, default_value_t = 8642)]
     port: u16,
     /// Write the page of the recording into this file, instead of serving it
-    #[arg(long, value_name = "FILE", requires = "file")]
+    #[arg(long, value_name = "FILE", requires = "file", conflicts_with = "session")]
     out: Option<PathBuf>,
 }
 

@@ -1,6 +1,6 @@
 //! `biped wire`: the wire format for other languages.
 
-use crate::say;
+use crate::output::say;
 use clap::{Args, ValueEnum};
 use messages::describe;
 

@@ -23,6 +23,7 @@ fn refused(arguments: &[&str], words: &[&str]) {
 fn a_bad_value_is_refused_by_its_key_in_every_role() {
     for role in ["run", "plant", "controller"] {
         refused(&[role, "walk", "--set", "plant.dt=0"], &["plant.dt = 0", "greater than 0"]);
+        refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 0.000000000001", "at most 1000000 steps"]);
         refused(&[role, "walk", "--set", "plant.friction=nan"], &["plant.friction = NaN", "finite"]);
         refused(&[role, "walk", "--set", "bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.fricton=1"], &["--set plant.fricton=1", "`friction`"]);
@@ -55,6 +56,12 @@ fn wrong_usage_is_refused() {
     refused(&["plant", "walk", "--session", "../x"], &["../x", "letters"]);
     refused(&["faults", "--only", "nosuch"], &["--only"]);
     refused(&["study", "problems", "--count", "0"], &["--count"]);
+    refused(&["study", "laws", "--count", "5"], &["--count is of `study problems`"]);
+    refused(&["view", "--session", "a", "--out", "b.html"], &["--out"]);
+    refused(&["run", "slide", "--controller", "true"], &["slide has no controller"]);
+    refused(&["run", "slide", "--swap", "0.1=true"], &["slide has no controller"]);
+    refused(&["soak", "--minutes", "-1"], &["a number of minutes"]);
+    refused(&["chart", "--peers=nosuch.csv"], &["nosuch.csv"]);
     refused(&["view", "README.md", "--out", "./README.md"], &["README.md is what is read"]);
     refused(&["run", "walk", "--swap", "inf=biped controller"], &["a simulated time"]);
 }
@@ -79,8 +86,18 @@ fn what_cannot_be_printed_or_written_is_told_at_once() {
     refused(&["run", &name, "--record", &name], &["is what is read"]);
     assert_eq!(std::fs::read(&scene).ok(), std::fs::read("launch/scenes/stand.toml").ok());
     std::fs::remove_file(scene).expect("our own file");
-    let (code, errors) = biped(&["run", "walk", "--realtime", "--set", "duration=1e6", "--out", "README.md/x"]);
-    assert!(code == Some(4) && errors.contains("README.md/x cannot be written"), "{code:?} {errors}");
+    for long in [
+        &["run", "walk", "--realtime", "--set", "duration=1e6"][..],
+        &["study", "endurance"],
+        &["soak"],
+        &["faults"],
+        &["latency"],
+        &["robustness"],
+        &["chart"],
+    ] {
+        let (code, errors) = biped(&[long, &["--out", "README.md/x"]].concat());
+        assert!(code == Some(4) && errors.contains("README.md/x cannot be written"), "{long:?}: {code:?} {errors}");
+    }
 }
 
 #[test]

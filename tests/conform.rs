@@ -37,6 +37,7 @@ fn what_does_nothing_is_named_with_the_first_rule() {
     let (code, broken, told) = conform(&["--plant", "sh -c 'echo error: no legs >&2; exit 7'", "--patience", "5"]);
     assert_eq!(code, Some(10), "{told}");
     assert!(broken[0].contains("sends sensors number 1") && broken[0].contains("exit code 7: no legs"), "{told}");
+    assert!(told.contains("says little"), "{told}");
 }
 
 #[test]

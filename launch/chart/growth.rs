@@ -11,9 +11,8 @@ use super::trial::{periods, time};
 use super::{ChartArgs, Job, Watch};
 use crate::exit::{Exit, Failure};
 use crate::list::SCENES;
-use crate::report::write_whole;
+use crate::output::{say, unwritten, write_whole};
 use crate::run::in_process;
-use crate::say;
 use crate::study::table;
 use messages::load::load;
 use rayon::ThreadPoolBuilder;
@@ -38,7 +37,7 @@ pub struct Point {
 /// # Errors
 /// Ctrl-C, a table of peers, peers that cannot be measured, or a folder that cannot be written.
 pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
-    let unwritable = |error| Failure::new(Exit::Fault, format!("{} cannot be written: {error}", args.out.display()));
+    let failed = |error| unwritten(&args.out, &error);
     if let Some(Some(table)) = &args.peers {
         let other = format!("--growth measures peers itself: --peers without {}", table.display());
         return Err(Failure::new(Exit::Usage, other));
@@ -66,11 +65,11 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     watch.bar.finish_and_clear();
     for curve in Curve::ALL {
         write_whole(&args.out.join(format!("growth-{}.svg", curve.name)), &drawing::draw(&curve, &points))
-            .map_err(unwritable)?;
+            .map_err(failed)?;
     }
     let rows = points.iter().map(|Point { curve, engine, x, us }| format!("{curve},{engine},{x},{us:.3}\n"));
     let csv = format!("curve,engine,x,us_per_step\n{}", rows.collect::<String>());
-    write_whole(&args.out.join("growth.csv"), &csv).map_err(unwritable)?;
+    write_whole(&args.out.join("growth.csv"), &csv).map_err(failed)?;
     say(format!("{}\n{}\n{}", times(&points), exponents(&points), processors(&sweeps)));
     Ok(())
 }

@@ -6,13 +6,16 @@ use toml::{Table, Value};
 
 /// What to know before editing.
 const HEAD: &str = "\
-# A robot, as `biped export toml` prints it. Edit it, save it as my.toml, and: biped run walk --robot my.toml
+# A robot, as `biped export toml` prints it. Frames are parallel at zero angles: x forward, y left, z up. A body's frame sits in
+# the joint that carries it; `at` is that joint in the frame of its parent. Lengths in m, masses in kg, inertias in kg·m².
+";
+/// And of those that can walk.
+const BIPED: &str = "\
 #
-# A trunk and two legs of four joints: hip, knee and ankle pitch, ankle roll. Frames are parallel at zero angles: x forward,
-# y left, z up. A body's frame sits in the joint that carries it; `at` is that joint in the frame of its parent.
-# Lengths in m, masses in kg, inertias in kg·m². The gait, the servos' gains and the posture at the start follow from the
-# robot by dynamic similarity; `--set` changes any of them.
-
+# Edit it, save it as my.toml, and: biped run walk --robot my.toml
+#
+# A trunk and two legs of four joints: hip, knee and ankle pitch, ankle roll. The gait, the servos' gains and the posture at the
+# start follow from the robot by dynamic similarity; `--set` changes any of them.
 ";
 const HALF: &str = "
 # The right leg is the mirror image of the left one; written out, it must be that.
@@ -36,8 +39,9 @@ const JOINT: [&str; 7] = ["parent", "kind", "axis", "at", "stiffness", "damping"
 pub fn text(scene: &Scene) -> String {
     let plant = &scene.plant;
     let half = scene.bodies.get(..5).filter(|half| arranged(half).as_ref() == Ok(&scene.bodies));
-    let mut out = HEAD.to_string();
-    out += &format!("name = {}\n\n", Value::from(scene.robot_name()));
+    let is_biped = arranged(&scene.bodies).is_ok();
+    let mut out = [HEAD, if is_biped { BIPED } else { "" }].concat();
+    out += &format!("\nname = {}\n\n", Value::from(scene.robot_name()));
     out += &format!(
         "[drives]\n# reflected at each joint, J_r [kg·m²]; viscous, D [N·m·s/rad]; [N·m]; counts per turn are 2 to this power\n\
          inertia = {}\ndamping = {}\ntorque_limit = {}\nencoder_bits = {}\n",

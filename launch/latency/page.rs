@@ -2,8 +2,9 @@
 
 use super::draw;
 use super::results::{Results, micros};
+use crate::output::write_whole;
+use crate::report::inline;
 use crate::report::plot::escaped;
-use crate::report::{inline, write_whole};
 use crate::view::page::STYLE;
 use std::fmt::Write;
 use std::io;

@@ -121,7 +121,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// Tells the first process that it may begin.
 fn ready() {
-    crate::say("ready\n");
+    crate::output::say("ready\n");
     let _ = std::io::stdout().flush();
 }
 

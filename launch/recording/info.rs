@@ -2,7 +2,7 @@
 
 use super::Reader;
 use crate::exit::{Failure, unless};
-use crate::say;
+use crate::output::say;
 use clap::Args;
 use std::collections::BTreeMap;
 use std::path::PathBuf;

@@ -3,7 +3,7 @@
 
 use super::Reader;
 use crate::exit::{Exit, Failure, unless};
-use crate::say;
+use crate::output::say;
 use clap::Args;
 use controller::Controller;
 use controller::process::ProcessError;

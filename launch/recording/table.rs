@@ -2,7 +2,7 @@
 
 use super::{Content, Reader, Topic, failed};
 use crate::exit::{Exit, Failure, unless};
-use crate::say;
+use crate::output::say;
 use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::Message;

@@ -1,9 +1,8 @@
 //! The table: one row for each run, appended as runs end, sorted when all have.
 
 use super::grid::{Case, Grid};
-use super::unwritable;
 use crate::exit::{Exit, Failure};
-use crate::report::write_whole;
+use crate::output::{unwritten, write_whole};
 use crate::study::Outcome;
 use crate::summary::Summary;
 use std::fs::{File, OpenOptions, TryLockError};
@@ -30,7 +29,7 @@ impl Table {
     /// # Errors
     /// A file of another sweep, one that somebody writes just now, or one that cannot be written.
     pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
-        let failed = |error: std::io::Error| unwritable(path, &error);
+        let failed = |error: std::io::Error| unwritten(path, &error);
         let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         if let Err(TryLockError::WouldBlock) = file.try_lock() {
@@ -59,7 +58,7 @@ impl Table {
     pub fn append(&self, case: &Case, outcome: &Outcome) -> Result<(), Failure> {
         let row = format!("{},{}\n", key(case), results(outcome));
         let mut growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner);
-        growing.0.write_all(row.as_bytes()).map_err(|error| unwritable(&self.path, &error))?;
+        growing.0.write_all(row.as_bytes()).map_err(|error| unwritten(&self.path, &error))?;
         growing.1[case.number] = Some(row);
         Ok(())
     }
@@ -70,7 +69,7 @@ impl Table {
     /// If it cannot be written.
     pub fn finish(self) -> Result<Vec<Option<String>>, Failure> {
         let rows = self.growing.into_inner().unwrap_or_else(PoisonError::into_inner).1;
-        write_whole(&self.path, &joined(&self.begin, &rows)).map_err(|error| unwritable(&self.path, &error))?;
+        write_whole(&self.path, &joined(&self.begin, &rows)).map_err(|error| unwritten(&self.path, &error))?;
         Ok(rows)
     }
 }

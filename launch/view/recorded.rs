@@ -2,12 +2,12 @@
 
 use super::server::{Door, html, nothing};
 use crate::exit::{Exit, Failure, unless};
+use crate::output::{keeps, say, unwritten, write_whole};
 use crate::progress::Counter;
 use crate::record::Recorder;
 use crate::recording::Reader;
-use crate::report::{self, write_whole};
+use crate::report;
 use crate::summary::Summary;
-use crate::{keeps, say};
 use messages::load;
 use messages::wire::Truth;
 use std::path::Path;
@@ -30,8 +30,7 @@ pub fn run(file: &Path, out: Option<&Path>, port: u16, stop: &AtomicBool) -> Res
     }
     let page = page(file, stop)?;
     if let Some(out) = out {
-        write_whole(out, &page)
-            .map_err(|error| Failure::new(Exit::Fault, format!("the page cannot be written: {error}")))?;
+        write_whole(out, &page).map_err(|error| unwritten(out, &error))?;
         say(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }

@@ -6,6 +6,9 @@ use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use toml::Value;
 
+/// Steps of a control period.
+const MOST: f64 = 1e6;
+
 /// Checks every value of a scene; `origin` names it in the error.
 ///
 /// # Errors
@@ -89,6 +92,8 @@ impl Check<'_> {
             1.0 / (scene.rate * steps.round().max(1.0)),
         );
         self.require(whole, "plant.dt", scene.plant.dt, rule)?;
+        let rule = format!("at most {MOST} steps may fit into a control period of 1/{} s", scene.rate);
+        self.require(steps <= MOST, "plant.dt", scene.plant.dt, rule)?; // nobody is heard within one
         let periods = scene.duration * scene.rate;
         let rule = format!("it must be at least one control period of 1/{} s", scene.rate);
         self.require(periods.round() >= 1.0, "duration", scene.duration, rule)

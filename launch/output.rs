@@ -1,0 +1,57 @@
+//! What is written: to the terminal, and into files, each whole or not at all.
+
+use crate::exit::{Exit, Failure};
+use std::io::{self, ErrorKind, Write};
+use std::path::Path;
+use std::{fs, process};
+
+/// Prints; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
+pub fn say(text: impl std::fmt::Display) {
+    let mut out = io::stdout();
+    match write!(out, "{text}").and_then(|()| out.flush()) {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => {
+            eprintln!("error: what is printed cannot be written: {error}");
+            process::exit(Exit::Fault as i32);
+        }
+        _ => (),
+    }
+}
+
+/// Makes a folder for what will be written, before the work and not after it.
+///
+/// # Errors
+/// If that is not possible.
+pub fn folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(|error| unwritten(path, &error))
+}
+
+/// A failure about what was to be written.
+pub fn unwritten(path: &Path, error: &io::Error) -> Failure {
+    Failure::new(Exit::Fault, format!("{} cannot be written: {error}", path.display()))
+}
+
+/// Writes beside the file and renames, so that no reader ever sees half of it.
+///
+/// # Errors
+/// As the file system has them, with the file's name; nothing is left of the half.
+pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
+    let draft = path.with_extension("part");
+    fs::write(&draft, text).and_then(|()| fs::rename(&draft, path)).map_err(|error| {
+        let _ = fs::remove_file(&draft); // it may never have been there
+        io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+    })
+}
+
+/// Refuses to write into the file that is read.
+///
+/// # Errors
+/// That.
+pub fn keeps(input: &Path, output: &Path) -> Result<(), Failure> {
+    let same = input.canonicalize().is_ok_and(|input| output.canonicalize().is_ok_and(|output| input == output));
+    match same {
+        true => {
+            Err(Failure::new(Exit::Usage, format!("{} is what is read: write into another file", output.display())))
+        }
+        false => Ok(()),
+    }
+}
