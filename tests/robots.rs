@@ -245,9 +245,8 @@ fn legs(mass: f64) -> Robot {
     changed(&[2, 3, 5, 6], |bone| bone.mass *= mass)
 }
 
-/// The table of docs/SCENES.md: cargo test --release --test robots -- --ignored --nocapture
+/// The table of docs/SCENES.md.
 #[test]
-#[ignore = "half a minute"]
 fn how_far_another_robot_may_be_from_table_1() {
     type Kind = (&'static str, fn(f64) -> Robot, &'static [f64], &'static [f64]);
     let kinds: [Kind; 8] = [

@@ -13,6 +13,9 @@ use crate::support::{Joints, mirror};
 use messages::scene::{ControllerScene, Switching};
 use messages::wire::JOINTS;
 
+/// Acceleration by which a joint is thrown back to its surface: chosen, as the paper names none (docs/PAPER.md) [rad/s²].
+const REACH: f64 = 60.0;
+
 /// Constants of the eight servos, support order.
 #[derive(Clone, Debug)]
 pub struct ServoModel {
@@ -46,7 +49,7 @@ impl ServoModel {
     pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64) -> Self {
         ServoModel {
             nominal_inertia,
-            reach: 60.0,
+            reach: REACH,
             switch_rate: scene.switch_rate,
             observer_bandwidth: scene.observer_bandwidth,
             switching: scene.switching,

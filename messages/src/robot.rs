@@ -216,7 +216,15 @@ mod tests {
     fn table_1_weighs_fourteen_kilograms_and_stands_eighty_centimetres_tall() {
         let bodies = table_1();
         assert!((bodies.iter().map(|body| body.mass).sum::<f64>() - 14.0).abs() < 1e-12);
-        let leg = 0.05 + 0.05 + 0.2 + 0.2;
-        assert!((leg + bodies[4].size[2] - 0.8_f64).abs() < 1e-12);
+        let heights = bodies.iter().map(|body| {
+            let above = |joint: &Joint| bodies.iter().find(|body| body.name == joint.parent);
+            let chain = std::iter::successors(Some(body), |body| body.joint.as_ref().and_then(above));
+            let frame: f64 = chain.filter_map(|body| body.joint.as_ref()).map(|joint| joint.at[2]).sum();
+            let centre = frame + body.com[2];
+            [centre - body.size[2] / 2.0, centre + body.size[2] / 2.0]
+        });
+        let [low, high] =
+            heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [from, to]| [low.min(from), high.max(to)]);
+        assert!((high - low - 0.8).abs() < 1e-12, "{low} to {high}");
     }
 }

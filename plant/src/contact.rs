@@ -209,9 +209,13 @@ pub fn tangents(law: Law) -> usize {
     }
 }
 
-/// Whether the first tangent is the direction of the free slip. If not, the tangents are the world's x and y: a round
-/// cone looks the same along any, and an impulse remembered along them means the same in the next step.
-pub fn follows_slip(law: Law) -> bool {
+/// Whether the law's own problem ends at a complementary basis, on rays along its tangents, whose impulse is the solution of a
+/// linear system: exact to rounding, as `plant.tolerance` asks in every step. The first tangent is the direction of the free slip.
+///
+/// The other laws come nearer with each iteration and say with `fallback` where they did not come near enough, or evaluate a
+/// formula. Their tangents are the world's x and y: a round cone looks the same along any, and an impulse remembered along them
+/// means the same in the next step.
+pub fn has_basis(law: Law) -> bool {
     matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
 }
 
@@ -221,14 +225,6 @@ pub fn follows_slip(law: Law) -> bool {
 /// behind that is no longer that of their normal impulse.
 pub fn is_plastic(law: Law) -> bool {
     !matches!(law, Law::SpringDamper | Law::Sweep(_))
-}
-
-/// Whether the law's own problem has solutions exact to rounding, of which `plant.tolerance` asks one in every step.
-///
-/// They end at a complementary basis, whose impulse is the solution of a linear system. The others come nearer with each
-/// iteration and say with `fallback` where they did not come near enough, or evaluate a formula.
-pub fn is_exact(law: Law) -> bool {
-    matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
 }
 
 /// Whether the law's impulses are Coulomb's however large the slip: no energy program, no springs, no memory of forces.

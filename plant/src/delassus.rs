@@ -3,7 +3,7 @@
 //! The contacts of one link are moved by the same degrees of freedom, those of the link's path, so their columns of K stand side
 //! by side and go through the factor L of H together: Y = L⁻ᵀK, A = YᵀY, and after the solution H⁻¹KΔf = L⁻¹(YΔf).
 
-use crate::contact::{Problem, follows_slip, tangents};
+use crate::contact::{Problem, has_basis, tangents};
 use crate::detect::Touch;
 use crate::factor::{BLOCK, Factor};
 use crate::kinematics::Pose;
@@ -200,7 +200,7 @@ fn shared_slip(drifts: impl Iterator<Item = Vector3<f64>>, before: Option<Vector
 /// Along the free slip and across it; along the axes of W for a law whose tangents do not follow the slip.
 fn tangents_of(drift: &Vector3<f64>, common: Option<Vector3<f64>>, law: Law) -> [Vector3<f64>; 2] {
     let slip = drift.xy().norm();
-    let along = match slip > 0.0 && follows_slip(law) {
+    let along = match slip > 0.0 && has_basis(law) {
         true => nearly(&Vector3::new(drift.x / slip, drift.y / slip, 0.0), common),
         false => Vector3::x(),
     };

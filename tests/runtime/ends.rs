@@ -3,7 +3,6 @@
 use super::{all_gone, end, eventually, fresh_folder, roles_of, send, session, start, walking};
 use nix::sys::signal::Signal;
 use std::path::PathBuf;
-use std::time::{Duration, Instant};
 
 #[test]
 fn a_run_that_ends_by_itself_leaves_nothing_behind() {
@@ -94,10 +93,9 @@ fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
     let bad = ["--set", "plant.law=EnergyQp", "--set", "plant.method=EventDriven", "--session", session.name()];
     let controller = start(&[&["controller", "walk", "--patience", "50"], &bad[..]].concat());
     eventually("the controller's session", || session.leftovers().len() > 5);
-    let begun = Instant::now();
     let (code, errors) = end(start(&[&["plant", "walk"], &bad[..]].concat()));
     assert!(code == Some(4) && errors.contains("plant.law of the method EventDriven"), "{errors}");
-    assert_eq!(end(controller).0, Some(0));
-    assert!(begun.elapsed() < Duration::from_secs(40), "it waited out its patience");
+    let (code, errors) = end(controller);
+    assert!(code == Some(0) && !errors.contains("no plant"), "it waited out its patience: {errors}");
     assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
 }

@@ -29,6 +29,8 @@ const ROUNDING: f64 = 1e-14;
 pub(super) const YIELDS: [f64; 6] = [2e-11, 1e-4, 1e-5, 1e-7, 1e-9, 2e-11];
 
 type Matrix = [[f64; 3]; 3];
+/// A row of P, of Q, and of r.
+type Row = ([f64; 3], [f64; 3], f64);
 
 const ZERO: Matrix = [[0.0; 3]; 3];
 const ONE: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -126,105 +128,70 @@ impl Newton {
 /// P, Q and r of contact i.
 fn equations(round: &Round, rule: Rule<'_>, i: usize, f: [f64; 3], v: [f64; 3]) -> (Matrix, Matrix, [f64; 3]) {
     let mu = round.friction[i];
-    match rule {
-        Rule::Energy(shift) => {
-            let v = [v[0] + shift.get(i).copied().unwrap_or(0.0), v[1], v[2]];
-            on_cone(mu, f, v)
-        }
-        Rule::Coulomb | Rule::Bound(_) | Rule::Polygon(_) => {
-            let rho = round.tangent_step(i);
-            let x = [f[0] - v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
-            // The bound of friction, and what it changes by with x_N.
-            let (bound, slope) = match rule {
-                Rule::Bound(bound) => (bound[i], 0.0),
-                _ => (mu * x[0], mu),
-            };
-            let (mut p, mut q, mut r) = if x[0] > 0.0 { (ZERO, ONE, v) } else { (ONE, ZERO, f) };
-            if x[0] <= 0.0 && slope > 0.0 {
-                return (p, q, r);
-            }
-            match rule {
-                Rule::Polygon(d) => on_polygon(d, bound, slope, f, v, x, &mut p, &mut q, &mut r),
-                _ => on_disc(bound, slope, rho, f, v, x, &mut p, &mut q, &mut r),
-            }
-            (p, q, r)
-        }
+    if let Rule::Energy(shift) = rule {
+        let v = [v[0] + shift.get(i).copied().unwrap_or(0.0), v[1], v[2]];
+        return on_cone(mu, f, v);
     }
+    let rho = round.tangent_step(i);
+    let x = [f[0] - v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
+    // The bound of friction, and what it changes by with x_N.
+    let (bound, slope) = match rule {
+        Rule::Bound(bound) => (bound[i], 0.0),
+        _ => (mu * x[0], mu),
+    };
+    if x[0] <= 0.0 && slope > 0.0 {
+        return (ONE, ZERO, f);
+    }
+    let normal = if x[0] > 0.0 { (ZERO[0], ONE[0], v[0]) } else { (ONE[0], ZERO[0], f[0]) };
+    let [first, second] = match rule {
+        Rule::Polygon(d) => on_polygon(d, bound, slope, f, v, x),
+        _ => on_disc(bound, slope, rho, f, v, x),
+    };
+    let rows = [normal, first, second];
+    (rows.map(|row| row.0), rows.map(|row| row.1), rows.map(|row| row.2))
 }
 
 /// Friction within its bound: no slip.
-fn stick(v: [f64; 3], p: &mut Matrix, q: &mut Matrix, r: &mut [f64; 3]) {
-    for k in 1..3 {
-        (p[k], q[k], r[k]) = (ZERO[k], ONE[k], v[k]);
-    }
+fn stick(v: [f64; 3]) -> [Row; 2] {
+    [1, 2].map(|k| (ZERO[k], ONE[k], v[k]))
 }
 
 /// Friction in the disc |f_F| <= bound: sticks, or f_F = bound x_F/|x_F|.
-#[expect(clippy::too_many_arguments, reason = "the rows of one contact")]
-fn on_disc(
-    bound: f64,
-    slope: f64,
-    rho: f64,
-    f: [f64; 3],
-    v: [f64; 3],
-    x: [f64; 3],
-    p: &mut Matrix,
-    q: &mut Matrix,
-    r: &mut [f64; 3],
-) {
+fn on_disc(bound: f64, slope: f64, rho: f64, f: [f64; 3], v: [f64; 3], x: [f64; 3]) -> [Row; 2] {
     let length = x[1].hypot(x[2]);
     if length <= bound {
-        stick(v, p, q, r);
-        return;
+        return stick(v);
     }
     let u = [x[1] / length, x[2] / length];
     let turn = bound / length;
-    for k in 0..2 {
-        p[k + 1] = [-slope * u[k], 0.0, 0.0];
-        q[k + 1] = [slope * u[k], 0.0, 0.0];
-        for l in 0..2 {
-            let across = turn * (f64::from(k == l) - u[k] * u[l]);
-            p[k + 1][l + 1] = f64::from(k == l) - across;
-            q[k + 1][l + 1] = rho * across;
-        }
-        r[k + 1] = f[k + 1] - bound * u[k];
-    }
+    [0, 1].map(|k| {
+        let across = [0, 1].map(|l| turn * (f64::from(k == l) - u[k] * u[l]));
+        let p = [-slope * u[k], f64::from(k == 0) - across[0], f64::from(k == 1) - across[1]];
+        (p, [slope * u[k], rho * across[0], rho * across[1]], f[k + 1] - bound * u[k])
+    })
 }
 
 /// Friction in the polygon with `d` corners at the distance `bound`: sticks, is in a corner, or on a side.
-#[expect(clippy::too_many_arguments, reason = "the rows of one contact")]
-fn on_polygon(
-    d: usize,
-    bound: f64,
-    slope: f64,
-    f: [f64; 3],
-    v: [f64; 3],
-    x: [f64; 3],
-    p: &mut Matrix,
-    q: &mut Matrix,
-    r: &mut [f64; 3],
-) {
+fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f64; 3]) -> [Row; 2] {
     let sector = std::f64::consts::TAU / d as f64;
     let side = (x[2].atan2(x[1]) / sector).floor().rem_euclid(d as f64) as usize;
     let (sin, cos) = ((side as f64 + 0.5) * sector).sin_cos();
     let depth = (0.5 * sector).cos();
     let (across, along) = (cos * x[1] + sin * x[2], cos * x[2] - sin * x[1]);
     if across <= depth * bound {
-        stick(v, p, q, r);
+        stick(v)
     } else if along.abs() < (0.5 * sector).sin() * bound {
         // On the side: no slip along it.
-        (p[1], q[1]) = ([-slope * depth, cos, sin], [slope * depth, 0.0, 0.0]);
-        r[1] = cos * f[1] + sin * f[2] - depth * bound;
-        (p[2], q[2]) = (ZERO[2], [0.0, -sin, cos]);
-        r[2] = cos * v[2] - sin * v[1];
+        let held = cos * f[1] + sin * f[2] - depth * bound;
+        let still = cos * v[2] - sin * v[1];
+        [([-slope * depth, cos, sin], [slope * depth, 0.0, 0.0], held), (ZERO[2], [0.0, -sin, cos], still)]
     } else {
         let end = corner(d, if along > 0.0 { (side + 1) % d } else { side });
-        for k in 1..3 {
-            p[k] = ONE[k];
-            p[k][0] = -slope * end[k - 1];
-            q[k] = [slope * end[k - 1], 0.0, 0.0];
-            r[k] = f[k] - bound * end[k - 1];
-        }
+        [1, 2].map(|k| {
+            let mut p = ONE[k];
+            p[0] = -slope * end[k - 1];
+            (p, [slope * end[k - 1], 0.0, 0.0], f[k] - bound * end[k - 1])
+        })
     }
 }
 

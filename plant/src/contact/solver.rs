@@ -13,7 +13,7 @@ use super::facets::Facets;
 use super::lemke::{Care, FINE, SHORT};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, HAIR, Scaled, YIELD};
-use super::{Memory, Problem, Report, active_set};
+use super::{Memory, Problem, Report, active_set, has_basis};
 use messages::scene::Law;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
@@ -65,7 +65,7 @@ impl Solver {
     ///    there: such a problem has a solution, and the path ends at it;
     /// 6. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
     ///
-    /// Nothing is allocated up to the size that was rehearsed or met before. Where the law has one velocity as its answer, v is the
+    /// Nothing is allocated up to the size that was rehearsed or met before, but by some laws without a basis. Where the law has one velocity as its answer, v is the
     /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
     /// Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
@@ -262,11 +262,6 @@ impl Solver {
         let work = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| f * (v + b));
         0.5 * work.sum::<f64>()
     }
-}
-
-/// Whether the law's solution is a basis: rays or facets along the problem's own tangents.
-fn has_basis(law: Law) -> bool {
-    matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
 }
 
 /// Optimality that the law's own solution has.

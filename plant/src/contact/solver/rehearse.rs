@@ -4,7 +4,8 @@ use super::super::active_set::RAYS;
 use super::super::lemke::{FINE, SHORT};
 use super::super::scaled::{HAIR, YIELD};
 use super::super::{Memory, Problem};
-use super::{Solver, has_basis};
+use super::Solver;
+use crate::contact::has_basis;
 use messages::scene::Law;
 
 impl Solver {
