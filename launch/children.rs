@@ -124,20 +124,12 @@ impl Role {
     /// Its exit status, once it has ended.
     pub fn ended(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {
-            self.end_group();
+            if self.grouped {
+                end_rest(&self.process);
+            }
             self.status = self.process.try_wait().ok().flatten();
         }
         self.status
-    }
-
-    /// Kills what somebody else's program has started and left behind: until it is reaped the group's number belongs to it.
-    fn end_group(&self) {
-        let Ok(pid) = i32::try_from(self.process.id()) else { return };
-        let has_ended =
-            || waitid(Id::Pid(Pid::from_raw(pid)), WaitPidFlag::WEXITED | WaitPidFlag::WNOHANG | WaitPidFlag::WNOWAIT);
-        if self.grouped && has_ended().is_ok_and(|status| status != WaitStatus::StillAlive) {
-            let _ = kill(Pid::from_raw(-pid), Signal::SIGKILL);
-        }
     }
 
     /// The same as of the last look.
@@ -219,6 +211,17 @@ pub fn rest(roles: &[Role], limit: Duration) {
     match Timespec::try_from(limit) {
         Ok(limit) if !ends.is_empty() => _ = poll(&mut ends, Some(&limit)),
         _ => std::thread::sleep(limit),
+    }
+}
+
+/// Kills what somebody else's program, the first of a group, has started and left behind, once it has ended. Before it is reaped:
+/// until then the group's number belongs to it.
+pub fn end_rest(process: &Child) {
+    let Ok(pid) = i32::try_from(process.id()) else { return };
+    let status =
+        waitid(Id::Pid(Pid::from_raw(pid)), WaitPidFlag::WEXITED | WaitPidFlag::WNOHANG | WaitPidFlag::WNOWAIT);
+    if status.is_ok_and(|status| status != WaitStatus::StillAlive) {
+        let _ = kill(Pid::from_raw(-pid), Signal::SIGKILL);
     }
 }
 

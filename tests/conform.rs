@@ -41,6 +41,12 @@ fn what_does_nothing_is_named_with_the_first_rule() {
 }
 
 #[test]
+fn what_a_program_leaves_behind_holds_nobody_up() {
+    let (code, broken, told) = conform(&["--plant", "sh -c 'sleep 3600 & exit 7'", "--patience", "1"]);
+    assert!(code == Some(10) && broken[0].contains("exit code 7"), "{told}");
+}
+
+#[test]
 fn one_of_both_is_needed() {
     let (code, _, told) = conform(&[]);
     assert!(code == Some(2) && told.contains("--controller <COMMAND>"), "{told}");

@@ -8,7 +8,7 @@ use messages::scene::Scene;
 use messages::session::Session;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::os::unix::process::ExitStatusExt;
 use std::process::{Command, ExitStatus};
 use std::time::Duration;
 
@@ -36,8 +36,7 @@ impl Host {
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
         command.args(["become", &self.command, "--parent", &std::process::id().to_string()]);
-        command.envs(environment).process_group(0);
-        Ok(Guest { process: Some(Process::start(&mut command)?) })
+        Ok(Guest { process: Some(Process::group(command.envs(environment))?) })
     }
 }
 

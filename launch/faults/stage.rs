@@ -1,6 +1,7 @@
 //! Real processes under test: started, found by their session's name, hurt, and watched to their end.
 
 use crate::SceneArgs;
+use crate::children::end_rest;
 use crate::exit::{Exit, Failure};
 use messages::port::{Ask, ask};
 use messages::scene::Scene;
@@ -8,6 +9,7 @@ use messages::session::Session;
 use messages::wire::Truth;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
+use std::os::unix::process::CommandExt;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -66,6 +68,8 @@ impl Role {
 #[derive(Debug)]
 pub struct Process {
     child: Child,
+    /// The first of a group of its own, whose rest ends with it.
+    grouped: bool,
     words: Option<JoinHandle<String>>,
 }
 
@@ -76,13 +80,20 @@ impl Process {
         Process::start(Command::new(program).args(arguments))
     }
 
+    /// Starts a command, with whatever that starts.
+    pub fn group(command: &mut Command) -> Result<Process, String> {
+        let mut process = Process::start(command.process_group(0))?;
+        process.grouped = true;
+        Ok(process)
+    }
+
     /// Starts a command.
     pub fn start(command: &mut Command) -> Result<Process, String> {
         let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = quiet.spawn().map_err(|error| format!("{command:?} cannot be started: {error}"))?;
         let listen = |pipe| std::thread::spawn(move || std::io::read_to_string(pipe).unwrap_or_default());
         let words = child.stderr.take().map(listen);
-        Ok(Process { child, words })
+        Ok(Process { child, grouped: false, words })
     }
 
     /// Its number.
@@ -92,6 +103,9 @@ impl Process {
 
     /// Whether it has ended.
     pub fn has_ended(&mut self) -> bool {
+        if self.grouped {
+            end_rest(&self.child);
+        }
         matches!(self.child.try_wait(), Ok(Some(_)) | Err(_))
     }
 

@@ -1,0 +1,149 @@
+//! What bears between events: found at the beginning of a step, after the impact of what comes down, and its forces in every stage.
+
+use super::super::{Plant, Workspace};
+use crate::detect::Touch;
+use crate::error::PlantError;
+use crate::kinematics::{self, Pose};
+use crate::model::Corner;
+use nalgebra::Vector3;
+
+/// A corner bears up to this gap [m]; an impact is located to 1e-15 m, so what has landed is far below it.
+const BEARS: f64 = 1e-8;
+/// Rate at which gap and velocity of what bears are drawn back to zero [1/s]. Slow: the stages of a step are off the ground
+/// by h², and what pulls them there costs the method its order.
+const SETTLES: f64 = 20.0;
+/// What approaches the ground faster than this hits it [m/s].
+const HITS: f64 = 1e-6;
+/// What moves slower than this along the ground sticks [m/s].
+const STICKS: f64 = 1e-6;
+/// What is accelerated less than this sticks on [m/s²].
+const HELD: f64 = 1e-6;
+/// Tangential acceleration that tells the law of a slip [m/s²]: more than any that friction could stop.
+const SLIP: f64 = 1e3;
+/// A slip slower than this, beside that at the step's beginning, keeps its direction of then.
+const NEARLY_STOPPED: f64 = 1e-6;
+
+/// What a corner does: as it was when a step began, and as its last force says.
+///
+/// Gap and slip of a contact that bears or sticks drift by the method's error. So it goes on doing so for as long as its
+/// force does, however far it has drifted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::step) struct Bearing {
+    /// It carries, or would if pressed.
+    pub(super) bears: bool,
+    /// Bearing, it does not move along the ground.
+    pub(super) sticks: bool,
+    /// Height above the ground; infinite where there is none [m].
+    pub(super) gap: f64,
+    /// Direction of slip …
+    pub(super) along: Vector3<f64>,
+    /// … and its speed [m/s].
+    pub(super) speed: f64,
+    /// The last force presses.
+    pressed: bool,
+    /// The last force leaves no acceleration along the ground.
+    held: bool,
+}
+
+impl Plant {
+    /// What bears and what sticks now, after the impact of whatever comes down.
+    pub(super) fn land(&mut self) -> Result<(), PlantError> {
+        let (pose, mut hits) = (&self.work.pose, false);
+        for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
+            let arm = pose.lowest(corner);
+            let at = pose.reference + arm;
+            bearing.gap = if corner.has_ground(at.x) { at.z } else { f64::INFINITY };
+            let bore = bearing.bears && bearing.pressed && bearing.gap.is_finite();
+            bearing.bears = bearing.gap <= BEARS || bore;
+            hits |= bearing.bears && pose.links[corner.link].velocity.at(&arm).z < -HITS;
+        }
+        if hits {
+            self.hit()?;
+        }
+        let pose = &self.work.pose;
+        for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
+            // what the impact throws off does not bear, though it has no gap yet; what drifts off does
+            let rises = pose.links[corner.link].velocity.at(&pose.lowest(corner)).z > HITS;
+            if bearing.bears && rises && (hits || !bearing.pressed) {
+                (bearing.bears, bearing.gap) = (false, bearing.gap.max(BEARS));
+            }
+            let slip = slip(pose, corner);
+            bearing.speed = slip.norm();
+            bearing.sticks = bearing.bears && (bearing.speed <= STICKS || bearing.sticks && bearing.held);
+            bearing.along = if bearing.speed > 0.0 { slip / bearing.speed } else { slip };
+        }
+        Ok(())
+    }
+
+    /// Impact: the contact law on the velocities of all that bears, in no time.
+    fn hit(&mut self) -> Result<(), PlantError> {
+        self.find_inertia(0.0, 0.0)?;
+        self.work.free.copy_from_slice(&self.state.xdot);
+        self.touch_bearings();
+        self.solve_contacts(f64::INFINITY)?; // no time to approach in
+        self.record_contacts();
+        kinematics::velocities(&self.model, &self.state.xdot, &mut self.work.pose);
+        Ok(())
+    }
+
+    /// Lists what bears.
+    fn touch_bearings(&mut self) {
+        let Workspace { pose, touches, .. } = &mut self.work;
+        let corners = self.model.corners.iter().zip(&self.bearings).enumerate();
+        touches.clear();
+        touches.extend(corners.filter(|(_, (_, bearing))| bearing.bears).map(|(id, (corner, _))| {
+            let arm = pose.lowest(corner);
+            Touch { id, link: corner.link, arm, gap: pose.reference.z + arm.z }
+        }));
+    }
+
+    /// The acceleration with the forces of all that bears, in `free`; the forces count for the time `weight` in the record.
+    pub(super) fn accelerate_on_ground(&mut self, weight: f64) -> Result<(), PlantError> {
+        self.accelerate_freely()?;
+        self.touch_bearings();
+        if self.work.touches.is_empty() {
+            return Ok(());
+        }
+        let law = self.settings.law;
+        let Workspace { pose, composite, factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
+        let pull = |i: usize, own: Vector3<f64>| {
+            let touch = &touches[i];
+            let (corner, bearing) = (&self.model.corners[touch.id], &self.bearings[touch.id]);
+            let velocity = pose.links[touch.link].velocity.at(&touch.arm);
+            let mut pull = own + composite.swept(&self.model, pose, corner) + velocity * SETTLES;
+            pull.z += (velocity.z + touch.gap * SETTLES) * SETTLES;
+            if !bearing.sticks {
+                // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
+                let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+                let clear = slip.dot(&bearing.along) > NEARLY_STOPPED * bearing.speed;
+                let along = if clear { slip.normalize() } else { bearing.along };
+                (pull.x, pull.y) = (SLIP * along.x, SLIP * along.y);
+            }
+            pull
+        };
+        map.drift(&self.model, pose, touches, free, law, problem, pull);
+        map.assemble(&self.model, pose, factor, touches, problem);
+        problem.friction.fill(self.settings.friction);
+        let report = solver.solve(problem, law, &mut self.memory);
+        self.counts.note(&report);
+        self.record.note(&report);
+        self.settings.check(&report, self.steps, problem)?;
+        map.respond(&self.model, factor, &solver.impulse, change);
+        let rows = 1 + problem.tangents;
+        for (i, (touch, velocity)) in touches.iter().zip(solver.velocity.chunks_exact(rows)).enumerate() {
+            let force = map.force(i, &solver.impulse, touches.len());
+            self.record.push(touch.id, (force * weight).into());
+            let bearing = &mut self.bearings[touch.id];
+            bearing.pressed = force.z > 0.0;
+            bearing.held = velocity[1..].iter().all(|a| a.abs() <= HELD);
+        }
+        free.iter_mut().zip(change.iter()).for_each(|(acceleration, change)| *acceleration += change);
+        Ok(())
+    }
+}
+
+/// Velocity of a corner along the ground [m/s].
+pub(super) fn slip(pose: &Pose, corner: &Corner) -> Vector3<f64> {
+    let velocity = pose.links[corner.link].velocity.at(&pose.lowest(corner));
+    Vector3::new(velocity.x, velocity.y, 0.0)
+}
