@@ -29,14 +29,14 @@ mod thresholds;
 mod trial;
 
 use self::core::Core;
-use crate::exit::{Exit, Failure};
+use crate::exit::{Failure, unless};
 use crate::output::{folder, say, unwritten, write_whole};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
 /// Arguments of `biped chart`.
@@ -161,10 +161,7 @@ impl<'a> Watch<'a> {
             *told = Instant::now();
             eprintln!("{} of {} runs, {job:?}", self.bar.position(), self.bar.length().unwrap_or(0));
         }
-        match self.is_stopped() {
-            true => Err(Failure::new(Exit::Interrupted, "interrupted")),
-            false => Ok(()),
-        }
+        unless(self.stop)
     }
 
     /// Says a line beside the bar.
@@ -173,9 +170,5 @@ impl<'a> Watch<'a> {
             true => eprintln!("{line}"),
             false => self.bar.println(line),
         }
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.stop.load(Relaxed)
     }
 }

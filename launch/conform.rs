@@ -20,7 +20,7 @@ mod stamps;
 pub use company::others;
 
 use crate::SceneArgs;
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::output::say;
 use clap::Args;
 use guest::Host;
@@ -111,8 +111,8 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     .map_err(|error| Failure::new(Exit::Fault, error))?;
     say(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
+    unless(stop)?;
     match report.broken {
-        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
         0 => Ok(()),
         1 => Err(Failure::new(Exit::Nonconforming, "a rule of docs/WIRE.md is broken")),
         count => Err(Failure::new(Exit::Nonconforming, format!("{count} rules of docs/WIRE.md are broken"))),

@@ -1,8 +1,7 @@
 //! `biped contact`: a contact problem that ended a run, as a file, and what each law makes of it.
 
 use crate::exit::{Exit, Failure};
-use crate::output::say;
-use crate::output::write_whole;
+use crate::output::{say, write_whole};
 use crate::study::table;
 use clap::Args;
 use messages::scene::Law;

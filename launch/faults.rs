@@ -16,7 +16,7 @@ mod peers;
 pub mod stage;
 mod stop;
 
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::output::{folder, say, unwritten, write_whole};
 use crate::progress::Counter;
 use clap::Args;
@@ -192,8 +192,8 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         write(folder, &rows, seed).map_err(|error| unwritten(folder, &error))?;
     }
+    unless(stop)?;
     match rows.iter().map(|row| row.failures.len()).sum() {
-        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
         0_usize => Ok(()),
         count => Err(Failure::new(Exit::Fault, format!("{count} trials failed, such as\n{}", failures.join("\n")))),
     }

@@ -1,6 +1,6 @@
 //! `biped soak`: the walk for a long time, while memory, open files, shared memory and latency of its processes are watched.
 
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::faults::stage::{Process, Role, Stage, is_finite, walk};
 use crate::output::{folder, say, unwritten, write_whole};
 use clap::Args;
@@ -83,8 +83,8 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
             grown.push(format!("{what} grew from {from:.1} to {to:.1}"));
         }
     }
+    unless(stop)?;
     match grown.is_empty() {
-        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
         true => Ok(()),
         false => Err(fault(grown.join("; "))),
     }

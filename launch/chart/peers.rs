@@ -2,7 +2,7 @@
 
 use super::Watch;
 use super::csv::{Row, parse};
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -33,14 +33,12 @@ pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Res
         if line.split_once(" left out, ").is_some_and(|(engine, _)| !engine.contains(' ')) {
             left_out.push(format!("{line}."));
         }
-        if watch.is_stopped() {
+        if unless(watch.stop).is_err() {
             let _ = script.kill();
         }
     }
     let status = script.wait().map_err(|error| fault(error.to_string()))?;
-    if watch.is_stopped() {
-        return Err(Failure::new(Exit::Interrupted, "interrupted"));
-    }
+    unless(watch.stop)?;
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }

@@ -3,12 +3,12 @@
 use super::lines::{self, Lines};
 use super::peer::Peer;
 use crate::children::Swept;
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use messages::session::Session;
 use std::io::IsTerminal;
 use std::os::fd::{AsRawFd, RawFd};
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Patience with the other process.
@@ -113,10 +113,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Ctrl-C.
     pub fn stopped(&self) -> Result<(), Failure> {
-        match self.stop.load(Relaxed) {
-            true => Err(Failure::new(Exit::Interrupted, "interrupted")),
-            false => Ok(()),
-        }
+        unless(self.stop)
     }
 
     /// A group of measurements begins.

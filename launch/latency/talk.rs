@@ -3,13 +3,13 @@
 use super::bench::{LOST, PATIENCE};
 use super::results::Results;
 use super::spread::Spread;
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::guarded;
 use messages::clock::now_ns;
 use messages::port::{Contract, PlantPort, Waiting};
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped};
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 
 /// The conversation, and what it took so far.
 pub struct Talk<'a> {
@@ -76,11 +76,10 @@ impl<'a> Talk<'a> {
             match command {
                 Some(command) if command.stamp.ack == self.latest.seq => return Ok(command),
                 Some(_) => (),
-                None if self.stop.load(Relaxed) => return Err(Failure::new(Exit::Interrupted, "interrupted")),
-                None if self.heard_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 => {
-                    return Err(Failure::new(Exit::PeerMissing, LOST));
-                }
-                None => (),
+                None => unless(self.stop)?,
+            }
+            if self.heard_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 {
+                return Err(Failure::new(Exit::PeerMissing, LOST));
             }
         }
     }

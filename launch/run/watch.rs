@@ -1,13 +1,13 @@
 //! What is made of the truth while a run goes on: record, progress, tape; and whether it goes on.
 
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use crate::progress::Progress;
 use crate::record::Recorder;
 use crate::recording::Writer;
 use messages::port::RecorderPort;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Truth};
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 
 /// Whatever listens to a run.
 pub struct Watch {
@@ -65,11 +65,8 @@ impl Watch {
 /// # Errors
 /// A fall seen to its end, or a wish of the user's to stop.
 pub fn goes_on(recorder: &Recorder, stop: &AtomicBool) -> Result<(), Failure> {
-    match recorder.is_over() {
-        _ if stop.load(Relaxed) => Err(Failure::new(Exit::Interrupted, "interrupted")),
-        Some(time) => Err(fell(time)),
-        None => Ok(()),
-    }
+    unless(stop)?;
+    recorder.is_over().map_or(Ok(()), |time| Err(fell(time)))
 }
 
 pub fn fell(time: f64) -> Failure {

@@ -10,7 +10,7 @@ mod tally;
 pub use families::Family;
 pub use tally::{Tally, rows};
 
-use crate::exit::{Exit, Failure};
+use crate::exit::{Failure, unless};
 use controller::Controller;
 use fastrand::Rng;
 use messages::scene::Law;
@@ -18,7 +18,7 @@ use messages::wire::Torques;
 use plant::Plant;
 use plant::contact::{Memory, Solver, tangents};
 use rayon::prelude::*;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Laws that are asked.
@@ -44,9 +44,7 @@ fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result
     let mut memories: [Memory; 2] = Default::default();
     let mut step = 0;
     while tallies[0].count < count && step < 50_000 {
-        if stop.load(Relaxed) {
-            return Err(Failure::new(Exit::Interrupted, "interrupted"));
-        }
+        unless(stop)?;
         if let Some(controller) = &mut controller {
             // A controller that gives up after a fall leaves the joints to themselves.
             torques = controller.tick(&encoders).unwrap_or_default();
