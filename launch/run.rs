@@ -197,7 +197,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         for (child, role) in roles.iter_mut().enumerate() {
             if let Some(cause) = role.death().filter(|_| lives > 0) {
                 lives -= 1;
-                bar.suspend(|| eprintln!("the {} died ({cause}): starting it anew, {lives} more times", role.name));
+                bar.suspend(|| eprintln!("the {} died ({cause}): starting it anew; times left: {lives}", role.name));
                 *role = start(child)?;
             }
         }

@@ -45,6 +45,14 @@ fn a_bad_file_is_shown_with_line_and_caret() {
         std::fs::write(&path, text).expect("a file");
         refused(&["run", &name], &[words, &[name.as_str()]].concat());
     }
+    std::fs::remove_file(&path).expect("our own file");
+    let robot = Command::new(env!("CARGO_BIN_EXE_biped")).args(["export", "toml"]).output().expect("a robot").stdout;
+    std::fs::write(&path, robot).expect("a file");
+    refused(&["run", &name], &["this is a robot", "--robot"]);
+    let urdf = Command::new(env!("CARGO_BIN_EXE_biped")).args(["export", "urdf"]).output().expect("a robot").stdout;
+    let urdf = String::from_utf8_lossy(&urdf).replacen("axis xyz=\"", "axis xyz=\"0 0 0\" was=\"", 1);
+    std::fs::write(&path, urdf).expect("a file");
+    refused(&["run", "walk", "--robot", &name], &["the axis of joint", "0 0 0"]);
     std::fs::remove_file(path).expect("our own file");
 }
 

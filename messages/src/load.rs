@@ -86,7 +86,14 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
         Some((_, text)) => (format!("scene {name}"), text.to_string()),
         None => (name.to_string(), text_of(name, built_in)?),
     };
-    let mut scene = robot::resolved(parse(&text, &origin)?, &text, &origin)?;
+    let parsed = parse(&text, &origin).map_err(|error| match read(name.as_ref()) {
+        Ok(_) => {
+            let reason = format!("this is a robot, which a scene takes by --robot {name}");
+            SceneError::Robot { origin: name.into(), reason }
+        }
+        Err(_) => error,
+    })?;
+    let mut scene = robot::resolved(parsed, &text, &origin)?;
     for setting in settings {
         let refused = |reason| SceneError::Override { setting: setting.clone(), reason };
         scene = match setting::robot(setting) {

@@ -129,6 +129,9 @@ fn hinge(node: Node) -> Found<Joint> {
     };
     let axis = child(node, "axis").map_or(Ok([1.0, 0.0, 0.0]), |axis| vector(axis, "xyz"))?;
     let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
+    if length == 0.0 {
+        return Err(format!("the axis of joint `{name}` is 0 0 0, but it needs a direction"));
+    }
     let parent = linked(node, "parent").ok_or(format!("joint `{name}` has no parent"))?;
     Ok(Joint {
         parent: parent.into(),
