@@ -20,7 +20,7 @@ const TRIALS: usize = 20;
 pub struct ContactArgs {
     /// File that a run has written
     file: PathBuf,
-    /// Law to solve it with, also Facets(12) and any Sweep(n); repeatable. Without it: the fourteen that scenes are charted with
+    /// Law to solve it with, also Facets(12) and any Sweep(n); repeatable. Without it: all others
     #[arg(long = "law", value_name = "NAME")]
     laws: Vec<Law>,
 }

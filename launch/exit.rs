@@ -36,14 +36,6 @@ pub enum Exit {
     Interrupted = 130,
 }
 
-/// Whether to go on: not when the user has asked to stop.
-///
-/// # Errors
-/// That.
-pub fn unless(stop: &AtomicBool) -> Result<(), Failure> {
-    if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, "interrupted")) } else { Ok(()) }
-}
-
 /// The same for people.
 pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
     5 incompatible processes, 6 shared memory, 7 the robot fell, \
@@ -104,6 +96,14 @@ impl Failure {
     pub fn new(exit: Exit, message: impl ToString) -> Failure {
         Failure { exit, message: message.to_string(), case: None }
     }
+}
+
+/// Whether to go on: not when the user has asked to stop.
+///
+/// # Errors
+/// That.
+pub fn unless(stop: &AtomicBool) -> Result<(), Failure> {
+    if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, "interrupted")) } else { Ok(()) }
 }
 
 impl From<SceneError> for Failure {

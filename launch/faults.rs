@@ -163,15 +163,15 @@ const HEAD: &str = "| fault | trials | passed | median ms | greatest ms | |\n|--
 /// # Errors
 /// If something hung, lied or was left.
 pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let wanted = |fault: Fault| args.only.as_ref().is_none_or(|words| fault.to_string().contains(words));
+    if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
+        return Err(Failure::new(Exit::Usage, "no fault has the words of --only in its name"));
+    }
     args.out.as_deref().map_or(Ok(()), folder)?;
     let seed = args.seed.unwrap_or_else(|| fastrand::u64(..1 << 32));
     let mut random = fastrand::Rng::with_seed(seed);
     let quick = if args.quick { " --quick" } else { "" };
     say(format_args!("biped faults{quick} --seed {seed}\n\n{HEAD}"));
-    let wanted = |fault: Fault| args.only.as_ref().is_none_or(|words| fault.to_string().contains(words));
-    if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
-        return Err(Failure::new(Exit::Usage, "no fault has the words of --only in its name"));
-    }
     let (mut rows, mut failures) = (vec![], vec![]);
     for (fault, whole, few) in FAULTS.into_iter().filter(|(fault, ..)| wanted(*fault)) {
         let trials = if args.quick { few } else { whole };

@@ -26,7 +26,7 @@ pub fn folder(path: &Path) -> Result<(), Failure> {
 }
 
 /// A failure about what was to be written.
-pub fn unwritten(path: &Path, error: &io::Error) -> Failure {
+pub fn unwritten(path: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::new(Exit::Fault, format!("{} cannot be written: {error}", path.display()))
 }
 

@@ -24,9 +24,7 @@ mod writer;
 pub use reader::{Content, Reader};
 pub use writer::Writer;
 
-use crate::exit::{Exit, Failure};
 use messages::wire::{LAYOUT, Message};
-use std::path::Path;
 
 /// Name of the metadata record.
 const METADATA: &str = "biped";
@@ -83,9 +81,4 @@ impl Topic {
     fn codec(self) -> protobuf::Codec {
         protobuf::Codec::new(self.message(), self.without())
     }
-}
-
-/// A failure about a file.
-fn failed(path: &Path, what: &str, error: impl std::fmt::Display) -> Failure {
-    Failure::new(Exit::Fault, format!("{} {what}: {error}", path.display()))
 }

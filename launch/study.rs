@@ -62,17 +62,18 @@ pub type Outcome = Result<Summary, String>;
 /// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
 /// are rows of the table.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let solves = matches!(args.study, Study::Problems);
+    if args.count.is_some() && !solves {
+        return Err(Failure::new(Exit::Usage, "--count is of `study problems`: other tables have their cases"));
+    }
     args.out.as_deref().map_or(Ok(()), folder)?;
-    if let Study::Problems = args.study {
+    if solves {
         let count = args.count.unwrap_or(1_000_000) as usize;
         let bar = bar(args, count, "problems");
         let mut results = problems::solve(count, stop, |more| bar.inc(more))?;
         bar.finish_and_clear();
         let rows = problems::rows(&mut results);
         return hand_out(args, &table(&rows), &comma_separated(&rows));
-    }
-    if args.count.is_some() {
-        return Err(Failure::new(Exit::Usage, "--count is of `study problems`: other tables have their cases"));
     }
     let cases = cases(args.study);
     let bar = bar(args, cases.len(), "cases");

@@ -66,6 +66,11 @@ fn wrong_usage_is_refused() {
     refused(&["study", "problems", "--count", "0"], &["--count"]);
     refused(&["study", "laws", "--count", "5"], &["--count is of `study problems`"]);
     refused(&["view", "--session", "a", "--out", "b.html"], &["--out"]);
+    let never = std::env::temp_dir().join(format!("biped-test-{}-never", std::process::id()));
+    let out = never.display().to_string();
+    refused(&["faults", "--only", "nosuch", "--out", &out], &["--only"]);
+    refused(&["study", "laws", "--count", "5", "--out", &out], &["--count"]);
+    assert!(!never.exists(), "what is refused makes no folder");
     refused(&["run", "slide", "--controller", "true"], &["slide has no controller"]);
     refused(&["run", "slide", "--swap", "0.1=true"], &["slide has no controller"]);
     refused(&["soak", "--minutes", "-1"], &["a number of minutes"]);

@@ -7,6 +7,7 @@ use super::lines::{self, Wake};
 use super::sockets::Socket;
 use super::walk;
 use crate::exit::{Exit, Failure};
+use crate::output::say;
 use crate::realtime::{RealtimeArgs, keep_to};
 use crate::{children, guarded};
 use clap::Args;
@@ -121,8 +122,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// Tells the first process that it may begin.
 fn ready() {
-    crate::output::say("ready\n");
-    let _ = std::io::stdout().flush();
+    say("ready\n");
 }
 
 fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {

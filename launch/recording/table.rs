@@ -1,8 +1,8 @@
 //! `biped convert`: a recording as tables, one for each topic of numbers.
 
-use super::{Content, Reader, Topic, failed};
+use super::{Content, Reader, Topic};
 use crate::exit::{Exit, Failure, unless};
-use crate::output::say;
+use crate::output::{folder, say, unwritten};
 use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::Message;
@@ -28,7 +28,7 @@ pub struct ConvertArgs {
 /// See [`Reader::open`]; or if the folder cannot be written.
 pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
-    std::fs::create_dir_all(&args.csv).map_err(|error| failed(&args.csv, "cannot be made", error))?;
+    folder(&args.csv)?;
     let mut tables = BTreeMap::new();
     if let Err(failure) = fill(&mut reader, &args.csv, &mut tables, stop) {
         tables.values().for_each(|table: &Table| _ = std::fs::remove_file(&table.path)); // half of one is none
@@ -86,7 +86,7 @@ struct Table {
 impl Table {
     fn create(folder: &Path, topic: Topic) -> Result<Table, Failure> {
         let path = folder.join(format!("{}.csv", &topic.name()[1..]));
-        let file = File::create(&path).map_err(|error| failed(&path, "cannot be written", error))?;
+        let file = File::create(&path).map_err(|error| unwritten(&path, &error))?;
         let (message, without) = (topic.message(), topic.without());
         let mut table = Table { path, file: BufWriter::new(file), message, without, rows: 0 };
         let mut names = vec!["time_s".to_string()];
@@ -103,11 +103,11 @@ impl Table {
     }
 
     fn line(&mut self, text: &str) -> Result<(), Failure> {
-        writeln!(self.file, "{text}").map_err(|error| failed(&self.path, "cannot be written", error))
+        writeln!(self.file, "{text}").map_err(|error| unwritten(&self.path, &error))
     }
 
     fn finish(mut self) -> Result<(), Failure> {
-        self.file.flush().map_err(|error| failed(&self.path, "cannot be written", error))?;
+        self.file.flush().map_err(|error| unwritten(&self.path, &error))?;
         say(format_args!("{}: {} rows\n", self.path.display(), self.rows));
         Ok(())
     }

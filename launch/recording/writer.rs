@@ -3,8 +3,9 @@
 use super::drawing::Drawing;
 use super::events::Events;
 use super::protobuf::{self, Codec};
-use super::{METADATA, Topic, failed};
+use super::{METADATA, Topic};
 use crate::exit::Failure;
+use crate::output::unwritten;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::{Compression, McapResult, WriteOptions};
 use messages::load;
@@ -43,8 +44,8 @@ impl Writer {
     /// # Errors
     /// If it cannot be written.
     pub fn create(path: &Path, scene: &Scene) -> Result<Writer, Failure> {
-        let file = File::create(path).map_err(|error| failed(path, "cannot be written", error))?;
-        Writer::begin(path, file, scene).map_err(|error| failed(path, "cannot be written", error))
+        let file = File::create(path).map_err(|error| unwritten(path, &error))?;
+        Writer::begin(path, file, scene).map_err(|error| unwritten(path, &error))
     }
 
     fn begin(path: &Path, file: File, scene: &Scene) -> McapResult<Writer> {
@@ -84,7 +85,7 @@ impl Writer {
     /// # Errors
     /// If the file cannot be written, as on a full disk.
     pub fn push(&mut self, truth: &Truth) -> Result<(), Failure> {
-        self.write(truth).map_err(|error| failed(&self.path, "cannot be written", error))
+        self.write(truth).map_err(|error| unwritten(&self.path, &error))
     }
 
     fn write(&mut self, truth: &Truth) -> McapResult<()> {
@@ -131,7 +132,7 @@ impl Writer {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(mut self) -> Result<(), Failure> {
-        self.file.finish().map(drop).map_err(|error| failed(&self.path, "cannot be written", error))
+        self.file.finish().map(drop).map_err(|error| unwritten(&self.path, &error))
     }
 }
 

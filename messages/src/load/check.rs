@@ -6,7 +6,7 @@ use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use toml::Value;
 
-/// Steps of a control period.
+/// Steps of a control period at most: nobody is heard within one.
 const MOST: f64 = 1e6;
 
 /// Checks every value of a scene; `origin` names it in the error.
@@ -93,7 +93,7 @@ impl Check<'_> {
         );
         self.require(whole, "plant.dt", scene.plant.dt, rule)?;
         let rule = format!("at most {MOST} steps may fit into a control period of 1/{} s", scene.rate);
-        self.require(steps <= MOST, "plant.dt", scene.plant.dt, rule)?; // nobody is heard within one
+        self.require(steps <= MOST, "plant.dt", scene.plant.dt, rule)?;
         let periods = scene.duration * scene.rate;
         let rule = format!("it must be at least one control period of 1/{} s", scene.rate);
         self.require(periods.round() >= 1.0, "duration", scene.duration, rule)

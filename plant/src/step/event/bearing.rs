@@ -1,10 +1,10 @@
 //! What bears between events: found at the beginning of a step, after the impact of what comes down, and its forces in every stage.
 
-use super::super::{Plant, Workspace};
 use crate::detect::Touch;
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::Corner;
+use crate::step::{Plant, Workspace};
 use nalgebra::Vector3;
 
 /// A corner bears up to this gap [m]; an impact is located to 1e-15 m, so what has landed is far below it.
