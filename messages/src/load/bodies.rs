@@ -19,6 +19,7 @@ impl Check<'_> {
         for (i, body) in bodies.iter().enumerate() {
             let key = |field: &str| format!("bodies.{}.{field}", body.name);
             self.require(!body.name.is_empty(), &format!("bodies.{i}.name"), "\"\"", "every body needs a name")?;
+            self.name(&format!("bodies.{i}.name"), &body.name)?;
             let twice = bodies[..i].iter().any(|other| other.name == body.name);
             self.require(!twice, &format!("bodies.{i}.name"), format!("\"{}\"", body.name), "names must differ")?;
             self.positive(&key("mass"), body.mass)?;

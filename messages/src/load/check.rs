@@ -8,6 +8,8 @@ use toml::Value;
 
 /// Steps of a control period at most: nobody is heard within one.
 const MOST: f64 = 1e6;
+/// No number is greater: squares and cubes of it are numbers, too.
+const HUGE: f64 = 1e100;
 
 /// Checks every value of a scene; `origin` names it in the error.
 ///
@@ -17,6 +19,7 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     let check = Check { origin };
     let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
+    check.name("robot", scene.robot_name())?;
     check.timing(scene)?;
     check.plant(scene)?;
     check.link(&scene.link)?;
@@ -35,6 +38,7 @@ pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
     check.not_negative("drives.damping", damping.unwrap_or(0.0))?;
     check.positive("drives.torque_limit", torque_limit.unwrap_or(1.0))?;
     check.encoder_bits("drives.encoder_bits", encoder_bits.unwrap_or(8))?;
+    check.name("name", &robot.name)?;
     check.bodies(&robot.bodies)?;
     robot.bodies.iter().try_for_each(|body| {
         let [a, b, c] = body.moments();
@@ -72,12 +76,21 @@ impl Check<'_> {
         self.require((8..=30).contains(&bits), key, bits, "it must be 8 to 30")
     }
 
-    /// Every number is finite; the path to the one that is not is spelt out.
+    /// Every number is finite and not absurd; the path to the one that is not is spelt out.
     fn finite(&self, value: &Value) -> Checked {
-        match not_finite(value) {
-            Some((path, number)) => Err(self.fail(&path, number, "every number of a scene must be finite")),
+        match too_great(value) {
+            Some((path, number)) => {
+                let rule = format!("every number of a scene must be finite, and none beyond {HUGE:e}");
+                Err(self.fail(&path, number, rule))
+            }
             None => Ok(()),
         }
+    }
+
+    /// A name is printed as it is.
+    pub(super) fn name(&self, key: &str, name: &str) -> Checked {
+        let rule = "a name must have no control characters";
+        self.require(!name.chars().any(char::is_control), key, format!("{name:?}"), rule)
     }
 
     fn timing(&self, scene: &Scene) -> Checked {
@@ -189,19 +202,19 @@ impl Check<'_> {
     }
 }
 
-/// The first number that is not finite, and the path to it.
-fn not_finite(value: &Value) -> Option<(String, f64)> {
+/// The first number that is not finite or beyond [`HUGE`], and the path to it.
+fn too_great(value: &Value) -> Option<(String, f64)> {
     let below = |key: String, (path, number): (String, f64)| match path.is_empty() {
         true => (key, number),
         false => (format!("{key}.{path}"), number),
     };
     match value {
-        Value::Float(number) if !number.is_finite() => Some((String::new(), *number)),
+        Value::Float(number) if number.is_nan() || number.abs() > HUGE => Some((String::new(), *number)),
         Value::Table(table) => {
-            table.iter().find_map(|(key, part)| not_finite(part).map(|found| below(key.clone(), found)))
+            table.iter().find_map(|(key, part)| too_great(part).map(|found| below(key.clone(), found)))
         }
         Value::Array(items) => {
-            items.iter().enumerate().find_map(|(i, item)| not_finite(item).map(|found| below(i.to_string(), found)))
+            items.iter().enumerate().find_map(|(i, item)| too_great(item).map(|found| below(i.to_string(), found)))
         }
         _ => None,
     }
