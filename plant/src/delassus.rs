@@ -111,9 +111,8 @@ impl ContactMap {
             let y = &mut blocks[start..];
             for (depth, &dof) in path.iter().enumerate() {
                 let column = &pose.links[dof + 1].column;
-                for ((touch, tangents), k) in
-                    touches.iter().zip(tangents).zip(row.as_flattened_mut().chunks_exact_mut(rows))
-                {
+                for (i, (touch, tangents)) in touches.iter().zip(tangents).enumerate() {
+                    let k = &mut row.as_flattened_mut()[i * rows..][..rows];
                     let velocity = column.at(&touch.arm); // per unit rate: by virtual work, K's entry
                     k[0] = velocity.z;
                     k[1..].iter_mut().zip(tangents).for_each(|(k, t)| *k = velocity.x * t.x + velocity.y * t.y);

@@ -105,7 +105,9 @@ impl Growing {
         for k in 0..used {
             let tiles = &self.columns[k * self.width..][k..used];
             let (known, unknown) = self.x[k..used].split_at_mut(1);
-            (0..LANES).for_each(|c| take_one(&mut known[0], c, &tiles[0]));
+            for c in 0..LANES {
+                (c + 1..LANES).for_each(|r| take_one(&mut known[0], r, c, &tiles[0]));
+            }
             unknown.iter_mut().zip(&tiles[1..]).for_each(|(x, tile)| take_four(x, &known[0], tile));
         }
     }
@@ -115,7 +117,9 @@ impl Growing {
         for k in (0..self.count.div_ceil(LANES)).rev() {
             let tiles = &self.rows[k * self.width..][..=k];
             let (unknown, known) = self.x[..=k].split_at_mut(k);
-            (0..LANES).rev().for_each(|c| take_one(&mut known[0], c, &tiles[k]));
+            for c in (0..LANES).rev() {
+                (0..c).for_each(|r| take_one(&mut known[0], r, c, &tiles[k]));
+            }
             unknown.iter_mut().zip(tiles).for_each(|(x, tile)| take_four(x, &known[0], tile));
         }
     }
@@ -129,10 +133,10 @@ fn take_four(x: &mut [f64; LANES], known: &[f64; LANES], l: &Tile) {
     }
 }
 
-/// x − x_c l_c.
+/// x_r − x_c l_cr: one by one within a tile, where each waits for the one before.
 #[inline(always)]
-fn take_one(x: &mut [f64; LANES], c: usize, l: &Tile) {
-    *x = std::array::from_fn(|r| l[c][r].mul_add(-x[c], x[r]));
+fn take_one(x: &mut [f64; LANES], r: usize, c: usize, l: &Tile) {
+    x[r] = l[c][r].mul_add(-x[c], x[r]);
 }
 
 #[cfg(test)]

@@ -82,7 +82,9 @@ impl Pivoted {
             *l = std::array::from_fn(|c| if row(c) > k { u[c] * reciprocal } else { 0.0 });
             *u = std::array::from_fn(|c| if row(c) < k { u[c] } else { 0.0 });
         }
-        for column in rest.chunks_exact_mut(*width) {
+        for c in 0..order.len() - k - 1 {
+            // chunks of a width that is not known divide, which takes as long as a short column
+            let column = &mut rest[c * *width..][..*width];
             if best != k {
                 column.as_flattened_mut().swap(k, best);
             }

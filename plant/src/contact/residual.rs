@@ -28,18 +28,19 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
     let stride = scaled.stride();
     let mut worst = 0.0_f64;
     for i in 0..scaled.contacts {
-        let rows = i * stride..(i + 1) * stride;
-        let (f, v, reach) = (&f[rows.clone()], &v[rows.clone()], &scaled.reach[rows]);
-        let (mut half, mut x) = ([0.0; 2], [0.0; 3]);
-        half[..stride - 1].copy_from_slice(&reach[1..]);
-        for k in 0..stride {
-            x[k] = f[k] - v[k];
-        }
+        // a tangent that it has not is zero in all of them
+        let of_contact = |rows: &[f64]| match rows[i * stride..(i + 1) * stride] {
+            [normal, along, across] => [normal, along, across],
+            [normal, along] => [normal, along, 0.0],
+            _ => [0.0; 3],
+        };
+        let (f, v, [_, h1, h2]) = (of_contact(f), of_contact(v), of_contact(&scaled.reach));
+        let mut x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
         if yardstick == Yardstick::Coulomb {
-            x[0] -= slip(scaled, i, v);
+            x[0] -= f64::max(h1 * v[1].abs(), h2 * v[2].abs());
         }
-        let nearest = project(x, half);
-        for k in 0..stride {
+        let nearest = project(x, [h1, h2]);
+        for k in 0..3 {
             // Neither the projection nor f64::max may hide a NaN.
             let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
             worst = if worst.is_nan() || error <= worst { worst } else { error };

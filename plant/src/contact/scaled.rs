@@ -149,14 +149,15 @@ impl Scaled {
     pub fn read<'a>(&'a self, first: usize, weights: &[f64; 3], sum: &'a mut Vec<f64>) -> &'a [f64] {
         let m = self.drift.len();
         let row = |k: usize| &self.delassus[(first + k) * m..][..m];
-        if let Some(k) = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]].iter().position(|unit| unit == weights) {
+        let [x, y, z] = weights;
+        if x.abs() + y.abs() + z.abs() == 1.0
+            && let Some(k) = weights.iter().position(|weight| *weight == 1.0)
+        {
             return row(k);
         }
+        let [a, b, c] = [0, 1, 2].map(|k: usize| row(k.min(self.tangents))); // with one tangent the third weight is zero
         sum.clear();
-        sum.resize(m, 0.0);
-        for (k, weight) in weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-            sum.iter_mut().zip(row(k)).for_each(|(sum, a)| *sum += weight * a);
-        }
+        sum.extend(a.iter().zip(b).zip(c).map(|((a, b), c)| x * a + y * b + z * c));
         sum
     }
 
@@ -170,9 +171,17 @@ impl Scaled {
 pub(super) fn respond(delassus: &[f64], drift: &[f64], impulse: &[f64], velocity: &mut Vec<f64>) {
     velocity.clear();
     velocity.extend_from_slice(drift);
-    let rows = delassus.chunks_exact(drift.len().max(1)).zip(impulse);
-    for (row, f) in rows {
-        velocity.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
+    let (v, m) = (&mut velocity[..], drift.len());
+    // four rows at a time: each of them would wait until v is in memory again
+    let (fours, rest) = impulse.as_chunks::<4>();
+    for (k, f) in fours.iter().enumerate() {
+        let [a, b, c, d] = std::array::from_fn(|r| &delassus[(4 * k + r) * m..][..v.len()]);
+        for i in 0..v.len() {
+            v[i] = d[i].mul_add(f[3], c[i].mul_add(f[2], b[i].mul_add(f[1], a[i].mul_add(f[0], v[i]))));
+        }
+    }
+    for (f, row) in rest.iter().zip(delassus[4 * fours.len() * m..].chunks_exact(m.max(1))) {
+        v.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
     }
 }
 
