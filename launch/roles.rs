@@ -57,10 +57,10 @@ impl RoleArgs {
 /// # Errors
 /// A sentence and an exit code.
 pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let Invitation { session, contract, patience, scene, .. } = begin(args)?;
+    let Invitation { session, contract, patience, scene, .. } = begin(args, 0)?;
     let port = guarded(|| PlantPort::open(&session, &contract))?;
     session.tell_scene(&text(&scene))?;
-    ready(args, contract.pace, 0)?;
+    ready(args, contract.pace)?;
     if args.parent.is_some() {
         held(stop);
     }
@@ -78,31 +78,33 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// # Errors
 /// A sentence and an exit code.
 pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let Invitation { session, contract, patience, scene, succeeds } = begin(args)?;
+    let Invitation { session, contract, patience, scene, succeeds } = begin(args, 1)?;
     let port = match succeeds {
         true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
         false => guarded(|| ControllerPort::open(&session, &contract))?,
     };
-    ready(args, contract.pace, 1)?;
+    ready(args, contract.pace)?;
     Ok(controller::process::run(&scene, port, patience, stop)?)
 }
 
-/// What both roles begin with.
-fn begin(args: &RoleArgs) -> Result<Invitation, Failure> {
+/// What both roles begin with: plant (0) and controller (1).
+fn begin(args: &RoleArgs, side: usize) -> Result<Invitation, Failure> {
     let invitation = args.invitation()?;
     if let Some(parent) = args.parent {
         // Nobody else may be left to clear up after it.
         children::die_with(parent).inspect_err(|_| invitation.session.sweep())?;
     }
     args.system.suits(invitation.contract.pace)?;
+    if invitation.contract.pace == Pace::Lockstep {
+        realtime::keep_apart(side); // at once: moved later, it waits for whoever is where it comes to
+    }
     Ok(invitation)
 }
 
-/// What both roles ask of the system, now that all their shared memory is there: plant (0) and controller (1).
-fn ready(args: &RoleArgs, pace: Pace, side: usize) -> Result<(), Failure> {
-    match pace {
-        Pace::RealTime => realtime::wake_on_time(),
-        Pace::Lockstep => realtime::keep_apart(side),
+/// What both roles ask of the system, now that all their shared memory is there.
+fn ready(args: &RoleArgs, pace: Pace) -> Result<(), Failure> {
+    if pace == Pace::RealTime {
+        realtime::wake_on_time();
     }
     args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
     Ok(())

@@ -125,7 +125,7 @@ fn soak(pace: Pace, time: Duration, stop: &AtomicBool) -> Result<(Vec<Sample>, f
             if next.stamp.run != truth.stamp.run {
                 walked += seconds(&truth);
             }
-            truth = next;
+            truth = *next;
             replies.extend(Some(truth.reply_ns).filter(|ns| *ns > 0));
         }
         if roles.iter_mut().any(Process::has_ended) {

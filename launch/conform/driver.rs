@@ -49,7 +49,7 @@ impl Driver {
     /// Waits a slice for sensors that are new; what comes again is not.
     pub fn look(&mut self) -> Result<bool, String> {
         while let Some(truth) = self.recorder.read().map_err(|error| error.to_string())? {
-            self.truths.push(truth);
+            self.truths.push(*truth);
         }
         let Some(sensors) = self.port.wait().map_err(|error| error.to_string())? else { return Ok(false) };
         let (now, before) = (sensors.stamp, self.sensors.stamp);

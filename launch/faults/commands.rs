@@ -123,7 +123,7 @@ impl Rogue {
         while let Some(truth) = self.listener.read().map_err(words)? {
             is_finite(&truth)?;
             check(&truth)?;
-            self.truth = truth;
+            self.truth = *truth;
         }
         Ok(())
     }

@@ -161,7 +161,7 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
         eventually(what, LIMIT, || {
             while let (Ok(Some(truth)), None, None) = (port.read(), found, &wrong) {
                 wrong = is_finite(&truth).err();
-                found = holds(&truth).then_some(truth);
+                found = holds(&truth).then_some(*truth);
             }
             found.is_some() || wrong.is_some()
         })?;

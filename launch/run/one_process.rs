@@ -10,7 +10,7 @@ use std::sync::atomic::AtomicBool;
 use std::sync::mpsc;
 
 /// Records that are handed over at once, and such batches under way.
-const BATCH: usize = 128;
+const BATCH: usize = 512;
 const BATCHES: usize = 2;
 
 /// One process, with the recorder in a thread of its own, which gets the truth in batches.
@@ -19,10 +19,11 @@ pub fn run(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Fa
     let (empty, recycled) = mpsc::channel();
     let listen = move || {
         for mut batch in heard {
-            for truth in batch.drain(..) {
-                watch.take(&truth)?;
+            for truth in &batch {
+                watch.take(truth)?;
                 goes_on(&watch.recorder, stop)?;
             }
+            batch.clear();
             watch.show();
             let _ = empty.send(batch); // at the end nobody needs it
         }

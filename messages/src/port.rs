@@ -37,6 +37,7 @@ use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 use link::{Inlet, Outlet, Reader};
 use place::{Place, TRUTH, TRUTH_BUFFER};
+use std::ops::Deref;
 use std::time::Duration;
 use truth::TruthOutlet;
 
@@ -267,12 +268,12 @@ impl RecorderPort {
         Ok(RecorderPort { truth, bell, run: None, _place: place })
     }
 
-    /// The next message of truth, in order, if there is one.
+    /// The next message of truth, in order, if there is one: in its slot, to be let go of before the next.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn read(&mut self) -> Result<Option<Truth>, PortError> {
-        let truth = self.truth.next()?;
+    pub fn read(&mut self) -> Result<Option<impl Deref<Target = Truth> + use<>>, PortError> {
+        let truth = self.truth.look()?;
         let run = truth.as_ref().map(|truth| truth.stamp.run);
         if run.is_some() && run != self.run {
             self.run = run;

@@ -71,7 +71,7 @@ impl Intake {
             self.look(&command, now);
         }
         let before = std::mem::replace(&mut self.before, sensors.encoders);
-        let Some(newest) = self.newest else { return Torques::default() };
+        let Some(newest) = &self.newest else { return Torques::default() };
         self.age = now - newest.stamp.ack;
         self.mode = self.watchdog.judge(self.age, std::mem::take(&mut self.fresh));
         let tally = &mut self.tally;
@@ -128,7 +128,7 @@ impl Intake {
 
     /// From sending the sensors to sending of the command that answers them, if that is the newest [ns].
     pub fn reply_ns(&self, asked: &Stamp) -> u64 {
-        let answer = self.newest.filter(|newest| newest.stamp.ack == asked.seq);
+        let answer = self.newest.as_ref().filter(|newest| newest.stamp.ack == asked.seq);
         answer.map_or(0, |answer| answer.stamp.mono_ns.saturating_sub(asked.mono_ns))
     }
 

@@ -113,8 +113,11 @@ pub struct Shell {
 impl Shell {
     /// The truth that goes with these sensors, which have just been sent.
     pub fn truth(&self, simulation: &Simulation, sensors: &Sensors) -> Truth {
-        let &Shell { plant_ns, wait_ns, late_ns, reply_ns } = self;
-        Truth { stamp: sensors.stamp, plant_ns, wait_ns, late_ns, reply_ns, ..simulation.truth() }
+        let mut truth = simulation.truth();
+        truth.stamp = sensors.stamp;
+        Shell { plant_ns: truth.plant_ns, wait_ns: truth.wait_ns, late_ns: truth.late_ns, reply_ns: truth.reply_ns } =
+            *self;
+        truth
     }
 }
 

@@ -55,18 +55,14 @@ impl Simulation {
 
     /// What only a simulation knows, at the same instant.
     pub fn truth(&self) -> Truth {
-        let Command { stamp: command, torques: asked, telemetry } = self.intake.newest();
-        Truth {
-            stamp: self.stamp,
-            state: self.intake.mode() as u32,
-            age: self.intake.age() as u32,
-            tally: *self.intake.tally(),
-            telemetry,
-            command,
-            asked,
-            encoders: self.encoders,
-            ..self.plant.truth()
-        }
+        let mut truth = self.plant.truth();
+        Command { stamp: truth.command, torques: truth.asked, telemetry: truth.telemetry } = self.intake.newest();
+        truth.stamp = self.stamp;
+        truth.state = self.intake.mode() as u32;
+        truth.age = self.intake.age() as u32;
+        truth.tally = *self.intake.tally();
+        truth.encoders = self.encoders;
+        truth
     }
 
     /// A command comes, sealed.

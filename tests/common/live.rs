@@ -68,7 +68,7 @@ impl Running {
     pub fn until(&mut self, what: &str, mut holds: impl FnMut(&Truth) -> bool) -> Truth {
         eventually(what, || {
             while let Some(truth) = self.port.as_mut().expect("listening").read().expect("reading") {
-                self.latest = truth;
+                self.latest = *truth;
                 if holds(&truth) {
                     return true;
                 }
@@ -92,7 +92,7 @@ impl Running {
     /// Takes everything said so far.
     pub fn drain(&mut self) {
         while let Some(truth) = self.port.as_mut().expect("listening").read().expect("reading") {
-            self.latest = truth;
+            self.latest = *truth;
         }
     }
 

@@ -267,7 +267,8 @@ impl<M: Stamped> Reader<M> {
         Ok(self.look()?.map(|sample| *sample))
     }
 
-    fn look(&self) -> Result<Option<Found<M>>, PortError> {
+    /// The next message in its slot.
+    pub fn look(&self) -> Result<Option<Found<M>>, PortError> {
         self.0.receive().map_err(|e| broken("reading", e))
     }
 }
