@@ -35,7 +35,7 @@ pub enum ControllerError {
         /// Longest step [m].
         longest_step: f64,
     },
-    /// An angle or a rate is no number: the task cannot be resolved.
+    /// The task cannot be resolved into joint rates.
     #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight or an encoder reads nonsense")]
     Singular {
         /// Time since the controller began [s].

@@ -18,9 +18,9 @@ pub struct Measures {
     pub freeze: f64,
     /// Period of two steps above which the swing foot's acceleration no longer matters [s].
     pub slow: f64,
-    /// Time in which the new stance foot is loaded, and that before landing in which the swing ankle is soft [s].
+    /// Time in which the new stance foot is loaded [s].
     pub loading: f64,
-    /// See `loading` [s].
+    /// Time before landing in which the swing ankle is soft [s].
     pub touching: f64,
     /// Periods of two steps that a set-point may have [s].
     pub periods: [f64; 2],

@@ -58,7 +58,7 @@ impl ServoModel {
     }
 
     /// Rate bounds that keep the torque of [`drive`](Self::drive) within ±`bound` [N·m] inside the boundary layer:
-    /// q̇ ± … with τ = τ_ff + d̂ + J_n κ (q̇_ref − q̇).
+    /// q̇ + (±bound − τ_ff − d̂)/(J_n κ), from τ = τ_ff + d̂ + J_n κ (q̇_ref − q̇).
     pub fn rates_within(&self, state: &ServoState, rate: &Joints, feed_forward: &Joints, bound: f64) -> [Joints; 2] {
         let slope = self.nominal_inertia * self.switch_rate;
         let idle = feed_forward + state.disturbance;

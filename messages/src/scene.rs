@@ -125,8 +125,8 @@ pub enum Jitter {
     Uniform,
     /// Normal with the standard deviation `jitter_ms` about `delay_ms`; what would come before it was sent is mirrored.
     Normal,
-    /// `jitter_ms` within bursts and none outside: one begins every .5 s and lasts .05 s on average, both exponentially
-    /// distributed (Gilbert's two-state chain).
+    /// `jitter_ms` within bursts and none outside: one begins .5 s after the last has ended and lasts .05 s on average, both
+    /// exponentially distributed (Gilbert's two-state chain).
     Burst,
 }
 

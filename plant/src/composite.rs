@@ -45,12 +45,12 @@ impl Composite {
             self.inertia[link.parent] += carried;
             self.wrench[i] = carried.times(&pose.links[i].column);
         }
-        let all = self.inertia[upright]; // what the first links carry, who weigh nothing themselves
+        let all = self.inertia[upright]; // what the first links carry; only the last of them may weigh anything itself
         for (wrench, pose) in self.wrench.iter_mut().zip(&pose.links).take(1 + upright) {
             *wrench = all.times(&pose.column);
         }
-        for (i, wrench) in self.wrench[1..].iter().enumerate().filter(|_| upright > 0) {
-            h.set_first(i, wrench);
+        if upright > 0 {
+            self.wrench[1..].iter().enumerate().for_each(|(i, wrench)| h.set_first(i, wrench));
         }
         for (j, link) in model.links[1..].iter().enumerate().skip(upright) {
             let Spatial { angular, linear } = pose.links[j + 1].column;

@@ -1,7 +1,8 @@
 //! The contact problem of a step, (12)-(14): K, A = KᵀH⁻¹K and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
 //!
 //! The contacts of one link are moved by the same degrees of freedom, those of the link's path, so their columns of K stand side
-//! by side and go through the factor L of H together: Y = L⁻ᵀK, A = YᵀY, and after the solution H⁻¹KΔf = L⁻¹(YΔf).
+//! by side and go through the factor L of H together: Y = √D⁻¹L⁻ᵀK, A = YᵀY, and after the solution
+//! H⁻¹KΔf = L⁻¹√D⁻¹(YΔf).
 
 use crate::contact::{Problem, has_basis, tangents};
 use crate::detect::Touch;
@@ -17,7 +18,7 @@ const NEARLY: f64 = 0.99;
 /// Contacts of a link slip alike if their mean slip is more than this part of their mean speed.
 const ALIKE: f64 = 0.5;
 
-/// Y = L⁻ᵀK of the touching contacts, link by link.
+/// Y = √D⁻¹L⁻ᵀK of the touching contacts, link by link.
 #[derive(Clone, Debug)]
 pub struct ContactMap {
     groups: Vec<Group>,

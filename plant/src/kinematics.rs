@@ -169,7 +169,7 @@ pub fn velocities(model: &Model, xdot: &[f64], pose: &mut Pose) {
     }
 }
 
-/// Of the first links together, of which three slide and three turn, three slide, or there are none.
+/// Velocity of the first links, which move as one: they slide and turn, only slide, or there are none ([`Model::upright`]).
 fn upright_velocity(upright: usize, xdot: &[f64]) -> Spatial {
     let part =
         |from: usize| if upright > from { Vector3::from_column_slice(&xdot[from..from + 3]) } else { Vector3::zeros() };

@@ -42,7 +42,7 @@ pub struct Options {
     pub patience: Duration,
 }
 
-/// What a controller needs to find the topic of a plant that has only just opened it, and to read there.
+/// Time in which a controller finds a plant that fails at once, and reads its goodbye.
 const LAST_WORD: Duration = Duration::from_millis(300);
 
 /// What comes after an exchange.

@@ -1,4 +1,4 @@
-//! Where the robot is and how it moves: x and xdot, and nothing else that the future depends on.
+//! Where the robot is and how it moves: x and xdot.
 
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};

@@ -48,7 +48,7 @@ use messages::wire::{Encoders, Torques, Truth};
 /// Coordinate of the pitch of virtual joints.
 const PITCH: usize = 4;
 /// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
-const UPRIGHT: f64 = 1e-8;
+const GIMBAL: f64 = 1e-8;
 
 /// A robot, its ground and its drives.
 ///
@@ -211,7 +211,7 @@ impl Plant {
         if !self.state.x.iter().chain(&self.state.xdot).all(|number| number.is_finite()) {
             return Err(PlantError::NotFinite { time: (self.steps + 1) as f64 * self.settings.h });
         }
-        if self.model.base == Base::Virtual && sin_cos(self.state.x[PITCH]).1.abs() < UPRIGHT {
+        if self.model.base == Base::Virtual && sin_cos(self.state.x[PITCH]).1.abs() < GIMBAL {
             return Err(PlantError::Gimbal { time: (self.steps + 1) as f64 * self.settings.h });
         }
         kinematics::pose(&self.model, &self.state, &mut self.work.pose);

@@ -38,7 +38,7 @@ const FEET: usize = 4;
 const REFINEMENTS: usize = 5;
 /// What a solution after the first must leave at most of the velocity before.
 const SHRINKS: f64 = 0.5;
-/// A residual this small is left.
+/// A residual this small is not refined further.
 const ENOUGH: f64 = 0.5 * SOLVED;
 
 /// Velocity (v at c, angular) or wrench (force, moment about c) in W.
@@ -46,7 +46,7 @@ type Pair = [Vector3<f64>; 2];
 /// The same in a row, filled up so that it is worked on four at a time.
 type Six = [f64; 8];
 
-/// Whether links may stand that did in the step before. A link on one or two contacts of which one did not push is about to turn.
+/// Whether links may stand that did in the step before. A link on two contacts of which only one pushed is about to turn.
 pub fn is_promising(touches: &[Touch], pushed: impl Fn(usize) -> bool) -> bool {
     let mut links = touches.chunk_by(|a, b| a.link == b.link);
     links.all(|link| link.len() > 2 || link.iter().all(|touch| pushed(touch.id) == pushed(link[0].id)))

@@ -7,7 +7,7 @@ use crate::support::Task;
 use crate::swing::Travel;
 use messages::scene::Sagittal;
 
-/// Limit of the lateral and sagittal virtual inputs, against flottage [m/s²].
+/// Limits of the sagittal and the lateral virtual input, against what the paper calls flottage [m/s²].
 const INPUT_LIMIT: [f64; 2] = [0.5, 0.6];
 
 impl GaitModel {

@@ -56,7 +56,7 @@ pub(super) fn settle(
 }
 
 /// Corrects the guesses that impulse and velocity contradict, all of them or the first; false if none is.
-pub(super) fn correct(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8], all: bool) -> bool {
+fn correct(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8], all: bool) -> bool {
     let least = ROUNDING * residual::scale(scaled, f);
     let mut changed = false;
     for (i, bits) in basis.iter_mut().enumerate() {

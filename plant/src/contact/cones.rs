@@ -8,11 +8,9 @@ use super::newton::Newton;
 use super::round::{Round, Rule};
 use super::scaled::{HAIR, Scaled};
 use super::sweep::sweep;
-use super::{Memory, Problem, Report, spring_damper};
+use super::{Memory, Problem, Report, SOLVED, spring_damper};
 use messages::scene::{Iteration, Law};
 
-/// A residual up to this is solved.
-pub(super) const SOLVED: f64 = 4e-11;
 /// Sweeps before each new start of Newton's method.
 const BURSTS: [u32; 4] = [3, 12, 50, 200];
 

@@ -12,7 +12,8 @@
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction
 //! problem via convex optimization*, ZAMM 91, 2011.
 
-use super::cones::{Cones, SOLVED};
+use super::SOLVED;
+use super::cones::Cones;
 use super::round::Rule;
 use messages::scene::Iteration;
 

@@ -2,8 +2,8 @@
 
 use super::{Problem, active_set};
 
-/// Bases, or impulses, of the last step by contact identity. Part of the state of a simulation: where A is singular, f (not
-/// v) depends on it.
+/// By contact identity, bases of when each was last listed, or impulses of the last step. Part of the state of a simulation: where A is
+/// singular, f (not v) depends on it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
     basis: Vec<u8>,
@@ -33,7 +33,7 @@ impl Memory {
         self.rests
     }
 
-    /// Whether a contact pushed in the last step.
+    /// Whether a contact pushed when it was last listed.
     pub(crate) fn pushed(&self, id: usize) -> bool {
         self.recall(id) != 0
     }

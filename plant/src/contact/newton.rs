@@ -13,7 +13,7 @@
 //! Close to a solution the statuses no longer change and the steps converge quadratically; far from it they need not
 //! converge at all, so the best iterate is kept, and [`super::cones`] starts again from a better place.
 
-use super::cones::SOLVED;
+use super::SOLVED;
 use super::project::corner;
 use super::round::{Round, Rule, part};
 

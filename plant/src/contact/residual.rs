@@ -32,12 +32,12 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
         let of_contact = |rows: &[f64]| match rows[i * stride..(i + 1) * stride] {
             [normal, along, across] => [normal, along, across],
             [normal, along] => [normal, along, 0.0],
-            _ => [0.0; 3],
+            _ => [f64::NAN; 3],
         };
         let (f, v, [_, h1, h2]) = (of_contact(f), of_contact(v), of_contact(&scaled.reach));
         let mut x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
         if yardstick == Yardstick::Coulomb {
-            x[0] -= f64::max(h1 * v[1].abs(), h2 * v[2].abs());
+            x[0] -= f64::max(h1 * v[1].abs(), h2 * v[2].abs()); // as `slip`
         }
         let nearest = project(x, [h1, h2]);
         for k in 0..3 {
@@ -120,4 +120,44 @@ pub(super) fn slip_misalignment(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
 /// A ratio that is zero, not NaN, for nothing of nothing.
 pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use fastrand::Rng;
+
+    /// One contact of mu = .5.
+    fn contact(tangents: usize, reach: &[f64]) -> Scaled {
+        let mut scaled = Scaled::default();
+        (scaled.contacts, scaled.tangents, scaled.size) = (1, tangents, 1.0);
+        scaled.reach = reach.to_vec();
+        scaled
+    }
+
+    #[test]
+    fn one_tangent_is_as_two_of_which_one_holds_nothing() {
+        let (seed, mut rng) = (fastrand::u64(..), Rng::new());
+        println!("seed {seed}");
+        rng.seed(seed);
+        for _ in 0..1000 {
+            let [f, v] = [(); 2].map(|()| [2.0 * rng.f64() - 1.0, 2.0 * rng.f64() - 1.0, 0.0]);
+            for yardstick in [Yardstick::Coulomb, Yardstick::EnergyMinimum] {
+                let one = natural_map(&contact(1, &[0.0, 0.5]), &f[..2], &v[..2], yardstick);
+                let two = natural_map(&contact(2, &[0.0, 0.5, 0.0]), &f, &v, yardstick);
+                assert_eq!(one, two, "{f:?} {v:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_no_number_is_no_solution() {
+        let scaled = contact(2, &[0.0, 0.5, 0.5]);
+        for k in 0..6 {
+            let mut rows = [0.0; 6];
+            rows[k] = f64::NAN;
+            let found = natural_map(&scaled, &rows[..3], &rows[3..], Yardstick::Coulomb);
+            assert!(found.is_nan(), "number {k}: {found}");
+        }
+    }
 }

@@ -2,12 +2,9 @@
 
 use super::project::{bounded, cone, greatest_slip, pyramid};
 use super::residual::relative;
-use super::scaled::{Scaled, respond};
+use super::scaled::{IMMOVABLE, Scaled, respond};
 use super::{Problem, Report, lift};
 use messages::scene::Law;
-
-/// A diagonal entry this small beside the largest is a direction in which the contact cannot move.
-const IMMOVABLE: f64 = 1e-20;
 
 /// What the impulse of a contact has to obey: f = P_K(f - v^) with a cone K and a corrected velocity v^.
 #[derive(Clone, Copy, Debug)]

@@ -4,9 +4,9 @@
 use super::{Problem, lift};
 use messages::scene::Law;
 
-/// A diagonal entry this small beside the largest is a direction in which the contact cannot move. A = (L^-1 K)^T (L^-1 K)
-/// has squared rounding on its diagonal, so an honest zero is near 1e-32.
-const IMMOVABLE: f64 = 1e-20;
+/// A diagonal entry this small beside the largest is a direction in which the contact cannot move. A = YᵀY has squared rounding on
+/// its diagonal, so an honest zero is near 1e-32.
+pub(super) const IMMOVABLE: f64 = 1e-20;
 
 /// What [`Scaled::give`] adds to the unit diagonal: contacts yield by this much.
 ///
@@ -101,7 +101,7 @@ impl Scaled {
         }
     }
 
-    /// Lets the contacts yield by so much: not at all, or [`YIELD`].
+    /// Lets the contacts yield by so much: [`YIELD`], [`HAIR`], or not at all.
     pub fn give(&mut self, give: f64) {
         let (change, next) = (give - self.give, self.drift.len() + 1);
         self.delassus.iter_mut().step_by(next).for_each(|a| *a += change);
@@ -150,7 +150,7 @@ impl Scaled {
         let m = self.drift.len();
         let row = |k: usize| &self.delassus[(first + k) * m..][..m];
         let [x, y, z] = weights;
-        if x.abs() + y.abs() + z.abs() == 1.0
+        if x.abs() + y.abs() + z.abs() == 1.0 // to rounding
             && let Some(k) = weights.iter().position(|weight| *weight == 1.0)
         {
             return row(k);
@@ -196,4 +196,32 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::respond;
+    use fastrand::Rng;
+
+    #[test]
+    fn the_response_is_that_of_column_by_column_and_what_is_no_number_shows() {
+        let mut rng = Rng::with_seed(1);
+        for m in 0..=9 {
+            let [drift, impulse]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..m).map(|_| rng.f64() - 0.5).collect());
+            let mut delassus: Vec<f64> = (0..m * m).map(|_| rng.f64() - 0.5).collect();
+            let mut expected = drift.clone();
+            for (r, f) in impulse.iter().enumerate() {
+                expected.iter_mut().enumerate().for_each(|(i, v)| *v = delassus[r * m + i].mul_add(*f, *v));
+            }
+            let mut found = vec![1.0; 3];
+            respond(&delassus, &drift, &impulse, &mut found);
+            assert_eq!(found, expected, "{m} rows");
+            for r in 0..m {
+                let kept = std::mem::replace(&mut delassus[r * m], f64::NAN);
+                respond(&delassus, &drift, &vec![0.0; m], &mut found);
+                assert!(found[0].is_nan(), "row {r} of {m} pushes nothing");
+                delassus[r * m] = kept;
+            }
+        }
+    }
 }

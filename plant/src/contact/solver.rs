@@ -57,7 +57,7 @@ impl Solver {
     ///
     /// 1. the basis in `memory`, as it is;
     /// 2. for the energy program, principal pivoting; for Coulomb's law and few contacts, that basis corrected contact by contact
-    ///    (of one, or with one tangent, then Lemke's method);
+    ///    (of one, or under `Complementarity`, then Lemke's method);
     /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), also of many unless the energy program made the basis;
     /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program, of contacts that yield by less
     ///    (`scaled::HAIR`) if need be;
@@ -77,7 +77,7 @@ impl Solver {
         self.best.clear();
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.recall(problem, memory);
-        // on rays is what contacts that yield were found on; of two feet there is hardly another
+        // a basis of rays was found with contacts that yield, and of more than one foot the other kind hardly ever holds
         let either = !self.on_rays() && self.scaled.contacts <= FEW;
         let warm = self.holds(law, memory.yields) || either && self.holds(law, !memory.yields);
         let mut report = Report { warm, ..Report::default() };
@@ -135,7 +135,7 @@ impl Solver {
             || self.yielding(HAIR, |solver| solver.pivot_exactly(law, pivots))
     }
 
-    /// A way that sees the finest directions: the same for contacts that yield by so much.
+    /// Goes a way with contacts that yield by so much; they are rigid again if it finds nothing.
     fn yielding(&mut self, give: f64, way: impl FnOnce(&mut Solver) -> bool) -> bool {
         self.scaled.give(give);
         let found = way(self);

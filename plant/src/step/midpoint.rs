@@ -41,8 +41,8 @@ impl Plant {
 
     /// ẋ_m = ½(ẋ₋ + ẋ₊), x_m = x + ½h ẋ_m, x₊ = x + h ẋ_m; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with all of H, b, K at (x_m, ẋ_m).
     ///
-    /// Symmetric in time: in flight the energy swings by h² and does not drift. The contact law holds for ẋ₊, as it does
-    /// in the explicit rule.
+    /// Symmetric in time: in flight the energy swings by h² and does not drift. The contact law holds for ẋ₊, as in
+    /// [`Plant::midpoint_moreau`].
     ///
     /// # Errors
     /// If the iteration does not settle: dt is too long.

@@ -71,7 +71,7 @@ impl Foot {
         [self.wanted[0] - self.motion[0], self.wanted[1] - self.motion[1]]
     }
 
-    /// No contact moves faster that should not move.
+    /// No less than any contact moves otherwise than it should [m/s].
     pub fn left(&self) -> f64 {
         let [straight, round] = self.lacks();
         straight.norm() + round.norm() * self.sole.reach

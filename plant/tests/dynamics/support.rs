@@ -82,8 +82,9 @@ pub fn vector(rng: &mut fastrand::Rng, size: f64) -> [f64; 3] {
     std::array::from_fn(|_| size * (2.0 * rng.f64() - 1.0))
 }
 
-/// A branched robot of twelve bodies listed in any order, with sliding joints, drives, damping, payload and a slope.
+/// A robot of twelve bodies listed in any order, branched or one long chain, with sliding joints, drives, damping, payload and a slope.
 pub fn random_tree(rng: &mut fastrand::Rng, base: Base) -> Scene {
+    let is_chain = rng.bool();
     let mut bodies: Vec<Body> = (0..12)
         .map(|i| Body {
             name: format!("body {i}"),
@@ -91,7 +92,7 @@ pub fn random_tree(rng: &mut fastrand::Rng, base: Base) -> Scene {
             size: [0.1 + 0.2 * rng.f64(), 0.1 + 0.2 * rng.f64(), 0.1 + 0.2 * rng.f64()],
             com: vector(rng, 0.1),
             joint: (i > 0).then(|| Joint {
-                parent: format!("body {}", rng.usize(..i)),
+                parent: format!("body {}", if is_chain { i - 1 } else { rng.usize(..i) }),
                 kind: if rng.f64() < 0.3 { JointKind::Prismatic } else { JointKind::Revolute },
                 axis: vector(rng, 3.0),
                 at: vector(rng, 0.3),

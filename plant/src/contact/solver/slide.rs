@@ -96,7 +96,7 @@ impl Shift {
         }
     }
 
-    /// Just this.
+    /// The next is what this slip asks for, as it is.
     fn jump(&mut self, slip: impl Fn(usize) -> f64) {
         self.now.iter_mut().enumerate().for_each(|(i, now)| *now = slip(i));
     }
