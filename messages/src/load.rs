@@ -216,7 +216,7 @@ mod tests {
     fn every_bad_value_is_refused_by_its_key() {
         refused(&["plant.friction=nan"], &["scene walk", "plant.friction", "finite"]);
         refused(&["bodies.trunk.com=[0.0, inf, 0.0]"], &["bodies.4.com.1", "inf", "finite"]);
-        refused(&["initial.position=[1e308, 0.0, 0.0]"], &["initial.position.0", "beyond 1e100"]);
+        refused(&["initial.position=[1e308, 0.0, 0.0]"], &["initial.position.0", "1e308", "beyond 1e30"]);
         refused(&["plant.dt=0"], &["plant.dt = 0", "greater than 0"]);
         refused(&["plant.dt=0.0003"], &["plant.dt", "whole number of steps", "0.0003333"]);
         refused(&["plant.dt=0.002"], &["plant.dt", "whole number of steps"]);
@@ -247,6 +247,7 @@ mod tests {
         refused(&["bodies.left thigh.joint.parent=left foot"], &["circle"]);
         refused(&["bodies.left foot.name=trunk"], &["names must differ"]);
         refused(&["bodies.left foot.name=\"\\u001b[2J\""], &["bodies.0.name", "control characters"]);
+        refused(&["plant.push_body=\"\\u001b[2J\""], &["plant.push_body", "\\u{1b}[2J"]);
         refused(&["controller.period=0"], &["controller.period", "greater than 0"]);
         refused(&["controller.period=0.01"], &["controller.period", "control periods"]);
         refused(&["controller.com_height=-0.27"], &["controller.com_height"]);

@@ -272,7 +272,7 @@ impl RecorderPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn read(&mut self) -> Result<Option<impl Deref<Target = Truth> + use<>>, PortError> {
+    pub fn read(&mut self) -> Result<Option<impl Deref<Target = Truth>>, PortError> {
         let truth = self.truth.look()?;
         let run = truth.as_ref().map(|truth| truth.stamp.run);
         if run.is_some() && run != self.run {

@@ -9,7 +9,7 @@ impl Check<'_> {
     pub(super) fn known_body(&self, bodies: &[Body], key: &str, name: &str) -> Checked {
         let names: Vec<_> = bodies.iter().map(|body| body.name.as_str()).collect();
         let rule = format!("it must be empty or one of {}", names.join(", "));
-        self.require(name.is_empty() || names.contains(&name), key, format!("\"{name}\""), rule)
+        self.require(name.is_empty() || names.contains(&name), key, format!("{name:?}"), rule)
     }
 
     /// Every body, their tree, and how many joints and points there are.
@@ -19,7 +19,6 @@ impl Check<'_> {
         for (i, body) in bodies.iter().enumerate() {
             let key = |field: &str| format!("bodies.{}.{field}", body.name);
             self.require(!body.name.is_empty(), &format!("bodies.{i}.name"), "\"\"", "every body needs a name")?;
-            self.name(&format!("bodies.{i}.name"), &body.name)?;
             let twice = bodies[..i].iter().any(|other| other.name == body.name);
             self.require(!twice, &format!("bodies.{i}.name"), format!("\"{}\"", body.name), "names must differ")?;
             self.positive(&key("mass"), body.mass)?;
@@ -28,7 +27,7 @@ impl Check<'_> {
             if let Some(joint) = &body.joint {
                 let rule = format!("it must be another body: {}", names.iter().copied().collect::<Vec<_>>().join(", "));
                 let known = names.contains(joint.parent.as_str()) && joint.parent != body.name;
-                self.require(known, &key("joint.parent"), format!("\"{}\"", joint.parent), rule)?;
+                self.require(known, &key("joint.parent"), format!("{:?}", joint.parent), rule)?;
                 let length = joint.axis.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let rule = "an axis must be a unit vector";
                 self.require((length - 1.0).abs() < 1e-9, &key("joint.axis"), format!("{:?}", joint.axis), rule)?;

@@ -1,7 +1,7 @@
 //! The rules that the values of a scene must keep, each with the words for breaking it.
 
 use super::SceneError;
-use crate::robot::{Drives, Robot};
+use crate::robot::{Body, Drives, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use toml::Value;
@@ -9,7 +9,7 @@ use toml::Value;
 /// Steps of a control period at most: nobody is heard within one.
 const MOST: f64 = 1e6;
 /// No number is greater: squares and cubes of it are numbers, too.
-const HUGE: f64 = 1e100;
+const HUGE: f64 = 1e30;
 
 /// Checks every value of a scene; `origin` names it in the error.
 ///
@@ -19,7 +19,7 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     let check = Check { origin };
     let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
-    check.name("robot", scene.robot_name())?;
+    check.names(scene.robot_name(), &scene.bodies)?;
     check.timing(scene)?;
     check.plant(scene)?;
     check.link(&scene.link)?;
@@ -33,12 +33,12 @@ pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
     let check = Check { origin };
     let table = Value::try_from(robot).map_err(|error| check.fail("robot", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
+    check.names(&robot.name, &robot.bodies)?;
     let Drives { inertia, damping, torque_limit, encoder_bits } = robot.drives;
     check.not_negative("drives.inertia", inertia.unwrap_or(0.0))?;
     check.not_negative("drives.damping", damping.unwrap_or(0.0))?;
     check.positive("drives.torque_limit", torque_limit.unwrap_or(1.0))?;
     check.encoder_bits("drives.encoder_bits", encoder_bits.unwrap_or(8))?;
-    check.name("name", &robot.name)?;
     check.bodies(&robot.bodies)?;
     robot.bodies.iter().try_for_each(|body| {
         let [a, b, c] = body.moments();
@@ -80,17 +80,20 @@ impl Check<'_> {
     fn finite(&self, value: &Value) -> Checked {
         match too_great(value) {
             Some((path, number)) => {
-                let rule = format!("every number of a scene must be finite, and none beyond {HUGE:e}");
-                Err(self.fail(&path, number, rule))
+                let rule = format!("every number must be finite, and none beyond {HUGE:e}");
+                Err(self.fail(&path, format!("{number:e}"), rule))
             }
             None => Ok(()),
         }
     }
 
-    /// A name is printed as it is.
-    pub(super) fn name(&self, key: &str, name: &str) -> Checked {
+    /// Names are printed as they are.
+    fn names(&self, robot: &str, bodies: &[Body]) -> Checked {
         let rule = "a name must have no control characters";
-        self.require(!name.chars().any(char::is_control), key, format!("{name:?}"), rule)
+        let plain =
+            |key: &str, name: &str| self.require(!name.contains(char::is_control), key, format!("{name:?}"), rule);
+        plain("name of the robot", robot)?;
+        bodies.iter().enumerate().try_for_each(|(i, body)| plain(&format!("bodies.{i}.name"), &body.name))
     }
 
     fn timing(&self, scene: &Scene) -> Checked {
