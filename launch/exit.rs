@@ -140,6 +140,7 @@ impl From<plant::process::ProcessError> for Failure {
             E::Port(error) => error.into(),
             E::NoController(..) => Failure::new(Exit::PeerMissing, error),
             E::Plant(PlantError::Unsolved { .. }) => unsolved(error),
+            E::Plant(PlantError::Value { .. }) => Failure::new(Exit::Usage, error), // it began with the scene
             E::Plant(_) | E::Silent(_) => Failure::new(Exit::Fault, error),
             E::Interrupted => Failure::new(Exit::Interrupted, error),
         }

@@ -140,9 +140,16 @@ impl Recorder {
         if self.keeps_rows {
             self.worst = self.worst.and(&Worst::of(truth));
         }
-        // written in its place, for a record is large
-        let row = self.last.get_or_insert_with(|| Row { truth: *truth, sample: sample.clone(), worst: self.worst });
-        (row.truth, row.sample, row.worst) = (*truth, sample, self.worst);
+        let worst = self.worst;
+        let row = match &mut self.last {
+            Some(row) => {
+                row.truth = *truth; // in its place, for a record is large
+                row.sample = sample;
+                row.worst = worst;
+                row
+            }
+            none => none.insert(Row { truth: *truth, sample, worst }),
+        };
         self.first.get_or_insert_with(|| row.clone());
         let (now, slot) = (truth.stamp.sim_ns, |time: u64| time / self.row_ns);
         if self.last_row_ns.is_some_and(|last| slot(last) >= slot(now)) {

@@ -19,10 +19,12 @@ mod reader;
 mod records;
 pub mod replay;
 pub mod table;
+mod tape;
 mod writer;
 
 pub use reader::{Content, Reader};
-pub use writer::Writer;
+pub use tape::Tape;
+use writer::Writer;
 
 use messages::wire::{LAYOUT, Message};
 

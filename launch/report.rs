@@ -70,12 +70,19 @@ pub fn figures(recorder: &Recorder) -> Vec<Figure> {
 /// As the file system has them, with the file's name.
 pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> io::Result<()> {
     let figures = figures(recorder);
-    fs::create_dir_all(folder.join("figures"))?;
+    let drawings = folder.join("figures");
+    fs::create_dir_all(&drawings)?;
+    // none of a run before, which may have had others
+    for old in
+        fs::read_dir(&drawings)?.flatten().filter(|file| file.path().extension().is_some_and(|kind| kind == "svg"))
+    {
+        fs::remove_file(old.path())?;
+    }
     write_whole(&folder.join("summary.json"), &summary.json())?;
     write_whole(&folder.join("trajectory.csv"), &csv::table(recorder))?;
     write_whole(&folder.join("report.html"), &page(&figures, recorder, summary, scene, text))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
-        write_whole(&folder.join("figures").join(panel.name).with_extension("svg"), &panel.svg)?;
+        write_whole(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
     }
     Ok(())
 }

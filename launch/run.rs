@@ -7,11 +7,12 @@ use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
 use crate::output::{folder, keeps, say, unwritten};
 use crate::realtime::RealtimeArgs;
-use crate::recording::Writer;
+use crate::recording::Tape;
 use crate::summary::Summary;
 use crate::swap::{Succession, Swap};
 use crate::{PaceArgs, SceneArgs, fitted, guarded, report};
 use clap::Args;
+use clap::builder::NonEmptyStringValueParser;
 use messages::invitation::Invitation;
 use messages::load;
 use messages::port::{Contract, RecorderPort};
@@ -54,10 +55,10 @@ pub struct RunArgs {
     #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
     respawn: u32,
     /// Program to be the controller, with its arguments: it finds the session in its environment, see docs/WIRE.md
-    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
+    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process", value_parser = NonEmptyStringValueParser::new())]
     controller: Option<String>,
     /// Program to be the plant, likewise: another simulator, or a robot's driver
-    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
+    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process", value_parser = NonEmptyStringValueParser::new())]
     plant: Option<String>,
     /// Let another controller take over at this simulated time, as the robot walks on; COMMAND as for --controller, `biped
     /// controller` being ours; repeatable
@@ -104,6 +105,10 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let alone = format!("scene {} has no controller, so --controller and --swap do nothing", args.scene.scene);
         return Err(Failure::new(Exit::Usage, alone));
     }
+    if let Some(late) = args.swap.iter().find(|swap| swap.time >= scene.duration) {
+        let words = format!("--swap {}: the run ends at {} s", late.time, scene.duration);
+        return Err(Failure::new(Exit::Usage, words));
+    }
     let mut watch = Watch::new(&scene, args.out.is_some(), args.quiet);
     for output in args.record.iter().chain(&args.out) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
@@ -111,13 +116,13 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
     }
     args.out.as_deref().map_or(Ok(()), folder)?;
-    watch.tape = args.record.as_deref().map(|path| Writer::create(path, &scene)).transpose()?;
+    watch.tape = args.record.as_deref().map(|path| Tape::reserve(path, &scene)).transpose()?;
     let outcome = match args.in_process {
         true => one_process::run(&scene, &mut watch, stop),
         false => two_processes(args, &scene, &mut watch, stop),
     };
     watch.progress.finish();
-    let outcome = outcome.and(watch.tape.take().map_or(Ok(()), Writer::finish));
+    let outcome = outcome.and(watch.tape.take().map_or(Ok(()), Tape::finish));
     if watch.lost > 0 {
         eprintln!("{} control periods were not recorded", watch.lost);
     }
@@ -128,13 +133,13 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let model = args.scene.model(&written)?;
     let summary = Summary::new(&args.scene.scene, &watch.recorder, begun.elapsed(), processes).on(model);
     let summary = summary.ended(outcome.as_ref().err());
+    say(&summary);
     if let Some(folder) = &args.out {
         let text = load::text(&scene);
         report::write(folder, &watch.recorder, &summary, &scene, &text)
             .and_then(|()| std::fs::write(folder.join("scene.toml"), &text))
             .map_err(|error| unwritten(folder, &error))?;
     }
-    say(&summary);
     match (summary.fall_time_s, outcome) {
         // What fails after a fall fails because of it.
         (Some(time), Ok(())) => Err(fell(time)),

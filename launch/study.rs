@@ -237,8 +237,8 @@ mod tests {
 
     #[test]
     fn a_simulation_that_blows_up_is_a_row_and_not_the_end_of_the_study() {
-        // A gravity that overflows within the first control period.
-        let wild = case("too heavy", "drop", &["plant.gravity=1e308"]);
+        // A spin that overflows within the first control period.
+        let wild = case("too fast", "drop", &["initial.angular_velocity=[1e30, 1e30, 0.0]"]);
         let calm = case("as it is", "drop", &["duration=0.01"]);
         let stop = AtomicBool::new(false);
         let outcomes = [&wild, &calm].map(|case| simulate(case, &stop).expect("not interrupted"));

@@ -57,6 +57,28 @@ fn a_bad_file_is_shown_with_line_and_caret() {
 }
 
 #[test]
+fn a_folder_has_the_figures_of_its_last_run_alone() {
+    let folder = std::env::temp_dir().join(format!("biped-test-{}-figures", std::process::id()));
+    let figures = |name: &str| -> Vec<_> {
+        let out = folder.join(name);
+        let run = |arguments: &[&str]| {
+            let (code, errors) = biped(&[&["run", "--quiet", "--out", &out.display().to_string()], arguments].concat());
+            assert_eq!(code, Some(0), "{errors}");
+        };
+        if name == "used" {
+            run(&["walk", "--in-process", "--set", "duration=0.1"]);
+        }
+        run(&["slide"]);
+        let files = std::fs::read_dir(out.join("figures")).expect("figures");
+        let mut names: Vec<_> = files.map(|file| file.expect("a file").file_name()).collect();
+        names.sort();
+        names
+    };
+    assert_eq!(figures("used"), figures("fresh"));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn wrong_usage_is_refused() {
     refused(&["fly"], &["fly"]);
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
@@ -73,6 +95,8 @@ fn wrong_usage_is_refused() {
     assert!(!never.exists(), "what is refused makes no folder");
     refused(&["run", "slide", "--controller", "true"], &["slide has no controller"]);
     refused(&["run", "slide", "--swap", "0.1=true"], &["slide has no controller"]);
+    refused(&["run", "walk", "--swap", "20=biped controller"], &["--swap 20", "the run ends at 14 s"]);
+    refused(&["run", "walk", "--controller", ""], &["--controller"]);
     refused(&["soak", "--minutes", "-1"], &["a number of minutes"]);
     refused(&["chart", "--peers=nosuch.csv"], &["nosuch.csv"]);
     refused(&["view", "README.md", "--out", "./README.md"], &["README.md is what is read"]);

@@ -55,6 +55,28 @@ fn controller_and_plant_do_again_what_was_recorded_bit_for_bit() {
     }
 }
 
+#[test]
+fn a_run_that_is_refused_touches_no_recording() {
+    let file = record("drop", &["--set", "duration=0.1"]);
+    let before = std::fs::read(&file).expect("a recording");
+    let new = fresh_path("never.mcap");
+    let refused = |file: &Path, arguments: &[&str], word: &str| {
+        let output = biped(&["run", "--quiet", "--record"]).arg(file).args(arguments).output().expect("it starts");
+        let words = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && words.contains(word), "{arguments:?}: {:?}, {words}", output.status);
+    };
+    for file in [&file, &new] {
+        refused(file, &["drop", "--set", "plant.law=ConeQp"], "Rk4Impact");
+    }
+    let other = std::fs::File::open(&file).expect("a recording");
+    other.try_lock().expect("nobody else records"); // as another run does
+    refused(&file, &["drop"], "another run is recording");
+    assert!(std::fs::read(&file).expect("a recording") == before && !new.exists());
+    drop(other);
+    assert_eq!(on(&file, &["replay", "--plant"]).0, Some(0));
+    std::fs::remove_file(file).expect("our own file");
+}
+
 /// The negative control: what the recording does not know must be seen.
 #[test]
 fn a_push_from_outside_makes_another_walk_and_is_named() {

@@ -7,7 +7,7 @@ use super::{METADATA, Topic};
 use crate::exit::Failure;
 use crate::output::unwritten;
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Compression, McapResult, WriteOptions};
+use mcap::{Compression, McapError, McapResult, WriteOptions};
 use messages::load;
 use messages::scene::Scene;
 use messages::wire::{Command, SCHEMA_HASH, Sensors, Stamp, Stamped, Truth};
@@ -39,16 +39,15 @@ pub struct Writer {
 }
 
 impl Writer {
-    /// Begins a file; one of that name is replaced.
+    /// Begins an empty file.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn create(path: &Path, scene: &Scene) -> Result<Writer, Failure> {
-        let file = File::create(path).map_err(|error| unwritten(path, &error))?;
-        Writer::begin(path, file, scene).map_err(|error| unwritten(path, &error))
+    pub fn begin(path: &Path, file: File, scene: &Scene) -> Result<Writer, Failure> {
+        Writer::head(path, file, scene).map_err(|error| failed(path, &error))
     }
 
-    fn begin(path: &Path, file: File, scene: &Scene) -> McapResult<Writer> {
+    fn head(path: &Path, file: File, scene: &Scene) -> McapResult<Writer> {
         let options = WriteOptions::new().compression(Some(Compression::Lz4)).library("biped");
         let mut file = options.create(BufWriter::new(file))?;
         let about = [
@@ -85,7 +84,7 @@ impl Writer {
     /// # Errors
     /// If the file cannot be written, as on a full disk.
     pub fn push(&mut self, truth: &Truth) -> Result<(), Failure> {
-        self.write(truth).map_err(|error| unwritten(&self.path, &error))
+        self.write(truth).map_err(|error| failed(&self.path, &error))
     }
 
     fn write(&mut self, truth: &Truth) -> McapResult<()> {
@@ -132,7 +131,15 @@ impl Writer {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(mut self) -> Result<(), Failure> {
-        self.file.finish().map(drop).map_err(|error| unwritten(&self.path, &error))
+        self.file.finish().map(drop).map_err(|error| failed(&self.path, &error))
+    }
+}
+
+/// In the words of whatever is behind it, such as a full disk.
+fn failed(path: &Path, error: &McapError) -> Failure {
+    match error {
+        McapError::Io(error) => unwritten(path, error),
+        error => unwritten(path, error),
     }
 }
 

@@ -1,7 +1,7 @@
 //! Plant and controller in one process, by plain calls: the bits of two.
 
 use super::watch::{Watch, goes_on};
-use crate::exit::{Exit, Failure};
+use crate::exit::{Exit, Failure, unless};
 use messages::scene::Scene;
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
@@ -33,6 +33,7 @@ pub fn run(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Fa
         let listener = scope.spawn(listen);
         let mut batch = Vec::with_capacity(BATCH);
         let outcome = in_process(scene, |truth| {
+            unless(stop)?;
             batch.push(*truth);
             if batch.len() < BATCH {
                 return Ok(());

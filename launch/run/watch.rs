@@ -3,7 +3,7 @@
 use crate::exit::{Exit, Failure, unless};
 use crate::progress::Progress;
 use crate::record::Recorder;
-use crate::recording::Writer;
+use crate::recording::Tape;
 use messages::port::RecorderPort;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Truth};
@@ -17,7 +17,7 @@ pub struct Watch {
     pub recorder: Recorder,
     pub progress: Progress,
     pub latest: Stamp,
-    pub tape: Option<Writer>,
+    pub tape: Option<Tape>,
     /// Gaps in the sequence: records that were dropped on the way.
     pub lost: u64,
 }
