@@ -76,10 +76,12 @@ pub struct RobustnessArgs {
 pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let grid = Grid::new(args)?;
     let cases = grid.cases();
-    folder(&args.out)?;
     if !args.merge.is_empty() {
-        return draw(args, &grid, &cases, &table::merge(&args.merge, &grid, &cases)?);
+        let rows = table::merge(&args.merge, &grid, &cases)?;
+        folder(&args.out)?;
+        return draw(args, &grid, &cases, &rows);
     }
+    folder(&args.out)?;
     let path = args.out.join(args.shard.map_or("robustness.csv".into(), |shard| shard.file_name()));
     let mine: Vec<_> = cases.iter().filter(|case| args.shard.is_none_or(|shard| shard.has(case.number))).collect();
     let table = Table::resume(&path, &grid, &cases)?;

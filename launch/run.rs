@@ -29,7 +29,7 @@ pub use watch::goes_on;
 
 /// A look at children and progress this often; the truth's buffer holds longer.
 const LOOK: Duration = Duration::from_millis(2);
-/// Time for the controller to hear the plant's goodbye.
+/// Time for the controller to hear the plant's goodbye, or for the plant to end after it.
 const GOODBYE: Duration = Duration::from_secs(1);
 
 /// Arguments of `biped run`.
@@ -188,6 +188,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         let heir = Invitation { succeeds: true, ..invitation.clone() };
         Role::foreign("controller", command, &children::environment(&heir)?, &bar)
     };
+    let mut left_alone: Option<Instant> = None;
     let outcome = loop {
         watch.drain(&mut port)?;
         if let Err(failure) = goes_on(&watch.recorder, stop) {
@@ -214,6 +215,12 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         if roles[0].status().is_some() {
             children::wait(&mut roles, GOODBYE, || ());
             break Ok(());
+        }
+        let is_alone = roles.get(1).is_some_and(|controller| controller.status().is_some());
+        left_alone = is_alone.then(|| left_alone.unwrap_or_else(Instant::now));
+        if left_alone.is_some_and(|since| since.elapsed() > GOODBYE) {
+            let words = "the controller ended, with code 0, before the run did: it has to answer until it is told that all is over";
+            break Err(Failure::new(Exit::PeerMissing, words));
         }
         children::rest(&roles, LOOK);
     };

@@ -79,6 +79,12 @@ fn a_folder_has_the_figures_of_its_last_run_alone() {
 }
 
 #[test]
+fn a_controller_that_ends_at_once_is_told_before_the_plant_loses_patience() {
+    let (code, errors) = biped(&["run", "walk", "--quiet", "--patience", "600", "--controller", "true"]);
+    assert!(code == Some(3) && errors.contains("the controller ended, with code 0"), "{code:?}: {errors}");
+}
+
+#[test]
 fn wrong_usage_is_refused() {
     refused(&["fly"], &["fly"]);
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
