@@ -248,7 +248,8 @@ impl Plant {
         &self.model
     }
 
-    /// The contact problem of the last step; of no contact if nothing touched. Without A if the links were welded.
+    /// The contact problem of the last step; of no contact if nothing touched. Of welded links only their number counts, and there is
+    /// no A.
     pub fn problem(&self) -> &Problem {
         &self.work.problem
     }

@@ -87,3 +87,21 @@ fn what_slides_is_not_welded_and_what_tips_turns_about_its_edges() {
         assert!(expected.contains(&welded), "{name}: {welded} steps were welded");
     }
 }
+
+#[test]
+fn in_flight_there_is_no_problem_of_a_step_before() {
+    for (name, method) in
+        [("stand0", "SemiImplicitEuler"), ("stand0", "Rk4"), ("drop", "Rk4Impact"), ("drop", "EventDriven")]
+    {
+        let mut plant = Plant::new(&scene(name, &[&format!("plant.method={method}")])).expect("a plant");
+        let contacts_after = |plant: &mut Plant, what: &str| {
+            for _ in 0..100 {
+                plant.advance(&Torques::default()).expect(what);
+            }
+            plant.problem().contacts
+        };
+        assert!(contacts_after(&mut plant, "landed") > 0, "{name}, {method}");
+        assert!(plant.push(0, [0.0, 0.0, 200.0], 0.001));
+        assert_eq!(contacts_after(&mut plant, "thrown"), 0, "{name}, {method}");
+    }
+}
