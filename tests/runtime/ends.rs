@@ -94,7 +94,7 @@ fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
     let controller = start(&[&["controller", "walk", "--patience", "50"], &bad[..]].concat());
     eventually("the controller's session", || session.leftovers().len() > 5);
     let (code, errors) = end(start(&[&["plant", "walk"], &bad[..]].concat()));
-    assert!(code == Some(4) && errors.contains("plant.law of the method EventDriven"), "{errors}");
+    assert!(code == Some(2) && errors.contains("plant.law of the method EventDriven"), "{errors}");
     let (code, errors) = end(controller);
     assert!(code == Some(0) && !errors.contains("no plant"), "it waited out its patience: {errors}");
     assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
