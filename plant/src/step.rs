@@ -178,6 +178,7 @@ impl Plant {
     /// As [`Plant::advance`].
     pub fn step(&mut self) -> Result<(), PlantError> {
         let h = self.settings.h;
+        self.work.problem.reset_rows(0, 0); // of the step before
         match self.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),

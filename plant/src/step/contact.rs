@@ -11,11 +11,8 @@ use messages::scene::Law;
 impl Plant {
     /// The points that may touch within a step of `h`.
     pub(super) fn find_touches(&mut self, h: f64) {
-        let Workspace { pose, touches, problem, .. } = &mut self.work;
+        let Workspace { pose, touches, .. } = &mut self.work;
         touching(&self.model, pose, self.settings.law, h, touches);
-        if touches.is_empty() {
-            problem.reset_rows(0, problem.tangents); // of a step before
-        }
     }
 
     /// The problem (14) of the touching points, A apart.

@@ -88,16 +88,13 @@ impl Plant {
 
     /// Lists what bears.
     fn touch_bearings(&mut self) {
-        let Workspace { pose, touches, problem, .. } = &mut self.work;
+        let Workspace { pose, touches, .. } = &mut self.work;
         let corners = self.model.corners.iter().zip(&self.bearings).enumerate();
         touches.clear();
         touches.extend(corners.filter(|(_, (_, bearing))| bearing.bears).map(|(id, (corner, _))| {
             let arm = pose.lowest(corner);
             Touch { id, link: corner.link, arm, gap: pose.reference.z + arm.z }
         }));
-        if touches.is_empty() {
-            problem.reset_rows(0, problem.tangents); // of a step before
-        }
     }
 
     /// The acceleration with the forces of all that bears, in `free`; the forces count for the time `weight` in the record.
