@@ -25,21 +25,14 @@ pub(super) fn scale(scaled: &Scaled, f: &[f64]) -> f64 {
 /// two. It vanishes exactly when f minimises f·v^ over K. With v^_N = v_N + mu |v_F| (the largest slip along a tangent; De
 /// Saxce's correction) that is (17)-(22); with v^ = v it is the optimum of (14)-(16), which asks for v_N >= mu |v_F| instead.
 pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yardstick) -> f64 {
-    let stride = scaled.stride();
     let mut worst = 0.0_f64;
     for i in 0..scaled.contacts {
-        // a tangent that it has not is zero in all of them
-        let of_contact = |rows: &[f64]| match rows[i * stride..(i + 1) * stride] {
-            [normal, along, across] => [normal, along, across],
-            [normal, along] => [normal, along, 0.0],
-            _ => [f64::NAN; 3],
-        };
-        let (f, v, [_, h1, h2]) = (of_contact(f), of_contact(v), of_contact(&scaled.reach));
+        let [f, v, reach] = [f, v, &scaled.reach].map(|rows| of_contact(scaled, i, rows));
         let mut x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
         if yardstick == Yardstick::Coulomb {
-            x[0] -= f64::max(h1 * v[1].abs(), h2 * v[2].abs()); // as `slip`
+            x[0] -= along(reach, v);
         }
-        let nearest = project(x, [h1, h2]);
+        let nearest = project(x, [reach[1], reach[2]]);
         for k in 0..3 {
             // Neither the projection nor f64::max may hide a NaN.
             let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
@@ -81,10 +74,24 @@ fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     }
 }
 
+/// Rows of contact i; a tangent that it has not is zero.
+fn of_contact(scaled: &Scaled, i: usize, rows: &[f64]) -> [f64; 3] {
+    let stride = scaled.stride();
+    match rows[i * stride..(i + 1) * stride] {
+        [normal, along, across] => [normal, along, across],
+        [normal, along] => [normal, along, 0.0],
+        _ => [f64::NAN; 3],
+    }
+}
+
 /// mu |v_F| of contact i in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
 pub(super) fn slip(scaled: &Scaled, i: usize, v: &[f64]) -> f64 {
-    let reach = &scaled.reach[i * scaled.stride()..];
-    (1..scaled.stride()).fold(0.0, |slip: f64, k| slip.max(reach[k] * v[k].abs()))
+    along(of_contact(scaled, i, &scaled.reach), of_contact(scaled, i, v))
+}
+
+/// The same of its rows.
+fn along(reach: [f64; 3], v: [f64; 3]) -> f64 {
+    f64::max(0.0, reach[1] * v[1].abs()).max(reach[2] * v[2].abs())
 }
 
 /// Greatest |f_N v_N|, (19), relative to the square of the step's scale.

@@ -51,7 +51,7 @@ impl Solver {
                 return true;
             }
             scaled.lead(f, shifted);
-            shift.advance(|i| residual::slip(scaled, i, &v[i * stride..]));
+            shift.advance(|i| residual::slip(scaled, i, v));
             active_set::slide(scaled, f, v, basis);
             self.note(error);
             if self.basis != self.tried {
@@ -62,7 +62,7 @@ impl Solver {
                 }
                 let Solver { scaled, shift, v, .. } = self;
                 if scaled.contacts > FEW && round < TRUSTING && of_block < TRUSTED * error {
-                    shift.jump(|i| residual::slip(scaled, i, &v[i * stride..]));
+                    shift.jump(|i| residual::slip(scaled, i, v));
                 }
             }
             let Solver { shift, shifted, .. } = self;
