@@ -1,6 +1,7 @@
 //! What is written: to the terminal, and into files, each whole or not at all.
 
 use crate::exit::{Exit, Failure};
+use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::{fs, process};
@@ -40,6 +41,17 @@ pub fn write_whole(path: &Path, text: &str) -> io::Result<()> {
         let _ = fs::remove_file(&draft); // it may never have been there
         io::Error::new(error.kind(), format!("{}: {error}", path.display()))
     })
+}
+
+/// Locks a file that is to be written, or refuses, in these words, what somebody else is writing.
+///
+/// # Errors
+/// That.
+pub fn alone(file: &File, taken: impl FnOnce() -> String) -> Result<(), Failure> {
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => Err(Failure::new(Exit::Usage, taken())),
+        _ => Ok(()), // nor is there a lock where the file system has none
+    }
 }
 
 /// Refuses to write into the file that is read.

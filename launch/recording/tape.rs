@@ -2,25 +2,23 @@
 //! that is refused costs no recording.
 
 use super::Writer;
-use crate::exit::{Exit, Failure};
-use crate::output::unwritten;
+use crate::exit::Failure;
+use crate::output::{alone, unwritten};
 use messages::scene::Scene;
 use messages::wire::Truth;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::path::{Path, PathBuf};
 
 /// The file of a run.
-pub enum Tape {
-    /// As it was found.
-    Reserved {
-        path: PathBuf,
-        file: File,
-        /// Whether it was not there before.
-        is_new: bool,
-        scene: Box<Scene>,
-    },
-    /// With a record at least.
-    Begun(Box<Writer>),
+pub struct Tape {
+    path: PathBuf,
+    /// Locked for as long as it is open.
+    file: File,
+    /// Whether it was not there before.
+    is_new: bool,
+    scene: Scene,
+    /// From the first record on.
+    writer: Option<Writer>,
 }
 
 impl Tape {
@@ -32,11 +30,8 @@ impl Tape {
         let is_new = !path.exists();
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path);
         let file = file.map_err(|error| unwritten(path, &error))?;
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let words = format!("another run is recording into {}: name another file", path.display());
-            return Err(Failure::new(Exit::Usage, words));
-        }
-        Ok(Tape::Reserved { path: path.into(), file, is_new, scene: Box::new(scene.clone()) })
+        alone(&file, || format!("another run is recording into {}: name another file", path.display()))?;
+        Ok(Tape { path: path.into(), file, is_new, scene: scene.clone(), writer: None })
     }
 
     /// Takes the next truth.
@@ -44,15 +39,15 @@ impl Tape {
     /// # Errors
     /// If the file cannot be written, as on a full disk.
     pub fn push(&mut self, truth: &Truth) -> Result<(), Failure> {
-        if let Tape::Reserved { path, file, scene, .. } = self {
-            let file = file.try_clone().map_err(|error| unwritten(path, &error))?;
-            let _ = file.set_len(0); // what is no file, such as a pipe, has no length
-            *self = Tape::Begun(Box::new(Writer::begin(path, file, scene)?));
-        }
-        match self {
-            Tape::Begun(writer) => writer.push(truth),
-            Tape::Reserved { .. } => Ok(()),
-        }
+        let writer = match &mut self.writer {
+            Some(writer) => writer,
+            none => {
+                let _ = self.file.set_len(0); // what is no file, such as a pipe, has no length
+                let file = self.file.try_clone().map_err(|error| unwritten(&self.path, &error))?;
+                none.insert(Writer::begin(&self.path, file, &self.scene)?)
+            }
+        };
+        writer.push(truth)
     }
 
     /// Ends the file in order; one that was made for nothing goes.
@@ -60,12 +55,10 @@ impl Tape {
     /// # Errors
     /// If it cannot be written.
     pub fn finish(self) -> Result<(), Failure> {
-        match self {
-            Tape::Begun(writer) => writer.finish(),
-            Tape::Reserved { path, is_new: true, .. } => {
-                std::fs::remove_file(&path).map_err(|error| unwritten(&path, &error))
-            }
-            Tape::Reserved { .. } => Ok(()),
+        match self.writer {
+            Some(writer) => writer.finish(),
+            None if self.is_new => std::fs::remove_file(&self.path).map_err(|error| unwritten(&self.path, &error)),
+            None => Ok(()),
         }
     }
 }

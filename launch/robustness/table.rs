@@ -2,10 +2,10 @@
 
 use super::grid::{Case, Grid};
 use crate::exit::{Exit, Failure};
-use crate::output::{unwritten, write_whole};
+use crate::output::{alone, unwritten, write_whole};
 use crate::study::Outcome;
 use crate::summary::Summary;
-use std::fs::{File, OpenOptions, TryLockError};
+use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
@@ -32,10 +32,7 @@ impl Table {
         let failed = |error: std::io::Error| unwritten(path, &error);
         let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
-        if let Err(TryLockError::WouldBlock) = file.try_lock() {
-            let words = format!("another sweep is writing {}: wait for it, or choose another --out", path.display());
-            return Err(Failure::new(Exit::Usage, words));
-        }
+        alone(&file, || format!("another sweep is writing {}: wait for it, or choose another --out", path.display()))?;
         file.read_to_string(&mut old).map_err(|error| unreadable(path, &error))?;
         take(path, &old, grid, cases, &mut rows)
             .map_err(|failure| Failure::new(failure.exit, format!("{}; choose another --out", failure.message)))?;
