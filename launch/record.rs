@@ -140,15 +140,14 @@ impl Recorder {
         if self.keeps_rows {
             self.worst = self.worst.and(&Worst::of(truth));
         }
-        let worst = self.worst;
         let row = match &mut self.last {
             Some(row) => {
                 row.truth = *truth; // in its place, for a record is large
                 row.sample = sample;
-                row.worst = worst;
+                row.worst = self.worst;
                 row
             }
-            none => none.insert(Row { truth: *truth, sample, worst }),
+            none => none.insert(Row { truth: *truth, sample, worst: self.worst }),
         };
         self.first.get_or_insert_with(|| row.clone());
         let (now, slot) = (truth.stamp.sim_ns, |time: u64| time / self.row_ns);

@@ -60,7 +60,7 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let Invitation { session, contract, patience, scene, .. } = begin(args, 0)?;
     let port = guarded(|| PlantPort::open(&session, &contract))?;
     session.tell_scene(&text(&scene))?;
-    ready(args, contract.pace)?;
+    ready(args)?;
     if args.parent.is_some() {
         held(stop);
     }
@@ -83,7 +83,7 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
         true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
         false => guarded(|| ControllerPort::open(&session, &contract))?,
     };
-    ready(args, contract.pace)?;
+    ready(args)?;
     Ok(controller::process::run(&scene, port, patience, stop)?)
 }
 
@@ -95,17 +95,15 @@ fn begin(args: &RoleArgs, side: usize) -> Result<Invitation, Failure> {
         children::die_with(parent).inspect_err(|_| invitation.session.sweep())?;
     }
     args.system.suits(invitation.contract.pace)?;
-    if invitation.contract.pace == Pace::Lockstep {
-        realtime::keep_apart(side); // at once: moved later, it waits for whoever is where it comes to
+    match invitation.contract.pace {
+        Pace::RealTime => realtime::wake_on_time(),
+        Pace::Lockstep => realtime::keep_apart(side), // at once: moved later, it waits for whoever is where it comes to
     }
     Ok(invitation)
 }
 
 /// What both roles ask of the system, now that all their shared memory is there.
-fn ready(args: &RoleArgs, pace: Pace) -> Result<(), Failure> {
-    if pace == Pace::RealTime {
-        realtime::wake_on_time();
-    }
+fn ready(args: &RoleArgs) -> Result<(), Failure> {
     args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
     Ok(())
 }
