@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `EnergyQp` | the minimum of (14) under (15), (16), as printed | principal pivoting (`energy_qp`) |
 //! | `EnergyQpGap` | the same with two tangents and v_N + gap/h >= mu |v_F|, as convex engines have it \[1\] | the same |
-//! | `Complementarity` | (17)-(22), one tangent | active set, shifted energy program, Lemke in 16 and 32 digits (`solver`) |
+//! | `Complementarity` | (17)-(22), one tangent | the program, shifted along a path; Lemke in 16 and 32 digits (`solver`) |
 //! | `Aligned` | (17)-(22), two tangents, landing at the ground | the same |
 //! | `Facets(d)` | (17)-(22), d directions fixed in the world \[2\] | semismooth Newton (`newton`), the same behind it |
 //! | `Cone` | (17)-(22), round cone \[3\] | the same (`cones`) |
@@ -16,7 +16,7 @@
 //!
 //! The first four laws find a complementary basis: which contacts are open, stick, or slide which way. The impulse of a
 //! basis is then computed afresh from A and b (`basis`), and it is accepted by its residual alone (`residual`), so a basis
-//! remembered from the last step is tried first and the outcome is right however it was found (`solver`). The others start
+//! remembered from the last step is where most ways begin and the outcome is right however it was found (`solver`). The others start
 //! from the last impulse; their cones are round, and so are their residuals (`round`).
 //!
 //! \[1\] Anitescu 2006; Tasora & Anitescu 2011; Todorov 2011. \[2\] Stewart & Trinkle 1996; Anitescu & Potra 1997.
@@ -26,7 +26,6 @@
 //! The paper takes (17)-(22) for the conditions of its program (14)-(16). They are not: with multipliers the program gives
 //! f_N (v_N - mu |v_F|) = 0 in place of (19), so whatever slides is thrown up. See docs/PAPER.md.
 
-mod active_set;
 mod basis;
 mod cone_qp;
 mod cones;
@@ -34,18 +33,17 @@ mod dictionary;
 mod energy_qp;
 mod facets;
 mod fixed_point;
-mod growing;
 mod lemke;
 mod memory;
 mod newton;
 mod pivoted;
 mod project;
-mod rays;
 mod residual;
 mod round;
 mod scaled;
 mod solver;
 mod spring_damper;
+mod status;
 mod sweep;
 mod twofold;
 
@@ -258,7 +256,7 @@ pub struct Report {
     pub slip_misalignment: f64,
     /// Energy after the step less that of the free motion, f·v - f·A f/2 \[J\]. Plastic contact never raises it.
     pub energy_gain: f64,
-    /// Pivots of all attempts; zero when warm.
+    /// Pivots of all attempts.
     pub pivots: u32,
     /// The remembered basis was right (of no contact: that nothing touches).
     pub warm: bool,

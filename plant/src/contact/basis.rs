@@ -8,36 +8,36 @@
 //! | sticks | its basic directions | the same |
 //! | slides on facet j | (1, mu d_j) | normal |
 //! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
-//! | energy QP | its basic rays | the same |
+//! | energy program | its edges that push | the same |
 
 use super::energy_qp::minimises_energy;
-use super::growing::Growing;
 use super::pivoted::Pivoted;
-use super::rays::ray;
-use super::{active_set::RAYS, residual, scaled::Scaled};
+use super::scaled::{Mix, Scaled};
+use super::{residual, status::EDGES};
 use messages::scene::Law;
 
 /// Refinements at most.
 const REFINEMENTS: usize = 3;
+/// A pivot this small, the entries being about 1, belongs to a column that depends on those before it.
+const DEPENDENT: f64 = 1e-14;
+/// Of a pivot so much is left, if what depends on it is to be known well.
+const SURE: f64 = 1e-7;
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
-    first: usize,
-    push: [f64; 3],
-    read: [f64; 3],
+    push: Mix,
+    read: Mix,
 }
 
 /// Workspace of the block.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Block {
     columns: Vec<Column>,
-    read_row: Vec<f64>,
-    /// The block is symmetric and positive: what yields, and reads along what it pushes.
-    symmetric: bool,
+    /// A g of a column.
+    response: Vec<f64>,
+    /// E A G, column by column.
     square: Vec<f64>,
-    factor: Growing,
-    /// Of a block that is not.
-    pivoted: Pivoted,
+    factor: Pivoted,
     solution: Vec<f64>,
 }
 
@@ -49,29 +49,25 @@ impl Block {
         f.resize(scaled.drift.len(), 0.0);
         v.clone_from(&scaled.drift);
         if self.columns.is_empty() {
-            self.symmetric = true; // and nothing depends on anything
             return true;
         }
-        if !self.factor(scaled) {
+        if !self.factorize(scaled) {
             return false;
         }
         let mut before = f64::INFINITY;
         for _ in 0..=REFINEMENTS {
             self.solution.clear();
-            self.solution.extend(self.columns.iter().map(|c| -in_contact(&c.read, &v[c.first..])));
-            match self.symmetric {
-                true => self.factor.solve(&mut self.solution),
-                false => self.pivoted.solve(&mut self.solution),
-            }
-            for (c, y) in self.columns.iter().zip(&self.solution) {
-                f[c.first..].iter_mut().zip(&c.push).for_each(|(f, g)| *f += g * y);
+            self.solution.extend(self.columns.iter().map(|column| -read(&column.read, v)));
+            self.factor.solve(&mut self.solution);
+            for (column, y) in self.columns.iter().zip(&self.solution) {
+                column.push.iter().for_each(|(k, weight)| f[*k] += weight * y);
             }
             scaled.velocity(f, v);
             if !minimises_energy(law) {
                 scaled.harden(f, v); // the refinement undoes the yielding wherever A allows
             }
             let size = residual::scale(scaled, f);
-            let left = self.columns.iter().map(|c| in_contact(&c.read, &v[c.first..]).abs()).fold(0.0, f64::max);
+            let left = self.columns.iter().map(|column| read(&column.read, v).abs()).fold(0.0, f64::max);
             // What no longer shrinks is in rows that depend on others.
             if left <= 4.0 * f64::EPSILON * size || left > 0.1 * before {
                 break;
@@ -81,9 +77,9 @@ impl Block {
         true
     }
 
-    /// Whether some columns of the last basis depended on others, so that the impulse is one of many.
-    pub fn is_dependent(&self) -> bool {
-        !self.symmetric && self.pivoted.is_dependent()
+    /// Whether no other impulse of the basis solves it nearly as well.
+    pub fn is_sure(&self) -> bool {
+        self.columns.is_empty() || self.factor.least_pivot() > SURE
     }
 
     fn columns(&mut self, scaled: &Scaled, law: Law, basis: &[u8]) {
@@ -91,61 +87,56 @@ impl Block {
         self.columns.clear();
         for (i, &bits) in basis.iter().enumerate() {
             let first = i * stride;
-            let mut column = |push, read| self.columns.push(Column { first, push, read });
-            if minimises_energy(law) || bits & RAYS != 0 {
-                (0..d).filter(|j| bits >> j & 1 == 1).for_each(|j| column(ray(scaled, i, j), ray(scaled, i, j)));
+            let mut column = |push, read| self.columns.push(Column { push, read });
+            let unit = |k: usize| [(first + k, 1.0), (first, 0.0)];
+            if minimises_energy(law) || bits & EDGES != 0 {
+                (0..d).filter(|j| bits >> j & 1 == 1).for_each(|j| column(scaled.edge(i, j), scaled.edge(i, j)));
                 continue;
             }
             let facet = |j: usize| bits >> (1 + j) & 1 == 1;
-            let normal = [1.0, 0.0, 0.0];
             // Both signs of one tangent leave no slip: that contact sticks at the limit of friction.
             let slides = bits >> (d + 1) & 1 == 1 && (0..d).step_by(2).all(|j| !(facet(j) && facet(j + 1)));
             if slides && bits & 1 == 1 {
                 let mut active = (0..d).filter(|&j| facet(j));
                 if let Some(j) = active.next() {
-                    column(ray(scaled, i, j), normal);
+                    column(scaled.edge(i, j), unit(0));
                     if let Some(k) = active.next() {
-                        let mut slip = [0.0; 3];
-                        for (j, side) in [(j, 1.0), (k, -1.0)] {
+                        let slip = [(j, 1.0), (k, -1.0)].map(|(j, side)| {
                             let (row, sign) = Scaled::facet(j);
-                            slip[row] = side * sign / scaled.ratio[first + row];
-                        }
-                        column(ray(scaled, i, k), slip);
+                            (first + row, side * sign / scaled.ratio[first + row])
+                        });
+                        column(scaled.edge(i, k), slip);
                     }
                 }
             } else if !slides {
                 if bits & 1 == 1 {
-                    column(normal, normal);
+                    column(unit(0), unit(0));
                 }
                 for k in (1..stride).filter(|k| facet(2 * k - 2) || facet(2 * k - 1)) {
-                    let mut tangent = [0.0; 3];
-                    tangent[k] = 1.0;
-                    column(tangent, tangent);
+                    column(unit(k), unit(k));
                 }
             }
         }
     }
 
-    /// Factorises E A G: as a symmetric matrix, or with pivoting.
-    fn factor(&mut self, scaled: &Scaled) -> bool {
-        let Block { columns, read_row, square, factor, pivoted, symmetric, .. } = self;
+    /// Factorises E A G.
+    fn factorize(&mut self, scaled: &Scaled) -> bool {
+        let Block { columns, response, square, factor, .. } = self;
+        let m = scaled.drift.len();
         square.clear();
-        for row in &*columns {
-            let read = scaled.read(row.first, &row.read, read_row);
-            square.extend(columns.iter().map(|c| in_contact(&c.push, &read[c.first..])));
+        for column in &*columns {
+            let [(k, x), (l, y)] = column.push;
+            let [a, b] = [k, l].map(|k| &scaled.delassus[k * m..][..m]);
+            response.clear();
+            response.extend(a.iter().zip(b).map(|(a, b)| x * a + y * b));
+            square.extend(columns.iter().map(|row| read(&row.read, response)));
         }
-        *symmetric = scaled.yields()
-            && columns.iter().all(|column| column.read == column.push)
-            && factor.factorize(columns.len(), square);
-        *symmetric || pivoted.factorize(columns.len(), square)
+        factor.factorize(columns.len(), square, DEPENDENT)
     }
 }
 
-/// Product over the rows of one contact, the first of `rows`; a row that a contact has not is zero in e.
-pub(super) fn in_contact(e: &[f64; 3], rows: &[f64]) -> f64 {
-    match rows {
-        [a, b, c, ..] => e[0] * a + e[1] * b + e[2] * c,
-        [a, b] => e[0] * a + e[1] * b,
-        _ => 0.0,
-    }
+/// What rows with weights make of numbers by rows.
+fn read(mix: &Mix, rows: &[f64]) -> f64 {
+    let [(k, x), (l, y)] = *mix;
+    x * rows[k] + y * rows[l]
 }

@@ -1,42 +1,60 @@
-//! The quadratic program (14)-(16) as printed, by principal pivoting.
+//! The quadratic program (14)-(16) as printed, and with shifted normal rows Coulomb's law: an active set over the edges of the cones.
 //!
-//! Along the edges of the cones ([`Rays`]) it is min ½ yᵀQy + qᵀy over y >= 0 with Q = RᵀAR positive semidefinite, and its
-//! conditions are `0 <= y ⟂ w = Q y + q >= 0`.
+//! Along the edges ([`Edges`]) it is min ½ yᵀQy + qᵀy over y >= 0 with Q = EᵀAE positive semidefinite, and its conditions are
+//! `0 <= y ⟂ w = Q y + q >= 0`.
 //!
-//! The ray with the most negative w joins the basic ones; a basic y that would become negative on the way to the new
-//! optimum leaves first. A ray whose w is still negative is independent of the basic ones, so redundant contacts
-//! (singular Q) do no harm. The factor of the basic rays follows what joins and leaves ([`Growing`]); in a tableau the small
-//! pivots of nearly redundant contacts, two flat feet on one robot, would magnify rounding from one exchange to the next.
+//! The edge with the most negative w joins the basic ones; a basic y that would become negative on the way to the new optimum
+//! leaves, and the way goes on without it. An edge whose w is still negative is independent of the basic ones, so redundant contacts
+//! (singular Q) do no harm.
+//!
+//! At the optimum contacts have yielded to the impulse ([`Scaled::give`]). A proximal step undoes that in q, and what w has lost to
+//! rounding: the limit is the optimum of rigid contacts, and the first step mostly has all its digits.
 //!
 //! # Source
-//! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS.
+//! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS. Proximal steps:
+//! Rockafellar, *Monotone operators and the proximal point algorithm* (1976).
 
-use super::growing::Growing;
-use super::rays::Rays;
+mod border;
+mod directions;
+mod edges;
+mod responses;
+mod shift;
+mod slides;
+
+use super::residual::greatest;
 use super::scaled::Scaled;
+use super::status::EDGES;
+use directions::Directions;
+use edges::{Edges, Panel, WIDTH, add};
 use messages::scene::Law;
+pub(super) use shift::Shift;
 
 /// A negative w this small, relative to the step's scale, is rounding.
 const ROUNDING: f64 = 1e-12;
+/// What is left of an amount that becomes zero.
+const NOTHING: f64 = 1e-14;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnergyQp {
-    rays: Rays,
-    /// Rays that may push, in the order in which they joined.
+    edges: Edges,
+    /// Edges that may push, and of each edge whether it does.
     basic: Vec<usize>,
-    factor: Growing,
-    /// y of each ray, zero where it is not basic.
-    amount: Vec<f64>,
-    /// y of each basic ray at the optimum over them.
-    goal: Vec<f64>,
-    /// w there.
-    velocity: Vec<f64>,
-    /// Rays that could not join since the energy last fell.
-    barred: Vec<bool>,
-    /// Rays that are about to leave, and those that joined after the first of them.
-    leaving: Vec<bool>,
-    behind: Vec<usize>,
+    pushes: Vec<[bool; WIDTH]>,
+    directions: Directions,
+    /// \[y; w\]; y is zero of what is not basic.
+    state: Vec<Panel>,
+    /// What leads from there to the optimum over the basic edges.
+    course: Vec<Panel>,
+    /// Edges that could not join since the energy last fell.
+    barred: Vec<[bool; WIDTH]>,
+    /// Those that are about to leave.
+    leaving: Vec<usize>,
+    /// How often an edge has joined or left since the basis was given.
+    pub exchanges: u32,
+    /// What contacts push by, and the drift with what that undoes.
+    impulse: Vec<f64>,
+    drift: Vec<f64>,
 }
 
 /// Whether a law is this program.
@@ -45,133 +63,172 @@ pub(super) fn minimises_energy(law: Law) -> bool {
 }
 
 impl EnergyQp {
-    /// Solves the problem with this drift; writes impulse and basis, one bit per basic ray. Adds the pivots to `count`; false beyond
-    /// 20 per ray. Starts from the given basis, when asked `again`, which means with another drift, from where the last one ended.
-    pub fn pivot(
-        &mut self,
-        scaled: &Scaled,
-        drift: &[f64],
-        basis: &mut [u8],
-        f: &mut Vec<f64>,
-        again: bool,
-        count: &mut u32,
-    ) -> bool {
-        if !again {
-            self.begin(scaled, basis);
+    /// No amount of any edge, and those of the basis basic.
+    pub fn begin(&mut self, scaled: &Scaled, basis: &[u8]) {
+        self.edges.set(scaled);
+        let (count, width) = (self.edges.count(), self.edges.width());
+        for list in [&mut self.state, &mut self.course] {
+            list.clear();
+            list.resize(2 * width, [0.0; WIDTH]);
         }
-        self.rays.turn(scaled, drift);
-        self.barred.fill(false);
-        self.descend(scaled);
-        for _ in 0..20 * self.rays.count() {
-            let Some(joins) = self.most_negative(scaled) else {
-                self.write(scaled, basis);
-                self.rays.push(scaled, &self.basic, &self.goal, f);
-                return true;
-            };
-            *count += 1;
-            let moved = self.join(scaled, joins) && self.descend(scaled);
-            if moved && self.basic.contains(&joins) {
-                self.barred.fill(false);
-            } else {
-                self.barred[joins] = true;
-                self.leaving[joins] = true;
-                self.leave(scaled);
-                self.aim();
-            }
-        }
-        false
-    }
-
-    /// No amount of any ray, and those of the basis basic.
-    fn begin(&mut self, scaled: &Scaled, basis: &[u8]) {
-        self.rays.set(scaled);
-        let count = self.rays.count();
-        self.amount.clear();
-        self.amount.resize(count, 0.0);
-        for marks in [&mut self.barred, &mut self.leaving] {
+        for marks in [&mut self.pushes, &mut self.barred] {
             marks.clear();
-            marks.resize(count, false);
+            marks.resize(width, [false; WIDTH]);
         }
         self.basic.clear();
-        self.factor.clear(count);
-        for r in (0..count).filter(|r| basis[r / scaled.facets()] >> (r % scaled.facets()) & 1 == 1) {
+        self.directions.clear(width);
+        let each = self.edges.each;
+        for r in (0..count).filter(|r| basis[r / each] >> (r % each) & 1 == 1) {
             self.join(scaled, r);
+        }
+        self.exchanges = 0;
+    }
+
+    /// Goes on to the optimum with this shift of the normal rows. Adds those that join to `count`; false if there are more than 20 an
+    /// edge.
+    pub fn pivot(&mut self, scaled: &Scaled, shift: &[f64], count: &mut u32) -> bool {
+        self.barred.fill([false; WIDTH]);
+        self.harden(scaled, shift);
+        for _ in 0..20 * self.edges.count() {
+            let Some(r) = self.most_negative(scaled) else { return true };
+            *count += 1;
+            self.let_in(scaled, r);
+        }
+        self.edges.count() == 0
+    }
+
+    /// Writes the impulse, and as a basis the edges that push.
+    pub fn write(&self, scaled: &Scaled, f: &mut Vec<f64>, basis: &mut [u8]) {
+        self.edges.impulse(scaled, &self.basic, self.state.as_flattened(), f);
+        basis.fill(EDGES);
+        self.basic.iter().for_each(|r| basis[r / self.edges.each] |= 1 << (r % self.edges.each));
+    }
+
+    /// The optimum over the basic edges where what contacts have yielded by so far is undone; w is made afresh.
+    pub fn harden(&mut self, scaled: &Scaled, shift: &[f64]) {
+        let EnergyQp { edges, basic, directions, state, course, impulse, drift, .. } = self;
+        edges.impulse(scaled, basic, state.as_flattened(), impulse);
+        drift.clone_from(&scaled.drift);
+        scaled.harden(impulse, drift);
+        drift.iter_mut().step_by(scaled.stride()).zip(shift).for_each(|(v, shift)| *v += shift);
+        edges.turn(scaled, drift);
+        let (y, w) = state.split_at_mut(edges.width());
+        edges.velocity(basic, y.as_flattened(), w);
+        directions.aim(state, course);
+        self.follow();
+    }
+
+    /// Makes edge r basic and goes to the optimum; bars it if that gains nothing.
+    fn let_in(&mut self, scaled: &Scaled, r: usize) {
+        if self.join(scaled, r) {
+            self.directions.aim_along_last(&self.state, &mut self.course);
+            self.follow();
+        }
+        if self.pushes(r) {
+            self.barred.fill([false; WIDTH]);
+        } else {
+            self.barred[r / WIDTH][r % WIDTH] = true;
         }
     }
 
-    /// The basic rays as bits.
-    fn write(&self, scaled: &Scaled, basis: &mut [u8]) {
-        basis.fill(0);
-        self.basic.iter().for_each(|r| basis[r / scaled.facets()] |= 1 << (r % scaled.facets()));
-    }
-
-    /// Makes ray r basic; false if it depends on those that are.
+    /// Makes edge r basic; false if it depends on those that are.
     fn join(&mut self, scaled: &Scaled, r: usize) -> bool {
-        let row = self.rays.row(scaled, r);
-        let joined = self.factor.join(self.basic.iter().chain([&r]).map(|&k| row[k]));
+        let joined = self.directions.join(r, self.edges.row(scaled, r));
         if joined {
             self.basic.push(r);
+            self.pushes[r / WIDTH][r % WIDTH] = true;
+            self.exchanges += 1;
         }
         joined
     }
 
-    /// Lets those go that are about to leave; those behind the first of them join anew, in their order.
-    fn leave(&mut self, scaled: &Scaled) {
-        let Some(first) = self.basic.iter().position(|&r| self.leaving[r]) else { return };
-        self.factor.truncate(first);
-        self.behind.clear();
-        self.behind.extend(self.basic.drain(first..));
-        for at in 0..self.behind.len() {
-            let r = self.behind[at];
-            if self.leaving[r] || !self.join(scaled, r) {
-                (self.leaving[r], self.amount[r]) = (false, 0.0);
+    /// Edge r is no longer basic, and the course goes on without it.
+    fn let_out(&mut self, r: usize) {
+        self.basic.retain(|basic| *basic != r);
+        self.pushes[r / WIDTH][r % WIDTH] = false;
+        self.exchanges += 1;
+        self.state[r / WIDTH][r % WIDTH] = 0.0;
+        self.directions.leave(r);
+        self.directions.without(r, &mut self.course);
+    }
+
+    /// Whether edge r is basic.
+    fn pushes(&self, r: usize) -> bool {
+        self.pushes[r / WIDTH][r % WIDTH]
+    }
+
+    /// w of all edges.
+    fn velocity(&self) -> &[Panel] {
+        &self.state[self.edges.width()..]
+    }
+
+    /// w of the edges of a contact.
+    fn velocity_of(&mut self, contact: usize) -> &mut [f64] {
+        let (each, width) = (self.edges.each, self.edges.width());
+        &mut self.state[width..].as_flattened_mut()[contact * each..][..each]
+    }
+
+    /// The edge outside the basis along which the energy falls most.
+    fn most_negative(&self, scaled: &Scaled) -> Option<usize> {
+        let panels = self.edges.speeds(self.velocity()).zip(self.barred.iter().zip(&self.pushes));
+        let free = panels.map(|(speeds, (barred, pushes))| -> Panel {
+            std::array::from_fn(|k| if barred[k] || pushes[k] { 0.0 } else { speeds[k] })
+        });
+        let least = free.clone().fold([0.0; WIDTH], |least: Panel, speeds| {
+            std::array::from_fn(|k| if speeds[k] < least[k] { speeds[k] } else { least[k] })
+        });
+        let least = edges::least(&least);
+        if least >= -ROUNDING * self.scale(scaled) {
+            return None;
+        }
+        let lane = |speeds: &Panel| speeds.iter().position(|&speed| speed == least);
+        free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + lane(&speeds)?))
+    }
+
+    /// The step's scale.
+    fn scale(&self, scaled: &Scaled) -> f64 {
+        scaled.size.max(greatest(self.state[..self.edges.width()].as_flattened()))
+    }
+
+    /// Follows the course to its end; those that become negative on the way leave, and it goes on without them.
+    fn follow(&mut self) {
+        for _ in 0..=self.edges.count() {
+            let EnergyQp { pushes, state, course, leaving, .. } = self;
+            let share = self::share(pushes, state, course);
+            leaving.clear();
+            if let Some(share) = share {
+                let (y, z) = (state.as_flattened(), course.as_flattened());
+                leaving.extend(self.basic.iter().filter(|&&r| {
+                    let goal = y[r] + z[r];
+                    goal <= 0.0 && z[r].mul_add(share, y[r]) <= NOTHING * y[r].max(-goal)
+                }));
+            }
+            let share = share.unwrap_or(1.0);
+            add(state, share, course);
+            if leaving.is_empty() {
+                return;
+            }
+            course.as_flattened_mut().iter_mut().for_each(|z| *z *= 1.0 - share);
+            while let Some(r) = self.leaving.pop() {
+                self.let_out(r);
             }
         }
     }
+}
 
-    /// The optimum over the basic rays.
-    fn aim(&mut self) {
-        self.goal.clear();
-        self.goal.extend(self.basic.iter().map(|&r| -self.rays.drift(r)));
-        self.factor.solve(&mut self.goal);
+/// How far a course can be followed before something ceases to push, if anything does on the way.
+fn share(pushes: &[[bool; WIDTH]], state: &[Panel], course: &[Panel]) -> Option<f64> {
+    let panels = pushes.iter().zip(state.iter().zip(course));
+    let ends = |pushes: &[bool; WIDTH], y: &Panel, z: &Panel| -> [bool; WIDTH] {
+        std::array::from_fn(|k| pushes[k] & (y[k] + z[k] <= 0.0))
+    };
+    if !panels.clone().any(|(pushes, (y, z))| ends(pushes, y, z).iter().fold(false, |any, ends| any | ends)) {
+        return None;
     }
-
-    /// The ray outside the basis along which the energy falls most.
-    fn most_negative(&mut self, scaled: &Scaled) -> Option<usize> {
-        let EnergyQp { rays, basic, goal, velocity, barred, .. } = self;
-        rays.velocity(basic, goal, velocity);
-        basic.iter().for_each(|&r| velocity[r] = 0.0);
-        let scale = goal.iter().fold(scaled.size, |size, y| size.max(*y));
-        let (mut least, mut joins) = (-ROUNDING * scale, None);
-        for (r, (speed, barred)) in rays.speeds(velocity).zip(&*barred).enumerate() {
-            if speed < least && !barred {
-                (least, joins) = (speed, Some(r));
-            }
-        }
-        joins
-    }
-
-    /// Goes to the optimum over the basic rays, dropping those that become negative on the way. False if there is none.
-    fn descend(&mut self, scaled: &Scaled) -> bool {
-        for _ in 0..self.amount.len() {
-            self.aim();
-            let reach = |(&r, &goal): (&usize, &f64)| {
-                if goal > 0.0 { 1.0 } else { self.amount[r] / (self.amount[r] - goal) }
-            };
-            let share = self.basic.iter().zip(&self.goal).map(reach).fold(1.0, f64::min);
-            let share = if share.is_nan() { 0.0 } else { share };
-            let mut all_stay = true;
-            for (&r, &goal) in self.basic.iter().zip(&self.goal) {
-                let moved = self.amount[r] + share * (goal - self.amount[r]);
-                self.leaving[r] = goal <= 0.0 && moved <= 1e-14 * self.amount[r].max(goal.abs());
-                self.amount[r] = moved;
-                all_stay &= !self.leaving[r];
-            }
-            if all_stay && share == 1.0 {
-                return true;
-            }
-            self.leave(scaled);
-        }
-        false
-    }
+    let least = panels.fold([1.0; WIDTH], |least: Panel, (pushes, (y, z))| {
+        let ends = ends(pushes, y, z);
+        // of nothing from nothing, which is no number, nothing is known
+        std::array::from_fn(|k| if ends[k] && y[k] / -z[k] < least[k] { y[k] / -z[k] } else { least[k] })
+    });
+    Some(edges::least(&least))
 }

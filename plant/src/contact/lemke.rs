@@ -32,8 +32,6 @@ pub(super) struct Care {
 /// Rounding is about 1e-15 but grows from pivot to pivot: wide enough that in redundant rows it does not choose. What
 /// that costs is made good when the impulse is computed afresh from the final basis.
 pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, exact: false, most: 50 };
-/// The same for a path that is short or given up.
-pub(super) const SHORT: Care = Care { most: 2, ..QUICK };
 /// Ties as narrow as 1e-10 needs in a step of many contacts, and a path that is given up if it is long.
 pub(super) const FINE: Care = Care { zero: 1e-12, tie: 1e-12, exact: false, most: 1 };
 /// For 32 digits and contacts that yield by [`super::scaled::HAIR`]: entries reach its inverse, their rounding 1e-20.

@@ -1,6 +1,6 @@
 //! What a step remembers of the one before.
 
-use super::{Problem, active_set};
+use super::{Problem, status};
 
 /// By contact identity, bases of when each was last listed, or impulses of the last step. Part of the state of a simulation: where A is
 /// singular, f (not v) depends on it.
@@ -9,6 +9,8 @@ pub struct Memory {
     basis: Vec<u8>,
     /// The last solution needed contacts that yield: the next one tries them first.
     pub(super) yields: bool,
+    /// The last solution took few pivots: the next may take none.
+    pub(super) near: bool,
     /// The last solution left no velocity where anything pushed.
     pub(super) rests: bool,
     impulse: Vec<[f64; 3]>,
@@ -18,14 +20,14 @@ impl Memory {
     /// Becomes the other memory, in the room it has.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.basis.clone_from(&other.basis);
-        (self.yields, self.rests) = (other.yields, other.rests);
+        (self.yields, self.near, self.rests) = (other.yields, other.near, other.rests);
         self.impulse.clone_from(&other.impulse);
     }
 
     /// Remembers contacts that neither moved nor slipped: those that push stick, the others are open.
     pub(crate) fn stand(&mut self, contacts: impl Iterator<Item = (usize, bool)>) {
-        contacts.for_each(|(id, pushes)| self.remember(id, active_set::standing(pushes, 4)));
-        (self.yields, self.rests) = (true, true);
+        contacts.for_each(|(id, pushes)| self.remember(id, status::standing(pushes, 4)));
+        (self.yields, self.near, self.rests) = (true, false, true);
     }
 
     /// Whether nothing that pushed moved in the last step.

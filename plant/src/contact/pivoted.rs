@@ -5,12 +5,10 @@
 //! # Source
 //! Golub & Van Loan, *Matrix Computations*, 3.4.
 
-use super::growing::LANES;
+/// Numbers that are worked on at once.
+const LANES: usize = 4;
 
-/// A pivot this small, the entries being about 1, belongs to a column that depends on those before it.
-const DEPENDENT: f64 = 1e-14;
-
-/// L and U, in the room that they had before. What is behind the last row counts for nothing.
+/// L and U, in the room that they had before.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pivoted {
     /// Blocks of a column.
@@ -22,54 +20,63 @@ pub(super) struct Pivoted {
     upper: Vec<[f64; LANES]>,
     /// 1 / U_kk; zero where the unknown depends on those before it, and itself stays zero.
     inverse: Vec<[f64; LANES]>,
-    dependent: bool,
     x: Vec<[f64; LANES]>,
 }
 
 impl Pivoted {
-    /// Of a matrix of `size` rows; false where it holds what is no number.
-    pub fn factorize(&mut self, size: usize, matrix: &[f64]) -> bool {
+    /// Of a matrix of `size` rows, column by column; false where it holds what is no number. A column of whose entries no more than
+    /// `nothing` is left depends on those before it.
+    pub fn factorize(&mut self, size: usize, matrix: &[f64], nothing: f64) -> bool {
         let width = size.div_ceil(LANES);
         self.width = width;
-        self.dependent = false;
         self.order.clear();
         self.order.extend(0..size);
-        for list in [&mut self.lower, &mut self.upper] {
-            list.resize(size * width, [0.0; LANES]);
-        }
-        for list in [&mut self.inverse, &mut self.x] {
+        self.lower.resize(size * width, [0.0; LANES]);
+        for (list, length) in [(&mut self.upper, size * width), (&mut self.inverse, width), (&mut self.x, width)] {
             list.clear();
-            list.resize(width, [0.0; LANES]);
+            list.resize(length, [0.0; LANES]);
         }
-        for (r, row) in matrix.chunks_exact(size.max(1)).enumerate() {
-            let places = self.upper.as_flattened_mut()[r..].iter_mut().step_by(width * LANES);
-            places.zip(row).for_each(|(place, entry)| *place = *entry);
+        for (upper, column) in self.upper.chunks_exact_mut(width.max(1)).zip(matrix.chunks_exact(size.max(1))) {
+            upper.as_flattened_mut()[..size].copy_from_slice(column);
         }
-        (0..size).all(|k| self.eliminate(k))
+        (0..size).all(|k| self.eliminate(k, nothing))
     }
 
-    /// Whether some columns depend on others.
-    pub fn is_dependent(&self) -> bool {
-        self.dependent
+    /// Whether column k depends on those before it.
+    pub fn is_dependent(&self, k: usize) -> bool {
+        self.inverse[k / LANES][k % LANES] == 0.0
+    }
+
+    /// What is left of the pivot of which least is left; zero if any column depends on others.
+    pub fn least_pivot(&self) -> f64 {
+        let size = |k: usize| if self.is_dependent(k) { 0.0 } else { 1.0 / self.inverse[k / LANES][k % LANES].abs() };
+        (0..self.order.len()).map(size).fold(f64::INFINITY, f64::min)
     }
 
     /// Takes the k-th unknown from the rows below the greatest of its entries, which becomes row k.
-    fn eliminate(&mut self, k: usize) -> bool {
+    fn eliminate(&mut self, k: usize, nothing: f64) -> bool {
         let Pivoted { width, order, lower, upper, inverse, .. } = self;
         let (column, rest) = upper[k * *width..].split_at_mut(*width);
-        let size = |r: usize| column.as_flattened()[r].abs();
-        let best = (k + 1..order.len()).fold(k, |best, r| if size(r) > size(best) { r } else { best });
-        if size(best).is_nan() {
-            return false;
-        }
         let (block, lane) = (k / LANES, k % LANES);
-        if size(best) <= DEPENDENT {
+        let own = column[block][lane];
+        if own.is_nan() {
+            return false; // where any is none, what is below it is none in the end
+        }
+        let mut greatest = [0.0; LANES];
+        for (b, column) in column.iter().enumerate().skip(block) {
+            let size = |c: usize| if b * LANES + c < k { 0.0 } else { column[c].abs() };
+            greatest = std::array::from_fn(|c| if size(c) > greatest[c] { size(c) } else { greatest[c] });
+        }
+        let greatest = greatest.iter().fold(0.0, |most, &size| if size > most { size } else { most });
+        if greatest <= nothing {
             column.as_flattened_mut()[k..].fill(0.0);
             lower[k * *width..][..*width].fill([0.0; LANES]);
-            self.dependent = true;
             return true;
         }
-        if best != k {
+        let mut best = k;
+        if own.abs() < greatest {
+            let size = |r: usize| column.as_flattened()[r].abs();
+            best = (k + 1..order.len()).fold(k, |best, r| if size(r) > size(best) { r } else { best });
             order.swap(k, best);
             lower.chunks_exact_mut(*width).take(k).for_each(|l| l.as_flattened_mut().swap(k, best));
             column.as_flattened_mut().swap(k, best);
@@ -147,14 +154,14 @@ mod tests {
             }
             let right = &matrix * &unknown;
             let mut y = right.clone();
-            assert!(used.factorize(size, matrix.transpose().as_slice()));
-            assert_eq!(used.is_dependent(), depends, "{size} rows");
+            assert!(used.factorize(size, matrix.as_slice(), 1e-14));
             used.solve(y.as_mut_slice());
+            assert!((0..size).all(|k| used.is_dependent(k) == (depends && k == 3)), "{size} rows");
             let left = (&matrix * &y - right).amax();
             // of rows that depend on each other one is left out, and holds as well as the others imply
             let most = if depends { 1e-8 } else { 1e-12 };
             assert!(left < most && (!depends || y[3] == 0.0), "{size} rows: {left:.1e}");
         }
-        assert!(!used.factorize(2, &[f64::NAN, 1.0, 1.0, 1.0]), "no number");
+        assert!(!used.factorize(2, &[f64::NAN, 1.0, 1.0, 1.0], 1e-14), "no number");
     }
 }

@@ -16,7 +16,7 @@ pub(super) enum Yardstick {
 
 /// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
 pub(super) fn scale(scaled: &Scaled, f: &[f64]) -> f64 {
-    f.iter().fold(scaled.size, |size, f| size.max(f.abs()))
+    scaled.size.max(greatest(f))
 }
 
 /// Natural map ||f - P_K(f - v^)||, the greatest entry, relative to the step's scale.
@@ -25,7 +25,7 @@ pub(super) fn scale(scaled: &Scaled, f: &[f64]) -> f64 {
 /// two. It vanishes exactly when f minimises f·v^ over K. With v^_N = v_N + mu |v_F| (the largest slip along a tangent; De
 /// Saxce's correction) that is (17)-(22); with v^ = v it is the optimum of (14)-(16), which asks for v_N >= mu |v_F| instead.
 pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yardstick) -> f64 {
-    let mut worst = 0.0_f64;
+    let (mut worst, mut nothing) = (0.0_f64, 0.0);
     for i in 0..scaled.contacts {
         let [f, v, reach] = [f, v, &scaled.reach].map(|rows| of_contact(scaled, i, rows));
         let mut x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
@@ -34,12 +34,20 @@ pub(super) fn natural_map(scaled: &Scaled, f: &[f64], v: &[f64], yardstick: Yard
         }
         let nearest = project(x, [reach[1], reach[2]]);
         for k in 0..3 {
-            // Neither the projection nor f64::max may hide a NaN.
-            let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
-            worst = if worst.is_nan() || error <= worst { worst } else { error };
+            let error = (f[k] - nearest[k]).abs();
+            worst = if error > worst { error } else { worst };
+            nothing += 0.0 * x[k]; // or NaN, which neither the projection nor a comparison may hide
         }
     }
-    relative(worst, scale(scaled, f))
+    relative(worst + nothing, scale(scaled, f))
+}
+
+/// Magnitude of the largest of some numbers; one that is no number is passed over.
+pub(super) fn greatest(numbers: &[f64]) -> f64 {
+    let greater = |most: f64, x: f64| if x.abs() > most { x.abs() } else { most };
+    let (fours, rest) = numbers.as_chunks::<4>();
+    let most = fours.iter().fold([0.0; 4], |most, four| std::array::from_fn(|k| greater(most[k], four[k])));
+    rest.iter().chain(&most).fold(0.0, |most, x| greater(most, *x))
 }
 
 /// Nearest point of the cone |x_1|/h_1 + |x_2|/h_2 <= x_0; with h_2 = 0 of the planar one, |x_1| <= h_1 x_0.
@@ -67,7 +75,7 @@ fn project(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     // Squares of the edges' lengths, and projections on them, of which the longer is positive.
     let (l1, l2) = (1.0 + h1 * h1, 1.0 + h2 * h2);
     let (p1, p2) = (n + a * h1, n + b * h2);
-    if p1 * l2.sqrt() >= p2 * l1.sqrt() {
+    if p1 > 0.0 && (p2 <= 0.0 || p1 * p1 * l2 >= p2 * p2 * l1) {
         signed([p1 / l1, p1 / l1 * h1, 0.0])
     } else {
         signed([p2 / l2, 0.0, p2 / l2 * h2])
@@ -84,12 +92,7 @@ fn of_contact(scaled: &Scaled, i: usize, rows: &[f64]) -> [f64; 3] {
     }
 }
 
-/// mu |v_F| of contact i in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
-pub(super) fn slip(scaled: &Scaled, i: usize, v: &[f64]) -> f64 {
-    along(of_contact(scaled, i, &scaled.reach), of_contact(scaled, i, v))
-}
-
-/// The same of its rows.
+/// mu |v_F| of a contact in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
 fn along(reach: [f64; 3], v: [f64; 3]) -> f64 {
     f64::max(0.0, reach[1] * v[1].abs()).max(reach[2] * v[2].abs())
 }

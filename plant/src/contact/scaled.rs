@@ -1,6 +1,7 @@
 //! The contact problem in energy units: rows and columns scaled by diag(A)^-1/2, so that A has a unit diagonal and
 //! impulses and velocities are both in sqrt(J).
 
+use super::residual::greatest;
 use super::{Problem, lift};
 use messages::scene::Law;
 
@@ -18,6 +19,9 @@ pub(crate) const YIELD: f64 = 2e-11;
 /// The same for pivoting in 32 digits: far above the rounding of A, so that there is one solution, and far below what
 /// counts as solved.
 pub(super) const HAIR: f64 = 4e-12;
+
+/// Two rows of the problem with their weights.
+pub(super) type Mix = [(usize, f64); 2];
 
 /// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
 /// impulse.
@@ -66,19 +70,26 @@ impl Scaled {
         2 * (k - 1) + usize::from(there)
     }
 
+    /// Edge j of the cone of contact i, (1, ±mu d): normal and tangent.
+    pub fn edge(&self, i: usize, j: usize) -> Mix {
+        let (first, (k, sign)) = (i * self.stride(), Self::facet(j));
+        [(first, 1.0), (first + k, sign * self.reach[first + k])]
+    }
+
+    /// The problem of a law.
     pub fn set(&mut self, problem: &Problem, law: Law) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
         self.give = 0.0;
         let (m, stride) = (problem.rows(), self.stride());
-        let diagonal = || problem.delassus.iter().step_by(m + 1);
-        let greatest = diagonal().copied().fold(0.0, f64::max);
         self.root.clear();
-        self.root.extend(diagonal().map(|&a| if a <= IMMOVABLE * greatest { 0.0 } else { a.sqrt() }));
+        self.root.extend(problem.delassus.iter().step_by(m + 1));
+        let least = IMMOVABLE * greatest(&self.root);
+        self.root.iter_mut().for_each(|a| *a = if *a <= least { 0.0 } else { a.sqrt() });
         self.inverse.clear();
         self.inverse.extend(self.root.iter().map(|&r| if r == 0.0 { 0.0 } else { 1.0 / r }));
         self.drift.clear();
         self.drift.extend(problem.drift.iter().zip(&self.inverse).map(|(b, s)| b * s));
-        self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
+        self.size = greatest(&self.drift);
         self.friction.clone_from(&problem.friction);
         self.ratio.clear();
         self.ratio.resize(m, 1.0);
@@ -88,10 +99,11 @@ impl Scaled {
             let normal = i * stride;
             self.drift[normal] += lift(problem, law, i) * self.inverse[normal];
             for k in normal + 1..normal + stride {
+                self.reach[k] = self.friction[i];
                 if self.root[k] > 0.0 {
                     self.ratio[k] = self.root[normal] * self.inverse[k];
+                    self.reach[k] *= self.inverse[normal] * self.root[k];
                 }
-                self.reach[k] = self.friction[i] / self.ratio[k];
             }
         }
         self.delassus.resize(m * m, 0.0);
@@ -120,12 +132,6 @@ impl Scaled {
         }
     }
 
-    /// The drift of which contacts that yield make what rigid ones make of b, if they push by `impulse`.
-    pub fn lead(&self, impulse: &[f64], drift: &mut [f64]) {
-        drift.copy_from_slice(&self.drift);
-        self.harden(impulse, drift);
-    }
-
     /// Becomes the same problem, in the buffers it has.
     pub fn copy(&mut self, original: &Scaled) {
         (self.contacts, self.tangents, self.size) = (original.contacts, original.tangents, original.size);
@@ -143,22 +149,6 @@ impl Scaled {
         self.copy(original);
         self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
         self.drift.iter_mut().zip(f).for_each(|(b, f)| *b -= rho * f);
-    }
-
-    /// Row of A~ that the weights make of the rows of one contact, the first being `first`; in `sum`, if it is not one of them.
-    pub fn read<'a>(&'a self, first: usize, weights: &[f64; 3], sum: &'a mut Vec<f64>) -> &'a [f64] {
-        let m = self.drift.len();
-        let row = |k: usize| &self.delassus[(first + k) * m..][..m];
-        let [x, y, z] = weights;
-        if x.abs() + y.abs() + z.abs() == 1.0 // to rounding
-            && let Some(k) = weights.iter().position(|weight| *weight == 1.0)
-        {
-            return row(k);
-        }
-        let [a, b, c] = [0, 1, 2].map(|k: usize| row(k.min(self.tangents))); // with one tangent the third weight is zero
-        sum.clear();
-        sum.extend(a.iter().zip(b).zip(c).map(|((a, b), c)| x * a + y * b + z * c));
-        sum
     }
 
     /// v~ = A~ f~ + b~.

@@ -8,20 +8,21 @@ mod slide;
 
 use super::basis::Block;
 use super::cones::Cones;
-use super::energy_qp::{EnergyQp, minimises_energy};
+use super::energy_qp::{EnergyQp, Shift, minimises_energy};
 use super::facets::Facets;
-use super::lemke::{Care, FINE, SHORT};
+use super::lemke::{Care, FINE};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, HAIR, Scaled, YIELD};
-use super::{Memory, Problem, Report, active_set, has_basis};
+use super::{Memory, Problem, Report, has_basis, status};
 use messages::scene::Law;
 
 /// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
 pub(crate) const SOLVED: f64 = 4e-11;
-/// Contacts of one foot: so few settle even from a poor guess.
+/// Contacts of one foot, the pressure under which is to be the evenest of those that are right.
 pub(super) const FEW: usize = 4;
 /// More contacts than two feet have.
 const MANY: usize = 8;
+
 /// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
 /// changing results.
 #[derive(Clone, Debug, Default)]
@@ -38,11 +39,7 @@ pub struct Solver {
     block: Block,
     basis: Vec<u8>,
     /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
-    shift: slide::Shift,
-    /// The drift with that.
-    shifted: Vec<f64>,
-    /// The last basis whose block failed there.
-    tried: Vec<u8>,
+    shift: Shift,
     f: Vec<f64>,
     v: Vec<f64>,
     best: Vec<f64>,
@@ -55,19 +52,19 @@ impl Solver {
     ///
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
-    /// 1. the basis in `memory`, as it is;
-    /// 2. for the energy program, principal pivoting; for Coulomb's law and few contacts, that basis corrected contact by contact
-    ///    (of one, or under `Complementarity`, then Lemke's method);
-    /// 3. the same with contacts that yield by rounding (`scaled::YIELD`), also of many unless the energy program made the basis;
-    /// 4. for Coulomb's law, of many contacts Lemke's method; then the shifted energy program, of contacts that yield by less
-    ///    (`scaled::HAIR`) if need be;
-    /// 5. Lemke's method in 32 digits from what that guessed, of few contacts from the start. Contacts yield by a hair
-    ///    there: such a problem has a solution, and the path ends at it;
-    /// 6. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
+    /// 1. the basis in `memory` as it is, of many contacts or if the last solution took few pivots; of one foot only if no other
+    ///    pressure would do as well;
+    /// 2. the energy program from that basis on, with contacts that yield by rounding (`scaled::YIELD`), and for Coulomb's law the
+    ///    path from its optimum to that of the shifted program;
+    /// 3. for Coulomb's law, of many contacts Lemke's method; then the shifted program again, of contacts that yield by less
+    ///    (`scaled::HAIR`);
+    /// 4. Lemke's method in 32 digits from what that guessed. Contacts yield by a hair there: such a problem has a solution, and the
+    ///    path ends at it;
+    /// 5. flagged as a fallback: a regularised problem, and the impulse with the least residual of all.
     ///
-    /// Nothing is allocated up to the size that was rehearsed or met before, but by some laws without a basis. Where the law has one velocity as its answer, v is the
-    /// same warm or cold to the residual; f may differ by what A does not see. (The energy minimum always has one.
-    /// Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
+    /// Nothing is allocated up to the size that was rehearsed or met before, but by some laws without a basis. Where the law has one
+    /// velocity as its answer, v is the same warm or cold to the residual; f may differ by what A does not see. (The energy minimum
+    /// always has one. Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
         if !has_basis(law) {
             return self.solve_cones(problem, law, memory);
@@ -77,17 +74,14 @@ impl Solver {
         self.best.clear();
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.recall(problem, memory);
-        // a basis of rays was found with contacts that yield, and of more than one foot the other kind hardly ever holds
-        let either = !self.on_rays() && self.scaled.contacts <= FEW;
-        let warm = self.holds(law, memory.yields) || either && self.holds(law, !memory.yields);
-        let mut report = Report { warm, ..Report::default() };
-        if !report.warm {
-            let solved = self.find(law, &mut report.pivots);
-            if !solved {
-                report.fallback = true;
-                report.pivots += self.fall_back(law);
-            }
+        let mut report = Report::default();
+        let solved = self.find(law, memory, &mut report);
+        if !solved {
+            report.fallback = true;
+            report.pivots += self.fall_back(law);
         }
+        report.warm = solved && problem.id.iter().zip(&self.basis).all(|(&id, &bits)| memory.recall(id) == bits);
+        memory.near = 2 * report.pivots as usize <= problem.contacts;
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
         memory.rests = self.rests();
@@ -118,25 +112,19 @@ impl Solver {
     }
 
     /// Finds the solution, the way that most steps take first; false if every way failed.
-    fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
-        if minimises_energy(law) {
-            return self.minimise(law, pivots) || self.yielding(YIELD, |solver| solver.minimise(law, pivots));
-        }
-        let count = self.scaled.contacts;
-        let (alone, few, many) = (count == 1, count <= FEW, count > MANY);
-        few && !self.on_rays() && self.settle(law, pivots)
-            // where its path is short, Lemke's method ends at a basis that is solved to rounding
-            || (alone || few && law == Law::Complementarity) && self.pivot(law, SHORT, pivots)
-            || (few || many && !self.on_rays()) && self.yielding(YIELD, |solver| solver.settle(law, pivots))
+    fn find(&mut self, law: Law, memory: &Memory, report: &mut Report) -> bool {
+        let (pivots, count) = (&mut report.pivots, self.scaled.contacts);
+        let (few, many) = (count <= FEW, count > MANY);
+        (many || memory.near) && self.holds(law, memory.yields) && (!few || memory.rests || self.block.is_sure())
+            || self.while_yielding(YIELD, |solver| solver.slide(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
-            || many && self.pivot(law, FINE, pivots)
-            || self.yielding(YIELD, |solver| solver.slide(law, pivots))
-            || self.yielding(HAIR, |solver| solver.slide(law, pivots)) // where they slip no faster than they yield
-            || self.yielding(HAIR, |solver| solver.pivot_exactly(law, pivots))
+            || !minimises_energy(law) && (many && self.pivot(law, FINE, pivots)
+                || self.while_yielding(HAIR, |solver| solver.slide(law, pivots)) // where they slip no faster than they yield
+                || self.while_yielding(HAIR, |solver| solver.pivot_exactly(law, pivots)))
     }
 
     /// Goes a way with contacts that yield by so much; they are rigid again if it finds nothing.
-    fn yielding(&mut self, give: f64, way: impl FnOnce(&mut Solver) -> bool) -> bool {
+    fn while_yielding(&mut self, give: f64, way: impl FnOnce(&mut Solver) -> bool) -> bool {
         self.scaled.give(give);
         let found = way(self);
         if !found {
@@ -193,13 +181,6 @@ impl Solver {
         self.try_basis(law) <= SOLVED
     }
 
-    /// Principal pivoting on the energy program.
-    fn minimise(&mut self, law: Law, pivots: &mut u32) -> bool {
-        self.basis.fill(0);
-        let Solver { scaled, energy_qp, basis, f, .. } = self;
-        energy_qp.pivot(scaled, &scaled.drift, basis, f, false, pivots) && self.is_solved(law)
-    }
-
     /// Lemke's pivoting on the complementarity problem.
     fn pivot(&mut self, law: Law, care: Care, pivots: &mut u32) -> bool {
         self.facets.pivot(&self.scaled, care, &mut self.basis, pivots) && self.is_solved(law)
@@ -208,7 +189,7 @@ impl Solver {
     /// The same in 32 digits, where it ends at a solution: that of its basis, or its own where that is singular.
     fn pivot_exactly(&mut self, law: Law, pivots: &mut u32) -> bool {
         let Solver { facets, scaled, basis, f, best, .. } = self;
-        active_set::complement(scaled, f, basis);
+        status::complement(scaled, f, basis);
         if !facets.pivot_exactly(scaled, basis, best, pivots) {
             return false;
         }
@@ -219,18 +200,6 @@ impl Solver {
         let error = residual::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
         self.note(error);
         error <= SOLVED
-    }
-
-    /// Whether the basis comes from the energy program, where [`Solver::slide`] goes on from it.
-    fn on_rays(&self) -> bool {
-        self.basis.iter().any(|bits| bits & active_set::RAYS != 0)
-    }
-
-    /// Corrects the present basis contact by contact.
-    fn settle(&mut self, law: Law, pivots: &mut u32) -> bool {
-        let Solver { scaled, block, basis, f, v, .. } = self;
-        active_set::settle(scaled, law, block, basis, f, v, pivots)
-            && residual::natural_map(scaled, f, v, yardstick(law)) <= SOLVED
     }
 
     /// From energy units back to N·s and m/s.

@@ -47,14 +47,13 @@ impl Solver {
         for (rho, zero) in ROUNDS {
             self.proximal.regularise(&self.scaled, rho, &self.f);
             match law {
-                Law::EnergyQp | Law::EnergyQpGap => self.energy_qp.pivot(
-                    &self.proximal,
-                    &self.proximal.drift,
-                    &mut self.basis,
-                    &mut self.f,
-                    false,
-                    &mut pivots,
-                ),
+                Law::EnergyQp | Law::EnergyQpGap => {
+                    self.basis.fill(0);
+                    self.energy_qp.begin(&self.proximal, &self.basis);
+                    let found = self.energy_qp.pivot(&self.proximal, &[], &mut pivots);
+                    self.energy_qp.write(&self.proximal, &mut self.f, &mut self.basis);
+                    found
+                }
                 _ => self.facets.pivot(&self.proximal, Care { zero, ..QUICK }, &mut self.basis, &mut pivots),
             };
             for exact in [true, false] {

@@ -28,7 +28,7 @@ fn sixteen_digits_do_not_solve_all_of_it() {
         solver.basis.resize(problem.contacts, 0);
         let pivots = &mut 0;
         let mut ways = [0.0, HAIR, YIELD].into_iter();
-        !ways.any(|give| solver.yielding(give, |solver| solver.pivot(Law::Aligned, QUICK, pivots)))
+        !ways.any(|give| solver.while_yielding(give, |solver| solver.pivot(Law::Aligned, QUICK, pivots)))
     });
     assert!(missed.count() > 0, "the control has lost its teeth: choose harder problems");
 }

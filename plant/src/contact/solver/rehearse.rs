@@ -1,8 +1,8 @@
 //! Room for every way before the first step, so that none allocates in a step.
 
-use super::super::active_set::RAYS;
-use super::super::lemke::{FINE, SHORT};
+use super::super::lemke::FINE;
 use super::super::scaled::{HAIR, YIELD};
+use super::super::status::EDGES;
 use super::super::{Memory, Problem};
 use super::Solver;
 use crate::contact::has_basis;
@@ -20,21 +20,16 @@ impl Solver {
         problem.delassus.iter_mut().step_by(next).for_each(|a| *a = 1.0);
         problem.friction.fill(1.0);
         self.solve(&problem, law, &mut Memory::default());
-        let every_ray = (1 << self.scaled.facets()) - 1;
+        let every_edge = (1 << self.scaled.facets()) - 1;
         let mut pivots = 0;
-        for care in [SHORT, FINE] {
-            self.pivot(law, care, &mut pivots);
+        self.pivot(law, FINE, &mut pivots);
+        // the largest blocks: contacts that stick, and all edges
+        for basis in [every_edge << 1 | 1, every_edge | EDGES] {
+            self.basis.fill(basis);
+            self.while_yielding(YIELD, |solver| solver.is_solved(law));
         }
-        // the largest blocks: rigid contacts that stick, and all rays of those that yield
-        self.basis.fill(every_ray << 1 | 1);
-        self.is_solved(law);
-        self.basis.fill(every_ray | RAYS);
-        self.yielding(YIELD, |solver| {
-            solver.is_solved(law);
-            let stride = solver.scaled.stride(); // impulses within their cones, for as many rays as may join
-            solver.f.iter_mut().enumerate().for_each(|(k, f)| *f = if k % stride == 0 { 1.0 } else { 0.1 });
-            solver.slide(law, &mut pivots)
-        });
-        self.yielding(HAIR, |solver| solver.pivot_exactly(law, &mut pivots));
+        self.while_yielding(YIELD, |solver| solver.slide(law, &mut pivots));
+        self.shift.rehearse(&self.scaled);
+        self.while_yielding(HAIR, |solver| solver.pivot_exactly(law, &mut pivots));
     }
 }

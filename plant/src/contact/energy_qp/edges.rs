@@ -1,0 +1,164 @@
+//! The contact problem along the edges of its cones: f = Σ y_r e_r, and each edge's w_r = e_r·v = (Q y + q)_r.
+//!
+//! Each cone is spanned by its edges (1, ±mu d). Q = EᵀAE has a row for each, and only those of edges that push are ever read: they
+//! are made when they are asked for.
+
+use super::super::scaled::Scaled;
+
+/// Numbers that are worked on at once: those of the edges of four contacts, four registers full.
+pub(super) const WIDTH: usize = 16;
+/// A number for each of some edges; what fills up the last is zero.
+pub(super) type Panel = [f64; WIDTH];
+
+/// Q and q of a problem.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Edges {
+    count: usize,
+    /// Edges of a contact.
+    pub each: usize,
+    /// 1 / |e_r|.
+    shortness: Vec<Panel>,
+    /// q.
+    drift: Vec<Panel>,
+    /// Q, of the rows that are there.
+    matrix: Vec<Panel>,
+    there: Vec<bool>,
+    /// eᵀA of an edge.
+    read: Vec<f64>,
+}
+
+impl Edges {
+    /// Of all contacts.
+    pub fn count(&self) -> usize {
+        self.count
+    }
+
+    /// Panels of a number for each.
+    pub fn width(&self) -> usize {
+        self.drift.len()
+    }
+
+    /// Of another problem, its drift apart.
+    pub fn set(&mut self, scaled: &Scaled) {
+        (self.each, self.count) = (scaled.facets(), scaled.contacts * scaled.facets());
+        let width = self.count.div_ceil(WIDTH);
+        for list in [&mut self.shortness, &mut self.drift] {
+            list.clear();
+            list.resize(width, [0.0; WIDTH]);
+        }
+        let slopes = scaled.reach.chunks_exact(scaled.stride()).flat_map(|reach| &reach[1..]);
+        let pairs = self.shortness.as_flattened_mut().chunks_exact_mut(2);
+        pairs.zip(slopes).for_each(|(pair, slope)| pair.fill(1.0 / (1.0 + slope * slope).sqrt()));
+        self.matrix.resize(self.count * width, [0.0; WIDTH]);
+        self.there.clear();
+        self.there.resize(self.count, false);
+    }
+
+    /// Of the same problem with this drift.
+    pub fn turn(&mut self, scaled: &Scaled, drift: &[f64]) {
+        expand(scaled, drift, self.drift.as_flattened_mut());
+    }
+
+    /// Row r of Q.
+    pub fn row(&mut self, scaled: &Scaled, r: usize) -> &[Panel] {
+        let range = r * self.width()..(r + 1) * self.width();
+        if !self.there[r] {
+            let [(first, _), (along, slope)] = scaled.edge(r / self.each, r % self.each);
+            let m = scaled.drift.len();
+            let [normal, tangent] = [first, along].map(|k| &scaled.delassus[k * m..][..m]);
+            self.read.clear();
+            self.read.extend(normal.iter().zip(tangent).map(|(n, t)| n + slope * t));
+            // what was there in another problem's padding would count
+            self.matrix[range.end - 1] = [0.0; WIDTH];
+            expand(scaled, &self.read, self.matrix[range.clone()].as_flattened_mut());
+            self.there[r] = true;
+        }
+        &self.matrix[range]
+    }
+
+    /// w of the amounts y of some edges, whose rows are there.
+    pub fn velocity(&self, edges: &[usize], amounts: &[f64], w: &mut [Panel]) {
+        w.copy_from_slice(&self.drift);
+        let width = self.width();
+        add_all(w, edges.iter().map(|&r| (amounts[r], &self.matrix[r * width..])));
+    }
+
+    /// f of the amounts y of some edges.
+    pub fn impulse(&self, scaled: &Scaled, edges: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
+        f.clear();
+        f.resize(scaled.drift.len(), 0.0);
+        for &r in edges {
+            scaled.edge(r / self.each, r % self.each).iter().for_each(|(k, weight)| f[*k] += weight * amounts[r]);
+        }
+    }
+
+    /// w as speeds: e_r·v / |e_r|.
+    pub fn speeds(&self, w: &[Panel]) -> impl Iterator<Item = Panel> + Clone {
+        w.iter().zip(&self.shortness).map(|(w, shortness)| std::array::from_fn(|k| w[k] * shortness[k]))
+    }
+}
+
+/// What rows of contacts are along the edges of each: normal and tangents, there and back.
+fn expand(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
+    match scaled.tangents {
+        1 => expand_each::<2, 2>(scaled, rows, along),
+        _ => expand_each::<3, 4>(scaled, rows, along),
+    }
+}
+
+fn expand_each<const ROWS: usize, const EDGES: usize>(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
+    let contacts = rows.as_chunks::<ROWS>().0.iter().zip(scaled.reach.as_chunks::<ROWS>().0);
+    for ((rows, reach), along) in contacts.zip(along.as_chunks_mut::<EDGES>().0) {
+        for (k, pair) in along.as_chunks_mut::<2>().0.iter_mut().enumerate() {
+            let part = reach[k + 1] * rows[k + 1];
+            *pair = [rows[0] - part, rows[0] + part];
+        }
+    }
+}
+
+/// The numbers of a contact's edges.
+pub(super) fn of_contact(numbers: &[Panel], contact: usize, each: usize) -> &[f64] {
+    &numbers.as_flattened()[contact * each..][..each]
+}
+
+/// sum + weight · what.
+#[inline(always)]
+pub(super) fn add(sum: &mut [Panel], weight: f64, what: &[Panel]) {
+    for (sum, what) in sum.iter_mut().zip(what) {
+        *sum = std::array::from_fn(|k| what[k].mul_add(weight, sum[k]));
+    }
+}
+
+/// sum + Σ weight · term.
+#[inline(always)]
+pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &'a [Panel])> + Clone) {
+    for (p, sum) in sum.iter_mut().enumerate() {
+        let mut total = *sum; // in registers
+        for (weight, term) in terms.clone() {
+            let term = &term[p];
+            total = std::array::from_fn(|k| term[k].mul_add(weight, total[k]));
+        }
+        *sum = total;
+    }
+}
+
+/// The least of some numbers.
+#[inline(always)]
+pub(super) fn least(numbers: &Panel) -> f64 {
+    let less = |a: f64, b: f64| if b < a { b } else { a };
+    let eight: [f64; 8] = std::array::from_fn(|k| less(numbers[k], numbers[k + 8]));
+    let four: [f64; 4] = std::array::from_fn(|k| less(eight[k], eight[k + 4]));
+    less(less(four[0], four[1]), less(four[2], four[3]))
+}
+
+/// a·b.
+#[inline(always)]
+pub(super) fn dot(a: &[Panel], b: &[Panel]) -> f64 {
+    let mut sum = [0.0; WIDTH];
+    for (a, b) in a.iter().zip(b) {
+        sum = std::array::from_fn(|k| a[k].mul_add(b[k], sum[k]));
+    }
+    let sum: [f64; 8] = std::array::from_fn(|k| sum[k] + sum[k + 8]);
+    let sum: [f64; 4] = std::array::from_fn(|k| sum[k] + sum[k + 4]);
+    (sum[0] + sum[1]) + (sum[2] + sum[3]) // a mirror image, which has there and back exchanged, has the same bits
+}
