@@ -122,13 +122,9 @@ impl Block {
     /// Factorises E A G.
     fn factorize(&mut self, scaled: &Scaled) -> bool {
         let Block { columns, response, square, factor, .. } = self;
-        let m = scaled.drift.len();
         square.clear();
         for column in &*columns {
-            let [(k, x), (l, y)] = column.push;
-            let [a, b] = [k, l].map(|k| &scaled.delassus[k * m..][..m]);
-            response.clear();
-            response.extend(a.iter().zip(b).map(|(a, b)| x * a + y * b));
+            scaled.response(column.push, response);
             square.extend(columns.iter().map(|row| read(&row.read, response)));
         }
         factor.factorize(columns.len(), square, DEPENDENT)

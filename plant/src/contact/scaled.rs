@@ -76,6 +76,14 @@ impl Scaled {
         [(first, 1.0), (first + k, sign * self.reach[first + k])]
     }
 
+    /// A~ g of an impulse g along two rows.
+    pub fn response(&self, [(k, x), (l, y)]: Mix, response: &mut Vec<f64>) {
+        let m = self.drift.len();
+        let [a, b] = [k, l].map(|k| &self.delassus[k * m..][..m]);
+        response.clear();
+        response.extend(a.iter().zip(b).map(|(a, b)| x * a + y * b));
+    }
+
     /// The problem of a law.
     pub fn set(&mut self, problem: &Problem, law: Law) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);

@@ -23,8 +23,8 @@ pub(super) struct Edges {
     /// Q, of the rows that are there.
     matrix: Vec<Panel>,
     there: Vec<bool>,
-    /// eᵀA of an edge.
-    read: Vec<f64>,
+    /// A e of an edge.
+    response: Vec<f64>,
 }
 
 impl Edges {
@@ -63,14 +63,10 @@ impl Edges {
     pub fn row(&mut self, scaled: &Scaled, r: usize) -> &[Panel] {
         let range = r * self.width()..(r + 1) * self.width();
         if !self.there[r] {
-            let [(first, _), (along, slope)] = scaled.edge(r / self.each, r % self.each);
-            let m = scaled.drift.len();
-            let [normal, tangent] = [first, along].map(|k| &scaled.delassus[k * m..][..m]);
-            self.read.clear();
-            self.read.extend(normal.iter().zip(tangent).map(|(n, t)| n + slope * t));
+            scaled.response(scaled.edge(r / self.each, r % self.each), &mut self.response);
             // what was there in another problem's padding would count
             self.matrix[range.end - 1] = [0.0; WIDTH];
-            expand(scaled, &self.read, self.matrix[range.clone()].as_flattened_mut());
+            expand(scaled, &self.response, self.matrix[range.clone()].as_flattened_mut());
             self.there[r] = true;
         }
         &self.matrix[range]
