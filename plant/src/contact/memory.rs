@@ -9,7 +9,7 @@ pub struct Memory {
     basis: Vec<u8>,
     /// The last solution needed contacts that yield: the next one tries them first.
     pub(super) yields: bool,
-    /// The last solution took few pivots: the next may take none.
+    /// The last solution took few pivots or kept the basis: the next may take none.
     pub(super) near: bool,
     /// The last solution left no velocity where anything pushed.
     pub(super) rests: bool,

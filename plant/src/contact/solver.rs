@@ -20,8 +20,8 @@ use messages::scene::Law;
 pub(crate) const SOLVED: f64 = 4e-11;
 /// Contacts of one foot, the pressure under which is to be the evenest of those that are right.
 pub(super) const FEW: usize = 4;
-/// More contacts than two feet have.
-const MANY: usize = 8;
+/// Contacts of two feet that stand: while they slide, the basis seldom lasts.
+const BOTH: usize = 8;
 
 /// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
 /// changing results.
@@ -52,7 +52,7 @@ impl Solver {
     ///
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
-    /// 1. the basis in `memory` as it is, of many contacts or if the last solution took few pivots; of one foot only if no other
+    /// 1. the basis in `memory` as it is, of two feet that stand only if the last solution was near; of one foot only if no other
     ///    pressure would do as well;
     /// 2. the energy program from that basis on, with contacts that yield by rounding (`scaled::YIELD`), and for Coulomb's law the
     ///    path from its optimum to that of the shifted program;
@@ -81,7 +81,7 @@ impl Solver {
             report.pivots += self.fall_back(law);
         }
         report.warm = solved && problem.id.iter().zip(&self.basis).all(|(&id, &bits)| memory.recall(id) == bits);
-        memory.near = 2 * report.pivots as usize <= problem.contacts;
+        memory.near = report.warm || 2 * report.pivots as usize <= problem.contacts;
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
         memory.rests = self.rests();
@@ -114,8 +114,8 @@ impl Solver {
     /// Finds the solution, the way that most steps take first; false if every way failed.
     fn find(&mut self, law: Law, memory: &Memory, report: &mut Report) -> bool {
         let (pivots, count) = (&mut report.pivots, self.scaled.contacts);
-        let (few, many) = (count <= FEW, count > MANY);
-        (many || memory.near) && self.holds(law, memory.yields) && (!few || memory.rests || self.block.is_sure())
+        let (few, many) = (count <= FEW, count > BOTH);
+        (count != BOTH || memory.near) && self.holds(law, memory.yields) && (!few || memory.rests || self.block.is_sure())
             || self.while_yielding(YIELD, |solver| solver.slide(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || !minimises_energy(law) && (many && self.pivot(law, FINE, pivots)
