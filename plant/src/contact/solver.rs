@@ -81,7 +81,7 @@ impl Solver {
             report.pivots += self.fall_back(law);
         }
         report.warm = solved && problem.id.iter().zip(&self.basis).all(|(&id, &bits)| memory.recall(id) == bits);
-        memory.near = report.warm || 2 * report.pivots as usize <= problem.contacts;
+        memory.near = report.warm || 4 * report.pivots as usize <= problem.contacts;
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
         memory.rests = self.rests();
