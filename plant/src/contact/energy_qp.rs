@@ -25,7 +25,7 @@ use super::residual::greatest;
 use super::scaled::Scaled;
 use super::status::EDGES;
 use directions::Directions;
-use edges::{Edges, Panel, WIDTH, add};
+use edges::{Edges, Panel, WIDTH, add, of_contact, place_of};
 use messages::scene::Law;
 pub(super) use shift::Shift;
 
@@ -38,16 +38,16 @@ const NOTHING: f64 = 1e-14;
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnergyQp {
     edges: Edges,
-    /// Edges that may push, and of each edge whether it does.
+    /// Edges that may push, and zero for each of them, one for the others.
     basic: Vec<usize>,
-    pushes: Vec<[bool; WIDTH]>,
+    idle: Vec<Panel>,
     directions: Directions,
     /// \[y; w\]; y is zero of what is not basic.
     state: Vec<Panel>,
     /// What leads from there to the optimum over the basic edges.
     course: Vec<Panel>,
-    /// Edges that could not join since the energy last fell.
-    barred: Vec<[bool; WIDTH]>,
+    /// Zero for edges that could not join since the energy last fell, one for the others.
+    open: Vec<Panel>,
     /// Those that are about to leave.
     leaving: Vec<usize>,
     /// How often an edge has joined or left since the basis was given.
@@ -71,9 +71,9 @@ impl EnergyQp {
             list.clear();
             list.resize(2 * width, [0.0; WIDTH]);
         }
-        for marks in [&mut self.pushes, &mut self.barred] {
+        for marks in [&mut self.idle, &mut self.open] {
             marks.clear();
-            marks.resize(width, [false; WIDTH]);
+            marks.resize(width, [1.0; WIDTH]);
         }
         self.basic.clear();
         self.directions.clear(width);
@@ -87,7 +87,7 @@ impl EnergyQp {
     /// Goes on to the optimum with this shift of the normal rows. Adds those that join to `count`; false if there are more than 20 an
     /// edge.
     pub fn pivot(&mut self, scaled: &Scaled, shift: &[f64], count: &mut u32) -> bool {
-        self.barred.fill([false; WIDTH]);
+        self.open.fill([1.0; WIDTH]);
         self.harden(scaled, shift);
         for _ in 0..20 * self.edges.count() {
             let Some(r) = self.most_negative(scaled) else { return true };
@@ -125,9 +125,9 @@ impl EnergyQp {
             self.follow();
         }
         if self.pushes(r) {
-            self.barred.fill([false; WIDTH]);
+            self.open.fill([1.0; WIDTH]);
         } else {
-            self.barred[r / WIDTH][r % WIDTH] = true;
+            self.open[r / WIDTH][r % WIDTH] = 0.0;
         }
     }
 
@@ -136,7 +136,7 @@ impl EnergyQp {
         let joined = self.directions.join(r, self.edges.row(scaled, r));
         if joined {
             self.basic.push(r);
-            self.pushes[r / WIDTH][r % WIDTH] = true;
+            self.idle[r / WIDTH][r % WIDTH] = 0.0;
             self.exchanges += 1;
         }
         joined
@@ -145,7 +145,7 @@ impl EnergyQp {
     /// Edge r is no longer basic, and the course goes on without it.
     fn let_out(&mut self, r: usize) {
         self.basic.retain(|basic| *basic != r);
-        self.pushes[r / WIDTH][r % WIDTH] = false;
+        self.idle[r / WIDTH][r % WIDTH] = 1.0;
         self.exchanges += 1;
         self.state[r / WIDTH][r % WIDTH] = 0.0;
         self.directions.leave(r);
@@ -154,7 +154,13 @@ impl EnergyQp {
 
     /// Whether edge r is basic.
     fn pushes(&self, r: usize) -> bool {
-        self.pushes[r / WIDTH][r % WIDTH]
+        self.idle[r / WIDTH][r % WIDTH] == 0.0
+    }
+
+    /// A bit for each edge of a contact that is basic.
+    fn pushing_of(&self, contact: usize) -> u32 {
+        let idle = of_contact(&self.idle, contact, self.edges.each);
+        idle.iter().rev().fold(0, |bits, idle| bits << 1 | u32::from(*idle == 0.0))
     }
 
     /// w of all edges.
@@ -170,9 +176,9 @@ impl EnergyQp {
 
     /// The edge outside the basis along which the energy falls most.
     fn most_negative(&self, scaled: &Scaled) -> Option<usize> {
-        let panels = self.edges.speeds(self.velocity()).zip(self.barred.iter().zip(&self.pushes));
-        let free = panels.map(|(speeds, (barred, pushes))| -> Panel {
-            std::array::from_fn(|k| if barred[k] || pushes[k] { 0.0 } else { speeds[k] })
+        let panels = self.edges.speeds(self.velocity()).zip(self.open.iter().zip(&self.idle));
+        let free = panels.map(|(speeds, (open, idle))| -> Panel {
+            std::array::from_fn(|k| speeds[k] * (open[k] * idle[k])) // a choice would be a branch for each
         });
         let least = free.clone().fold([0.0; WIDTH], |least: Panel, speeds| {
             std::array::from_fn(|k| if speeds[k] < least[k] { speeds[k] } else { least[k] })
@@ -181,8 +187,7 @@ impl EnergyQp {
         if least >= -ROUNDING * self.scale(scaled) {
             return None;
         }
-        let lane = |speeds: &Panel| speeds.iter().position(|&speed| speed == least);
-        free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + lane(&speeds)?))
+        free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + place_of(least, &speeds)?))
     }
 
     /// The step's scale.
@@ -193,8 +198,8 @@ impl EnergyQp {
     /// Follows the course to its end; those that become negative on the way leave, and it goes on without them.
     fn follow(&mut self) {
         for _ in 0..=self.edges.count() {
-            let EnergyQp { pushes, state, course, leaving, .. } = self;
-            let share = self::share(pushes, state, course);
+            let EnergyQp { state, course, leaving, .. } = self;
+            let share = self::share(state, course);
             leaving.clear();
             if let Some(share) = share {
                 let (y, z) = (state.as_flattened(), course.as_flattened());
@@ -217,18 +222,15 @@ impl EnergyQp {
 }
 
 /// How far a course can be followed before something ceases to push, if anything does on the way.
-fn share(pushes: &[[bool; WIDTH]], state: &[Panel], course: &[Panel]) -> Option<f64> {
-    let panels = pushes.iter().zip(state.iter().zip(course));
-    let ends = |pushes: &[bool; WIDTH], y: &Panel, z: &Panel| -> [bool; WIDTH] {
-        std::array::from_fn(|k| pushes[k] & (y[k] + z[k] <= 0.0))
-    };
-    if !panels.clone().any(|(pushes, (y, z))| ends(pushes, y, z).iter().fold(false, |any, ends| any | ends)) {
-        return None;
-    }
-    let least = panels.fold([1.0; WIDTH], |least: Panel, (pushes, (y, z))| {
-        let ends = ends(pushes, y, z);
-        // of nothing from nothing, which is no number, nothing is known
-        std::array::from_fn(|k| if ends[k] && y[k] / -z[k] < least[k] { y[k] / -z[k] } else { least[k] })
+fn share(state: &[Panel], course: &[Panel]) -> Option<f64> {
+    let width = state.len() / 2;
+    let least = state[..width].iter().zip(course).fold([f64::INFINITY; WIDTH], |least: Panel, (y, z)| {
+        std::array::from_fn(|k| {
+            // of nothing from nothing, which is no number, nothing is known
+            let share = if y[k] + z[k] > 0.0 { f64::INFINITY } else { y[k] / -z[k] };
+            if share < least[k] { share } else { least[k] }
+        })
     });
-    Some(edges::least(&least))
+    let least = edges::least(&least);
+    (least < f64::INFINITY).then_some(least.min(1.0))
 }

@@ -1,26 +1,28 @@
-//! The factors of a square matrix, A = P⁻¹ L U: each unknown is taken from the rows below the greatest of its entries.
+//! The factors of a square matrix, A = L U but for the order of rows: each unknown is taken from the rows that are left with the greatest
+//! of its entries, which is its row from then on.
 //!
-//! All is kept by columns, in whole blocks: whatever is known is taken from all the unknown at once.
+//! All is kept by columns, in whole blocks, and no row changes its place: whatever is known is taken from all the unknown at once.
 //!
 //! # Source
 //! Golub & Van Loan, *Matrix Computations*, 3.4.
 
 /// Numbers that are worked on at once.
 const LANES: usize = 4;
+type Lanes = [f64; LANES];
 
 /// L and U, in the room that they had before.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pivoted {
     /// Blocks of a column.
     width: usize,
-    /// Row of A that row k has become.
-    order: Vec<usize>,
+    /// Row of each unknown, and 1 / U_kk; zero where the unknown depends on those before it, and itself stays zero.
+    unknowns: Vec<(usize, f64)>,
+    /// One for each row that is left, zero for the others.
+    left: Vec<Lanes>,
     /// L and U off the diagonal, column by column.
-    lower: Vec<[f64; LANES]>,
-    upper: Vec<[f64; LANES]>,
-    /// 1 / U_kk; zero where the unknown depends on those before it, and itself stays zero.
-    inverse: Vec<[f64; LANES]>,
-    x: Vec<[f64; LANES]>,
+    lower: Vec<Lanes>,
+    upper: Vec<Lanes>,
+    x: Vec<Lanes>,
 }
 
 impl Pivoted {
@@ -29,97 +31,91 @@ impl Pivoted {
     pub fn factorize(&mut self, size: usize, matrix: &[f64], nothing: f64) -> bool {
         let width = size.div_ceil(LANES);
         self.width = width;
-        self.order.clear();
-        self.order.extend(0..size);
+        self.unknowns.clear();
         self.lower.resize(size * width, [0.0; LANES]);
-        for (list, length) in [(&mut self.upper, size * width), (&mut self.inverse, width), (&mut self.x, width)] {
+        for (list, length) in [(&mut self.upper, size * width), (&mut self.left, width), (&mut self.x, width)] {
             list.clear();
             list.resize(length, [0.0; LANES]);
         }
+        self.left.as_flattened_mut()[..size].fill(1.0);
         for (upper, column) in self.upper.chunks_exact_mut(width.max(1)).zip(matrix.chunks_exact(size.max(1))) {
             upper.as_flattened_mut()[..size].copy_from_slice(column);
         }
-        (0..size).all(|k| self.eliminate(k, nothing))
+        // where the compiler knows the width, it needs no loops
+        match width {
+            1 => (0..size).all(|k| self.eliminate(1, size, k, nothing)),
+            2 => (0..size).all(|k| self.eliminate(2, size, k, nothing)),
+            _ => (0..size).all(|k| self.eliminate(width, size, k, nothing)),
+        }
     }
 
     /// Whether column k depends on those before it.
     pub fn is_dependent(&self, k: usize) -> bool {
-        self.inverse[k / LANES][k % LANES] == 0.0
+        self.unknowns[k].1 == 0.0
     }
 
     /// What is left of the pivot of which least is left; zero if any column depends on others.
     pub fn least_pivot(&self) -> f64 {
-        let size = |k: usize| if self.is_dependent(k) { 0.0 } else { 1.0 / self.inverse[k / LANES][k % LANES].abs() };
-        (0..self.order.len()).map(size).fold(f64::INFINITY, f64::min)
+        let size = |&(_, inverse): &(usize, f64)| if inverse == 0.0 { 0.0 } else { 1.0 / inverse.abs() };
+        self.unknowns.iter().map(size).fold(f64::INFINITY, f64::min)
     }
 
-    /// Takes the k-th unknown from the rows below the greatest of its entries, which becomes row k.
-    fn eliminate(&mut self, k: usize, nothing: f64) -> bool {
-        let Pivoted { width, order, lower, upper, inverse, .. } = self;
-        let (column, rest) = upper[k * *width..].split_at_mut(*width);
-        let (block, lane) = (k / LANES, k % LANES);
-        let own = column[block][lane];
-        if own.is_nan() {
-            return false; // where any is none, what is below it is none in the end
+    /// Takes the k-th unknown from the rows that are left with the greatest of its entries.
+    #[inline(always)]
+    fn eliminate(&mut self, width: usize, size: usize, k: usize, nothing: f64) -> bool {
+        let Pivoted { unknowns, left, lower, upper, .. } = self;
+        let (column, rest) = upper[k * width..].split_at_mut(width);
+        let (left, l) = (&mut left[..width], &mut lower[k * width..][..width]);
+        // L is written last: until then what is left of the column
+        for ((l, u), left) in l.iter_mut().zip(&*column).zip(&*left) {
+            *l = std::array::from_fn(|c| u[c] * left[c]); // a choice would be a branch for each
         }
-        let mut greatest = [0.0; LANES];
-        for (b, column) in column.iter().enumerate().skip(block) {
-            let size = |c: usize| if b * LANES + c < k { 0.0 } else { column[c].abs() };
-            greatest = std::array::from_fn(|c| if size(c) > greatest[c] { size(c) } else { greatest[c] });
-        }
+        let greatest = l.iter().fold([0.0; LANES], |greatest: Lanes, l| {
+            std::array::from_fn(|c| if l[c].abs() > greatest[c] { l[c].abs() } else { greatest[c] })
+        });
         let greatest = greatest.iter().fold(0.0, |most, &size| if size > most { size } else { most });
-        if greatest <= nothing {
-            column.as_flattened_mut()[k..].fill(0.0);
-            lower[k * *width..][..*width].fill([0.0; LANES]);
-            return true;
+        let Some(pivot) = l.as_flattened().iter().position(|l| l.abs() == greatest).filter(|_| greatest > nothing)
+        else {
+            let numbers = l.as_flattened().iter().all(|l| !l.is_nan());
+            l.fill([0.0; LANES]);
+            unknowns.push((0, 0.0));
+            return numbers;
+        };
+        let (b, lane) = (pivot / LANES, pivot % LANES);
+        let reciprocal = 1.0 / l[b][lane];
+        unknowns.push((pivot, reciprocal));
+        for (u, l) in column.iter_mut().zip(&*l) {
+            *u = std::array::from_fn(|c| u[c] - l[c]);
         }
-        let mut best = k;
-        if own.abs() < greatest {
-            let size = |r: usize| column.as_flattened()[r].abs();
-            best = (k + 1..order.len()).fold(k, |best, r| if size(r) > size(best) { r } else { best });
-            order.swap(k, best);
-            lower.chunks_exact_mut(*width).take(k).for_each(|l| l.as_flattened_mut().swap(k, best));
-            column.as_flattened_mut().swap(k, best);
-        }
-        let reciprocal = 1.0 / column[block][lane];
-        inverse[block][lane] = reciprocal;
-        let l = &mut lower[k * *width..][block..*width];
-        for (b, (l, u)) in l.iter_mut().zip(&mut column[block..]).enumerate() {
-            let row = |c: usize| (block + b) * LANES + c;
-            *l = std::array::from_fn(|c| if row(c) > k { u[c] * reciprocal } else { 0.0 });
-            *u = std::array::from_fn(|c| if row(c) < k { u[c] } else { 0.0 });
-        }
-        for c in 0..order.len() - k - 1 {
+        (left[b][lane], l[b][lane]) = (0.0, 0.0);
+        l.as_flattened_mut().iter_mut().for_each(|l| *l *= reciprocal);
+        for c in 0..size - k - 1 {
             // chunks of a width that is not known divide, which takes as long as a short column
-            let column = &mut rest[c * *width..][..*width];
-            if best != k {
-                column.as_flattened_mut().swap(k, best);
-            }
-            let known = column[block][lane];
-            take(&mut column[block..], known, l);
+            let column = &mut rest[c * width..][..width];
+            let known = column[b][lane];
+            take(column, known, l);
         }
         true
     }
 
     /// y = A⁻¹ y.
     pub fn solve(&mut self, y: &mut [f64]) {
-        let Pivoted { width, order, lower, upper, inverse, x, .. } = self;
-        x.as_flattened_mut().iter_mut().zip(&*order).for_each(|(x, &row)| *x = y[row]);
-        for (k, l) in lower.chunks_exact(*width).enumerate() {
-            let known = x[k / LANES][k % LANES];
-            take(&mut x[k / LANES..], known, &l[k / LANES..]);
+        let Pivoted { width, unknowns, lower, upper, x, .. } = self;
+        x.as_flattened_mut()[..y.len()].copy_from_slice(y);
+        for (&(row, _), l) in unknowns.iter().zip(lower.chunks_exact(*width)) {
+            let known = x[row / LANES][row % LANES];
+            take(x, known, l);
         }
-        for (k, u) in upper.chunks_exact(*width).enumerate().rev() {
-            let known = x[k / LANES][k % LANES] * inverse[k / LANES][k % LANES];
-            take(&mut x[..=k / LANES], known, u);
+        for ((&(row, inverse), u), y) in unknowns.iter().zip(upper.chunks_exact(*width)).zip(y).rev() {
+            *y = x[row / LANES][row % LANES] * inverse;
+            take(x, *y, u);
         }
-        let x = x.as_flattened().iter().zip(inverse.as_flattened());
-        y.iter_mut().zip(x).for_each(|(y, (x, inverse))| *y = x * inverse);
     }
 }
 
 /// x − known l.
-fn take(x: &mut [[f64; LANES]], known: f64, l: &[[f64; LANES]]) {
+#[inline(always)]
+fn take(x: &mut [Lanes], known: f64, l: &[Lanes]) {
     for (x, l) in x.iter_mut().zip(l) {
         *x = std::array::from_fn(|r| l[r].mul_add(-known, x[r]));
     }

@@ -2,7 +2,7 @@
 
 use super::super::residual::greatest;
 use super::EnergyQp;
-use super::edges::{Panel, WIDTH, least};
+use super::edges::{Panel, WIDTH, least, place_of};
 
 /// What falls by less, beside what changes most, does not fall.
 const FLAT: f64 = 1e-10;
@@ -26,6 +26,8 @@ pub(super) enum Border {
 pub(super) struct Outlook {
     heights: Vec<Panel>,
     rises: Vec<Panel>,
+    /// How far it is to each.
+    ways: Vec<Panel>,
 }
 
 impl Outlook {
@@ -35,20 +37,25 @@ impl Outlook {
         for (list, both) in [(&mut self.heights, &*program.state), (&mut self.rises, course)] {
             let (y, w) = both.split_at(width);
             list.clear();
-            list.extend(
-                program
-                    .pushes
-                    .iter()
-                    .zip(y.iter().zip(w))
-                    .map(|(pushes, (y, w))| -> Panel { std::array::from_fn(|k| if pushes[k] { y[k] } else { w[k] }) }),
-            );
+            list.extend(y.iter().zip(w).zip(&program.idle).map(|((y, w), idle)| -> Panel {
+                std::array::from_fn(|k| w[k].mul_add(idle[k], y[k])) // one of them is zero
+            }));
         }
-        for (i, (_, off)) in pushing.iter().zip(off).enumerate().filter(|(_, (pushing, _))| **pushing == 0) {
-            let edges = i * each..(i + 1) * each;
-            let [heights, rises] =
-                [&mut self.heights, &mut self.rises].map(|list| &mut list.as_flattened_mut()[edges.clone()]);
-            heights.fill(rise(heights) - tau * off);
-            rises.fill(rise(rises) + off);
+        match each {
+            2 => self.see_whole::<2>(tau, pushing, off),
+            _ => self.see_whole::<4>(tau, pushing, off),
+        }
+    }
+
+    /// Of contacts that do not push, how fast they move up without a shift, and how that changes.
+    fn see_whole<const EDGES: usize>(&mut self, tau: f64, pushing: &[usize], off: &[f64]) {
+        let heights = self.heights.as_flattened_mut().as_chunks_mut::<EDGES>().0;
+        let rises = self.rises.as_flattened_mut().as_chunks_mut::<EDGES>().0;
+        for ((heights, rises), (pushing, off)) in heights.iter_mut().zip(rises).zip(pushing.iter().zip(off)) {
+            for (w, lift) in [(heights, -tau * off), (rises, *off)] {
+                let rise = 0.5 * (w[0] + w[1]) + lift;
+                *w = w.map(|w| if *pushing == 0 { rise } else { w });
+            }
         }
     }
 
@@ -67,24 +74,21 @@ impl Outlook {
     }
 
     /// How far it is to the nearest border but `end`, and whose it is.
-    pub fn nearest(&self, course: &[Panel], ahead: f64, end: f64) -> (f64, Option<usize>) {
+    pub fn nearest(&mut self, course: &[Panel], ahead: f64, end: f64) -> (f64, Option<usize>) {
         let flat = FLAT * greatest(course.as_flattened());
-        let ways = self.heights.iter().zip(&self.rises).map(|(heights, rises)| -> Panel {
+        let Outlook { heights, rises, ways } = self;
+        ways.clear();
+        ways.extend(heights.iter().zip(&*rises).map(|(heights, rises)| -> Panel {
             std::array::from_fn(|k| {
                 let (height, fall) = (if heights[k] > 0.0 { heights[k] } else { 0.0 }, -ahead * rises[k]);
                 if fall > flat { height / fall } else { f64::INFINITY }
             })
-        });
-        let nearest = ways.clone().fold([end; WIDTH], |nearest: Panel, ways| {
+        }));
+        let nearest = ways.iter().fold([end; WIDTH], |nearest: Panel, ways| {
             std::array::from_fn(|k| if ways[k] < nearest[k] { ways[k] } else { nearest[k] })
         });
         let nearest = least(&nearest);
-        let at = |ways: &Panel| ways.iter().position(|&way| way == nearest && way < end);
-        (nearest, ways.enumerate().find_map(|(p, ways)| Some(p * WIDTH + at(&ways)?)))
+        let mut places = ways.iter().enumerate().filter_map(|(p, ways)| Some(p * WIDTH + place_of(nearest, ways)?));
+        (nearest, places.next().filter(|_| nearest < end))
     }
-}
-
-/// How fast a contact moves up, by the w of its edges without a shift.
-fn rise(w: &[f64]) -> f64 {
-    0.5 * (w[0] + w[1])
 }

@@ -138,6 +138,13 @@ pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &
     }
 }
 
+/// Where some numbers first are what is looked for.
+#[inline(always)]
+pub(super) fn place_of(what: f64, numbers: &Panel) -> Option<usize> {
+    let places = numbers.iter().enumerate().fold(0_u32, |places, (k, number)| places | u32::from(*number == what) << k);
+    (places != 0).then(|| places.trailing_zeros() as usize)
+}
+
 /// The least of some numbers.
 #[inline(always)]
 pub(super) fn least(numbers: &Panel) -> f64 {

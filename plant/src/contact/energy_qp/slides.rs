@@ -21,25 +21,18 @@ impl Slide {
     /// Of a contact that pushes. Of one that brakes with one edge of a pair we know which way.
     pub fn of(program: &EnergyQp, contact: usize) -> Slide {
         let each = program.edges.each;
-        let edges = contact * each..(contact + 1) * each;
-        let (mut braking, mut held) = (None, 0);
-        for pair in edges.clone().step_by(2) {
-            match (program.pushes(pair), program.pushes(pair + 1)) {
-                (true, false) => braking = Some((pair, 0.5)),
-                (false, true) => braking = Some((pair, -0.5)),
-                (true, true) => held += 1,
-                (false, false) => {}
-            }
+        let pairs = (1 << each) / 3; // a bit for the first edge of each
+        let pushes = program.pushing_of(contact);
+        let (first, second) = (pushes & pairs, pushes >> 1 & pairs);
+        let (held, braking) = (first & second, first ^ second);
+        if held != 0 && held | braking == pairs {
+            return Slide { contact, pair: contact * each, side: 0.0 };
         }
-        let (pair, side) = match braking {
-            _ if held > 0 && (braking.is_some() || 2 * held == each) => (edges.start, 0.0),
-            Some(braking) => braking,
-            None => {
-                let (_, edge) = slip(of_contact(program.velocity(), contact, each));
-                (edges.start + edge / 2 * 2, if edge % 2 == 0 { 0.5 } else { -0.5 })
-            }
+        let edge = match braking.checked_ilog2() {
+            Some(pair) => pair as usize + usize::from(first >> pair & 1 == 0),
+            None => slip(of_contact(program.velocity(), contact, each)).1,
         };
-        Slide { contact, pair, side }
+        Slide { contact, pair: contact * each + edge / 2 * 2, side: if edge % 2 == 0 { 0.5 } else { -0.5 } }
     }
 
     /// Whether it does not slide.

@@ -46,19 +46,23 @@ impl Solver {
         minimises_energy(law) || shift.settle(energy_qp, scaled, pivots)
     }
 
-    /// Undoes what contacts have yielded by; whether that is the solution.
+    /// Undoes what contacts have yielded by; whether that is the solution. Under one foot it is undone to rounding, and under more
+    /// until that is solved: there most of what is left is along directions in which contacts hardly move.
     fn refine(&mut self, law: Law, pivots: &mut u32) -> bool {
         let few = self.scaled.contacts <= FEW;
+        let enough = if few { ROUNDING } else { SOLVED };
         let (mut before, mut error) = (f64::INFINITY, f64::INFINITY);
         for pass in 0..REFINEMENTS {
-            self.energy_qp.harden(&self.scaled, &self.shift.now);
+            if !self.energy_qp.pivot(&self.scaled, &self.shift.now, pivots) {
+                break;
+            }
             if (few || pass == 0) && !self.settle(law, pivots) {
                 break;
             }
             self.energy_qp.write(&self.scaled, &mut self.f, &mut self.basis);
             error = self.judge(law);
-            // what no longer shrinks is along directions in which contacts hardly move
-            if error <= ROUNDING || error > 0.1 * before {
+            // what no longer shrinks is along such directions
+            if error <= enough || error > 0.1 * before {
                 break;
             }
             before = error;
