@@ -20,8 +20,6 @@ use messages::scene::Law;
 const REFINEMENTS: usize = 3;
 /// A pivot this small, the entries being about 1, belongs to a column that depends on those before it.
 const DEPENDENT: f64 = 1e-14;
-/// Of a pivot so much is left, if what depends on it is to be known well.
-const SURE: f64 = 1e-7;
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
@@ -75,11 +73,6 @@ impl Block {
             before = left;
         }
         true
-    }
-
-    /// Whether no other impulse of the basis solves it nearly as well.
-    pub fn is_sure(&self) -> bool {
-        self.columns.is_empty() || self.factor.least_pivot() > SURE
     }
 
     fn columns(&mut self, scaled: &Scaled, law: Law, basis: &[u8]) {

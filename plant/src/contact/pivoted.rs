@@ -54,12 +54,6 @@ impl Pivoted {
         self.unknowns[k].1 == 0.0
     }
 
-    /// What is left of the pivot of which least is left; zero if any column depends on others.
-    pub fn least_pivot(&self) -> f64 {
-        let size = |&(_, inverse): &(usize, f64)| if inverse == 0.0 { 0.0 } else { 1.0 / inverse.abs() };
-        self.unknowns.iter().map(size).fold(f64::INFINITY, f64::min)
-    }
-
     /// Takes the k-th unknown from the rows that are left with the greatest of its entries.
     #[inline(always)]
     fn eliminate(&mut self, width: usize, size: usize, k: usize, nothing: f64) -> bool {

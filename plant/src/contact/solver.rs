@@ -52,8 +52,7 @@ impl Solver {
     ///
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
-    /// 1. the basis in `memory` as it is, of two feet that stand only if the last solution was near; of one foot only if no other
-    ///    pressure would do as well;
+    /// 1. the basis in `memory` as it is, of two feet that stand only if the last solution was near;
     /// 2. the energy program from that basis on, with contacts that yield by rounding (`scaled::YIELD`), and for Coulomb's law the
     ///    path from its optimum to that of the shifted program;
     /// 3. for Coulomb's law, of many contacts Lemke's method; then the shifted program again, of contacts that yield by less
@@ -114,8 +113,8 @@ impl Solver {
     /// Finds the solution, the way that most steps take first; false if every way failed.
     fn find(&mut self, law: Law, memory: &Memory, report: &mut Report) -> bool {
         let (pivots, count) = (&mut report.pivots, self.scaled.contacts);
-        let (few, many) = (count <= FEW, count > BOTH);
-        (count != BOTH || memory.near) && self.holds(law, memory.yields) && (!few || memory.rests || self.block.is_sure())
+        let many = count > BOTH;
+        (count != BOTH || memory.near) && self.holds(law, memory.yields)
             || self.while_yielding(YIELD, |solver| solver.slide(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || !minimises_energy(law) && (many && self.pivot(law, FINE, pivots)
