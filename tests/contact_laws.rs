@@ -139,15 +139,11 @@ fn the_default_law_resists_both_tangents() {
 }
 
 /// The paper's single slip direction leaves a stuck foot free across it, so feet creep and the walk drifts sideways;
-/// with both tangents resisted it sways by the width of a step and no more. How far the feet creep hangs on rounding: .02 to
-/// .25 m in 110 s have been seen, so the claim is many times the sway, at one speed of five.
+/// with both tangents resisted it sways by the width of a step and no more. How far the feet creep hangs on rounding: .07 to
+/// .25 m in 110 s have been seen, so the claim is many times the sway.
 #[test]
 fn one_slip_direction_lets_the_walk_drift() {
-    let speeds = [0.12, 0.14, 0.16, 0.18, 0.2].map(|speed| format!("controller.speed={speed}"));
-    let aside = |law: &str| {
-        let runs = speeds.iter().map(|speed| run("walk", &["duration=110", law, speed]).number("lateral_max_m"));
-        runs.fold(0.0, f64::max)
-    };
+    let aside = |law: &str| run("walk", &["duration=110", law]).number("lateral_max_m");
     let [one, both] = ["plant.law=Complementarity", "plant.law=Aligned"].map(aside);
     println!("{one} m aside with one slip direction, {both} m with both");
     assert!(both < 0.02 && one > 4.0 * both, "{one} m with one direction, {both} m with both");

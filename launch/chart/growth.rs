@@ -197,13 +197,9 @@ mod tests {
             }
             println!("{points} corners: states differ by {worst:.1e}, {welded} of 300 steps welded");
             assert!(worst < 1e-9, "{points} corners: {worst}");
-            // on one corner it tips; of three and of five one carries nothing, and of five it sometimes does not matter
-            let expected = match points {
-                0.0 | 1.0 | 3.0 => 0..20,
-                5.0 => 0..300,
-                _ => 291..301,
-            };
-            assert!(expected.contains(&welded), "{points} corners: {welded} steps welded");
+            // on one corner it tips; of three and of five, one carries nothing
+            let stands = ![0.0, 1.0, 3.0, 5.0].contains(&points);
+            assert!(if stands { welded > 290 } else { welded < 20 }, "{points} corners: {welded} steps welded");
         }
     }
 }

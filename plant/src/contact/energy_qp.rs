@@ -105,7 +105,7 @@ impl EnergyQp {
     }
 
     /// The optimum over the basic edges where what contacts have yielded by so far is undone; w is made afresh.
-    pub fn harden(&mut self, scaled: &Scaled, shift: &[f64]) {
+    fn harden(&mut self, scaled: &Scaled, shift: &[f64]) {
         let EnergyQp { edges, basic, directions, state, course, impulse, drift, .. } = self;
         edges.impulse(scaled, basic, state.as_flattened(), impulse);
         drift.clone_from(&scaled.drift);
