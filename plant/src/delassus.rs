@@ -6,13 +6,18 @@
 
 use crate::contact::{Problem, has_basis, tangents};
 use crate::detect::Touch;
-use crate::factor::{BLOCK, Factor};
+use crate::factor::Factor;
 use crate::kinematics::Pose;
 use crate::model::Model;
+use crate::spatial::Spatial;
 use messages::scene::Law;
 use nalgebra::Vector3;
 use std::ops::Range;
 
+/// Columns that are worked on at once: those of a foot of four corners, three registers full.
+const PANEL: usize = 12;
+/// Rows of their products that are.
+const ROWS: usize = 4;
 /// Cosine of the angle, 8°, within which contacts share one direction of slip.
 const NEARLY: f64 = 0.99;
 /// Contacts of a link slip alike if their mean slip is more than this part of their mean speed.
@@ -22,10 +27,10 @@ const ALIKE: f64 = 0.5;
 #[derive(Clone, Debug)]
 pub struct ContactMap {
     groups: Vec<Group>,
-    /// Y of each group, [`BLOCK`] columns at a time; what fills up the last is zero.
-    blocks: Vec<[f64; BLOCK]>,
-    /// A row of K.
-    row: Vec<[f64; BLOCK]>,
+    /// Y of each group, [`PANEL`] columns at a time; what fills up the last is zero.
+    blocks: Vec<[f64; PANEL]>,
+    /// Force and moment about O of a unit impulse along each column of a link, [`PANEL`] columns at a time.
+    wrenches: Vec<[[f64; PANEL]; 6]>,
     /// Unit tangents of each contact.
     tangents: Vec<[Vector3<f64>; 2]>,
 }
@@ -49,7 +54,7 @@ impl ContactMap {
         ContactMap {
             groups: Vec::with_capacity(corners),
             blocks: Vec::with_capacity(corners * model.dofs()),
-            row: Vec::with_capacity(corners),
+            wrenches: Vec::with_capacity(corners),
             tangents: Vec::with_capacity(corners),
         }
     }
@@ -96,7 +101,7 @@ impl ContactMap {
     /// Writes A of the same contacts.
     pub fn assemble(&mut self, model: &Model, pose: &Pose, factor: &Factor, touches: &[Touch], problem: &mut Problem) {
         let rows = 1 + problem.tangents;
-        let ContactMap { groups, blocks, row, tangents } = self;
+        let ContactMap { groups, blocks, wrenches, tangents } = self;
         groups.clear();
         blocks.clear();
         let mut first = 0;
@@ -104,21 +109,28 @@ impl ContactMap {
             let (link, tangents) = (touches[0].link, &tangents[first..first + touches.len()]);
             let columns = first * rows..(first + touches.len()) * rows;
             first += touches.len();
-            let (path, start, width) = (model.path(link), blocks.len(), columns.len().div_ceil(BLOCK));
+            let (path, start, width) = (model.path(link), blocks.len(), columns.len().div_ceil(PANEL));
             let height = path.len().max(1);
-            blocks.resize(start + height * width, [0.0; BLOCK]);
-            row.clear();
-            row.resize(width, [0.0; BLOCK]);
+            blocks.resize(start + height * width, [0.0; PANEL]);
+            wrenches.clear();
+            wrenches.resize(width, [[0.0; PANEL]; 6]);
+            for (i, (touch, [along, across])) in touches.iter().zip(tangents).enumerate() {
+                for (column, n) in (i * rows..).zip([Vector3::z(), *along, *across].iter().take(rows)) {
+                    let (wrench, m) = (&mut wrenches[column / PANEL], touch.arm.cross(n));
+                    wrench.iter_mut().zip(n.iter().chain(&m)).for_each(|(part, x)| part[column % PANEL] = *x);
+                }
+            }
             let y = &mut blocks[start..];
             for (depth, &dof) in path.iter().enumerate() {
-                let column = &pose.links[dof + 1].column;
-                for (i, (touch, tangents)) in touches.iter().zip(tangents).enumerate() {
-                    let k = &mut row.as_flattened_mut()[i * rows..][..rows];
-                    let velocity = column.at(&touch.arm); // per unit rate: by virtual work, K's entry
-                    k[0] = velocity.z;
-                    k[1..].iter_mut().zip(tangents).for_each(|(k, t)| *k = velocity.x * t.x + velocity.y * t.y);
+                let Spatial { linear, angular } = pose.links[dof + 1].column;
+                let [a, b, c, d, e, f] = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
+                for (y, [w0, w1, w2, w3, w4, w5]) in y[depth..].iter_mut().step_by(height).zip(&*wrenches) {
+                    // its power per unit rate: by virtual work, K's entries
+                    *y = std::array::from_fn(|k| {
+                        let force = c.mul_add(w2[k], b.mul_add(w1[k], a * w0[k]));
+                        f.mul_add(w5[k], e.mul_add(w4[k], d * w3[k])) + force
+                    });
                 }
-                y[depth..].iter_mut().step_by(height).zip(&*row).for_each(|(block, row)| *block = *row);
             }
             factor.half_solve(model, link, y);
             groups.push(Group { link, columns, start, height });
@@ -134,16 +146,11 @@ impl ContactMap {
             for b in &self.groups[..=i] {
                 let shared = model.shared(a.link, b.link);
                 for (row, y_a) in self.columns(a) {
-                    for (column, y_b) in self.columns(b).take_while(|(column, _)| *column <= row) {
-                        let mut tile = [[0.0; BLOCK]; BLOCK];
-                        for (y_a, y_b) in y_a[..shared].iter().zip(&y_b[..shared]) {
-                            tile = std::array::from_fn(|r| std::array::from_fn(|c| tile[r][c] + y_a[r] * y_b[c]));
-                        }
-                        for (r, tile) in (row..a.columns.end).zip(tile) {
-                            for (c, entry) in (column..b.columns.end).zip(tile) {
-                                product[r * size + c] = entry;
-                                product[c * size + r] = entry;
-                            }
+                    for (column, y_b) in self.columns(b) {
+                        for first in (0..a.columns.end - row).step_by(ROWS).take(PANEL / ROWS) {
+                            let tile = tile(&y_a[..shared], first, &y_b[..shared]);
+                            let place = (row + first..a.columns.end, column..b.columns.end);
+                            write(&tile, place, a.link != b.link, size, product);
                         }
                     }
                 }
@@ -151,11 +158,11 @@ impl ContactMap {
         }
     }
 
-    /// Y of a group, [`BLOCK`] columns at a time: the first of them, and their blocks, base first.
-    fn columns(&self, group: &Group) -> impl Iterator<Item = (usize, &[[f64; BLOCK]])> {
-        let count = group.columns.len().div_ceil(BLOCK);
+    /// Y of a group, [`PANEL`] columns at a time: the first of them, and their blocks, base first.
+    fn columns(&self, group: &Group) -> impl Iterator<Item = (usize, &[[f64; PANEL]])> {
+        let count = group.columns.len().div_ceil(PANEL);
         let blocks = self.blocks[group.start..].chunks_exact(group.height).take(count);
-        group.columns.clone().step_by(BLOCK).zip(blocks)
+        group.columns.clone().step_by(PANEL).zip(blocks)
     }
 
     /// H⁻¹KΔf: the change of velocity that the contact impulses make.
@@ -177,6 +184,38 @@ impl ContactMap {
         let rows = impulse.len() / contacts;
         let parts = &impulse[i * rows..(i + 1) * rows];
         parts[1..].iter().zip(&self.tangents[i]).fold(Vector3::z() * parts[0], |sum, (f, t)| sum + t * *f)
+    }
+}
+
+/// Σ y_a y_bᵀ, of some columns of y_a.
+#[inline(never)] // or its sums are not worked on in whole registers
+fn tile(y_a: &[[f64; PANEL]], first: usize, y_b: &[[f64; PANEL]]) -> [[f64; PANEL]; ROWS] {
+    let mut tile = [[0.0; PANEL]; ROWS];
+    for (y_a, y_b) in y_a.iter().zip(y_b) {
+        for (row, y) in tile.iter_mut().zip(&y_a[first..first + ROWS]) {
+            *row = std::array::from_fn(|c| y.mul_add(y_b[c], row[c]));
+        }
+    }
+    tile
+}
+
+/// Writes a tile to where it belongs in the product, whatever of it does; and its mirror image to where that belongs.
+fn write(
+    tile: &[[f64; PANEL]; ROWS],
+    (rows, columns): (Range<usize>, Range<usize>),
+    mirrored: bool,
+    size: usize,
+    product: &mut [f64],
+) {
+    for (r, tile) in rows.zip(tile) {
+        let line = &mut product[r * size..][columns.clone()];
+        match line.first_chunk_mut() {
+            Some(line) => *line = *tile,
+            None => line.copy_from_slice(&tile[..line.len()]),
+        }
+        if mirrored {
+            columns.clone().zip(tile).for_each(|(c, entry)| product[c * size + r] = *entry);
+        }
     }
 }
 

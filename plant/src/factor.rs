@@ -24,8 +24,6 @@ pub struct PathMatrix {
 
 /// Numbers of a row that are worked on at once: those of a leg with its base, three registers full.
 const PANEL: usize = 12;
-/// Numbers of a register; columns are worked on so many at a time.
-pub const BLOCK: usize = 4;
 
 impl PathMatrix {
     /// Zeros for a model.

@@ -1,5 +1,6 @@
 //! Links that stand: where nothing that pushed moved in the step before, every link that comes down to the ground is welded to it for
-//! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to.
+//! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to. One that stood on
+//! less than a face in the step before, and has more of it down, lands or turns: then none is welded.
 //!
 //! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are;
 //! on an edge five, for it may turn about that, and on a point three.
@@ -12,8 +13,8 @@
 //! where t_wanted closes what gaps there are and moves nothing else. Neither tangents nor a remembered basis are needed: the soles
 //! say what w is at each contact, and whether all that obeys Coulomb's law; see `weld/sole.rs`.
 //!
-//! What Λ of two feet hardly sees (that they press against each other) yields by a hair, each contact by as much as in the full problem:
-//! of all wrenches that solve it within what is called solved they have the least impulses.
+//! What Λ of two feet hardly sees (that they press against each other) yields by a hair, each contact by as much as in the full problem;
+//! and what it does not see at all is taken back, so that feet do not press against each other for what no press can change.
 //!
 //! # Source
 //! Λ = JH⁻¹Jᵀ: Khatib (1987), the operational-space inertia's inverse, here of every foot at once.
@@ -38,6 +39,10 @@ const FEET: usize = 4;
 const REFINEMENTS: usize = 5;
 /// What a solution after the first must leave at most of the velocity before.
 const SHRINKS: f64 = 0.5;
+/// A bound on the residual up to this will do: the residual is less, and this below the 1e-10 that a step promises.
+const HELD: f64 = 2.0 * SOLVED;
+/// Contacts that hold a link in all its directions.
+const FACE: usize = 3;
 /// A residual this small is not refined further.
 const ENOUGH: f64 = 0.5 * SOLVED;
 
@@ -45,12 +50,6 @@ const ENOUGH: f64 = 0.5 * SOLVED;
 type Pair = [Vector3<f64>; 2];
 /// The same in a row, filled up so that it is worked on four at a time.
 type Six = [f64; 8];
-
-/// Whether links may stand that did in the step before. A link on two contacts of which only one pushed is about to turn.
-pub fn is_promising(touches: &[Touch], pushed: impl Fn(usize) -> bool) -> bool {
-    let mut links = touches.chunk_by(|a, b| a.link == b.link);
-    links.all(|link| link.len() > 2 || link.iter().all(|touch| pushed(touch.id) == pushed(link[0].id)))
-}
 
 /// The welded links of a step; workspace and last solution.
 #[derive(Clone, Debug)]
@@ -84,8 +83,9 @@ impl Weld {
         }
     }
 
-    /// Finds the feet, if all can be welded: where they are, their free motion and what is wanted of it, and Y of those that do not
-    /// hover.
+    /// Finds the feet, if all can be welded, by which contacts pushed in the step before: where they are, their free motion and what is
+    /// wanted of it, and Y of those that do not hover.
+    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model, pose and factor are its tools")]
     pub fn stand(
         &mut self,
         model: &Model,
@@ -94,6 +94,7 @@ impl Weld {
         touches: &[Touch],
         free: &[f64],
         h: f64,
+        pushed: impl Fn(usize) -> bool,
     ) -> Option<()> {
         (self.count, self.hovers) = (0, 0);
         let mut first = 0;
@@ -105,6 +106,9 @@ impl Weld {
                 std::mem::swap(foot, self.hovering.get_mut(self.hovers)?);
                 self.hovers += 1;
                 continue;
+            }
+            if touches.iter().filter(|touch| pushed(touch.id)).count() < touches.len().min(FACE) {
+                return None;
             }
             self.count += 1;
             foot.land(touches, h)?;
@@ -133,7 +137,7 @@ impl Weld {
         self.respond(model, factor, change);
         let mut hovering = self.hovering[..self.hovers].iter();
         let hover = hovering.all(|foot| foot.goes_on(model, touches, change, h));
-        Some(self.report(touches, friction, h)).filter(|report| hover && report.natural_map <= SOLVED)
+        Some(self.report(touches, friction, h)).filter(|report| hover && report.natural_map <= HELD)
     }
 
     /// w for t = t_wanted, and t; none if Λ is not that of a body.
@@ -150,7 +154,7 @@ impl Weld {
         feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Pair::default()));
         let mut before = f64::INFINITY;
         let mut kept = [(Pair::default(), Pair::default()); FEET];
-        for _ in 0..REFINEMENTS {
+        for pass in 0..REFINEMENTS {
             let mut change = [Pair::default(); FEET];
             change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.lacks());
             factored.solve(feet.len(), &mut change);
@@ -162,8 +166,12 @@ impl Weld {
             }
             let left = feet.iter().map(Foot::left).fold(0.0, f64::max);
             if left > SHRINKS * before {
-                // no push of the feet against each other changes what is left
-                feet.iter_mut().zip(kept).for_each(|(foot, kept)| (foot.wrench, foot.motion) = kept);
+                // it pushes the feet against each other and changes nothing, nor did the solutions before, each by as much
+                for (foot, (wrench, motion)) in feet.iter_mut().zip(kept) {
+                    for (now, kept) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
+                        *now = kept - (*now - kept) * pass as f64;
+                    }
+                }
                 break;
             }
             if *mass * (1.0 + friction) * left <= ENOUGH * push(feet) {

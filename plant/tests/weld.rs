@@ -2,6 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+use controller::Controller;
 use messages::load::load;
 use messages::scene::Scene;
 use messages::wire::Torques;
@@ -71,6 +72,31 @@ fn the_load_of_a_welded_foot_is_linear_over_its_sole() {
         assert!(bent.abs() < 1e-9, "{foot:?}");
         assert!(load(0) > 0.0);
     }
+}
+
+/// The legs hold the feet apart along a direction in which no impulse moves them, so there any press would be as right as none.
+#[test]
+fn welded_feet_do_not_press_against_each_other_for_nothing() {
+    let scene = scene("walk", &[]);
+    let (mut plant, mut controller) =
+        (Plant::new(&scene).expect("a plant"), Controller::new(&scene).expect("a controller"));
+    let (mut count, mut sum) = (0, 0.0);
+    for _ in 0..2000 {
+        let torques = controller.tick(&plant.encoders()).expect("it walks");
+        plant.advance(&torques).expect("it walks");
+        if plant.problem().contacts == 8 && plant.problem().delassus.is_empty() {
+            let force = plant.truth().contact_force;
+            let feet = force.chunks_exact(12).map(|foot| {
+                let total = |axis: usize| foot.iter().skip(axis).step_by(3).sum::<f64>();
+                if total(2) > 0.0 { total(0).hypot(total(1)) / total(2) } else { 0.0 }
+            });
+            count += 1;
+            sum += feet.fold(0.0, f64::max);
+        }
+    }
+    let mean = sum / f64::from(count);
+    println!("on both feet for {count} ms, friction of {mean:.3} of the load in the mean");
+    assert!(count > 300 && mean < 0.05, "{mean} over {count} ms");
 }
 
 #[test]

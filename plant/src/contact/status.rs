@@ -9,14 +9,13 @@ const SLIPS: f64 = 1e-10;
 /// Marks a contact whose bits are the edges along which it pushes, as in the energy program, not a [`Status`].
 pub(super) const EDGES: u8 = 0x80;
 
-/// The edges along which a contact pushed; of one that stuck, of which this is not known, those across the slip.
+/// The edges along which a contact pushed; none of one that stuck, of which they are not known.
 pub(super) fn edges(bits: u8, d: usize) -> u8 {
     if bits & EDGES != 0 {
         return bits ^ EDGES;
     }
     match Status::read(bits, d) {
-        Status::Open => 0,
-        Status::Sticks => 0b11 << (d - 2),
+        Status::Open | Status::Sticks => 0,
         Status::Slides(j) => 1 << j,
         Status::SlidesBetween(j, k) => 1 << j | 1 << k,
     }

@@ -5,7 +5,6 @@ use crate::contact::{Report, is_plastic};
 use crate::detect::touching;
 use crate::error::PlantError;
 use crate::step::settings::Settings;
-use crate::weld;
 use messages::scene::Law;
 
 impl Plant {
@@ -79,10 +78,10 @@ impl Plant {
         let Workspace { pose, factor, free, touches, problem, weld, change, .. } = &mut self.work;
         let memory = &mut self.memory;
         let welds = welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6;
-        if !(welds && memory.rests() && weld::is_promising(touches, |id| memory.pushed(id))) {
+        if !(welds && memory.rests()) {
             return None;
         }
-        weld.stand(&self.model, pose, factor, touches, free, h)?;
+        weld.stand(&self.model, pose, factor, touches, free, h, |id| memory.pushed(id))?;
         let report = weld.hold(&self.model, factor, touches, friction, h, change)?;
         memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);

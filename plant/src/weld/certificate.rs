@@ -2,7 +2,7 @@
 //!
 //! The impulses are within their cones, so that both the natural map and |f_N v_N| are no more than the velocity that is left makes
 //! them. They are scaled by how easily each contact moves: no less than the whole robot's mass does, A_kk >= 1/m; or, where that is
-//! too coarse, as Λ of its foot tells.
+//! too coarse, as Λ of its foot tells. The step's scale is no less than what pushes up, or would fall.
 
 use super::foot::Foot;
 use super::{Weld, velocity};
@@ -13,7 +13,7 @@ use nalgebra::Vector3;
 impl Weld {
     /// The residuals of the last solution; those that are called solved by the coarse bound are not measured by the finer one.
     pub(super) fn report(&self, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let least = Ease::of([1.0 / self.mass; 2]); // no contact moves less easily than the whole robot's mass does
+        let least = Ease { per_fall: 0.0, ..Ease::of([1.0 / self.mass; 2]) }; // no contact moves less easily than the whole robot's mass does
         let mut residuals = self.residuals(touches, friction, h, |_, _| least);
         if residuals[0] > SOLVED {
             residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
@@ -35,32 +35,36 @@ impl Weld {
         h: f64,
         ease: impl Fn(usize, &Vector3<f64>) -> Ease,
     ) -> [f64; 2] {
-        let (mut left, mut work, mut push) = (0.0_f64, 0.0_f64, 0.0_f64);
+        let (mut left, mut work, mut scale) = (0.0_f64, 0.0_f64, 0.0_f64);
         for (k, foot) in self.feet[..self.count].iter().enumerate() {
             for (i, d) in (foot.first..).zip(&foot.sole.arms) {
-                let Ease { up, per_up, per_along } = ease(k, d);
-                let (v, n) = (velocity(&foot.motion, d), self.impulse[i].z);
-                let (rise, slip) = ((v.z + touches[i].gap.max(0.0) / h).abs(), v.x.abs() + v.y.abs());
-                left = left.max((rise + friction * slip) * per_up + slip * per_along);
+                let Ease { up, per_up, per_along, per_fall } = ease(k, d);
+                let (v, n, approach) = (velocity(&foot.motion, d), self.impulse[i].z, touches[i].gap.max(0.0) / h);
+                let (rise, slip) = ((v.z + approach).abs(), v.x.abs() + v.y.abs());
+                let (upwards, along) = ((rise + friction * slip) * per_up, slip * per_along);
+                left = left.max(upwards * upwards + along * along); // no projection on a cone is longer
                 work = work.max(n * rise);
-                push = push.max(n * up);
+                let fall = (velocity(&foot.free, d).z + approach).abs();
+                scale = scale.max(n * up).max(fall * per_fall);
             }
         }
-        [relative(left, push), relative(work, push * push)]
+        [relative(left.sqrt(), scale), relative(work, scale * scale)]
     }
 }
 
-/// How easily a contact moves: roots of A_kk up and, in the worst direction, along, and what they divide by.
+/// How easily a contact moves: roots of A_kk up and, in the worst direction, along, and what they divide by; what they divide a fall
+/// by, if they are no mere bounds.
 #[derive(Clone, Copy, Debug)]
 struct Ease {
     up: f64,
     per_up: f64,
     per_along: f64,
+    per_fall: f64,
 }
 
 impl Ease {
     fn of(mobility: [f64; 2]) -> Ease {
         let [up, along] = mobility.map(f64::sqrt);
-        Ease { up, per_up: 1.0 / up, per_along: 1.0 / along }
+        Ease { up, per_up: 1.0 / up, per_along: 1.0 / along, per_fall: 1.0 / up }
     }
 }

@@ -5,7 +5,7 @@ use messages::scene::Base;
 use nalgebra::{DMatrix, DVector};
 use plant::PlantError;
 use plant::dynamics::{self, Force};
-use plant::factor::{BLOCK, Factor, PathMatrix};
+use plant::factor::{Factor, PathMatrix};
 use plant::kinematics::contact_column;
 use plant::state::State;
 
@@ -65,7 +65,7 @@ fn half_solved_columns_give_the_delassus_matrix() {
             corners.iter().map(|corner| case.jacobian(corner.link, &corner.at)).collect();
         let half = |c: usize, axis: usize| {
             let column = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]);
-            let mut y: Vec<[f64; BLOCK]> = column.map(|k| [k, 0.0, 0.0, 0.0]).collect();
+            let mut y: Vec<_> = column.map(|k| [k]).collect();
             factor.half_solve(model, corners[c].link, &mut y);
             y.iter().map(|row| row[0]).collect::<Vec<f64>>()
         };
