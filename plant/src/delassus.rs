@@ -146,11 +146,11 @@ impl ContactMap {
             for b in &self.groups[..=i] {
                 let shared = model.shared(a.link, b.link);
                 for (row, y_a) in self.columns(a) {
-                    for (column, y_b) in self.columns(b) {
+                    for (column, y_b) in self.columns(b).take_while(|(column, _)| *column <= row) {
                         for first in (0..a.columns.end - row).step_by(ROWS).take(PANEL / ROWS) {
                             let tile = tile(&y_a[..shared], first, &y_b[..shared]);
                             let place = (row + first..a.columns.end, column..b.columns.end);
-                            write(&tile, place, a.link != b.link, size, product);
+                            write(&tile, place, column < row, size, product);
                         }
                     }
                 }

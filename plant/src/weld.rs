@@ -111,7 +111,9 @@ impl Weld {
                 return None;
             }
             self.count += 1;
-            foot.land(touches, h)?;
+        }
+        for foot in &mut self.feet[..self.count] {
+            foot.land(&touches[foot.first..], h)?;
             factor.half_solve(model, foot.link, &mut foot.rows);
         }
         Some(())

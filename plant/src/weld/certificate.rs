@@ -13,7 +13,8 @@ use nalgebra::Vector3;
 impl Weld {
     /// The residuals of the last solution; those that are called solved by the coarse bound are not measured by the finer one.
     pub(super) fn report(&self, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let least = Ease { per_fall: 0.0, ..Ease::of([1.0 / self.mass; 2]) }; // no contact moves less easily than the whole robot's mass does
+        // no contact moves less easily than the whole robot's mass does
+        let least = Ease { per_fall: 0.0, ..Ease::of([1.0 / self.mass; 2]) };
         let mut residuals = self.residuals(touches, friction, h, |_, _| least);
         if residuals[0] > SOLVED {
             residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
