@@ -48,6 +48,8 @@ pub(super) struct EnergyQp {
     course: Vec<Panel>,
     /// Zero for edges that could not join since the energy last fell, one for the others.
     open: Vec<Panel>,
+    /// What is left of each amount where the course meets zero.
+    left: Vec<Panel>,
     /// Those that are about to leave.
     leaving: Vec<usize>,
     /// How often an edge has joined or left since the basis was given.
@@ -71,7 +73,7 @@ impl EnergyQp {
             list.clear();
             list.resize(2 * width, [0.0; WIDTH]);
         }
-        for marks in [&mut self.idle, &mut self.open] {
+        for marks in [&mut self.idle, &mut self.open, &mut self.left] {
             marks.clear();
             marks.resize(width, [1.0; WIDTH]);
         }
@@ -198,17 +200,13 @@ impl EnergyQp {
     /// Follows the course to its end; those that become negative on the way leave, and it goes on without them.
     fn follow(&mut self) {
         for _ in 0..=self.edges.count() {
-            let EnergyQp { state, course, leaving, .. } = self;
-            let share = self::share(state, course);
+            let EnergyQp { basic, state, course, left, leaving, .. } = self;
+            let Some(share) = share(state, course) else {
+                return add(state, 1.0, course);
+            };
+            see_what_is_left(state, course, share, left);
             leaving.clear();
-            if let Some(share) = share {
-                let (y, z) = (state.as_flattened(), course.as_flattened());
-                leaving.extend(self.basic.iter().filter(|&&r| {
-                    let goal = y[r] + z[r];
-                    goal <= 0.0 && z[r].mul_add(share, y[r]) <= NOTHING * y[r].max(-goal)
-                }));
-            }
-            let share = share.unwrap_or(1.0);
+            leaving.extend(basic.iter().filter(|&&r| left[r / WIDTH][r % WIDTH] <= 0.0));
             add(state, share, course);
             if leaving.is_empty() {
                 return;
@@ -218,6 +216,19 @@ impl EnergyQp {
                 self.let_out(r);
             }
         }
+    }
+}
+
+/// What is left of each amount after so much of a course, unless that is nothing; no more than zero of those only that become negative
+/// on the way. Of all at once: one by one, which of them do would have to be guessed each time.
+fn see_what_is_left(state: &[Panel], course: &[Panel], share: f64, left: &mut [Panel]) {
+    for (left, (y, z)) in left.iter_mut().zip(state.iter().zip(course)) {
+        *left = std::array::from_fn(|k| {
+            let goal = y[k] + z[k];
+            let most = if y[k] > -goal { y[k] } else { -goal };
+            let rest = z[k].mul_add(share, y[k]) - NOTHING * most;
+            if rest > goal { rest } else { goal }
+        });
     }
 }
 
