@@ -41,6 +41,8 @@ pub(super) struct Cones {
     best: Vec<f64>,
     /// Friction bound or shift of v_N that the present iterate is solved with.
     pub held: Vec<f64>,
+    /// How far the last minimum was from what it was made with.
+    change: Vec<f64>,
 }
 
 impl Cones {
@@ -98,20 +100,31 @@ impl Cones {
         report
     }
 
-    /// Takes this share of the bound, or of the shift, that the present impulse gives, the rest from before.
-    pub fn hold(&mut self, iteration: Iteration, share: f64) {
+    /// Takes this share of the bound, or of the shift, that the present impulse gives, the rest from before. Whether it changes that way
+    /// as it did the last time, and not back.
+    pub fn hold(&mut self, iteration: Iteration, share: f64) -> bool {
         let first = self.held.is_empty();
-        self.held.resize(self.round.contacts, 0.0);
-        let at_rest = self.f.iter().all(|f| *f == 0.0);
-        for (i, held) in self.held.iter_mut().enumerate() {
-            let mu = self.round.friction[i];
-            let new = match iteration {
-                Iteration::Tresca => mu * self.f[3 * i].max(0.0),
-                Iteration::Aclm if at_rest => 0.0,
-                Iteration::Aclm => mu * self.v[3 * i + 1].hypot(self.v[3 * i + 2]),
-            };
-            *held = if first { new } else { *held + share * (new - *held) };
+        if first {
+            self.change.clear();
         }
+        let Cones { round, f, v, held, change, .. } = self;
+        held.resize(round.contacts, 0.0);
+        change.resize(round.contacts, 0.0);
+        let (at_rest, mut along) = (f.iter().all(|f| *f == 0.0), 0.0);
+        for (i, (held, last)) in held.iter_mut().zip(change).enumerate() {
+            let mu = round.friction[i];
+            let new = match iteration {
+                Iteration::Tresca => mu * f[3 * i].max(0.0),
+                Iteration::Aclm if at_rest => 0.0,
+                Iteration::Aclm => mu * v[3 * i + 1].hypot(v[3 * i + 2]),
+            };
+            let change = new - *held;
+            let next = if first { new } else { *held + share * change };
+            *held = if next < 0.0 { 0.0 } else { next };
+            along += change * *last;
+            *last = change;
+        }
+        along > 0.0
     }
 
     /// Lends `held` to a rule.

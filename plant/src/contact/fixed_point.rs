@@ -6,7 +6,8 @@
 //!
 //! Each minimum is exact. Where everything sticks a few of them do; where something slides each leaves a share of the
 //! error, and it takes tens. At high friction the two-step of overshooting both ways can go on for ever: then what is
-//! carried over is averaged with what was carried before, ever more cautiously.
+//! carried over is averaged with what was carried before, ever more cautiously. And where contacts are redundant the minima may
+//! creep along what hardly changes the energy: then it goes farther than they say, ever more boldly.
 //!
 //! # Source
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction
@@ -19,12 +20,12 @@ use messages::scene::Iteration;
 
 /// Minima at most.
 pub(super) const MINIMA: u32 = 200;
-/// Minima without progress before it becomes more cautious.
+/// Minima without progress before it becomes more cautious, or bolder.
 const PATIENCE: u32 = 6;
 
 /// Iterates from the present impulse; false if that does not settle within so many minima. Adds them to `count`.
 pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, minima: u32, count: &mut u32) -> bool {
-    let (mut least, mut waited, mut share) = (f64::INFINITY, 0, 1.0);
+    let (mut least, mut waited, mut share, mut creeps) = (f64::INFINITY, 0, 1.0, false);
     cones.held.clear();
     for _ in 0..minima {
         let error = cones.residual(Rule::Coulomb);
@@ -35,9 +36,9 @@ pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, minima: u32, coun
         if error < 0.9 * least {
             (least, waited) = (error, 0);
         } else if waited > PATIENCE {
-            (least, waited, share) = (error, 0, 0.5 * share);
+            (least, waited, share) = (error, 0, if creeps { 2.0 * share } else { 0.5 * share });
         }
-        cones.hold(iteration, share);
+        creeps = cones.hold(iteration, share);
         *count += 1;
         cones.with_held(|cones, held| {
             let rule = match iteration {

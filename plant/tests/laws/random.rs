@@ -42,6 +42,33 @@ fn all_laws_agree_when_everything_sticks() {
     assert!(others.get() <= 12 * cases / 100);
 }
 
+/// Where contacts are redundant, fixed points are reached although the minima creep along what hardly changes the energy.
+///
+/// Carried over ever more cautiously only, they were given up in six of a thousand such problems, of which one is the first here.
+#[test]
+fn minima_that_creep_arrive() {
+    let (count, seed) = (5000, fastrand::u64(..));
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut unsolved = 0;
+    for k in 0..count {
+        let drawn = (random.u64(..), 2.0 * random.f64(), 0.05 + 0.95 * random.f64());
+        let (seed, spread, mu) =
+            if k == 0 { (5975009352001708559, 1.4625881658911097, 0.5828909357745) } else { drawn };
+        for iteration in [Iteration::Tresca, Iteration::Aclm] {
+            let mut problem = chain(seed, 2, spread, mu);
+            stop(&mut problem, seed, mu);
+            let (_, report) = solve(&problem, Law::FixedPoint(iteration));
+            let solved = report.own <= 1e-10;
+            assert_ne!(solved, report.fallback, "{iteration:?}: a failure must be flagged: {report:?}");
+            assert!(solved || k > 0, "{iteration:?}: {report:?}");
+            unsolved += u32::from(!solved);
+        }
+    }
+    println!("{unsolved} of {count} problems given up");
+    assert!(unsolved <= count / 1000);
+}
+
 /// Sets the free motion to what an impulse in the middle of the cones stops.
 fn stop(problem: &mut Problem, seed: u64, mu: f64) {
     let (m, stride) = (problem.rows(), 1 + problem.tangents);
