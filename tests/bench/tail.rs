@@ -1,28 +1,90 @@
-//! The slowest steps and ticks of the whole walk.
+//! The slowest steps and ticks of the whole walk, and of walks that are not quite that one.
 //!
-//! The walk repeats to the bit, so what a step takes is the least of many runs of that same step: what interrupts the
+//! A walk repeats to the bit, so what a step takes is the least of many runs of that same step: what interrupts the
 //! processor never does so at the same step in all of them.
 
 use crate::robot::Doing;
 use controller::Controller;
+use messages::scene::Scene;
 use plant::Plant;
 use std::time::Instant;
 
-/// Runs of the walk.
-const RUNS: usize = 9;
+/// Runs of the walk, and of each of the others.
+const RUNS: [usize; 2] = [9, 3];
+
+/// What is other in the others: each meets other contact problems.
+const OTHERS: [&str; 12] = [
+    "plant.friction=0.49",
+    "plant.friction=0.5",
+    "plant.friction=0.52",
+    "plant.friction=0.55",
+    "plant.friction=0.6",
+    "plant.friction=0.65",
+    "plant.friction=0.7",
+    "controller.speed=0.16",
+    "controller.speed=0.17",
+    "controller.speed=0.18",
+    "controller.speed=0.19",
+    "controller.speed=0.195",
+];
 
 /// Steps that are told of.
 const SLOWEST: usize = 5;
 
+/// Of every period: the least times of the step and of the tick \[µs\], contacts, pivots.
+struct Walk {
+    least: [Vec<f64>; 2],
+    problems: Vec<(usize, u64)>,
+}
+
 /// Prints median, 99.9 % and maximum of all periods, what the maximum is of the median, and the slowest steps.
 pub fn print() {
     let scene = Doing::Walking.scene(&[]);
+    let Walk { least, problems } = walk(&scene, RUNS[0]);
+    let periods = problems.len();
+    println!("\n{periods} periods of the walk, each the least of {} runs [µs]", RUNS[0]);
+    println!("{:<18}{:>9}{:>9}{:>9}{:>9}{:>14}", "", "median", "99 %", "99.9 %", "max", "max / median");
+    for (name, least) in ["plant step", "controller tick"].into_iter().zip(&least) {
+        let [median, p99, p99_9, max] = quantiles(least);
+        println!("{name:<18}{median:>9.2}{p99:>9.2}{p99_9:>9.2}{max:>9.2}{:>14.1}", max / median);
+    }
+    let steps = &least[0];
+    let mut order: Vec<_> = (0..periods).collect();
+    order.sort_by(|&a, &b| steps[b].total_cmp(&steps[a]));
+    for &period in &order[..SLOWEST] {
+        let ((contacts, pivots), at) = (problems[period], period as f64 / scene.rate);
+        println!("step at {at:.3} s: {:.2}, {contacts} contacts, {pivots} pivots", steps[period]);
+    }
+    let pivoting = (0..periods).filter(|&period| problems[period].1 > 0);
+    let (count, time) = pivoting.fold((0, 0.0), |(count, time), period| (count + 1, time + steps[period]));
+    let all: f64 = steps.iter().sum();
+    println!("{count} steps of {periods} pivoted and took {:.0} % of the time", 100.0 * time / all);
+    print_others();
+}
+
+/// Prints what the slowest steps of the other walks are of their medians.
+fn print_others() {
+    let ratios = OTHERS.map(|setting| {
+        let [median, _, p99_9, max] = quantiles(&walk(&Doing::Walking.scene(&[setting.to_string()]), RUNS[1]).least[0]);
+        [p99_9, max].map(|time| time / median)
+    });
+    println!("of the median in {} other walks, least, middle and most:", OTHERS.len());
+    for (name, k) in ["99.9 %", "max"].into_iter().zip(0..) {
+        let mut ratios = ratios.map(|ratio| ratio[k]);
+        ratios.sort_by(f64::total_cmp);
+        let middle = ratios.len() / 2;
+        println!("{name:<18}{:>9.1}{:>9.1}{:>9.1}", ratios[0], ratios[middle], ratios[ratios.len() - 1]);
+    }
+}
+
+/// Walks so many times.
+fn walk(scene: &Scene, runs: usize) -> Walk {
     let periods = (scene.duration * scene.rate) as usize;
     let mut least = [vec![f64::INFINITY; periods], vec![f64::INFINITY; periods]];
-    let mut problems = vec![(0, 0); periods]; // contacts, pivots
-    for _ in 0..RUNS {
-        let mut plant = Plant::new(&scene).expect("a good scene");
-        let mut controller = Controller::new(&scene).expect("a good scene");
+    let mut problems = vec![(0, 0); periods];
+    for _ in 0..runs {
+        let mut plant = Plant::new(scene).expect("a good scene");
+        let mut controller = Controller::new(scene).expect("a good scene");
         for period in 0..periods {
             let encoders = plant.encoders();
             let begun = Instant::now();
@@ -36,23 +98,12 @@ pub fn print() {
             }
         }
     }
-    let steps = least[0].clone();
-    let mut order: Vec<_> = (0..periods).collect();
-    order.sort_by(|&a, &b| steps[b].total_cmp(&steps[a]));
-    println!("\n{periods} periods of the walk, each the least of {RUNS} runs [µs]");
-    println!("{:<18}{:>9}{:>9}{:>9}{:>9}{:>14}", "", "median", "99 %", "99.9 %", "max", "max / median");
-    for (name, least) in ["plant step", "controller tick"].into_iter().zip(&mut least) {
-        least.sort_by(f64::total_cmp);
-        let [median, p99, p99_9, max] =
-            [500, 990, 999, 1000].map(|mille| least[(periods * mille / 1000).min(periods - 1)]);
-        println!("{name:<18}{median:>9.2}{p99:>9.2}{p99_9:>9.2}{max:>9.2}{:>14.1}", max / median);
-    }
-    for &period in &order[..SLOWEST] {
-        let ((contacts, pivots), at) = (problems[period], period as f64 / scene.rate);
-        println!("step at {at:.3} s: {:.2}, {contacts} contacts, {pivots} pivots", steps[period]);
-    }
-    let pivoting = (0..periods).filter(|&period| problems[period].1 > 0);
-    let (count, time) = pivoting.fold((0, 0.0), |(count, time), period| (count + 1, time + steps[period]));
-    let all: f64 = steps.iter().sum();
-    println!("{count} steps of {periods} pivoted and took {:.0} % of the time", 100.0 * time / all);
+    Walk { least, problems }
+}
+
+/// Median, 99 %, 99.9 % and maximum.
+fn quantiles(times: &[f64]) -> [f64; 4] {
+    let mut times = times.to_vec();
+    times.sort_by(f64::total_cmp);
+    [500, 990, 999, 1000].map(|mille| times[(times.len() * mille / 1000).min(times.len() - 1)])
 }
