@@ -9,8 +9,8 @@ pub struct Memory {
     basis: Vec<u8>,
     /// The last solution needed contacts that yield: the next one tries them first.
     pub(super) yields: bool,
-    /// The last solution took few pivots or kept the basis: the next may take none.
-    pub(super) near: bool,
+    /// How the bases last: 0 if the last solution took many pivots, 1 if few, 2 if none, 3 if nor did the one before.
+    steady: u8,
     /// The last solution left no velocity where anything pushed.
     pub(super) rests: bool,
     impulse: Vec<[f64; 3]>,
@@ -20,19 +20,38 @@ impl Memory {
     /// Becomes the other memory, in the room it has.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.basis.clone_from(&other.basis);
-        (self.yields, self.near, self.rests) = (other.yields, other.near, other.rests);
+        (self.yields, self.steady, self.rests) = (other.yields, other.steady, other.rests);
         self.impulse.clone_from(&other.impulse);
     }
 
     /// Remembers contacts that neither moved nor slipped: those that push stick, the others are open.
     pub(crate) fn stand(&mut self, contacts: impl Iterator<Item = (usize, bool)>) {
         contacts.for_each(|(id, pushes)| self.remember(id, status::standing(pushes, 4)));
-        (self.yields, self.near, self.rests) = (true, false, true);
+        (self.yields, self.steady, self.rests) = (true, 0, true);
     }
 
     /// Whether nothing that pushed moved in the last step.
     pub(crate) fn rests(&self) -> bool {
         self.rests
+    }
+
+    /// Whether the basis may last although two feet stand on it. While they slide it seldom does, but for a while.
+    pub(super) fn may_last(&self) -> bool {
+        self.steady >= if self.rests { 1 } else { 3 }
+    }
+
+    /// Notes how many pivots a solution took, and whether those are few.
+    pub(super) fn note_pivots(&mut self, pivots: u32, few: bool) {
+        self.steady = match pivots {
+            0 => {
+                if self.steady >= 2 {
+                    3
+                } else {
+                    2
+                }
+            }
+            _ => few.into(),
+        };
     }
 
     /// Whether a contact pushed when it was last listed.

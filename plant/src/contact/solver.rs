@@ -52,7 +52,7 @@ impl Solver {
     ///
     /// Each way ends in a basis, and whatever way it came is accepted by its residual in the given problem alone:
     ///
-    /// 1. the basis in `memory` as it is, of two feet that stand only if the last solution was near;
+    /// 1. the basis in `memory` as it is, of two feet that stand only if it may last;
     /// 2. the energy program from that basis on, with contacts that yield by rounding (`scaled::YIELD`), and for Coulomb's law the
     ///    path from its optimum to that of the shifted program;
     /// 3. for Coulomb's law, of many contacts Lemke's method; then the shifted program again, of contacts that yield by less
@@ -80,7 +80,7 @@ impl Solver {
             report.pivots += self.fall_back(law);
         }
         report.warm = solved && problem.id.iter().zip(&self.basis).all(|(&id, &bits)| memory.recall(id) == bits);
-        memory.near = report.warm || 4 * report.pivots as usize <= problem.contacts;
+        memory.note_pivots(report.pivots, report.warm || 4 * report.pivots as usize <= problem.contacts);
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.remember(id, bits));
         memory.yields = self.scaled.yields();
         memory.rests = self.rests();
@@ -114,7 +114,7 @@ impl Solver {
     fn find(&mut self, law: Law, memory: &Memory, report: &mut Report) -> bool {
         let (pivots, count) = (&mut report.pivots, self.scaled.contacts);
         let many = count > BOTH;
-        (count != BOTH || memory.near) && self.holds(law, memory.yields)
+        (count != BOTH || memory.may_last()) && self.holds(law, memory.yields)
             || self.while_yielding(YIELD, |solver| solver.slide(law, pivots))
             // of many contacts most are redundant, and its path visits few of them
             || !minimises_energy(law) && (many && self.pivot(law, FINE, pivots)

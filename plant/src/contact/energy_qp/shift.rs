@@ -21,8 +21,8 @@ use super::edges::{Panel, WIDTH, add};
 use super::responses::Responses;
 use super::slides::{Slide, slip};
 
-/// Pieces of a path at most.
-const PIECES: usize = 30;
+/// Pieces of a path at most: of one that is longer another beginning is shorter.
+const PIECES: usize = 16;
 /// What is left of a pivot if it belongs to a direction in which many shifts are right; the entries are about 1.
 const NOTHING: f64 = 1e-14;
 /// The same where one of these is as good as another.
