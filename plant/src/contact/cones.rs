@@ -118,11 +118,11 @@ impl Cones {
                 Iteration::Aclm if at_rest => 0.0,
                 Iteration::Aclm => mu * v[3 * i + 1].hypot(v[3 * i + 2]),
             };
-            let change = new - *held;
-            let next = if first { new } else { *held + share * change };
-            *held = if next < 0.0 { 0.0 } else { next };
-            along += change * *last;
-            *last = change;
+            let rise = new - *held;
+            let next = if first { new } else { *held + share * rise };
+            *held = if next < 0.0 { 0.0 } else { next }; // what is no number stays so
+            along += rise * *last;
+            *last = rise;
         }
         along > 0.0
     }

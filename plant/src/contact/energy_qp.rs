@@ -48,7 +48,7 @@ pub(super) struct EnergyQp {
     course: Vec<Panel>,
     /// Zero for edges that could not join since the energy last fell, one for the others.
     open: Vec<Panel>,
-    /// What is left of each amount where the course meets zero.
+    /// What is left of each amount where something ceases to push.
     left: Vec<Panel>,
     /// Those that are about to leave.
     leaving: Vec<usize>,
@@ -219,8 +219,8 @@ impl EnergyQp {
     }
 }
 
-/// What is left of each amount after so much of a course, unless that is nothing; no more than zero of those only that become negative
-/// on the way. Of all at once: one by one, which of them do would have to be guessed each time.
+/// Of each amount what is left after so much of a course or at its end, whichever is more: no more than zero of those only that
+/// become negative on the way. Of all at once, for a processor cannot guess which they are.
 fn see_what_is_left(state: &[Panel], course: &[Panel], share: f64, left: &mut [Panel]) {
     for (left, (y, z)) in left.iter_mut().zip(state.iter().zip(course)) {
         *left = std::array::from_fn(|k| {

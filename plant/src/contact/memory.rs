@@ -35,7 +35,7 @@ impl Memory {
         self.rests
     }
 
-    /// Whether the basis may last although two feet stand on it. While they slide it seldom does, but for a while.
+    /// Whether the basis of two feet may be right once more: of those that slide it seldom is, unless it was twice.
     pub(super) fn may_last(&self) -> bool {
         self.steady >= if self.rests { 1 } else { 3 }
     }
@@ -43,13 +43,8 @@ impl Memory {
     /// Notes how many pivots a solution took, and whether those are few.
     pub(super) fn note_pivots(&mut self, pivots: u32, few: bool) {
         self.steady = match pivots {
-            0 => {
-                if self.steady >= 2 {
-                    3
-                } else {
-                    2
-                }
-            }
+            0 if self.steady >= 2 => 3,
+            0 => 2,
             _ => few.into(),
         };
     }
