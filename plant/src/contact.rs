@@ -29,6 +29,7 @@
 mod basis;
 mod cone_qp;
 mod cones;
+mod coulomb;
 mod dictionary;
 mod energy_qp;
 mod facets;
@@ -45,13 +46,14 @@ mod solver;
 mod spring_damper;
 mod status;
 mod sweep;
+mod tolerance;
 mod twofold;
 
 pub use memory::Memory;
 pub(crate) use residual::relative;
 pub(crate) use scaled::YIELD;
-pub(crate) use solver::SOLVED;
 pub use solver::Solver;
+pub(crate) use tolerance::SOLVED;
 
 use messages::scene::Law;
 use serde::{Deserialize, Serialize};
@@ -91,6 +93,13 @@ pub struct Problem {
     pub before: Vec<f64>,
     /// The spring of each contact, likewise.
     pub spring: Spring,
+    /// Link of each contact: those of one link, listed together, can stick only together. Empty if nobody knows.
+    #[serde(default)]
+    pub link: Vec<usize>,
+    /// Unit direction of slip of each contact, along the tangents, where it is given by a motion that goes on, else zero; empty if it
+    /// is given nowhere. Friction then acts against it, whatever the velocity.
+    #[serde(default)]
+    pub slip: Vec<[f64; 2]>,
 }
 
 /// What `SpringDamper` needs to know besides the state of a contact.
@@ -128,6 +137,13 @@ impl Problem {
         zeros(&mut self.before, m);
         self.id.clear();
         self.id.extend(0..contacts);
+        self.link.clear();
+        self.slip.clear();
+    }
+
+    /// The direction of slip of a contact where it is given, else zero.
+    pub(crate) fn given_slip(&self, i: usize) -> [f64; 2] {
+        self.slip.get(i).copied().unwrap_or_default()
     }
 
     /// The same contacts with their first `tangents` tangents alone.
@@ -168,6 +184,14 @@ impl Problem {
                 let (contacts, tangents) = (self.contacts, self.tangents);
                 return Err(format!(
                     "{name} has {length} numbers, but {right} are needed for contacts = {contacts}, tangents = {tangents}"
+                ));
+            }
+        }
+        for (name, length) in [("link", self.link.len()), ("slip", self.slip.len())] {
+            if length != 0 && length != self.contacts {
+                return Err(format!(
+                    "{name} has {length} entries, but it must have none or contacts = {}",
+                    self.contacts
                 ));
             }
         }
@@ -256,7 +280,9 @@ pub struct Report {
     pub slip_misalignment: f64,
     /// Energy after the step less that of the free motion, f·v - f·A f/2 \[J\]. Plastic contact never raises it.
     pub energy_gain: f64,
-    /// Pivots of all attempts.
+    /// Half of Σ|f·(v + b)|, what the gain is to be seen beside \[J\].
+    pub work: f64,
+    /// Pivots of all attempts; of the round cone, linear systems solved.
     pub pivots: u32,
     /// The remembered basis was right (of no contact: that nothing touches).
     pub warm: bool,

@@ -69,6 +69,20 @@ pub enum PlantError {
         /// The problem.
         problem: Box<Problem>,
     },
+    /// Plastic contact has raised the energy, which no impulse that obeys its law can.
+    #[error(
+        "contact at t = {time:.4} s: the impulses of {law} raise the energy by {gain:.1e} J, with a residual of {residual:.1e}; plant.dt is too long for this scene, or its masses differ too much"
+    )]
+    GainsEnergy {
+        /// Simulated time at the step's beginning [s].
+        time: f64,
+        /// The law.
+        law: Law,
+        /// Energy after the step less that without contact [J].
+        gain: f64,
+        /// Natural map of the law's own problem [-].
+        residual: f64,
+    },
     /// The simulation has blown up.
     #[error("the state is no longer finite at t = {time:.4} s: the step plant.dt is too long for this scene")]
     NotFinite {

@@ -178,6 +178,11 @@ impl Model {
         self.path(a).iter().zip(self.path(b)).take_while(|(i, j)| i == j).count()
     }
 
+    /// Whether every link can move in all six directions, for the base can.
+    pub fn floats(&self) -> bool {
+        matches!(self.base, Base::Virtual | Base::Quaternion)
+    }
+
     /// Total mass [kg].
     pub fn mass(&self) -> f64 {
         self.links.iter().map(|link| link.mass).sum()

@@ -54,8 +54,6 @@ type Six = [f64; 8];
 /// The welded links of a step; workspace and last solution.
 #[derive(Clone, Debug)]
 pub struct Weld {
-    /// Of the whole robot [kg].
-    mass: f64,
     feet: [Foot; FEET],
     count: usize,
     hovering: [Foot; FEET],
@@ -72,7 +70,6 @@ impl Weld {
     pub fn new(model: &Model) -> Weld {
         let feet = || std::array::from_fn(|_| Foot::new(model));
         Weld {
-            mass: model.mass(),
             feet: feet(),
             count: 0,
             hovering: feet(),
@@ -129,12 +126,12 @@ impl Weld {
         h: f64,
         change: &mut [f64],
     ) -> Option<Report> {
-        self.resolve(model, friction)?;
+        self.resolve(model, touches, friction, h)?;
         self.impulse.clear();
         self.impulse.resize(touches.len(), Vector3::zeros());
         for foot in &mut self.feet[..self.count] {
             let impulses = &mut self.impulse[foot.first..][..foot.sole.arms.len()];
-            foot.sole.spread(&foot.wrench, &foot.free, friction, impulses)?;
+            foot.sole.spread(&foot.wrench, friction, impulses)?;
         }
         self.respond(model, factor, change);
         let mut hovering = self.hovering[..self.hovers].iter();
@@ -143,8 +140,9 @@ impl Weld {
     }
 
     /// w for t = t_wanted, and t; none if Λ is not that of a body.
-    fn resolve(&mut self, model: &Model, friction: f64) -> Option<()> {
-        let Weld { mass, feet, count, mobility, factored, .. } = self;
+    fn resolve(&mut self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Option<()> {
+        let speed = self.speed(touches, h);
+        let Weld { feet, count, mobility, factored, .. } = self;
         let feet = &mut feet[..*count];
         for (i, a) in feet.iter().enumerate() {
             for (j, b) in feet[..=i].iter().enumerate() {
@@ -176,7 +174,7 @@ impl Weld {
                 }
                 break;
             }
-            if *mass * (1.0 + friction) * left <= ENOUGH * push(feet) {
+            if (1.0 + friction) * left <= ENOUGH * speed {
                 break;
             }
             before = left;
@@ -196,11 +194,6 @@ impl Weld {
         }
         factor.second_half_solve(model, change);
     }
-}
-
-/// At least as much some contact pushes [N·s].
-fn push(feet: &[Foot]) -> f64 {
-    feet.iter().map(|foot| foot.wrench[0].z / foot.sole.arms.len() as f64).fold(0.0, f64::max)
 }
 
 fn six([straight, round]: &Pair) -> Six {

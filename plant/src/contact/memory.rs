@@ -1,6 +1,8 @@
 //! What a step remembers of the one before.
 
+use super::coulomb::Kind;
 use super::{Problem, status};
+use nalgebra::Vector3;
 
 /// By contact identity, bases of when each was last listed, or impulses of the last step. Part of the state of a simulation: where A is
 /// singular, f (not v) depends on it.
@@ -14,6 +16,17 @@ pub struct Memory {
     /// The last solution left no velocity where anything pushed.
     pub(super) rests: bool,
     impulse: Vec<[f64; 3]>,
+    contacts: Vec<Contact>,
+}
+
+/// What a contact did in the last step, by the round cone, in the axes of W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Contact {
+    pub kind: Kind,
+    /// Velocity of slip [m/s].
+    pub slip: [f64; 2],
+    /// Normal and tangents [N·s].
+    pub impulse: [f64; 3],
 }
 
 impl Memory {
@@ -22,11 +35,18 @@ impl Memory {
         self.basis.clone_from(&other.basis);
         (self.yields, self.steady, self.rests) = (other.yields, other.steady, other.rests);
         self.impulse.clone_from(&other.impulse);
+        self.contacts.clone_from(&other.contacts);
     }
 
-    /// Remembers contacts that neither moved nor slipped: those that push stick, the others are open.
-    pub(crate) fn stand(&mut self, contacts: impl Iterator<Item = (usize, bool)>) {
-        contacts.for_each(|(id, pushes)| self.remember(id, status::standing(pushes, 4)));
+    /// Remembers contacts that neither moved nor slipped, with their impulses in W [N·s]: those that push stick, the others are open.
+    pub(crate) fn stand(&mut self, contacts: impl Iterator<Item = (usize, Vector3<f64>)>) {
+        self.forget_contacts();
+        for (id, impulse) in contacts {
+            let pushes = impulse.z > 0.0;
+            self.remember(id, status::standing(pushes, 4));
+            let kind = if pushes { Kind::Patch } else { Kind::Open };
+            *self.contact_mut(id) = Contact { kind, slip: [0.0; 2], impulse: [impulse.z, impulse.x, impulse.y] };
+        }
         (self.yields, self.steady, self.rests) = (true, 0, true);
     }
 
@@ -51,7 +71,24 @@ impl Memory {
 
     /// Whether a contact pushed when it was last listed.
     pub(crate) fn pushed(&self, id: usize) -> bool {
-        self.recall(id) != 0
+        self.recall(id) != 0 || self.contact(id).kind != Kind::Open
+    }
+
+    /// What a contact did in the last step; nothing if it was not listed.
+    pub(super) fn contact(&self, id: usize) -> Contact {
+        self.contacts.get(id).copied().unwrap_or_default()
+    }
+
+    pub(super) fn contact_mut(&mut self, id: usize) -> &mut Contact {
+        if self.contacts.len() <= id {
+            self.contacts.resize(id + 1, Contact::default());
+        }
+        &mut self.contacts[id]
+    }
+
+    /// Forgets what the contacts did, before it is told anew.
+    pub(super) fn forget_contacts(&mut self) {
+        self.contacts.fill(Contact::default());
     }
 
     pub(super) fn recall(&self, id: usize) -> u8 {

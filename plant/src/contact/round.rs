@@ -1,10 +1,15 @@
 //! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
 
+use super::coulomb::{self, Scales, greater};
 use super::project::{bounded, cone, greatest_slip, pyramid};
 use super::residual::relative;
-use super::scaled::{IMMOVABLE, Scaled, respond};
+use super::scaled::{Scaled, respond};
+use super::tolerance::{IMMOVABLE, SOLVED};
 use super::{Problem, Report, lift};
 use messages::scene::Law;
+
+/// A natural map beyond this is not rounding, however large A f is [-].
+const HIDDEN: f64 = 1e-3;
 
 /// What the impulse of a contact has to obey: f = P_K(f - v^) with a cone K and a corrected velocity v^.
 #[derive(Clone, Copy, Debug)]
@@ -32,6 +37,14 @@ pub(super) struct Round {
     pub friction: Vec<f64>,
     /// s of each contact.
     pub scale: Vec<f64>,
+    /// Link of each contact.
+    pub link: Vec<usize>,
+    /// Direction of slip of each contact, where it is given; else zero.
+    pub given: Vec<[f64; 2]>,
+    /// Greatest entry of each contact's own diagonal of A~.
+    pub inverse_mass: Vec<f64>,
+    /// V of each contact [m/s]; see [`super::coulomb`].
+    speeds: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
 }
@@ -67,6 +80,56 @@ impl Round {
             }
         }
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
+        self.link.clear();
+        self.link.extend((0..problem.contacts).map(|i| problem.link.get(i).copied().unwrap_or(i)));
+        self.given.clear();
+        self.given.extend((0..problem.contacts).map(|i| problem.given_slip(i)));
+        self.inverse_mass.clear();
+        let own = |i: usize| (3 * i..3 * i + 3).map(|k| self.delassus[k * n + k]).fold(0.0, f64::max);
+        self.inverse_mass.extend((0..problem.contacts).map(|i| if own(i) > 0.0 { own(i) } else { 1.0 }));
+        let Round { delassus, drift, scale, speeds, .. } = self;
+        let coupled = |i: usize, k: usize| (3 * i..3 * i + 3).any(|row| delassus[row * n + 3 * k..][..3] != [0.0; 3]);
+        coulomb::speeds(drift, scale, coupled, speeds);
+    }
+
+    /// V of a contact, scaled.
+    pub fn speed(&self, i: usize) -> f64 {
+        self.speeds[i] / self.scale[i]
+    }
+
+    /// Natural map of Coulomb's law, contact by contact, with contacts of this compliance whose velocities have it already.
+    pub fn residual(&self, f: &[f64], v: &[f64], compliance: f64) -> f64 {
+        let mut worst = 0.0;
+        for i in 0..self.contacts {
+            let (own_f, own_v, inverse_mass) = (part(f, i), part(v, i), self.inverse_mass[i] + compliance);
+            let scales = Scales::of(self.speed(i), inverse_mass, own_f);
+            let mut map = scales.natural_map(own_f, own_v, self.friction[i], self.given[i]);
+            if map > SOLVED && map < HIDDEN {
+                let n = f.len();
+                let row = |row: usize| self.delassus[row * n..][..n].iter().zip(f).map(|(a, f)| (a * f).abs()).sum();
+                let known = (3 * i..3 * i + 3).map(row).fold(0.0, f64::max);
+                map = scales.as_known(known, inverse_mass, own_f).natural_map(
+                    own_f,
+                    own_v,
+                    self.friction[i],
+                    self.given[i],
+                );
+            }
+            worst = greater(worst, map);
+        }
+        worst
+    }
+
+    /// Impulses of contacts so compliant that none feels another.
+    pub fn each_by_itself(&self, compliance: f64, f: &mut [f64]) {
+        for (i, f) in f.chunks_exact_mut(3).enumerate() {
+            let b = part(&self.drift, i);
+            let (mu, free) = (self.friction[i], b.map(|b| -b / (compliance + self.inverse_mass[i])));
+            let normal = free[0].max(0.0);
+            let share = f64::min(1.0, mu * normal / free[1].hypot(free[2]));
+            let share = if share.is_nan() { 0.0 } else { share };
+            f.copy_from_slice(&[normal, share * free[1], share * free[2]]);
+        }
     }
 
     /// Becomes the problem of one proximal round: A + rho I, b - rho f.

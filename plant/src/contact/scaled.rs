@@ -2,12 +2,9 @@
 //! impulses and velocities are both in sqrt(J).
 
 use super::residual::greatest;
+use super::tolerance::IMMOVABLE;
 use super::{Problem, lift};
 use messages::scene::Law;
-
-/// A diagonal entry this small beside the largest is a direction in which the contact cannot move. A = YᵀY has squared rounding on
-/// its diagonal, so an honest zero is near 1e-32.
-pub(super) const IMMOVABLE: f64 = 1e-20;
 
 /// What [`Scaled::give`] adds to the unit diagonal: contacts yield by this much.
 ///

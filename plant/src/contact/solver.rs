@@ -8,16 +8,16 @@ mod slide;
 
 use super::basis::Block;
 use super::cones::Cones;
+use super::coulomb::{Coulomb, Judge};
 use super::energy_qp::{EnergyQp, Shift, minimises_energy};
 use super::facets::Facets;
 use super::lemke::{Care, FINE};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, HAIR, Scaled, YIELD};
+use super::tolerance::SOLVED;
 use super::{Memory, Problem, Report, has_basis, status};
 use messages::scene::Law;
 
-/// A residual up to this is solved: twice what contacts yield by, and below the 1e-10 that a step promises.
-pub(crate) const SOLVED: f64 = 4e-11;
 /// Contacts of one foot, the pressure under which is to be the evenest of those that are right.
 pub(super) const FEW: usize = 4;
 /// Contacts of two feet that stand: while they slide, the basis seldom lasts.
@@ -32,6 +32,8 @@ pub struct Solver {
     /// Contact velocity v = A f + b [m/s].
     pub velocity: Vec<f64>,
     scaled: Scaled,
+    coulomb: Coulomb,
+    judge: Judge,
     cones: Cones,
     proximal: Scaled,
     facets: Facets,
@@ -65,6 +67,13 @@ impl Solver {
     /// velocity as its answer, v is the same warm or cold to the residual; f may differ by what A does not see. (The energy minimum
     /// always has one. Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
+        if law == Law::Cone {
+            let mut report = self.coulomb.solve(problem, memory, &mut self.impulse);
+            self.find_velocity(problem);
+            self.certify(problem, law, &mut report);
+            report.own = report.natural_map;
+            return report;
+        }
         if !has_basis(law) {
             return self.solve_cones(problem, law, memory);
         }
@@ -106,7 +115,7 @@ impl Solver {
     fn solve_cones(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
         let mut report = self.cones.solve(problem, law, memory, &mut self.impulse);
         self.find_velocity(problem);
-        report.energy_gain = self.energy_gain(problem);
+        self.certify(problem, law, &mut report);
         report
     }
 
@@ -139,7 +148,10 @@ impl Solver {
             self.impulse.clear();
             self.impulse.extend_from_slice(impulse);
             self.find_velocity(problem);
-            report.energy_gain = self.energy_gain(problem);
+            self.certify(problem, law, &mut report);
+            if law == Law::Cone {
+                report.own = report.natural_map;
+            }
             return report;
         }
         self.scaled.set(problem, law);
@@ -213,22 +225,26 @@ impl Solver {
         scaled::respond(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
     }
 
-    fn measure(&self, problem: &Problem, law: Law, report: &mut Report) {
-        let Solver { scaled, f, v, .. } = self;
-        report.natural_map = residual::natural_map(scaled, f, v, Yardstick::Coulomb);
-        report.own = match yardstick(law) {
-            Yardstick::Coulomb => report.natural_map,
-            own => residual::natural_map(scaled, f, v, own),
-        };
-        report.signorini = residual::signorini(scaled, f, v);
-        report.slip_misalignment = residual::slip_misalignment(scaled, f, v);
-        report.energy_gain = self.energy_gain(problem);
+    fn measure(&mut self, problem: &Problem, law: Law, report: &mut Report) {
+        let Solver { scaled, f, v, .. } = &*self;
+        report.own = residual::natural_map(scaled, f, v, yardstick(law));
+        self.certify(problem, law, report);
     }
 
-    /// f·v - f·A f/2 with A f = v - b \[J\].
-    fn energy_gain(&self, problem: &Problem) -> f64 {
-        let work = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| f * (v + b));
-        0.5 * work.sum::<f64>()
+    /// The residuals of Coulomb's law with the round cone, the same for every law, and the energy.
+    fn certify(&mut self, problem: &Problem, law: Law, report: &mut Report) {
+        let residual = self.judge.judge(problem, law, &self.impulse, &self.velocity);
+        report.natural_map = residual.natural_map;
+        report.signorini = residual.signorini;
+        report.slip_misalignment = residual.misalignment;
+        (report.energy_gain, report.work) = self.energy(problem);
+    }
+
+    /// f·v - f·A f/2 with A f = v - b, and the sum of the magnitudes of its terms \[J\].
+    fn energy(&self, problem: &Problem) -> (f64, f64) {
+        let terms =
+            self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| 0.5 * f * (v + b));
+        terms.fold((0.0, 0.0), |(gain, work), term| (gain + term, work + term.abs()))
     }
 }
 

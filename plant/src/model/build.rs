@@ -30,7 +30,11 @@ impl Model {
             base_link: virtual_links(scene.plant.base).len(),
             joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
             corners: corners(bodies, &body_link)?,
-            directions: if scene.plant.law == Law::Aligned && moves_in_plane(scene) { 1 } else { 2 },
+            directions: if matches!(scene.plant.law, Law::Aligned | Law::Cone) && moves_in_plane(scene) {
+                1
+            } else {
+                2
+            },
             springs: springs(bodies, &body_link, &links)?,
             body_name: bodies.iter().map(|body| body.name.clone()).collect(),
             branch_end: branch_ends(&links),

@@ -1,7 +1,7 @@
 //! The stages of a step at contact: what touches, the problem (14), its impulse (15)-(22), the velocity after it.
 
 use super::{Plant, Workspace};
-use crate::contact::{Report, is_plastic};
+use crate::contact::Report;
 use crate::detect::touching;
 use crate::error::PlantError;
 use crate::step::settings::Settings;
@@ -61,8 +61,7 @@ impl Plant {
                 Some(report) => report,
                 None => self.solve_problem(h)?,
             };
-            let plastic = is_plastic(self.settings.law) && self.settings.restitution == 0.0;
-            debug_assert!(!plastic || report.energy_gain < 1e-9, "plastic contact raised the energy: {report:?}");
+            self.settings.check_energy(&report, self.steps)?;
             self.counts.note(&report);
             self.report = report;
             let Workspace { free, change, .. } = &mut self.work;
@@ -77,13 +76,13 @@ impl Plant {
         let Settings { law, restitution, welds, friction, .. } = self.settings;
         let Workspace { pose, factor, free, touches, problem, weld, change, .. } = &mut self.work;
         let memory = &mut self.memory;
-        let welds = welds && law == Law::Aligned && restitution == 0.0 && self.model.base_link == 6;
+        let welds = welds && law == Law::Cone && restitution == 0.0 && self.model.floats();
         if !(welds && memory.rests()) {
             return None;
         }
         weld.stand(&self.model, pose, factor, touches, free, h, |id| memory.pushed(id))?;
         let report = weld.hold(&self.model, factor, touches, friction, h, change)?;
-        memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, impulse.z > 0.0)));
+        memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, *impulse)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);
         problem.delassus.clear();
         Some(report)

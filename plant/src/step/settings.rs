@@ -1,10 +1,13 @@
 //! What a scene asks of the step, in the units and counts of the step.
 
-use crate::contact::{Problem, Report, Spring, has_basis, is_coulomb};
+use crate::contact::{Problem, Report, Spring, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
 use crate::model::Model;
 use messages::scene::{Law, Method, PlantScene};
 use nalgebra::Vector3;
+
+/// Energy that plastic contact may gain, as a part of the work of its impulses [-]: what residuals of 1e-10 at many contacts make of it.
+const GAIN: f64 = 1e-8;
 
 /// How to integrate.
 #[derive(Clone, Debug)]
@@ -71,6 +74,17 @@ impl Settings {
             tolerance_step: plant.tolerance_step,
             pushes: if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] },
         })
+    }
+
+    /// That plastic contact has not raised the energy: f·v − f·A f/2 is never positive, whatever slides or lands. What rounding makes of it
+    /// goes with the work of the impulses.
+    pub fn check_energy(&self, report: &Report, step: u64) -> Result<(), PlantError> {
+        let plastic = is_plastic(self.law) && self.restitution == 0.0;
+        if plastic && report.energy_gain > GAIN * report.work {
+            let (time, gain) = (step as f64 * self.h, report.energy_gain);
+            return Err(PlantError::GainsEnergy { time, law: self.law, gain, residual: report.own });
+        }
+        Ok(())
     }
 
     /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)

@@ -5,6 +5,7 @@ use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::Corner;
 use crate::step::{Plant, Workspace};
+use messages::scene::Law;
 use nalgebra::Vector3;
 
 /// A corner bears up to this gap [m]; an impact is located to 1e-15 m, so what has landed is far below it.
@@ -105,7 +106,9 @@ impl Plant {
             return Ok(());
         }
         let law = self.settings.law;
-        let Workspace { pose, composite, factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
+        let Workspace { pose, composite, factor, free, change, touches, given, map, problem, solver, .. } =
+            &mut self.work;
+        given.clear();
         let pull = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let (corner, bearing) = (&self.model.corners[touch.id], &self.bearings[touch.id]);
@@ -117,11 +120,18 @@ impl Plant {
                 let slip = Vector3::new(velocity.x, velocity.y, 0.0);
                 let clear = slip.dot(&bearing.along) > NEARLY_STOPPED * bearing.speed;
                 let along = if clear { slip.normalize() } else { bearing.along };
-                (pull.x, pull.y) = (SLIP * along.x, SLIP * along.y);
+                if law == Law::Cone {
+                    given.push([along.x, along.y]);
+                } else {
+                    (pull.x, pull.y) = (SLIP * along.x, SLIP * along.y);
+                }
+            } else if law == Law::Cone {
+                given.push([0.0; 2]);
             }
             pull
         };
         map.drift(&self.model, pose, touches, free, law, problem, pull);
+        std::mem::swap(&mut problem.slip, given);
         map.assemble(&self.model, pose, factor, touches, problem);
         problem.friction.fill(self.settings.friction);
         let report = solver.solve(problem, law, &mut self.memory);

@@ -1,0 +1,277 @@
+//! Interior points: to a solution of Coulomb's law from no start at all.
+//!
+//! With x = (μf_N, f_F) and y = (v_N/μ + |v_F|, v_F) Coulomb's law asks for x and y in the cone L = {x_N ≥ |x_F|} and x·y = 0. The method
+//! follows the points with x∘y = τ(1, 0, 0) inside L while τ falls to zero: all contacts decide together what they do, and none has to be
+//! guessed. It is exact for the convex program (y without |v_F|); with |v_F|, whose derivative is taken along, it nearly always arrives,
+//! but need not.
+//!
+//! # Source
+//! Nesterov & Todd (1997): the scaling W, Wx = W⁻¹y. Mehrotra (1992): predictor and corrector. Acary, Armand & Nguyen (2022): the same
+//! for frictional contact. Formulas of W: Vandenberghe, *The CVXOPT linear and quadratic cone program solvers* (2010).
+
+use super::super::pivoted::Pivoted;
+use super::super::round::{Round, part};
+use super::super::tolerance::{COMPLIANCE, SOLVED};
+use super::{Iterate, Kind, Start};
+
+/// Steps at most; it takes 10 to 20.
+const STEPS: u32 = 40;
+/// Where τ has fallen to this, rounding is all that is left [-]; the step's speed is 1.
+const NOTHING: f64 = 1e-28;
+
+type Vector = [f64; 3];
+
+/// How boldly τ is made to fall.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pace {
+    /// Part of the way to the border of the cones that a step goes [-].
+    fraction: f64,
+    /// Part of τ that a step leaves at least [-].
+    leaves: f64,
+}
+
+impl Pace {
+    /// Fast, and slowly if that does not arrive.
+    pub const BOTH: [Pace; 2] = [Pace { fraction: 0.99, leaves: 1e-4 }, Pace { fraction: 0.9, leaves: 0.1 }];
+}
+
+/// A contact of the problem: x, y, and its step.
+#[derive(Clone, Copy, Debug, Default)]
+struct Contact {
+    x: Vector,
+    y: Vector,
+    scaling: Scaling,
+    /// Derivative of |y_F|.
+    gradient: Vector,
+    /// What y lacks of A x + b + |y_F|.
+    lacks: Vector,
+    dx: Vector,
+    dy: Vector,
+}
+
+/// Workspace.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Interior {
+    contacts: Vec<Contact>,
+    /// 1/μ, 1, 1 of each contact: f = weight x; 1, 0, 0 without friction.
+    weights: Vec<f64>,
+    matrix: Vec<f64>,
+    factor: Pivoted,
+    right: Vec<f64>,
+    best: Vec<f64>,
+}
+
+impl Interior {
+    /// Whether the problem is one for it: each contact may slip any way.
+    pub fn takes(round: &Round) -> bool {
+        round.given.iter().all(|given| *given == [0.0; 2])
+    }
+
+    /// Goes to the solution, or as near as it comes; whether it has arrived.
+    pub fn run(&mut self, round: &Round, pace: Pace, iterate: &mut Iterate) -> bool {
+        let unit = if round.size > 0.0 { round.size } else { 1.0 };
+        self.contacts.clear();
+        self.contacts.resize(round.contacts, Contact { x: [1.0, 0.0, 0.0], y: [1.0, 0.0, 0.0], ..Contact::default() });
+        self.weights.clear();
+        let weights = |mu: &f64| if *mu > 0.0 { [1.0 / mu, 1.0, 1.0] } else { [1.0, 0.0, 0.0] };
+        self.weights.extend(round.friction.iter().flat_map(weights));
+        self.best.clone_from(&iterate.f);
+        let mut least = f64::INFINITY;
+        for _ in 0..STEPS {
+            self.write(unit, &mut iterate.f);
+            round.velocity(&iterate.f, &mut iterate.v);
+            let error = round.residual(&iterate.f, &iterate.v, 0.0);
+            if error < least {
+                least = error;
+                self.best.clone_from(&iterate.f);
+            }
+            let tau = self.contacts.iter().map(|own| dot(own.x, own.y)).sum::<f64>() / round.contacts as f64;
+            if least <= 0.5 * SOLVED || tau.is_nan() || tau < NOTHING {
+                break;
+            }
+            iterate.steps += 1;
+            self.measure(unit, iterate);
+            if !self.factorize(round) {
+                break;
+            }
+            self.direct(None, tau);
+            let far = self.longest();
+            self.direct(Some((1.0 - far.min(1.0)).powi(3).max(pace.leaves)), tau);
+            let step = f64::min(1.0, pace.fraction * self.longest());
+            for own in &mut self.contacts {
+                own.x = add(own.x, step, own.dx);
+                own.y = add(own.y, step, own.dy);
+            }
+        }
+        iterate.f.clone_from(&self.best);
+        round.velocity(&iterate.f, &mut iterate.v);
+        iterate.error = least;
+        least <= SOLVED
+    }
+
+    /// What each contact does where the method has ended: what is far from its border decides.
+    pub fn start(&self, round: &Round, groups: impl Iterator<Item = (usize, usize)>, start: &mut Start) {
+        start.kinds.clear();
+        start.slips.clear();
+        for own in &self.contacts {
+            let (x, y) = (own.x, own.y);
+            let kind = match () {
+                () if x[0] < y[0] - y[1].hypot(y[2]) => Kind::Open,
+                () if x[0] - x[1].hypot(x[2]) > y[0] => Kind::Sticks,
+                () => Kind::Slides,
+            };
+            start.kinds.push(kind);
+            start.slips.push([y[1] * round.size, y[2] * round.size]);
+        }
+        for (first, end) in groups {
+            let kinds = &mut start.kinds[first..end];
+            let sticking = kinds.iter().filter(|kind| **kind == Kind::Sticks).count();
+            if sticking > 1 && !kinds.contains(&Kind::Slides) {
+                kinds.iter_mut().filter(|kind| **kind == Kind::Sticks).for_each(|kind| *kind = Kind::Patch);
+            }
+        }
+    }
+
+    /// f = weight x.
+    fn write(&self, unit: f64, f: &mut [f64]) {
+        let x = self.contacts.iter().flat_map(|own| own.x);
+        f.iter_mut().zip(x.zip(&self.weights)).for_each(|(f, (x, weight))| *f = x * weight * unit);
+    }
+
+    /// Scaling, gradient, and what y lacks.
+    fn measure(&mut self, unit: f64, Iterate { f, v, .. }: &Iterate) {
+        for (i, own) in self.contacts.iter_mut().enumerate() {
+            own.scaling = Scaling::of(own.x, own.y);
+            let slip = norm(own.y[1], own.y[2]);
+            own.gradient = if slip > 0.0 { [0.0, own.y[1] / slip, own.y[2] / slip] } else { [0.0; 3] };
+            let (f, v) = (part(f, i), part(v, i));
+            own.lacks = [0, 1, 2].map(|k| self.weights[3 * i + k] * (v[k] + COMPLIANCE * f[k]) / unit - own.y[k]);
+            own.lacks[0] += slip;
+        }
+    }
+
+    /// The factor of A + (1 − e gᵀ)W², e the normal, g the gradient.
+    fn factorize(&mut self, round: &Round) -> bool {
+        let Interior { contacts, weights, matrix, factor, .. } = self;
+        let m = weights.len();
+        matrix.clear();
+        for (c, column) in weights.iter().enumerate() {
+            let row = &round.delassus[c * m..][..m];
+            matrix.extend(row.iter().zip(&*weights).map(|(a, weight)| a * weight * column));
+            let own = &contacts[c / 3];
+            let mut unit = [0.0; 3];
+            unit[c % 3] = 1.0;
+            let [normal, along, across] = own.scaling.apply(own.scaling.apply(unit));
+            let shifted = [normal - own.gradient[1] * along - own.gradient[2] * across, along, across];
+            (0..3).for_each(|k| matrix[c * m + c / 3 * 3 + k] += shifted[k]);
+            matrix[c * m + c] += column * column * COMPLIANCE;
+        }
+        factor.factorize(m, matrix, 0.0)
+    }
+
+    /// The direction to x∘y = 0; or, corrected by what that direction changed, to a part of τ.
+    fn direct(&mut self, share: Option<f64>, tau: f64) {
+        let Interior { contacts, factor, right, .. } = self;
+        right.clear();
+        for own in &mut *contacts {
+            let scaled = own.scaling.apply(own.x);
+            let mut aim = jordan(scaled, scaled).map(|product| -product);
+            if let Some(share) = share {
+                aim[0] += share * tau;
+                let changed = jordan(own.scaling.undo(own.dy), own.scaling.apply(own.dx));
+                aim = add(aim, -1.0, changed);
+            }
+            own.dy = own.scaling.apply(divide(scaled, aim));
+            let shifted = [own.dy[0] - dot(own.gradient, own.dy), own.dy[1], own.dy[2]];
+            right.extend((0..3).map(|k| shifted[k] - own.lacks[k]));
+        }
+        factor.solve(right);
+        for (i, own) in contacts.iter_mut().enumerate() {
+            own.dx = part(right, i);
+            own.dy = add(own.dy, -1.0, own.scaling.apply(own.scaling.apply(own.dx)));
+        }
+    }
+
+    /// How far the direction stays within the cones.
+    fn longest(&self) -> f64 {
+        let within = |own: &Contact| f64::min(longest(own.x, own.dx), longest(own.y, own.dy));
+        self.contacts.iter().map(within).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// W = β(2vvᵀ − J) with Wx = W⁻¹y, J = diag(1, −1, −1).
+#[derive(Clone, Copy, Debug, Default)]
+struct Scaling {
+    v: Vector,
+    beta: f64,
+}
+
+impl Scaling {
+    fn of(x: Vector, y: Vector) -> Scaling {
+        let (length_x, length_y) = (determinant(x).sqrt(), determinant(y).sqrt());
+        let (x, y) = (x.map(|x| x / length_x), y.map(|y| y / length_y));
+        let double = 2.0 * ((1.0 + dot(x, y)) / 2.0).sqrt();
+        let w = [(y[0] + x[0]) / double, (y[1] - x[1]) / double, (y[2] - x[2]) / double];
+        let root = (2.0 * (w[0] + 1.0)).sqrt();
+        Scaling { v: [(w[0] + 1.0) / root, w[1] / root, w[2] / root], beta: (length_y / length_x).sqrt() }
+    }
+
+    /// W a.
+    fn apply(&self, a: Vector) -> Vector {
+        let [v, along] = [self.v, [2.0 * dot(self.v, a), 0.0, 0.0]];
+        [v[0] * along[0] - a[0], v[1] * along[0] + a[1], v[2] * along[0] + a[2]].map(|w| self.beta * w)
+    }
+
+    /// W⁻¹ a.
+    fn undo(&self, a: Vector) -> Vector {
+        let v = [self.v[0], -self.v[1], -self.v[2]];
+        let along = 2.0 * dot(v, a);
+        [v[0] * along - a[0], v[1] * along + a[1], v[2] * along + a[2]].map(|w| w / self.beta)
+    }
+}
+
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+fn add(a: Vector, share: f64, b: Vector) -> Vector {
+    [0, 1, 2].map(|k| a[k] + share * b[k])
+}
+
+fn norm(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
+/// x_N² − |x_F|², by its factors.
+fn determinant(x: Vector) -> f64 {
+    let length = norm(x[1], x[2]);
+    (x[0] - length) * (x[0] + length)
+}
+
+/// The Jordan product a∘b.
+fn jordan(a: Vector, b: Vector) -> Vector {
+    [dot(a, b), a[0] * b[1] + b[0] * a[1], a[0] * b[2] + b[0] * a[2]]
+}
+
+/// x with a∘x = b.
+fn divide(a: Vector, b: Vector) -> Vector {
+    let normal = (a[0] * b[0] - a[1] * b[1] - a[2] * b[2]) / determinant(a);
+    [normal, (b[1] - normal * a[1]) / a[0], (b[2] - normal * a[2]) / a[0]]
+}
+
+/// The greatest s for which x + s d is in the cone, x being inside.
+fn longest(x: Vector, d: Vector) -> f64 {
+    let product = |a: Vector, b: Vector| a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
+    let (a, b, c) = (product(d, d), product(x, d), determinant(x));
+    let mut most = if d[0] < 0.0 { -x[0] / d[0] } else { f64::INFINITY };
+    let square = b * b - a * c;
+    if square >= 0.0 {
+        let q = -(b + square.sqrt().copysign(b));
+        for root in [q / a, c / q] {
+            if root > 0.0 && root < most {
+                most = root;
+            }
+        }
+    }
+    most
+}

@@ -1,0 +1,363 @@
+//! Semismooth Newton on Coulomb's law, over patches and contacts.
+//!
+//! Each contact is open, sticks or slides, as x = f − ρ v says; contacts of one link that stick do so together, as a patch. That gives
+//! unknowns G y = f and as many equations R v + D y = 0, with v = A f + b + ε(f − f₀), ε the compliance:
+//!
+//! | contact | when | unknowns | equations |
+//! |---|---|---|---|
+//! | open | x_N ≤ 0 | – | – |
+//! | sticks | \|x_F\| ≤ μ x_N | f | v = 0 |
+//! | patch | sticks, as another of its link | z, f = Q z | Qᵀv = 0 |
+//! | slides | else; e = x_F/\|x_F\| | f_N along (1, μe), f⊥ along e⊥ | v_N = 0, σρ v⊥ + (1 − σ) f⊥ = 0, σ = μ x_N/\|x_F\| |
+//!
+//! Near a solution the kinds no longer change and the steps converge quadratically. Far from it they need not: then there is another start.
+//!
+//! # Source
+//! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
+
+use super::super::pivoted::Pivoted;
+use super::super::round::{Round, part};
+use super::super::tolerance::{COMPLIANCE, NEAR, SOLVED};
+use super::patch::{Group, Patch};
+use super::{Iterate, Kind, Start};
+
+/// Steps at most; from a good start it takes one to four.
+pub(super) const STEPS: u32 = 12;
+/// Steps in which a patch may be outside its cones before it is given up.
+const PATIENCE: u32 = 4;
+/// Solutions at most that undo the compliance.
+const REFINEMENTS: u32 = 4;
+
+/// What a contact does, and the weights of its equations.
+#[derive(Clone, Copy, Debug, Default)]
+struct Contact {
+    kind: Kind,
+    /// Direction of friction, e.
+    along: [f64; 2],
+    /// σρ and 1 − σ.
+    slip: f64,
+    friction: f64,
+}
+
+/// One unknown: where it pushes, and where its equation reads.
+#[derive(Clone, Copy, Debug)]
+enum Unknown {
+    Patch { group: usize, column: usize },
+    Sticks { contact: usize, row: usize },
+    Along(usize),
+    Across(usize),
+}
+
+/// Workspace.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Newton {
+    pub groups: Vec<Group>,
+    contacts: Vec<Contact>,
+    patch: Patch,
+    unknowns: Vec<Unknown>,
+    response: Vec<f64>,
+    /// The equations, column by column.
+    matrix: Vec<f64>,
+    factor: Pivoted,
+    right: Vec<f64>,
+    /// The impulse that the compliance acts around, f₀, and G y before patches are spread.
+    around: Vec<f64>,
+    linear: Vec<f64>,
+    /// Patches that the last run found outside their cones, as bits of their groups.
+    pub failed: u32,
+}
+
+impl Newton {
+    /// Begins with a problem: its contacts by link.
+    pub fn begin(&mut self, round: &Round) {
+        self.groups.clear();
+        for i in 0..round.contacts {
+            match self.groups.last_mut() {
+                Some(group) if round.link[i] == round.link[i - 1] => group.end = i + 1,
+                _ => self.groups.push(Group { first: i, end: i + 1, ..Group::default() }),
+            }
+        }
+        self.patch.begin(round.contacts);
+    }
+
+    /// The kinds of the last run.
+    pub fn kinds(&self) -> impl Iterator<Item = Kind> + '_ {
+        self.contacts.iter().map(|contact| contact.kind)
+    }
+
+    /// From the present impulse to a solution of the problem whose contacts have this compliance. The groups of `free` do not stick as a
+    /// patch. False if it does not get there within so many steps.
+    pub fn run(
+        &mut self,
+        round: &Round,
+        compliance: f64,
+        free: u32,
+        start: Option<&Start>,
+        most: u32,
+        iterate: &mut Iterate,
+    ) -> bool {
+        let rigid = compliance <= COMPLIANCE;
+        self.contacts.clear();
+        self.contacts.resize(round.contacts, Contact::default());
+        for (g, group) in self.groups.iter_mut().enumerate() {
+            (group.sticks, group.may) = (false, free >> g.min(31) & 1 == 0);
+        }
+        self.around.clear();
+        self.around.resize(iterate.f.len(), 0.0);
+        self.linear.clone_from(&iterate.f);
+        self.velocity(round, compliance, iterate);
+        let (mut outside, mut refined) = (0, 0);
+        for step in 0..most {
+            match start {
+                Some(start) if step == 0 => self.recall(round, start, iterate),
+                _ => self.classify(round, compliance, iterate),
+            }
+            iterate.steps += 1;
+            self.failed = 0;
+            if !self.solve(round, compliance, &mut iterate.f) {
+                return false;
+            }
+            self.linear.clone_from(&iterate.f);
+            self.spread(round, &mut iterate.f);
+            if self.failed != 0 {
+                outside += 1;
+                let moves = |contact: &Contact| matches!(contact.kind, Kind::Sticks | Kind::Slides);
+                if outside >= PATIENCE || !self.contacts.iter().any(moves) {
+                    return false;
+                }
+                iterate.f.clone_from(&self.linear);
+                self.velocity(round, compliance, iterate);
+                continue;
+            }
+            if rigid {
+                round.velocity(&iterate.f, &mut iterate.v);
+                iterate.error = round.residual(&iterate.f, &iterate.v, 0.0);
+                if iterate.error <= SOLVED {
+                    return true;
+                }
+            }
+            self.velocity(round, compliance, iterate);
+            if self.patches_move(round, iterate) {
+                return false;
+            }
+            let error = round.residual(&iterate.f, &iterate.v, compliance);
+            if !rigid && error <= NEAR {
+                return true;
+            }
+            if rigid && error <= 0.1 * iterate.error {
+                // solved but for what the compliance moves
+                if refined == REFINEMENTS {
+                    return false;
+                }
+                refined += 1;
+                self.around.clone_from(&self.linear);
+            }
+        }
+        false
+    }
+
+    /// v = A f + b + ε(G y − f₀).
+    fn velocity(&self, round: &Round, compliance: f64, Iterate { f, v, .. }: &mut Iterate) {
+        round.velocity(f, v);
+        for ((v, y), around) in v.iter_mut().zip(&self.linear).zip(&self.around) {
+            *v += compliance * (y - around);
+        }
+    }
+
+    /// The kinds that impulse and velocity speak for.
+    fn classify(&mut self, round: &Round, compliance: f64, Iterate { f, v, .. }: &Iterate) {
+        for group in &mut self.groups {
+            let mut sticking = 0;
+            for i in group.first..group.end {
+                let own = &mut self.contacts[i];
+                if group.sticks && own.kind == Kind::Patch {
+                    continue;
+                }
+                let (f, v, mu) = (part(f, i), part(v, i), round.friction[i]);
+                let rho = 1.0 / (round.inverse_mass[i] + compliance);
+                let x = [f[0] - rho * v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
+                let (bound, length) = (mu * x[0], x[1].hypot(x[2]));
+                *own = if x[0] <= 0.0 {
+                    Contact::default()
+                } else if round.given[i] != [0.0; 2] {
+                    Contact::given(round.given[i])
+                } else if group.sticks {
+                    Contact { kind: Kind::Patch, ..Contact::default() }
+                } else if length <= bound {
+                    sticking += 1;
+                    Contact { kind: Kind::Sticks, ..Contact::default() }
+                } else {
+                    let share = bound / length;
+                    let along = [x[1] / length, x[2] / length];
+                    Contact { kind: Kind::Slides, along, slip: rho * share, friction: 1.0 - share }
+                };
+            }
+            if sticking > 1 && group.may {
+                group.sticks = true;
+                let pushing = self.contacts[group.first..group.end].iter_mut().filter(|own| own.kind != Kind::Open);
+                pushing.for_each(|own| *own = Contact { kind: Kind::Patch, ..Contact::default() });
+            }
+        }
+    }
+
+    /// The kinds of a start, and the directions in which it slid.
+    fn recall(&mut self, round: &Round, start: &Start, Iterate { f, .. }: &Iterate) {
+        for group in &mut self.groups {
+            group.sticks = group.may && start.kinds[group.first..group.end].contains(&Kind::Patch);
+            for i in group.first..group.end {
+                let (kind, slip) = (start.kinds[i], start.slips[i]);
+                let speed = slip[0].hypot(slip[1]);
+                self.contacts[i] = match kind {
+                    Kind::Open => Contact::default(),
+                    _ if round.given[i] != [0.0; 2] => Contact::given(round.given[i]),
+                    _ if group.sticks => Contact { kind: Kind::Patch, ..Contact::default() },
+                    Kind::Slides if speed > 0.0 => {
+                        let along = [-slip[0] / speed, -slip[1] / speed];
+                        let rho = 1.0 / round.inverse_mass[i];
+                        let slides = rho * speed / (f[3 * i + 1].hypot(f[3 * i + 2]) + rho * speed);
+                        Contact { kind, along, slip: rho * (1.0 - slides), friction: slides }
+                    }
+                    _ => Contact { kind: Kind::Sticks, ..Contact::default() },
+                };
+            }
+        }
+    }
+
+    /// One solution of the equations; writes f = G y.
+    fn solve(&mut self, round: &Round, compliance: f64, f: &mut [f64]) -> bool {
+        let Newton { groups, contacts, patch, unknowns, response, matrix, factor, right, around, .. } = self;
+        unknowns.clear();
+        for (g, group) in groups.iter_mut().enumerate() {
+            if group.sticks {
+                patch.find_basis(round, group, |i| contacts[i].kind == Kind::Patch);
+                unknowns.extend((0..group.rank).map(|column| Unknown::Patch { group: g, column }));
+            }
+            for (contact, own) in (group.first..).zip(&contacts[group.first..group.end]) {
+                match own.kind {
+                    Kind::Open | Kind::Patch => {}
+                    Kind::Sticks => unknowns.extend([0, 1, 2].map(|row| Unknown::Sticks { contact, row })),
+                    Kind::Slides => unknowns.extend([Unknown::Along(contact), Unknown::Across(contact)]),
+                }
+            }
+        }
+        if unknowns.is_empty() {
+            f.fill(0.0);
+            return true;
+        }
+        let equations = Equations { round, groups, contacts, patch };
+        let (n, m) = (unknowns.len(), f.len());
+        matrix.clear();
+        right.clear();
+        for unknown in &*unknowns {
+            response.clear();
+            response.resize(m, 0.0);
+            equations.push(*unknown, |row, weight| {
+                let a = &round.delassus[row * m..][..m];
+                response.iter_mut().zip(a).for_each(|(sum, a)| *sum = a.mul_add(weight, *sum));
+                response[row] += compliance * weight;
+            });
+            let first = matrix.len();
+            matrix.extend(unknowns.iter().map(|reads| equations.read(*reads, response)));
+            if let Unknown::Across(i) = *unknown {
+                matrix[first + right.len()] += contacts[i].friction;
+            }
+            right.push(0.0);
+        }
+        response.clear();
+        response.extend(round.drift.iter().zip(&*around).map(|(b, around)| compliance * around - b));
+        right.iter_mut().zip(&*unknowns).for_each(|(right, reads)| *right = equations.read(*reads, response));
+        if !factor.factorize(n, matrix, 0.0) {
+            return false;
+        }
+        factor.solve(right);
+        f.fill(0.0);
+        for (unknown, y) in unknowns.iter().zip(&*right) {
+            equations.push(*unknown, |row, weight| f[row] += weight * y);
+        }
+        f.iter().all(|f| f.is_finite())
+    }
+
+    /// Spreads the impulses of patches over their contacts; notes those that cannot be.
+    fn spread(&mut self, round: &Round, f: &mut [f64]) {
+        let Newton { groups, contacts, patch, failed, .. } = self;
+        for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.sticks) {
+            if !patch.spread(round, group, |i| contacts[i].kind == Kind::Patch, f) {
+                *failed |= 1 << g.min(31);
+            }
+        }
+    }
+
+    /// Whether what should stick moves all the same: points of a link that land from different heights pull it to and fro.
+    fn patches_move(&mut self, round: &Round, Iterate { v, .. }: &Iterate) -> bool {
+        for (g, group) in self.groups.iter().enumerate().filter(|(_, group)| group.sticks) {
+            let members = (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch);
+            let mut speed =
+                members.map(|i| part(v, i).iter().fold(0.0, |most: f64, v| most.max(v.abs())) / round.speed(i));
+            if speed.any(|speed| speed > 0.5 * SOLVED) {
+                self.failed |= 1 << g.min(31);
+            }
+        }
+        self.failed != 0
+    }
+}
+
+impl Contact {
+    /// A contact that slides against a given direction of friction.
+    fn given(slip: [f64; 2]) -> Contact {
+        Contact { kind: Kind::Slides, along: slip.map(|slip| -slip), slip: 0.0, friction: 1.0 }
+    }
+}
+
+/// G and R by their unknowns.
+struct Equations<'a> {
+    round: &'a Round,
+    groups: &'a [Group],
+    contacts: &'a [Contact],
+    patch: &'a Patch,
+}
+
+impl Equations<'_> {
+    /// Entries of a column of G.
+    #[inline(always)]
+    fn push(&self, unknown: Unknown, mut entry: impl FnMut(usize, f64)) {
+        match unknown {
+            Unknown::Patch { group, column } => {
+                let group = &self.groups[group];
+                for i in (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch) {
+                    (0..3).for_each(|k| entry(3 * i + k, self.patch.basis[i][k][column]));
+                }
+            }
+            Unknown::Sticks { contact, row } => entry(3 * contact + row, 1.0),
+            Unknown::Along(i) => {
+                let (mu, [a, b]) = (self.round.friction[i], self.contacts[i].along);
+                let unit = 1.0 / (1.0 + mu * mu).sqrt();
+                [unit, unit * mu * a, unit * mu * b]
+                    .into_iter()
+                    .enumerate()
+                    .for_each(|(k, weight)| entry(3 * i + k, weight));
+            }
+            Unknown::Across(i) => {
+                let [a, b] = self.contacts[i].along;
+                entry(3 * i + 1, -b);
+                entry(3 * i + 2, a);
+            }
+        }
+    }
+
+    /// What a row of R makes of numbers by rows.
+    #[inline(always)]
+    fn read(&self, unknown: Unknown, rows: &[f64]) -> f64 {
+        match unknown {
+            Unknown::Patch { .. } | Unknown::Sticks { .. } => {
+                let mut sum = 0.0;
+                self.push(unknown, |row, weight| sum += weight * rows[row]);
+                sum
+            }
+            Unknown::Along(i) => rows[3 * i],
+            Unknown::Across(i) => {
+                let Contact { along: [a, b], slip, .. } = self.contacts[i];
+                slip * (a * rows[3 * i + 2] - b * rows[3 * i + 1])
+            }
+        }
+    }
+}

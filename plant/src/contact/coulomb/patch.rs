@@ -1,0 +1,164 @@
+//! Contacts of one link that stick together: a patch.
+//!
+//! A rigid link that stands on its contacts has six velocities at most, however many contacts there are, so a patch has that many unknowns:
+//! f = Q z with the columns of Q an orthonormal basis of what A of these contacts can feel. Of all impulses with the same effect this is
+//! the one of least norm. It need not be within the cones: the impulse is then spread anew, with weights W on the contacts,
+//!
+//! ```text
+//!   f = W Q (QᵀW Q)⁻¹ z,
+//! ```
+//!
+//! zero for a contact that would pull, less for the friction of one that would slip. If no weights do, the patch does not stick.
+
+use super::super::round::{Round, part};
+use super::super::tolerance::DEPENDENT;
+use nalgebra::{Matrix6, Vector6};
+
+/// Directions in which a rigid link moves.
+pub(super) const MOST: usize = 6;
+/// Trials of the weights.
+const TRIALS: usize = 10;
+/// What would slip gets so much less weight: somewhat more than it must, so that few trials are enough [-].
+const EASE: f64 = 1.5;
+/// A contact that pulls less than this part of the greatest push does so by rounding [-].
+const ROUNDING: f64 = 1e-14;
+
+/// Three rows of Q.
+pub(super) type Rows = [[f64; MOST]; 3];
+
+/// The contacts of one link, and what they can do together.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Group {
+    pub first: usize,
+    pub end: usize,
+    /// Those that push stick together.
+    pub sticks: bool,
+    /// Whether they may.
+    pub may: bool,
+    /// Columns of Q.
+    pub rank: usize,
+}
+
+/// Q by contact, and the weights of normal and friction; workspace.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Patch {
+    pub basis: Vec<Rows>,
+    diagonal: Vec<[f64; 3]>,
+    weights: Vec<[f64; 2]>,
+}
+
+impl Patch {
+    /// Room for so many contacts.
+    pub fn begin(&mut self, contacts: usize) {
+        self.basis.clear();
+        self.basis.resize(contacts, Rows::default());
+        self.diagonal.resize(contacts, [0.0; 3]);
+        self.weights.resize(contacts, [0.0; 2]);
+    }
+
+    /// Q of the members of a group: the factor of their A by pivoted Cholesky, made orthonormal by Gram and Schmidt, twice.
+    pub fn find_basis(&mut self, round: &Round, group: &mut Group, member: impl Fn(usize) -> bool) {
+        let (m, contacts) = (3 * round.contacts, group.first..group.end);
+        let Patch { basis, diagonal, .. } = self;
+        for i in contacts.clone() {
+            basis[i] = Rows::default();
+            diagonal[i] = [0, 1, 2].map(|k| if member(i) { round.delassus[(3 * i + k) * (m + 1)] } else { 0.0 });
+        }
+        let least = DEPENDENT * diagonal[contacts.clone()].as_flattened().iter().fold(0.0, |most: f64, d| most.max(*d));
+        group.rank = 0;
+        while group.rank < MOST {
+            let c = group.rank;
+            let (mut pivot, mut most) = ((0, 0), least);
+            for i in contacts.clone() {
+                for (k, left) in diagonal[i].into_iter().enumerate() {
+                    if left > most {
+                        (pivot, most) = ((i, k), left);
+                    }
+                }
+            }
+            if most <= least {
+                break;
+            }
+            let row = basis[pivot.0][pivot.1];
+            let scale = 1.0 / most.sqrt();
+            for i in contacts.clone().filter(|&i| member(i)) {
+                for k in 0..3 {
+                    let known: f64 = (0..c).map(|d| basis[i][k][d] * row[d]).sum();
+                    let entry = (round.delassus[(3 * pivot.0 + pivot.1) * m + 3 * i + k] - known) * scale;
+                    basis[i][k][c] = entry;
+                    diagonal[i][k] -= entry * entry;
+                }
+            }
+            diagonal[pivot.0][pivot.1] = 0.0;
+            group.rank += 1;
+        }
+        let rows = basis[contacts].as_flattened_mut();
+        for c in 0..group.rank {
+            for d in (0..c).chain(0..c) {
+                let along: f64 = rows.iter().map(|row| row[c] * row[d]).sum();
+                rows.iter_mut().for_each(|row| row[c] -= along * row[d]);
+            }
+            let norm = rows.iter().map(|row| row[c] * row[c]).sum::<f64>().sqrt();
+            rows.iter_mut().for_each(|row| row[c] /= norm);
+        }
+    }
+
+    /// Spreads the impulse of a patch over its contacts; false if no weights bring it within the cones.
+    pub fn spread(&mut self, round: &Round, group: &Group, member: impl Fn(usize) -> bool, f: &mut [f64]) -> bool {
+        let Patch { basis, weights, .. } = self;
+        let members = || (group.first..group.end).filter(|&i| member(i));
+        let mut together = Vector6::zeros();
+        for i in members() {
+            for (row, f) in basis[i].iter().zip(part(f, i)) {
+                together += Vector6::from_column_slice(row) * f;
+            }
+        }
+        let greatest = members().map(|i| f[3 * i]).fold(0.0, f64::max);
+        members().for_each(|i| weights[i] = [1.0; 2]);
+        for trial in 0..TRIALS {
+            let mut within = true;
+            for i in members() {
+                let [normal, along, across] = part(f, i);
+                let (friction, bound) = (along.hypot(across), round.friction[i] * normal);
+                if normal <= 0.0 {
+                    within &= normal >= -ROUNDING * greatest;
+                    weights[i] = [0.0; 2];
+                    continue;
+                }
+                if trial == 0 {
+                    weights[i][1] = bound / greatest; // friction in proportion to the pressure, to begin with
+                }
+                if friction > bound {
+                    within = false;
+                    if trial > 0 {
+                        weights[i][1] *= (bound / friction).powi(2) / EASE;
+                    }
+                }
+            }
+            if within {
+                for i in members() {
+                    if f[3 * i] <= 0.0 {
+                        f[3 * i..3 * i + 3].fill(0.0);
+                    }
+                }
+                return true;
+            }
+            let mut square = Matrix6::zeros();
+            (group.rank..MOST).for_each(|c| square[(c, c)] = 1.0);
+            for i in members() {
+                for (k, row) in basis[i].iter().enumerate() {
+                    let row = Vector6::from_column_slice(row);
+                    square += row * row.transpose() * weights[i][k.min(1)];
+                }
+            }
+            let Some(factor) = square.cholesky() else { return false };
+            let z = factor.solve(&together);
+            for i in members() {
+                for (k, row) in basis[i].iter().enumerate() {
+                    f[3 * i + k] = Vector6::from_column_slice(row).dot(&z) * weights[i][k.min(1)];
+                }
+            }
+        }
+        false
+    }
+}

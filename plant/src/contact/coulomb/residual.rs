@@ -1,0 +1,164 @@
+//! How far an impulse is from Coulomb's law with the round cone: the certificate of every law and every step.
+//!
+//! The natural map of a contact compares its impulse with the nearest point of its cone,
+//!
+//! ```text
+//!   r = |f − P_K(f − (F/V) v̂)| / F,   v̂ = (v_N + μ|v_F|, v_F),   F = max(|f|, V/A)
+//! ```
+//!
+//! with V the greatest speed without impulse of all contacts that are coupled with it, and A the greatest entry of its own diagonal. The
+//! map is zero exactly when the impulse obeys (17)-(22) with the round cone. Both scales are the contact's own: `r` bounds the error of the
+//! impulse as a part of this contact's impulse, and the velocity that it should not have as a part of V. A heavy neighbour hides
+//! neither.
+//!
+//! # Source
+//! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
+
+use super::super::project::cone;
+use super::super::tolerance::{ROUNDING, SOLVED};
+use super::super::{Problem, lift};
+use messages::scene::Law;
+
+/// An impulse or a slip this small, as a part of its scale, has no direction.
+const NO_DIRECTION: f64 = 1e-6;
+
+/// How well an impulse obeys Coulomb's law.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(in super::super) struct Residual {
+    /// Greatest natural map of all contacts [-].
+    pub natural_map: f64,
+    /// Greatest |f_N v_N| of (19), as a part of F V [-].
+    pub signorini: f64,
+    /// Greatest angle between friction and −slip [rad].
+    pub misalignment: f64,
+}
+
+/// What a contact is measured by: V [m/s] and F [N·s].
+#[derive(Clone, Copy, Debug)]
+pub(in super::super) struct Scales {
+    pub speed: f64,
+    pub impulse: f64,
+}
+
+impl Scales {
+    /// Of an impulse f at a contact of inverse mass A.
+    pub fn of(speed: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
+        let size = (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt();
+        let stopping = if inverse_mass > 0.0 { speed / inverse_mass } else { 0.0 };
+        Scales { speed, impulse: if size > stopping { size } else { stopping } }
+    }
+
+    /// The same where Σ|A f| is so large that its rounding hides what V asks for.
+    pub fn as_known(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
+        let known = sum * (ROUNDING / SOLVED);
+        if known > self.speed { Scales::of(known, inverse_mass, f) } else { self }
+    }
+
+    /// The natural map of one contact, in any units in which f and F agree, and v and V. A contact with `given` direction of slip is
+    /// braked along it whatever the other velocities are.
+    pub fn natural_map(self, f: [f64; 3], v: [f64; 3], friction: f64, given: [f64; 2]) -> f64 {
+        if self.speed == 0.0 || self.impulse == 0.0 {
+            let moves = v.iter().any(|v| *v != 0.0) && f.iter().any(|f| *f != 0.0) || v[0] < 0.0;
+            return if moves { f64::INFINITY } else { 0.0 * (f[0] + v[0]) };
+        }
+        let step = self.impulse / self.speed;
+        let nearest = if given == [0.0; 2] {
+            let slip = (v[1] * v[1] + v[2] * v[2]).sqrt();
+            cone([f[0] - step * (v[0] + friction * slip), f[1] - step * v[1], f[2] - step * v[2]], friction)
+        } else {
+            let normal = (f[0] - step * v[0]).max(0.0);
+            [normal, -friction * f[0] * given[0], -friction * f[0] * given[1]]
+        };
+        let unlike = (0..3).fold(0.0, |sum, k| sum + (f[k] - nearest[k]).powi(2)).sqrt();
+        unlike / self.impulse + 0.0 * (v[0] + v[1] + v[2]) // neither the projection nor a comparison may hide what is no number
+    }
+}
+
+/// The greater of two; what is no number stays.
+pub(in super::super) fn greater(worst: f64, next: f64) -> f64 {
+    if worst.is_nan() || next <= worst { worst } else { next }
+}
+
+/// V of each contact, from its drift with the approach, three rows each in units of `scale`: the greatest speed of all that are coupled
+/// with it, directly or through others. A normal velocity counts where it goes down.
+pub(in super::super) fn speeds(
+    drift: &[f64],
+    scale: &[f64],
+    coupled: impl Fn(usize, usize) -> bool,
+    speeds: &mut Vec<f64>,
+) {
+    let size = |b: &[f64]| (b[0].min(0.0).powi(2) + b[1] * b[1] + b[2] * b[2]).sqrt() + 0.0 * b[0];
+    speeds.clear();
+    speeds.extend(drift.chunks_exact(3).zip(scale).map(|(b, scale)| size(b) * scale));
+    let mut grown = true;
+    while std::mem::take(&mut grown) {
+        for i in 0..speeds.len() {
+            for k in 0..speeds.len() {
+                if speeds[k] > speeds[i] && coupled(i, k) {
+                    speeds[i] = speeds[k];
+                    grown = true;
+                }
+            }
+        }
+    }
+}
+
+/// Judges impulses; workspace.
+#[derive(Clone, Debug, Default)]
+pub(in super::super) struct Judge {
+    drift: Vec<f64>,
+    ones: Vec<f64>,
+    speeds: Vec<f64>,
+}
+
+impl Judge {
+    /// The residual of an impulse with its velocity v = A f + b, both in the rows of the problem.
+    pub fn judge(&mut self, problem: &Problem, law: Law, impulse: &[f64], velocity: &[f64]) -> Residual {
+        let (m, stride) = (problem.rows(), 1 + problem.tangents);
+        let contact = |rows: &[f64], i: usize, lifted: f64| {
+            let mut all = [0.0; 3];
+            all[..stride].copy_from_slice(&rows[i * stride..][..stride]);
+            all[0] += lifted;
+            all
+        };
+        let Judge { drift, ones, speeds: speed } = self;
+        drift.clear();
+        (0..problem.contacts).for_each(|i| drift.extend(contact(&problem.drift, i, lift(problem, law, i))));
+        let coupled = |i: usize, k: usize| {
+            (i * stride..(i + 1) * stride)
+                .any(|row| problem.delassus[row * m + k * stride..][..stride].iter().any(|a| *a != 0.0))
+        };
+        ones.clear();
+        ones.resize(problem.contacts, 1.0);
+        speeds(drift, ones, coupled, speed);
+        let mut residual = Residual::default();
+        for (i, &speed) in speed.iter().enumerate() {
+            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, lift(problem, law, i)));
+            let rows = i * stride..(i + 1) * stride;
+            let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
+            let (friction, given) = (problem.friction[i], problem.given_slip(i));
+            let scales = Scales::of(speed, inverse_mass, f);
+            let mut map = scales.natural_map(f, v, friction, given);
+            if map > SOLVED {
+                let row =
+                    |row: usize| problem.delassus[row * m..][..m].iter().zip(impulse).map(|(a, f)| (a * f).abs()).sum();
+                let known = rows.map(row).fold(0.0, f64::max);
+                map = scales.as_known(known, inverse_mass, f).natural_map(f, v, friction, given);
+            }
+            residual.natural_map = greater(residual.natural_map, map);
+            let work = (f[0] * v[0]).abs();
+            let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };
+            residual.signorini = greater(residual.signorini, signorini);
+            residual.misalignment = residual.misalignment.max(misalignment(f, v, scales));
+        }
+        residual
+    }
+}
+
+/// Angle between f_F and −v_F if both have a direction [rad].
+fn misalignment(f: [f64; 3], v: [f64; 3], scales: Scales) -> f64 {
+    if f[1].hypot(f[2]) <= NO_DIRECTION * scales.impulse || v[1].hypot(v[2]) <= NO_DIRECTION * scales.speed {
+        return 0.0;
+    }
+    (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))
+}

@@ -1,0 +1,25 @@
+//! The numbers by which Coulomb's law is solved and judged, each with its unit and what it follows from.
+
+/// A natural map up to this is a solution [-]. Below the 1e-10 that every step promises, so that a second evaluation, which rounds
+/// differently, also finds less than that.
+pub(crate) const SOLVED: f64 = 4e-11;
+
+/// Compliance of the contacts [-]: what is added to the scaled A, whose diagonal of the normal is 1.
+///
+/// Two feet of one robot press against each other along directions that A holds at 1e-12 or not at all. With the compliance the impulse
+/// there is the one of least norm, not a quotient of two roundings. Half of [`SOLVED`]: what it moves is then seldom too much.
+pub(super) const COMPLIANCE: f64 = 0.5 * SOLVED;
+
+/// A natural map up to this ends Newton's method where the contacts are still more compliant than that [-]: near enough to go on from.
+pub(super) const NEAR: f64 = 1e-9;
+
+/// Rounding of A f, as a part of Σ|A f| [-]. A contact cannot be judged more finely than that.
+pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// What is left of the diagonal of A when a direction depends on those before it, as a part of the greatest [-]. A has 16 digits, so
+/// what is left of a dependent direction is near 1e-16.
+pub(super) const DEPENDENT: f64 = 1e-12;
+
+/// A diagonal entry of A this small beside the largest is a direction in which the contact cannot move [-]. A = YᵀY has squared rounding
+/// on its diagonal, so an honest zero is near 1e-32.
+pub(super) const IMMOVABLE: f64 = 1e-20;
