@@ -6,7 +6,7 @@
 //!     Newton     from there; a patch that does not hold is freed, and Newton again        (newton, patch)
 //!     Newton     from nothing, likewise
 //!     interior   points, then Newton from what the contacts do where they end             (interior)
-//!     compliance from large to ε, each solution the start of the next                     (continuation)
+//!     follow     the solution while the compliance falls to ε
 //!     the impulse with the least residual of all, flagged                                 (residual)
 //! ```
 //!
@@ -40,6 +40,8 @@ const SOLUTIONS: u32 = 60;
 const FEW: u32 = 6;
 /// Shortest and longest step of the continuation, as powers of ten.
 const STRIDES: [f64; 2] = [1e-3, 4.0];
+/// What is left of a step that Newton's method does not bear [-].
+const SHORTER: f64 = 0.4;
 
 /// What a contact does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -192,31 +194,32 @@ impl Coulomb {
         false
     }
 
-    /// From contacts so compliant that each has its own solution to those of the problem, in steps as long as Newton's method bears.
+    /// Follows the solution from contacts so compliant that each has its own to those of the problem, in steps as long as Newton's method
+    /// bears.
     fn through_compliance(&mut self) -> bool {
-        let (mut at, mut stride, goal) = (SOFT, STRIDES[1], COMPLIANCE.log10());
-        self.round.each_by_itself(10f64.powf(at), &mut self.iterate.f);
+        self.round.each_by_itself(10f64.powf(SOFT), &mut self.iterate.f);
         self.before.clone_from(&self.iterate.f);
+        let (mut at, mut stride, goal) = (SOFT, STRIDES[1], COMPLIANCE.log10());
         for _ in 0..SOLUTIONS {
             let next = f64::max(at - stride, goal);
-            let (compliance, most) = if next == goal { (COMPLIANCE, STEPS) } else { (10f64.powf(next), FEW) };
+            let last = next == goal;
+            let (compliance, most) = if last { (COMPLIANCE, STEPS) } else { (10f64.powf(next), FEW) };
             if self.newton.run(&self.round, compliance, u32::MAX, None, most, &mut self.iterate) {
-                if next == goal {
+                if last {
                     self.take_kinds();
                     return true;
                 }
-                at = next;
-                stride = f64::min(2.0 * stride, STRIDES[1]);
+                (at, stride) = (next, f64::min(2.0 * stride, STRIDES[1]));
                 self.before.clone_from(&self.iterate.f);
-            } else {
-                if next == goal {
-                    self.note();
-                }
-                stride *= 0.4;
-                self.iterate.f.clone_from(&self.before);
-                if stride < STRIDES[0] {
-                    return false;
-                }
+                continue;
+            }
+            if last {
+                self.note();
+            }
+            stride *= SHORTER;
+            self.iterate.f.clone_from(&self.before);
+            if stride < STRIDES[0] {
+                break;
             }
         }
         false

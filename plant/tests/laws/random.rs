@@ -116,7 +116,8 @@ fn random_problems_are_solved_and_plastic_laws_never_raise_the_energy() {
         // An iteration without a proof of convergence may give up, and says so.
         let allowed = match law {
             Law::FixedPoint(_) => [count / 50, count / 50],
-            Law::Cone | Law::Facets(_) => [count / 5000, count / 500],
+            Law::Facets(_) => [count / 5000, count / 500],
+            Law::Cone => [count / 2000, count / 500], // judged contact by contact, each by its own scale
             _ => [0, count / 1000],
         };
         assert!(unsolved[0] <= allowed[0] && unsolved[1] <= allowed[1], "{law}: {unsolved:?}");

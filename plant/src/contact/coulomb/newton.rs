@@ -63,6 +63,8 @@ pub(super) struct Newton {
     /// The impulse that the compliance acts around, f₀, and G y before patches are spread.
     around: Vec<f64>,
     linear: Vec<f64>,
+    kept: Vec<f64>,
+    change: Vec<f64>,
     /// Patches that the last run found outside their cones, as bits of their groups.
     pub failed: u32,
 }
@@ -133,6 +135,7 @@ impl Newton {
                 round.velocity(&iterate.f, &mut iterate.v);
                 iterate.error = round.residual(&iterate.f, &iterate.v, 0.0);
                 if iterate.error <= SOLVED {
+                    self.refine(round, iterate);
                     return true;
                 }
             }
@@ -275,6 +278,40 @@ impl Newton {
             equations.push(*unknown, |row, weight| f[row] += weight * y);
         }
         f.iter().all(|f| f.is_finite())
+    }
+
+    /// Undoes what the compliance has moved, wherever A allows, by the factor that is there; kept if the residual is less.
+    fn refine(&mut self, round: &Round, iterate: &mut Iterate) {
+        let Iterate { f, v, error, .. } = iterate;
+        let Newton { groups, contacts, patch, unknowns, factor, right, linear, kept, .. } = self;
+        if unknowns.is_empty() {
+            return;
+        }
+        kept.clone_from(f);
+        let equations = Equations { round, groups, contacts, patch };
+        let lacks = |(unknown, y): (&Unknown, &f64)| match *unknown {
+            Unknown::Across(i) => -equations.read(*unknown, v) - contacts[i].friction * y,
+            _ => -equations.read(*unknown, v),
+        };
+        let mut change = std::mem::take(&mut self.change);
+        change.clear();
+        change.extend(unknowns.iter().zip(&*right).map(lacks));
+        factor.solve(&mut change);
+        f.clone_from(linear);
+        for (unknown, y) in unknowns.iter().zip(&change) {
+            equations.push(*unknown, |row, weight| f[row] += weight * y);
+        }
+        self.change = change;
+        self.failed = 0;
+        self.spread(round, f);
+        round.velocity(f, v);
+        let refined = round.residual(f, v, 0.0);
+        if self.failed == 0 && refined < *error {
+            *error = refined;
+        } else {
+            f.clone_from(&self.kept);
+            round.velocity(f, v);
+        }
     }
 
     /// Spreads the impulses of patches over their contacts; notes those that cannot be.

@@ -57,9 +57,10 @@ impl Scales {
     /// The natural map of one contact, in any units in which f and F agree, and v and V. A contact with `given` direction of slip is
     /// braked along it whatever the other velocities are.
     pub fn natural_map(self, f: [f64; 3], v: [f64; 3], friction: f64, given: [f64; 2]) -> f64 {
+        let hidden = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // what is no number shows, whatever is compared
         if self.speed == 0.0 || self.impulse == 0.0 {
             let moves = v.iter().any(|v| *v != 0.0) && f.iter().any(|f| *f != 0.0) || v[0] < 0.0;
-            return if moves { f64::INFINITY } else { 0.0 * (f[0] + v[0]) };
+            return if moves { f64::INFINITY } else { 0.0 } + hidden;
         }
         let step = self.impulse / self.speed;
         let nearest = if given == [0.0; 2] {
@@ -70,7 +71,7 @@ impl Scales {
             [normal, -friction * f[0] * given[0], -friction * f[0] * given[1]]
         };
         let unlike = (0..3).fold(0.0, |sum, k| sum + (f[k] - nearest[k]).powi(2)).sqrt();
-        unlike / self.impulse + 0.0 * (v[0] + v[1] + v[2]) // neither the projection nor a comparison may hide what is no number
+        unlike / self.impulse + hidden
     }
 }
 

@@ -81,6 +81,7 @@ impl Plant {
         self.find_inertia(0.0, 0.0)?;
         self.work.free.copy_from_slice(&self.state.xdot);
         self.touch_bearings();
+        self.work.horizon = 0.0;
         self.solve_contacts(f64::INFINITY)?; // no time to approach in
         self.record_contacts();
         kinematics::velocities(&self.model, &self.state.xdot, &mut self.work.pose);
