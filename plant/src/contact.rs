@@ -280,7 +280,7 @@ pub struct Report {
     pub slip_misalignment: f64,
     /// Energy after the step less that of the free motion, f·v - f·A f/2 \[J\]. Plastic contact never raises it.
     pub energy_gain: f64,
-    /// Half of Σ|f·(v + b)|, what the gain is to be seen beside \[J\].
+    /// What the gain is to be seen beside: work of the impulses, and energy of motion that the contacts could take \[J\].
     pub work: f64,
     /// Pivots of all attempts; of the round cone, linear systems solved.
     pub pivots: u32,

@@ -115,10 +115,6 @@ struct Workspace {
     memory: Memory,
     column: Vec<f64>,
     touches: Vec<Touch>,
-    /// Time within which they may touch [s].
-    horizon: f64,
-    /// Directions of slip of the touching contacts, where the motion gives them.
-    given: Vec<[f64; 2]>,
     map: ContactMap,
     problem: Problem,
     solver: Solver,
@@ -287,8 +283,6 @@ impl Workspace {
             memory: Memory::default(),
             column: vec![0.0; model.dofs()],
             touches: Vec::with_capacity(model.corners.len()),
-            horizon: 0.0,
-            given: Vec::with_capacity(model.corners.len()),
             map: ContactMap::new(model),
             problem: Problem::default(),
             solver,

@@ -227,11 +227,17 @@ impl Solver {
 
     fn measure(&mut self, problem: &Problem, law: Law, report: &mut Report) {
         let Solver { scaled, f, v, .. } = &*self;
-        report.own = residual::natural_map(scaled, f, v, yardstick(law));
-        self.certify(problem, law, report);
+        report.natural_map = residual::natural_map(scaled, f, v, Yardstick::Coulomb);
+        report.own = match yardstick(law) {
+            Yardstick::Coulomb => report.natural_map,
+            own => residual::natural_map(scaled, f, v, own),
+        };
+        report.signorini = residual::signorini(scaled, f, v);
+        report.slip_misalignment = residual::slip_misalignment(scaled, f, v);
+        (report.energy_gain, report.work) = self.energy(problem);
     }
 
-    /// The residuals of Coulomb's law with the round cone, the same for every law, and the energy.
+    /// The residuals of Coulomb's law with the round cone, and the energy.
     fn certify(&mut self, problem: &Problem, law: Law, report: &mut Report) {
         let residual = self.judge.judge(problem, law, &self.impulse, &self.velocity);
         report.natural_map = residual.natural_map;
@@ -240,11 +246,15 @@ impl Solver {
         (report.energy_gain, report.work) = self.energy(problem);
     }
 
-    /// f·v - f·A f/2 with A f = v - b, and the sum of the magnitudes of its terms \[J\].
+    /// f·v - f·A f/2 with A f = v - b, and what that is to be seen beside: the work of the impulses, and the energy of motion that the
+    /// contacts could take \[J\].
     fn energy(&self, problem: &Problem) -> (f64, f64) {
-        let terms =
-            self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift)).map(|(f, (v, b))| 0.5 * f * (v + b));
-        terms.fold((0.0, 0.0), |(gain, work), term| (gain + term, work + term.abs()))
+        let rows = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift));
+        let diagonal = problem.delassus.iter().step_by(problem.rows() + 1);
+        rows.zip(diagonal).fold((0.0, 0.0), |(gain, work), ((f, (v, b)), a)| {
+            let motion = if *a > 0.0 { b * b / a } else { 0.0 };
+            (gain + 0.5 * f * (v + b), work + 0.5 * ((f * v).abs() + (f * b).abs() + motion))
+        })
     }
 }
 

@@ -81,7 +81,6 @@ impl Plant {
         self.find_inertia(0.0, 0.0)?;
         self.work.free.copy_from_slice(&self.state.xdot);
         self.touch_bearings();
-        self.work.horizon = 0.0;
         self.solve_contacts(f64::INFINITY)?; // no time to approach in
         self.record_contacts();
         kinematics::velocities(&self.model, &self.state.xdot, &mut self.work.pose);
@@ -107,32 +106,34 @@ impl Plant {
             return Ok(());
         }
         let law = self.settings.law;
-        let Workspace { pose, composite, factor, free, change, touches, given, map, problem, solver, .. } =
-            &mut self.work;
-        given.clear();
+        let Workspace { pose, composite, factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
+        let bearings = &self.bearings;
+        let velocity = |touch: &Touch| pose.links[touch.link].velocity.at(&touch.arm);
+        // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
+        let along = |touch: &Touch| {
+            let (bearing, velocity) = (&bearings[touch.id], velocity(touch));
+            let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+            let clear = slip.dot(&bearing.along) > NEARLY_STOPPED * bearing.speed;
+            if clear { slip.normalize() } else { bearing.along }
+        };
         let pull = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
-            let (corner, bearing) = (&self.model.corners[touch.id], &self.bearings[touch.id]);
-            let velocity = pose.links[touch.link].velocity.at(&touch.arm);
-            let mut pull = own + composite.swept(&self.model, pose, corner) + velocity * SETTLES;
+            let velocity = velocity(touch);
+            let swept = composite.swept(&self.model, pose, &self.model.corners[touch.id]);
+            let mut pull = own + swept + velocity * SETTLES;
             pull.z += (velocity.z + touch.gap * SETTLES) * SETTLES;
-            if !bearing.sticks {
-                // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
-                let slip = Vector3::new(velocity.x, velocity.y, 0.0);
-                let clear = slip.dot(&bearing.along) > NEARLY_STOPPED * bearing.speed;
-                let along = if clear { slip.normalize() } else { bearing.along };
-                if law == Law::Cone {
-                    given.push([along.x, along.y]);
-                } else {
-                    (pull.x, pull.y) = (SLIP * along.x, SLIP * along.y);
-                }
-            } else if law == Law::Cone {
-                given.push([0.0; 2]);
+            if !bearings[touch.id].sticks && law != Law::Cone {
+                let along = along(touch);
+                (pull.x, pull.y) = (SLIP * along.x, SLIP * along.y);
             }
             pull
         };
         map.drift(&self.model, pose, touches, free, law, problem, pull);
-        std::mem::swap(&mut problem.slip, given);
+        if law == Law::Cone {
+            // the round cone is told the direction itself, for it would turn friction against any acceleration
+            let given = |touch: &Touch| if bearings[touch.id].sticks { Vector3::zeros() } else { along(touch) };
+            problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
+        }
         map.assemble(&self.model, pose, factor, touches, problem);
         problem.friction.fill(self.settings.friction);
         let report = solver.solve(problem, law, &mut self.memory);
