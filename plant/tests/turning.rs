@@ -1,0 +1,45 @@
+//! Claim: what slides and turns feels friction against the velocity of each of its contacts, as the round cone has it.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use messages::load::load;
+use messages::wire::Torques;
+use plant::Plant;
+
+/// Angular velocity about the vertical at the end of a scene from `tests/data` [rad/s].
+fn turning(name: &str, settings: &[&str]) -> f64 {
+    let file = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
+    let scene = load(&file, &settings, &[]).expect("a scene");
+    let mut plant = Plant::new(&scene).expect("a plant");
+    for _ in 0..(scene.duration * scene.rate).round() as usize {
+        plant.advance(&Torques::default()).expect("a step");
+        assert!(plant.truth().natural_map <= 1e-10 && plant.truth().fallbacks == 0, "{:?}", plant.truth());
+    }
+    plant.state().xdot[5]
+}
+
+/// Three legs that share the weight of a puck: its equations of motion, by the classical method of fourth order in steps of 1e-4 s, say
+/// .706702 rad/s after half a second.
+#[test]
+fn a_puck_that_slides_and_turns_is_braked_about_the_vertical() {
+    for (settings, most) in [
+        (vec!["plant.law=Cone"], 2e-4),
+        (vec!["plant.law=Cone", "plant.dt=0.00025"], 5e-5),
+        (vec!["plant.law=Cone", "plant.method=EventDriven"], 1e-6),
+    ] {
+        let found = turning("slide-and-turn", &settings);
+        println!("{settings:?}: {found}");
+        assert!((found - 0.706_702).abs() < most, "{settings:?}: {found}");
+    }
+    // the law that aligns the tangents of nearby slips does not see it
+    assert!(turning("slide-and-turn", &["plant.law=Aligned"]) > 0.99);
+}
+
+/// A fourth point .4 mm above the ground never touches: it must change nothing.
+#[test]
+fn a_point_that_carries_nothing_changes_nothing() {
+    let found = turning("untouched-point", &["plant.law=Cone"]);
+    println!("{found}");
+    assert!((found - 1.662_76).abs() < 5e-4, "{found}");
+}
