@@ -251,6 +251,7 @@ impl Coulomb {
             let (f, v) = (part(&iterate.f, i), part(&iterate.v, i));
             let kind = if f[0] > 0.0 { start.kinds[i] } else { Kind::Open };
             rests &= f[0] <= 0.0 || v.iter().all(|v| v.abs() <= 2.0 * COMPLIANCE * round.speed(i));
+            memory.remember(id, super::status::standing(kind != Kind::Open, 4));
             let last = memory.contact_mut(id);
             last.kind = kind;
             last.slip = [v[1] * round.scale[i], v[2] * round.scale[i]];

@@ -71,7 +71,7 @@ impl Memory {
 
     /// Whether a contact pushed when it was last listed.
     pub(crate) fn pushed(&self, id: usize) -> bool {
-        self.recall(id) != 0 || self.contact(id).kind != Kind::Open
+        self.recall(id) != 0
     }
 
     /// What a contact did in the last step; nothing if it was not listed.
