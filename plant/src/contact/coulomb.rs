@@ -1,4 +1,4 @@
-//! Coulomb's law with the round cone, (17)-(22): the default law.
+//! Coulomb's law with the round cone, (17)-(22): the law `Cone`.
 //!
 //! ```text
 //!   solve(problem, memory):
@@ -14,7 +14,7 @@
 //! was posed. Before all of them the step tries feet that stand, for which nobody needs A: [`crate::weld`].
 //!
 //! Coulomb's law has several answers in places. Among impulses with the same effect that of least norm over each link is taken, spread as
-//! [`patch`] says; among different motions the one nearest to what the contacts did in the step before. So it is in every method.
+//! [`patch`] says; among different motions the first that is found, from what the contacts did in the step before. So it is in every method.
 
 mod interior;
 mod newton;

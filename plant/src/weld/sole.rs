@@ -11,8 +11,8 @@
 //! Contacts on one line do not hold the link against turning about it, nor one contact at all: about these axes there is neither a
 //! moment nor anything to be solved for, and N⁻¹ is the inverse where N has one.
 //!
-//! The round cone bounds friction by the disc |f_F| <= μ f_N. For a cone along tangents: however friction is aligned, it has the disc |f_F| <= μ f_N/√2 within: there the impulses obey Coulomb's law, whatever the
-//! directions of slip.
+//! The round cone bounds friction by the disc |f_F| <= μ f_N. A square cone along tangents has the disc |f_F| <= μ f_N/√2 within,
+//! however they are turned: there the impulses obey Coulomb's law, whatever the directions of slip.
 
 use super::{Pair, velocity};
 use crate::detect::Touch;

@@ -1,4 +1,4 @@
-//! How far an impulse is from Coulomb's law with the round cone: the certificate of every law and every step.
+//! How far an impulse is from Coulomb's law with the round cone: the certificate of every law without a basis along its tangents.
 //!
 //! The natural map of a contact compares its impulse with the nearest point of its cone,
 //!
