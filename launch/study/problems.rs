@@ -22,7 +22,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Laws that are asked.
-pub const LAWS: [Law; 2] = [Law::Aligned, Law::Complementarity];
+pub const LAWS: [Law; 2] = [Law::Cone, Law::Aligned];
 /// Episodes of a family at least.
 const EPISODES: usize = 20;
 /// Problems of one episode.

@@ -18,10 +18,6 @@ use std::ops::Range;
 const PANEL: usize = 12;
 /// Rows of their products that are.
 const ROWS: usize = 4;
-/// Cosine of the angle, 8°, within which contacts share one direction of slip.
-const NEARLY: f64 = 0.99;
-/// Contacts of a link slip alike if their mean slip is more than this part of their mean speed.
-const ALIKE: f64 = 0.5;
 
 /// Y = √D⁻¹L⁻ᵀK of the touching contacts, link by link.
 #[derive(Clone, Debug)]
@@ -80,17 +76,14 @@ impl ContactMap {
         let rows = 1 + tangents;
         problem.reset_rows(touches.len(), tangents);
         self.tangents.clear();
-        let mut common = None;
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
             let twist = pose.twist(model, touches[0].link, free);
             let first = self.tangents.len();
-            let drift = |i: usize| replaced(first + i, twist.at(&touches[i].arm));
-            common = if tangents == 2 { shared_slip((0..touches.len()).map(drift), common) } else { None };
             for (i, touch) in touches.iter().enumerate() {
                 problem.id[first + i] = touch.id;
                 problem.link.push(touch.link);
-                let drift = drift(i);
-                let [along, across] = tangents_of(&drift, common, law);
+                let drift = replaced(first + i, twist.at(&touch.arm));
+                let [along, across] = tangents_of(&drift, law);
                 let at = self.tangents.len() * rows;
                 self.tangents.push([along, across]);
                 let drift = [drift.z, drift.dot(&along), drift.dot(&across)];
@@ -220,37 +213,12 @@ fn write(
     }
 }
 
-/// Direction of the mean slip of a link's contacts, if they have one in common; that of the link before, if it is nearly
-/// parallel.
-///
-/// The corners of a foot slip alike. Friction cones that differ by a hair would let them chase each other along directions
-/// in which the feet hardly move, and the problem would be as ill-conditioned as the hair is thin; so contacts share the
-/// tangent that they nearly have. A mean depends on no order of the contacts, and smoothly on their velocities. With one tangent
-/// there is no across: each contact has its own, as in the paper.
-fn shared_slip(drifts: impl Iterator<Item = Vector3<f64>>, before: Option<Vector3<f64>>) -> Option<Vector3<f64>> {
-    let slips = drifts.map(|drift| Vector3::new(drift.x, drift.y, 0.0));
-    let (sum, speed) = slips.fold((Vector3::zeros(), 0.0), |(sum, speed), slip| (sum + slip, speed + slip.norm()));
-    let mean = sum.norm();
-    if mean <= ALIKE * speed {
-        return None;
-    }
-    Some(nearly(&(sum / mean), before))
-}
-
 /// Along the free slip and across it; along the axes of W for a law whose tangents do not follow the slip.
-fn tangents_of(drift: &Vector3<f64>, common: Option<Vector3<f64>>, law: Law) -> [Vector3<f64>; 2] {
+fn tangents_of(drift: &Vector3<f64>, law: Law) -> [Vector3<f64>; 2] {
     let slip = drift.xy().norm();
     let along = match slip > 0.0 && has_basis(law) {
-        true => nearly(&Vector3::new(drift.x / slip, drift.y / slip, 0.0), common),
+        true => Vector3::new(drift.x / slip, drift.y / slip, 0.0),
         false => Vector3::x(),
     };
     [along, Vector3::new(-along.y, along.x, 0.0)]
-}
-
-/// The direction `other`, if there is one on nearly the same line, else `own`.
-fn nearly(own: &Vector3<f64>, other: Option<Vector3<f64>>) -> Vector3<f64> {
-    match other {
-        Some(other) if other.dot(own).abs() > NEARLY => other * other.dot(own).signum(),
-        _ => *own,
-    }
 }

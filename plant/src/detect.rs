@@ -12,36 +12,73 @@ pub struct Touch {
     pub id: usize,
     /// Link that carries it.
     pub link: usize,
-    /// Position from the pose's reference point [m].
+    /// Where on the ground it touches, below it, from the pose's reference point [m]. All contacts are thus in one plane: a foot that lands
+    /// askew by a hair would else have to slip by a hair to stand, and contact would be as ill-posed as that is little.
     pub arm: Vector3<f64>,
     /// Height above the ground [m].
     pub gap: f64,
 }
 
-/// Speed that a point may gain within one step and still not be overlooked [m/s].
-const SURPRISE: f64 = 0.5;
-
-/// Lists the points that may touch within a step of `h` [s]: link by link, the lowest first, so that results do not depend
-/// on the order in which a scene lists them (nor on left and right).
+/// Lists the points that may touch within a step of `h` [s], link by link, the lowest first, so that results do not depend on the order in
+/// which a scene lists them (nor on left and right). `free` is the velocity that the step would end with if nothing touched.
 ///
 /// The printed laws stop whatever touches at any height, so for them touching means a gap no larger than two steps of
-/// free fall open, 2gh². The other laws let a point close its gap first, so every point that could is listed. A spring
+/// free fall open, 2gh². The other laws let a point close its gap first, so every point is listed that could close it, by its
+/// velocity now or without contact, going twice as far; what contact makes faster still is seen afterwards: [`overlooked`]. A spring
 /// pushes what it is compressed by now.
-pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, touches: &mut Vec<Touch>) {
+pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touches: &mut Vec<Touch>) {
     touches.clear();
-    for (id, corner) in model.corners.iter().enumerate() {
-        let arm = pose.lowest(corner);
-        let gap = pose.reference.z + arm.z;
-        let reach = match law {
-            Law::SpringDamper => 0.0,
-            Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
-            _ => h * (SURPRISE + 2.0 * pose.links[corner.link].velocity.at(&arm).norm()),
-        };
-        if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
-            touches.push(Touch { id, link: corner.link, arm, gap });
+    let mut first = 0;
+    for corners in model.corners.chunk_by(|a, b| a.link == b.link) {
+        let (link, start) = (corners[0].link, touches.len());
+        let (now, after) = (pose.links[link].velocity, pose.twist(model, link, free));
+        for (id, corner) in (first..).zip(corners) {
+            let arm = pose.lowest(corner);
+            let gap = pose.reference.z + arm.z;
+            let reach = match law {
+                Law::SpringDamper => 0.0,
+                Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
+                _ => 2.0 * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
+            };
+            if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
+                touches.push(Touch { id, link, arm: on_ground(pose, arm), gap });
+            }
         }
+        first += corners.len();
+        touches[start..].sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
     }
-    for touches in touches.chunk_by_mut(|a, b| a.link == b.link) {
-        touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
+}
+
+/// Where on the ground a point touches.
+fn on_ground(pose: &Pose, arm: Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(arm.x, arm.y, -pose.reference.z)
+}
+
+/// Adds the points that were not listed and that the velocity `after` the step takes into the ground within `h`; whether there are any.
+pub fn overlooked(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], touches: &mut Vec<Touch>) -> bool {
+    if matches!(law, Law::SpringDamper | Law::EnergyQp | Law::Complementarity) {
+        return false;
     }
+    let (before, mut first) = (touches.len(), 0);
+    for corners in model.corners.chunk_by(|a, b| a.link == b.link) {
+        let link = corners[0].link;
+        let listed = |id: usize, touches: &[Touch]| touches[..before].iter().any(|touch| touch.id == id);
+        if touches[..before].iter().filter(|touch| touch.link == link).count() < corners.len() {
+            let after = pose.twist(model, link, after);
+            for (id, corner) in (first..).zip(corners) {
+                let arm = pose.lowest(corner);
+                let gap = pose.reference.z + arm.z;
+                let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
+                if sinks && corner.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
+                    touches.push(Touch { id, link, arm: on_ground(pose, arm), gap });
+                }
+            }
+        }
+        first += corners.len();
+    }
+    if touches.len() == before {
+        return false;
+    }
+    touches.sort_unstable_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
+    true
 }

@@ -122,6 +122,8 @@ pub struct Model {
     pub joint_dof: Vec<usize>,
     /// Contact points and balls, in the order of the scene's bodies.
     pub corners: Vec<Corner>,
+    /// Greatest distance of a joint or a contact from the frame that carries it: the scale of lengths [m].
+    pub length: f64,
     /// Directions that friction acts along at most: one, x, if nothing moves along y.
     pub directions: usize,
     /// Springs and dampers that the scene's joints ask for; empty for bare joints.

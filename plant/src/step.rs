@@ -115,6 +115,8 @@ struct Workspace {
     memory: Memory,
     column: Vec<f64>,
     touches: Vec<Touch>,
+    /// Time within which they may touch [s].
+    horizon: f64,
     map: ContactMap,
     problem: Problem,
     solver: Solver,
@@ -283,6 +285,7 @@ impl Workspace {
             memory: Memory::default(),
             column: vec![0.0; model.dofs()],
             touches: Vec::with_capacity(model.corners.len()),
+            horizon: 0.0,
             map: ContactMap::new(model),
             problem: Problem::default(),
             solver,

@@ -54,10 +54,8 @@ type Six = [f64; 8];
 /// The welded links of a step; workspace and last solution.
 #[derive(Clone, Debug)]
 pub struct Weld {
-    /// Of the whole robot [kg].
-    mass: f64,
-    /// Whether friction is bounded by discs, as of the round cone.
-    pub round: bool,
+    /// Radius of the disc within the cone of friction, however that is turned, as a part of μ [-].
+    pub disc: f64,
     feet: [Foot; FEET],
     count: usize,
     hovering: [Foot; FEET],
@@ -74,8 +72,7 @@ impl Weld {
     pub fn new(model: &Model) -> Weld {
         let feet = || std::array::from_fn(|_| Foot::new(model));
         Weld {
-            mass: model.mass(),
-            round: false,
+            disc: 1.0,
             feet: feet(),
             count: 0,
             hovering: feet(),
@@ -137,7 +134,7 @@ impl Weld {
         self.impulse.resize(touches.len(), Vector3::zeros());
         for foot in &mut self.feet[..self.count] {
             let impulses = &mut self.impulse[foot.first..][..foot.sole.arms.len()];
-            foot.sole.spread(&foot.wrench, &foot.free, friction, self.round, impulses)?;
+            foot.sole.spread(&foot.wrench, self.disc * friction, impulses)?;
         }
         self.respond(model, factor, change);
         let mut hovering = self.hovering[..self.hovers].iter();
@@ -147,8 +144,8 @@ impl Weld {
 
     /// w for t = t_wanted, and t; none if Λ is not that of a body.
     fn resolve(&mut self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Option<()> {
-        let speed = if self.round { Some(self.speed(touches, h)) } else { None };
-        let Weld { mass, feet, count, mobility, factored, .. } = self;
+        let speed = self.speed(touches, h);
+        let Weld { feet, count, mobility, factored, .. } = self;
         let feet = &mut feet[..*count];
         for (i, a) in feet.iter().enumerate() {
             for (j, b) in feet[..=i].iter().enumerate() {
@@ -180,11 +177,7 @@ impl Weld {
                 }
                 break;
             }
-            let enough = match speed {
-                Some(speed) => (1.0 + friction) * left <= ENOUGH * speed,
-                None => *mass * (1.0 + friction) * left <= ENOUGH * push(feet),
-            };
-            if enough {
+            if (1.0 + friction) * left <= ENOUGH * speed {
                 break;
             }
             before = left;
@@ -204,11 +197,6 @@ impl Weld {
         }
         factor.second_half_solve(model, change);
     }
-}
-
-/// At least as much some contact pushes [N·s].
-fn push(feet: &[Foot]) -> f64 {
-    feet.iter().map(|foot| foot.wrench[0].z / foot.sole.arms.len() as f64).fold(0.0, f64::max)
 }
 
 fn six([straight, round]: &Pair) -> Six {

@@ -41,7 +41,7 @@ impl Stage {
         let mut factor = Factor::new(&model);
         factor.factorize(&model, &h).expect("H is positive definite");
         let mut touches = vec![];
-        touching(&model, &pose, Law::Aligned, 1e-3, &mut touches);
+        touching(&model, &pose, Law::Cone, 1e-3, &state.xdot, &mut touches);
         let (map, problem) = (ContactMap::new(&model), Problem::default());
         Stage { model, state, pose, composite, h, b, factor, touches, map, problem }
     }
@@ -98,7 +98,7 @@ fn k_and_delassus(bencher: Bencher, doing: Doing) {
     let Stage { model, state, pose, factor, touches, mut map, mut problem, .. } = Stage::of(doing);
     bencher.bench_local(|| {
         let pose = black_box(&pose);
-        map.drift(&model, pose, &touches, &state.xdot, Law::Aligned, &mut problem, |_, drift| drift);
+        map.drift(&model, pose, &touches, &state.xdot, Law::Cone, &mut problem, |_, drift| drift);
         map.assemble(&model, pose, &factor, &touches, &mut problem);
     });
 }

@@ -17,7 +17,7 @@ pub struct Tally {
     pub warm: usize,
     /// Most rows of a problem.
     pub rows: usize,
-    /// Greatest natural map.
+    /// Greatest natural map of the law's own cone.
     pub natural_map: f64,
     /// Those with a natural map beyond 1e-10, or none.
     pub unsolved: usize,
@@ -35,8 +35,8 @@ impl Tally {
         self.remembered += usize::from(is_remembered);
         self.warm += usize::from(is_remembered && own.warm);
         self.rows = self.rows.max(problem.rows());
-        self.natural_map = self.natural_map.max(judged.natural_map);
-        self.unsolved += usize::from(judged.natural_map.is_nan() || judged.natural_map > SOLVED);
+        self.natural_map = self.natural_map.max(judged.own);
+        self.unsolved += usize::from(judged.own.is_nan() || judged.own > SOLVED);
         self.fallbacks += usize::from(own.fallback);
         let pairs = problem.contacts * (2 + 2 * problem.tangents); // v_N, the facets, the slip speed of each
         self.pivots.push((own.pivots, f64::from(own.pivots) / pairs as f64));

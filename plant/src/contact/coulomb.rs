@@ -3,8 +3,7 @@
 //! ```text
 //!   solve(problem, memory):
 //!     recall     what each contact did in the last step, its impulse and its slip
-//!     Newton     from there; a patch that does not hold is freed, and Newton again        (newton, patch)
-//!     Newton     from nothing, likewise
+//!     Newton     from there; patches that do not hold are freed, and Newton again         (newton, patch)
 //!     interior   points, then Newton from what the contacts do where they end             (interior)
 //!     follow     the solution while the compliance falls to ε
 //!     the impulse with the least residual of all, flagged                                 (residual)
@@ -30,8 +29,8 @@ use messages::scene::Law;
 use newton::{Newton, STEPS};
 pub(super) use residual::{Judge, Scales, greater, speeds};
 
-/// Choices of patches that are tried from one start.
-const CHOICES: usize = 6;
+/// Choices of patches that are tried: all that there may be, then without those that stuck.
+const CHOICES: usize = 2;
 /// Compliance at which contacts hardly feel each other, as a power of ten; continuation begins there.
 const SOFT: f64 = 2.0;
 /// Solutions of the continuation at most.
@@ -93,7 +92,8 @@ impl Coulomb {
         self.round.set(problem, Law::Cone);
         self.newton.begin(&self.round);
         self.recall(problem, memory);
-        let solved = self.remembered() || self.afresh() || self.through_interior() || self.through_compliance();
+        let recalls = self.before.iter().any(|f| *f != 0.0);
+        let solved = self.near(recalls) || self.through_interior() || self.through_compliance();
         if !solved {
             self.iterate.f.clone_from(&self.best);
         }
@@ -129,24 +129,11 @@ impl Coulomb {
         *least = f64::INFINITY;
     }
 
-    /// Newton's method from what the contacts did.
-    fn remembered(&mut self) -> bool {
-        self.before.iter().any(|f| *f != 0.0) && self.choose(true)
-    }
-
-    /// Newton's method from no impulse.
-    fn afresh(&mut self) -> bool {
-        self.before.fill(0.0);
-        self.choose(false)
-    }
-
-    /// Newton's method with all patches, then without those that did not hold: each by itself, then all that stuck.
-    fn choose(&mut self, recalls: bool) -> bool {
-        let mut choices = [0; CHOICES];
-        let (mut count, mut next) = (1, 0);
-        while next < count {
-            let free = choices[next];
-            next += 1;
+    /// Newton's method from what the contacts did, or from no impulse: with all patches that there may be, then without those that stuck and
+    /// did not hold.
+    fn near(&mut self, recalls: bool) -> bool {
+        let mut free = 0;
+        for _ in 0..CHOICES {
             self.iterate.f.clone_from(&self.before);
             let start = recalls.then_some(&self.start);
             if self.newton.run(&self.round, COMPLIANCE, free, start, STEPS, &mut self.iterate) {
@@ -155,15 +142,11 @@ impl Coulomb {
             }
             self.note();
             let sticking = self.newton.groups.iter().enumerate().filter(|(_, group)| group.sticks);
-            let all = sticking.fold(free, |bits, (g, _)| bits | 1 << g.min(31));
-            let failed = self.newton.failed;
-            let each = (0..32).map(|g| 1 << g).filter(|bit| failed & bit != 0).map(|bit| free | bit);
-            for choice in each.chain([all]) {
-                if count < CHOICES && !choices[..count].contains(&choice) {
-                    choices[count] = choice;
-                    count += 1;
-                }
+            let next = sticking.fold(free, |bits, (g, _)| bits | 1 << g.min(31));
+            if next == free {
+                return false;
             }
+            free = next;
         }
         false
     }

@@ -1,8 +1,14 @@
 //! Nearest points of the sets that friction may fill: round cone, cylinder, pyramid. Coordinates are (normal, two tangents).
 
+/// √(a² + b²), the same on every machine.
+#[inline(always)]
+pub(super) fn length(a: f64, b: f64) -> f64 {
+    (a * a + b * b).sqrt()
+}
+
 /// Nearest point of the cone |x_F| <= mu x_N.
 pub(super) fn cone(x: [f64; 3], mu: f64) -> [f64; 3] {
-    let r = x[1].hypot(x[2]);
+    let r = length(x[1], x[2]);
     if r <= mu * x[0] {
         return x;
     }
@@ -13,7 +19,7 @@ pub(super) fn cone(x: [f64; 3], mu: f64) -> [f64; 3] {
 
 /// Nearest point of f_N >= 0, |f_F| <= bound.
 pub(super) fn bounded(x: [f64; 3], bound: f64) -> [f64; 3] {
-    let r = x[1].hypot(x[2]);
+    let r = length(x[1], x[2]);
     let share = if r > bound { bound / r } else { 1.0 };
     [x[0].max(0.0), share * x[1], share * x[2]]
 }

@@ -97,36 +97,6 @@ fn along(reach: [f64; 3], v: [f64; 3]) -> f64 {
     f64::max(0.0, reach[1] * v[1].abs()).max(reach[2] * v[2].abs())
 }
 
-/// Greatest |f_N v_N|, (19), relative to the square of the step's scale.
-pub(super) fn signorini(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
-    let work = f.iter().zip(v).step_by(scaled.stride()).fold(0.0, |work: f64, (f, v)| work.max((f * v).abs()));
-    relative(work, scale(scaled, f).powi(2))
-}
-
-/// Greatest angle between f_F and -v_F of a contact that slips \[rad\]; zero when none does.
-pub(super) fn slip_misalignment(scaled: &Scaled, f: &[f64], v: &[f64]) -> f64 {
-    let stride = scaled.stride();
-    let least = NO_DIRECTION * scale(scaled, f);
-    let mut worst = 0.0_f64;
-    for i in 0..scaled.contacts {
-        let (mut force, mut slip) = ([0.0; 2], [0.0; 2]);
-        let (mut scaled_force, mut scaled_slip) = (0.0_f64, 0.0_f64);
-        for t in 1..stride {
-            let k = i * stride + t;
-            (scaled_force, scaled_slip) = (scaled_force.max(f[k].abs()), scaled_slip.max(v[k].abs()));
-            if scaled.root[k] > 0.0 {
-                (force[t - 1], slip[t - 1]) = (f[k] / scaled.root[k], v[k] * scaled.root[k]);
-            }
-        }
-        if scaled_force > least && scaled_slip > least {
-            let across = force[0] * slip[1] - force[1] * slip[0];
-            let along = -(force[0] * slip[0] + force[1] * slip[1]);
-            worst = worst.max(across.abs().atan2(along));
-        }
-    }
-    worst
-}
-
 /// A ratio that is zero, not NaN, for nothing of nothing.
 pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }

@@ -227,14 +227,8 @@ impl Solver {
 
     fn measure(&mut self, problem: &Problem, law: Law, report: &mut Report) {
         let Solver { scaled, f, v, .. } = &*self;
-        report.natural_map = residual::natural_map(scaled, f, v, Yardstick::Coulomb);
-        report.own = match yardstick(law) {
-            Yardstick::Coulomb => report.natural_map,
-            own => residual::natural_map(scaled, f, v, own),
-        };
-        report.signorini = residual::signorini(scaled, f, v);
-        report.slip_misalignment = residual::slip_misalignment(scaled, f, v);
-        (report.energy_gain, report.work) = self.energy(problem);
+        report.own = residual::natural_map(scaled, f, v, yardstick(law));
+        self.certify(problem, law, report);
     }
 
     /// The residuals of Coulomb's law with the round cone, and the energy.

@@ -22,14 +22,17 @@ impl Model {
         let (path, path_start) = paths(&links);
         let tilt = scene.plant.incline_deg.to_radians();
         let jointed = |&(body, _): &(&Body, &usize)| body.joint.is_some();
+        let corners = corners(bodies, &body_link)?;
+        let reaches = corners.iter().map(|corner| corner.at.norm() + corner.radius);
         let mut model = Model {
+            length: reaches.chain(links.iter().map(|link| link.at.norm())).fold(0.0, f64::max),
             base: scene.plant.base,
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * not_negative(scene.plant.gravity, "gravity")?,
             mount_rotation: Matrix3::identity(),
             mount_position: Vector3::zeros(),
             base_link: virtual_links(scene.plant.base).len(),
             joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
-            corners: corners(bodies, &body_link)?,
+            corners,
             directions: if matches!(scene.plant.law, Law::Aligned | Law::Cone) && moves_in_plane(scene) {
                 1
             } else {

@@ -2,16 +2,26 @@
 
 use super::{Plant, Workspace};
 use crate::contact::Report;
-use crate::detect::touching;
+use crate::detect::{overlooked, touching};
 use crate::error::PlantError;
 use crate::step::settings::Settings;
 use messages::scene::Law;
 
+/// Radius of the disc within the cone of a law, however its tangents are turned, as a part of μ; none if feet that stand do not obey it.
+fn disc(law: Law) -> Option<f64> {
+    match law {
+        Law::Cone => Some(1.0),
+        Law::Aligned => Some(std::f64::consts::FRAC_1_SQRT_2),
+        _ => None,
+    }
+}
+
 impl Plant {
     /// The points that may touch within a step of `h`.
     pub(super) fn find_touches(&mut self, h: f64) {
-        let Workspace { pose, touches, .. } = &mut self.work;
-        touching(&self.model, pose, self.settings.law, h, touches);
+        let Workspace { pose, free, touches, horizon, .. } = &mut self.work;
+        *horizon = h;
+        touching(&self.model, pose, self.settings.law, h, free, touches);
     }
 
     /// The problem (14) of the touching points, A apart.
@@ -54,9 +64,11 @@ impl Plant {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
-    /// Where nothing that pushed moved in the step before, links welded to the ground are tried first: see [`crate::weld`].
+    /// Where nothing that pushed moved in the step before, feet that stand are tried first: see [`crate::weld`]. What the impulses drive
+    /// into the ground though it was not listed joins, and the problem is solved again.
     pub(super) fn solve_contacts(&mut self, h: f64) -> Result<(), PlantError> {
-        if !self.work.touches.is_empty() {
+        self.state.xdot.copy_from_slice(&self.work.free);
+        while !self.work.touches.is_empty() {
             let report = match self.weld(h) {
                 Some(report) => report,
                 None => self.solve_problem(h)?,
@@ -64,10 +76,13 @@ impl Plant {
             self.settings.check_energy(&report, self.steps)?;
             self.counts.note(&report);
             self.report = report;
-            let Workspace { free, change, .. } = &mut self.work;
-            free.iter_mut().zip(change.iter()).for_each(|(velocity, change)| *velocity += change);
+            let Workspace { pose, free, change, touches, horizon, .. } = &mut self.work;
+            let after = self.state.xdot.iter_mut().zip(free.iter().zip(change.iter()));
+            after.for_each(|(after, (free, change))| *after = free + change);
+            if !overlooked(&self.model, pose, self.settings.law, *horizon, &self.state.xdot, touches) {
+                break;
+            }
         }
-        self.state.xdot.copy_from_slice(&self.work.free);
         Ok(())
     }
 
@@ -76,12 +91,11 @@ impl Plant {
         let Settings { law, restitution, welds, friction, .. } = self.settings;
         let Workspace { pose, factor, free, touches, problem, weld, change, .. } = &mut self.work;
         let memory = &mut self.memory;
-        let welds = welds && matches!(law, Law::Aligned | Law::Cone) && restitution == 0.0 && self.model.floats();
-        if !(welds && memory.rests()) {
+        weld.disc = disc(law)?;
+        if !(welds && restitution == 0.0 && self.model.floats() && memory.rests()) {
             return None;
         }
         weld.stand(&self.model, pose, factor, touches, free, h, |id| memory.pushed(id))?;
-        weld.round = law == Law::Cone;
         let report = weld.hold(&self.model, factor, touches, friction, h, change)?;
         memory.stand(touches.iter().zip(&weld.impulse).map(|(touch, impulse)| (touch.id, *impulse)));
         (problem.contacts, problem.tangents) = (touches.len(), 2);

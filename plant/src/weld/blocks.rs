@@ -70,16 +70,6 @@ impl Blocks {
         Some(())
     }
 
-    /// How easily a contact of foot i at d moves up, and along in its worst direction: from the three by three of A = JΛJᵀ.
-    pub fn ease(&self, i: usize, d: &Vector3<f64>) -> [f64; 2] {
-        let [force, mixed, moment] = [(0, 0), (1, 0), (1, 1)].map(|(r, c)| self.0[2 * i + r][2 * i + c]);
-        let cross = d.cross_matrix();
-        let turned = cross * mixed;
-        let a = force - turned - turned.transpose() - cross * moment * cross;
-        let (mean, half) = (0.5 * (a[(0, 0)] + a[(1, 1)]), 0.5 * (a[(0, 0)] - a[(1, 1)]));
-        [a[(2, 2)], mean - half.hypot(a[(0, 1)])]
-    }
-
     /// Velocity t of foot i.
     pub fn times(&self, i: usize, feet: &[Foot]) -> Pair {
         let [mut straight, mut round] = feet[i].free;

@@ -82,8 +82,8 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
         lists[2].push(time(REPEATS, || composite.bias(&model, black_box(&pose), xdot, &mut b)));
         lists[3].push(time(REPEATS, || factor.factorize(&model, black_box(&h)).expect("positive definite")));
         lists[4].push(time(REPEATS, || {
-            touching(&model, black_box(&pose), Law::Aligned, 1e-3, &mut touches);
-            map.drift(&model, &pose, &touches, xdot, Law::Aligned, &mut problem, |_, drift| drift);
+            touching(&model, black_box(&pose), Law::Cone, 1e-3, xdot, &mut touches);
+            map.drift(&model, &pose, &touches, xdot, Law::Cone, &mut problem, |_, drift| drift);
             map.assemble(&model, &pose, &factor, &touches, &mut problem);
         }));
         lists[5].push(time(REPEATS, || {

@@ -7,9 +7,10 @@
 //!
 //! # Source
 //! Nesterov & Todd (1997): the scaling W, Wx = W⁻¹y. Mehrotra (1992): predictor and corrector. Acary, Armand & Nguyen (2022): the same
-//! for frictional contact. Formulas of W: Vandenberghe, *The CVXOPT linear and quadratic cone program solvers* (2010).
+//! for frictional contact. El-Bakry, Tapia & Zhang (1994): what vanishes is seen in a step. Formulas of W: Vandenberghe, *The CVXOPT linear and quadratic cone program solvers* (2010).
 
 use super::super::pivoted::Pivoted;
+use super::super::project::length;
 use super::super::round::{Round, part};
 use super::super::tolerance::{COMPLIANCE, SOLVED};
 use super::{Iterate, Kind, Start};
@@ -18,6 +19,9 @@ use super::{Iterate, Kind, Start};
 const STEPS: u32 = 40;
 /// Where τ has fallen to this, rounding is all that is left [-]; the step's speed is 1.
 const NOTHING: f64 = 1e-28;
+
+/// What the predictor takes more than this part of vanishes [-].
+const HALF: f64 = 0.5;
 
 type Vector = [f64; 3];
 
@@ -47,6 +51,8 @@ struct Contact {
     lacks: Vector,
     dx: Vector,
     dy: Vector,
+    /// What it seems to do in the end.
+    kind: Kind,
 }
 
 /// Workspace.
@@ -95,6 +101,7 @@ impl Interior {
                 break;
             }
             self.direct(None, tau);
+            self.contacts.iter_mut().for_each(Contact::foresee);
             let far = self.longest();
             self.direct(Some((1.0 - far.min(1.0)).powi(3).max(pace.leaves)), tau);
             let step = f64::min(1.0, pace.fraction * self.longest());
@@ -109,19 +116,13 @@ impl Interior {
         least <= SOLVED
     }
 
-    /// What each contact does where the method has ended: what is far from its border decides.
+    /// What each contact does in the end, as the last step foresaw it.
     pub fn start(&self, round: &Round, groups: impl Iterator<Item = (usize, usize)>, start: &mut Start) {
         start.kinds.clear();
         start.slips.clear();
         for own in &self.contacts {
-            let (x, y) = (own.x, own.y);
-            let kind = match () {
-                () if x[0] < y[0] - y[1].hypot(y[2]) => Kind::Open,
-                () if x[0] - x[1].hypot(x[2]) > y[0] => Kind::Sticks,
-                () => Kind::Slides,
-            };
-            start.kinds.push(kind);
-            start.slips.push([y[1] * round.size, y[2] * round.size]);
+            start.kinds.push(own.kind);
+            start.slips.push([own.y[1] * round.size, own.y[2] * round.size]);
         }
         for (first, end) in groups {
             let kinds = &mut start.kinds[first..end];
@@ -142,7 +143,7 @@ impl Interior {
     fn measure(&mut self, unit: f64, Iterate { f, v, .. }: &Iterate) {
         for (i, own) in self.contacts.iter_mut().enumerate() {
             own.scaling = Scaling::of(own.x, own.y);
-            let slip = norm(own.y[1], own.y[2]);
+            let slip = length(own.y[1], own.y[2]);
             own.gradient = if slip > 0.0 { [0.0, own.y[1] / slip, own.y[2] / slip] } else { [0.0; 3] };
             let (f, v) = (part(f, i), part(v, i));
             own.lacks = [0, 1, 2].map(|k| self.weights[3 * i + k] * (v[k] + COMPLIANCE * f[k]) / unit - own.y[k]);
@@ -199,6 +200,18 @@ impl Interior {
     }
 }
 
+impl Contact {
+    /// The predictor takes what will be zero to nearly zero at once, and leaves what will not nearly as it is (Tapia's indicators).
+    fn foresee(&mut self) {
+        let [x, y] = [self.dx[0] / self.x[0], self.dy[0] / self.y[0]];
+        self.kind = match () {
+            () if x < y && x < -HALF => Kind::Open,
+            () if y < -HALF => Kind::Sticks,
+            () => Kind::Slides,
+        };
+    }
+}
+
 /// W = β(2vvᵀ − J) with Wx = W⁻¹y, J = diag(1, −1, −1).
 #[derive(Clone, Copy, Debug, Default)]
 struct Scaling {
@@ -238,13 +251,9 @@ fn add(a: Vector, share: f64, b: Vector) -> Vector {
     [0, 1, 2].map(|k| a[k] + share * b[k])
 }
 
-fn norm(a: f64, b: f64) -> f64 {
-    (a * a + b * b).sqrt()
-}
-
 /// x_N² − |x_F|², by its factors.
 fn determinant(x: Vector) -> f64 {
-    let length = norm(x[1], x[2]);
+    let length = length(x[1], x[2]);
     (x[0] - length) * (x[0] + length)
 }
 

@@ -16,6 +16,7 @@
 //! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
 
 use super::super::pivoted::Pivoted;
+use super::super::project::length;
 use super::super::round::{Round, part};
 use super::super::tolerance::{COMPLIANCE, NEAR, SOLVED};
 use super::patch::{Group, Patch};
@@ -179,7 +180,7 @@ impl Newton {
                 let (f, v, mu) = (part(f, i), part(v, i), round.friction[i]);
                 let rho = 1.0 / (round.inverse_mass[i] + compliance);
                 let x = [f[0] - rho * v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
-                let (bound, length) = (mu * x[0], x[1].hypot(x[2]));
+                let (bound, length) = (mu * x[0], length(x[1], x[2]));
                 *own = if x[0] <= 0.0 {
                     Contact::default()
                 } else if round.given[i] != [0.0; 2] {
@@ -209,7 +210,7 @@ impl Newton {
             group.sticks = group.may && start.kinds[group.first..group.end].contains(&Kind::Patch);
             for i in group.first..group.end {
                 let (kind, slip) = (start.kinds[i], start.slips[i]);
-                let speed = slip[0].hypot(slip[1]);
+                let speed = length(slip[0], slip[1]);
                 self.contacts[i] = match kind {
                     Kind::Open => Contact::default(),
                     _ if round.given[i] != [0.0; 2] => Contact::given(round.given[i]),
@@ -217,7 +218,7 @@ impl Newton {
                     Kind::Slides if speed > 0.0 => {
                         let along = [-slip[0] / speed, -slip[1] / speed];
                         let rho = 1.0 / round.inverse_mass[i];
-                        let slides = rho * speed / (f[3 * i + 1].hypot(f[3 * i + 2]) + rho * speed);
+                        let slides = rho * speed / (length(f[3 * i + 1], f[3 * i + 2]) + rho * speed);
                         Contact { kind, along, slip: rho * (1.0 - slides), friction: slides }
                     }
                     _ => Contact { kind: Kind::Sticks, ..Contact::default() },

@@ -10,6 +10,7 @@
 //!
 //! zero for a contact that would pull, less for the friction of one that would slip. If no weights do, the patch does not stick.
 
+use super::super::project::length;
 use super::super::round::{Round, part};
 use super::super::tolerance::DEPENDENT;
 use nalgebra::{Matrix6, Vector6};
@@ -37,6 +38,8 @@ pub(super) struct Group {
     pub may: bool,
     /// Columns of Q.
     pub rank: usize,
+    /// Members of the patch that Q is of, as bits; none yet.
+    pub of: u64,
 }
 
 /// Q by contact, and the weights of normal and friction; workspace.
@@ -59,6 +62,11 @@ impl Patch {
     /// Q of the members of a group: the factor of their A by pivoted Cholesky, made orthonormal by Gram and Schmidt, twice.
     pub fn find_basis(&mut self, round: &Round, group: &mut Group, member: impl Fn(usize) -> bool) {
         let (m, contacts) = (3 * round.contacts, group.first..group.end);
+        let members = contacts.clone().filter(|&i| member(i)).fold(0, |bits, i| bits | 1 << (i - group.first).min(63));
+        if contacts.len() < 64 && group.of == members {
+            return;
+        }
+        group.of = members;
         let Patch { basis, diagonal, .. } = self;
         for i in contacts.clone() {
             basis[i] = Rows::default();
@@ -119,7 +127,7 @@ impl Patch {
             let mut within = true;
             for i in members() {
                 let [normal, along, across] = part(f, i);
-                let (friction, bound) = (along.hypot(across), round.friction[i] * normal);
+                let (friction, bound) = (length(along, across), round.friction[i] * normal);
                 if normal <= 0.0 {
                     within &= normal >= -ROUNDING * greatest;
                     weights[i] = [0.0; 2];

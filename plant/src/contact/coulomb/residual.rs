@@ -14,7 +14,7 @@
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
-use super::super::project::cone;
+use super::super::project::{cone, length};
 use super::super::tolerance::{ROUNDING, SOLVED};
 use super::super::{Problem, lift};
 use messages::scene::Law;
@@ -38,6 +38,8 @@ pub(in super::super) struct Residual {
 pub(in super::super) struct Scales {
     pub speed: f64,
     pub impulse: f64,
+    /// Rounding of the velocity, where it was asked for.
+    pub rounding: f64,
 }
 
 impl Scales {
@@ -45,13 +47,15 @@ impl Scales {
     pub fn of(speed: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let size = (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt();
         let stopping = if inverse_mass > 0.0 { speed / inverse_mass } else { 0.0 };
-        Scales { speed, impulse: if size > stopping { size } else { stopping } }
+        Scales { speed, impulse: if size > stopping { size } else { stopping }, rounding: 0.0 }
     }
 
-    /// The same where Σ|A f| is so large that its rounding hides what V asks for.
+    /// The same where Σ|A f| is so large that its rounding hides what V asks for. A slip of mere rounding is none, however great the
+    /// friction.
     pub fn as_known(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let known = sum * (ROUNDING / SOLVED);
-        if known > self.speed { Scales::of(known, inverse_mass, f) } else { self }
+        let scales = if known > self.speed { Scales::of(known, inverse_mass, f) } else { self };
+        Scales { rounding: ROUNDING * sum, ..scales }
     }
 
     /// The natural map of one contact, in any units in which f and F agree, and v and V. A contact with `given` direction of slip is
@@ -64,14 +68,14 @@ impl Scales {
         }
         let step = self.impulse / self.speed;
         let nearest = if given == [0.0; 2] {
-            let slip = (v[1] * v[1] + v[2] * v[2]).sqrt();
+            let slip = (length(v[1], v[2]) - self.rounding).max(0.0);
             cone([f[0] - step * (v[0] + friction * slip), f[1] - step * v[1], f[2] - step * v[2]], friction)
         } else {
             let normal = (f[0] - step * v[0]).max(0.0);
             [normal, -friction * f[0] * given[0], -friction * f[0] * given[1]]
         };
         let unlike = (0..3).fold(0.0, |sum, k| sum + (f[k] - nearest[k]).powi(2)).sqrt();
-        unlike / self.impulse + hidden
+        (unlike / self.impulse).max(-v[0] / self.speed) + hidden
     }
 }
 
@@ -158,7 +162,7 @@ impl Judge {
 
 /// Angle between f_F and −v_F if both have a direction [rad].
 fn misalignment(f: [f64; 3], v: [f64; 3], scales: Scales) -> f64 {
-    if f[1].hypot(f[2]) <= NO_DIRECTION * scales.impulse || v[1].hypot(v[2]) <= NO_DIRECTION * scales.speed {
+    if length(f[1], f[2]) <= NO_DIRECTION * scales.impulse || length(v[1], v[2]) <= NO_DIRECTION * scales.speed {
         return 0.0;
     }
     (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))

@@ -14,7 +14,7 @@ fn what_all_but_holds_itself_is_solved_to_rounding_in_few_pivots() {
         let mut solver = Solver::default();
         let report = solver.solve(&problem, Law::Aligned, &mut Memory::default());
         println!("{} contacts: {report:?}", problem.contacts);
-        assert!(report.natural_map <= 1e-11 && !report.fallback, "{report:?}");
+        assert!(report.own <= 1e-11 && !report.fallback, "{report:?}");
         assert!(report.pivots as usize <= 10 * problem.rows(), "{report:?}");
     }
 }

@@ -8,18 +8,18 @@ use crate::step::{Plant, Workspace};
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// A corner bears up to this gap [m]; an impact is located to 1e-15 m, so what has landed is far below it.
+/// A corner bears up to this gap [length of the model]; an impact is located to 1e-15 m, so what has landed is far below it.
 const BEARS: f64 = 1e-8;
 /// Rate at which gap and velocity of what bears are drawn back to zero [1/s]. Slow: the stages of a step are off the ground
 /// by h², and what pulls them there costs the method its order.
 const SETTLES: f64 = 20.0;
-/// What approaches the ground faster than this hits it [m/s].
+/// What approaches the ground faster than this hits it [lengths/s].
 const HITS: f64 = 1e-6;
-/// What moves slower than this along the ground sticks [m/s].
+/// What moves slower than this along the ground sticks [lengths/s].
 const STICKS: f64 = 1e-6;
-/// What is accelerated less than this sticks on [m/s²].
+/// What is accelerated less than this sticks on [lengths/s²].
 const HELD: f64 = 1e-6;
-/// Tangential acceleration that tells the law of a slip [m/s²]: more than any that friction could stop.
+/// Tangential acceleration that tells a law with a basis of a slip [lengths/s²]: more than any that friction could stop.
 const SLIP: f64 = 1e3;
 /// A slip slower than this, beside that at the step's beginning, keeps its direction of then.
 const NEARLY_STOPPED: f64 = 1e-6;
@@ -49,14 +49,14 @@ pub(in crate::step) struct Bearing {
 impl Plant {
     /// What bears and what sticks now, after the impact of whatever comes down.
     pub(super) fn land(&mut self) -> Result<(), PlantError> {
-        let (pose, mut hits) = (&self.work.pose, false);
+        let (pose, length, mut hits) = (&self.work.pose, self.model.length, false);
         for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
             let arm = pose.lowest(corner);
             let at = pose.reference + arm;
             bearing.gap = if corner.has_ground(at.x) { at.z } else { f64::INFINITY };
             let bore = bearing.bears && bearing.pressed && bearing.gap.is_finite();
-            bearing.bears = bearing.gap <= BEARS || bore;
-            hits |= bearing.bears && pose.links[corner.link].velocity.at(&arm).z < -HITS;
+            bearing.bears = bearing.gap <= BEARS * length || bore;
+            hits |= bearing.bears && pose.links[corner.link].velocity.at(&arm).z < -HITS * length;
         }
         if hits {
             self.hit()?;
@@ -64,13 +64,13 @@ impl Plant {
         let pose = &self.work.pose;
         for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
             // what the impact throws off does not bear, though it has no gap yet; what drifts off does
-            let rises = pose.links[corner.link].velocity.at(&pose.lowest(corner)).z > HITS;
+            let rises = pose.links[corner.link].velocity.at(&pose.lowest(corner)).z > HITS * length;
             if bearing.bears && rises && (hits || !bearing.pressed) {
-                (bearing.bears, bearing.gap) = (false, bearing.gap.max(BEARS));
+                (bearing.bears, bearing.gap) = (false, bearing.gap.max(BEARS * length));
             }
             let slip = slip(pose, corner);
             bearing.speed = slip.norm();
-            bearing.sticks = bearing.bears && (bearing.speed <= STICKS || bearing.sticks && bearing.held);
+            bearing.sticks = bearing.bears && (bearing.speed <= STICKS * length || bearing.sticks && bearing.held);
             bearing.along = if bearing.speed > 0.0 { slip / bearing.speed } else { slip };
         }
         Ok(())
@@ -81,6 +81,7 @@ impl Plant {
         self.find_inertia(0.0, 0.0)?;
         self.work.free.copy_from_slice(&self.state.xdot);
         self.touch_bearings();
+        self.work.horizon = 0.0;
         self.solve_contacts(f64::INFINITY)?; // no time to approach in
         self.record_contacts();
         kinematics::velocities(&self.model, &self.state.xdot, &mut self.work.pose);
@@ -105,7 +106,7 @@ impl Plant {
         if self.work.touches.is_empty() {
             return Ok(());
         }
-        let law = self.settings.law;
+        let (law, length) = (self.settings.law, self.model.length);
         let Workspace { pose, composite, factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
         let bearings = &self.bearings;
         let velocity = |touch: &Touch| pose.links[touch.link].velocity.at(&touch.arm);
@@ -124,7 +125,7 @@ impl Plant {
             pull.z += (velocity.z + touch.gap * SETTLES) * SETTLES;
             if !bearings[touch.id].sticks && law != Law::Cone {
                 let along = along(touch);
-                (pull.x, pull.y) = (SLIP * along.x, SLIP * along.y);
+                (pull.x, pull.y) = (SLIP * length * along.x, SLIP * length * along.y);
             }
             pull
         };
@@ -147,7 +148,7 @@ impl Plant {
             self.record.push(touch.id, (force * weight).into());
             let bearing = &mut self.bearings[touch.id];
             bearing.pressed = force.z > 0.0;
-            bearing.held = velocity[1..].iter().all(|a| a.abs() <= HELD);
+            bearing.held = velocity[1..].iter().all(|a| a.abs() <= HELD * length);
         }
         free.iter_mut().zip(change.iter()).for_each(|(acceleration, change)| *acceleration += change);
         Ok(())

@@ -1,0 +1,108 @@
+//! Claim: contact knows no length, speed or friction of its own: what is scaled moves alike, and what is extreme is caught as well.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use messages::load::parse;
+use messages::scene::Law;
+use messages::wire::Torques;
+use plant::Plant;
+
+/// The states of a scene, one for each step: position of the base and its velocity.
+fn run(text: &str) -> Vec<([f64; 3], [f64; 3])> {
+    let scene = parse(text, "a test").expect("a scene");
+    let mut plant = Plant::new(&scene).expect("a plant");
+    let steps = (scene.duration * scene.rate).round() as usize;
+    let step = |_| {
+        plant.advance(&Torques::default()).expect("a step");
+        let truth = plant.truth();
+        let obeys = scene.plant.law != Law::Cone || truth.natural_map <= 1e-10;
+        assert!(obeys && truth.fallbacks == 0, "{text}: {truth:?}");
+        (truth.base_position, truth.base_velocity)
+    };
+    (0..steps).map(step).collect()
+}
+
+/// A box with sharp corners and a round one, thrown on the ground; every length times `scale`, in the same time.
+fn thrown(scale: f64, settings: &str) -> String {
+    let [half, flat, gravity, fast] = [0.1, 0.04, 9.81, 1.0].map(|size: f64| size * scale);
+    let inertia = scale * scale * 0.01;
+    let corners = [(half, half), (half, -half), (-half, half), (-half, -half)];
+    let corners: Vec<_> =
+        corners.iter().flat_map(|(x, y)| [-flat, flat].map(|z| format!("[{x:e}, {y:e}, {z:e}]"))).collect();
+    format!(
+        "duration = 1.0\nrate = 1000.0\n[plant]\ndt = 0.001\nfriction = 0.4\ngravity = {gravity:e}\n{settings}\n\
+         [initial]\nclearance = {half:e}\norientation_deg = [20.0, 10.0, 0.0]\nvelocity = [{fast:e}, 0.0, 0.0]\n\
+         angular_velocity = [1.0, 2.0, 0.5]\n[[bodies]]\nname = \"box\"\nmass = 2.0\n\
+         inertia = [{inertia:e}, {inertia:e}, {inertia:e}]\nsize = [{half:e}, {half:e}, {flat:e}]\ncontacts = [{}]\n",
+        corners.join(", ")
+    )
+}
+
+#[test]
+fn lengths_a_million_times_as_large_or_small_move_alike() {
+    // by powers of two nothing rounds differently, so whatever differs has a length of its own
+    for settings in ["", "law = \"Aligned\"", "method = \"MoreauJean\"", "method = \"MidpointMoreau\"", "method = \"Rk4Impact\""] {
+        let ours = run(&thrown(1.0, settings));
+        for scale in [-20, -10, 10, 20].map(|power| 2f64.powi(power)) {
+            let theirs = run(&thrown(scale, settings));
+            let mut worst = 0.0_f64;
+            for ((p, v), (q, w)) in ours.iter().zip(&theirs) {
+                let unlike = |a: &[f64; 3], b: &[f64; 3]| (0..3).fold(0.0, |most: f64, k| most.max((a[k] - b[k] / scale).abs()));
+                worst = worst.max(unlike(p, q)).max(unlike(v, w));
+            }
+            println!("{settings} × {scale:e}: unlike by {worst:.1e}");
+            assert!(worst <= 1e-9, "{settings} × {scale:e}: {worst:e}");
+        }
+    }
+}
+
+/// A cube that falls by half of its size.
+fn cube(friction: f64, gravity: f64, dt: f64, velocity: [f64; 3], spin: [f64; 3]) -> String {
+    format!(
+        "duration = 1.0\nrate = {}\n[plant]\ndt = {dt}\nfriction = {friction:e}\ngravity = {gravity:e}\n[initial]\nclearance = 0.05\n\
+         velocity = {velocity:?}\nangular_velocity = {spin:?}\n[[bodies]]\nname = \"cube\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n\
+         contacts = [[0.05, 0.05, -0.05], [0.05, -0.05, -0.05], [-0.05, 0.05, -0.05], [-0.05, -0.05, -0.05]]\n",
+        1.0 / dt
+    )
+}
+
+/// Contacts that gain many metres a second within a step are seen in time.
+#[test]
+fn a_hundred_times_the_gravity_stands_on_the_ground() {
+    for gravity in [9.81, 981.0, 1e5] {
+        let (end, _) = *run(&cube(0.5, gravity, 0.01, [0.0; 3], [0.0; 3])).last().expect("steps");
+        println!("g = {gravity}: {:.2e} m above where it stands", end[2] - 0.05);
+        assert!((end[2] - 0.05).abs() < 1e-9, "g = {gravity}: {end:?}");
+    }
+}
+
+/// What cannot slip comes to rest, tumbling over its edges, and does not sink.
+#[test]
+fn what_cannot_slip_does_not() {
+    for friction in [0.0, 1e-3, 10.0, 1e3, 1e5, 1e9] {
+        let states = run(&cube(friction, 9.81, 0.001, [1.0, 0.5, 0.0], [1.0, 2.0, 3.0]));
+        let (end, speed) = *states.last().expect("steps");
+        println!("μ = {friction:e}: {end:?} at {speed:?}");
+        assert!(end[2] > 0.049 && end[2] < 0.1, "μ = {friction}: {end:?}");
+        if friction >= 10.0 {
+            assert!(speed.iter().all(|v| v.abs() < 1e-6), "μ = {friction}: {speed:?}");
+        }
+    }
+}
+
+/// A hammer: a light limb on a heavy body, whose tip contact speeds up from rest to several metres a second within one step.
+#[test]
+fn a_light_limb_that_is_knocked_down_stops_at_the_ground() {
+    let text = "duration = 0.2\nrate = 1000.0\n[plant]\ndt = 0.001\nfriction = 0.5\ndrive_inertia = 0.0\n[initial]\nclearance = 0.002\n\
+        velocity = [0.0, 0.0, -2.0]\n[[bodies]]\nname = \"block\"\nmass = 10.0\nsize = [0.2, 0.2, 0.2]\n\
+        contacts = [[-0.1, 0.1, -0.1], [-0.1, -0.1, -0.1], [0.1, 0.1, -0.1], [0.1, -0.1, -0.1]]\n\
+        [[bodies]]\nname = \"limb\"\njoint = { parent = \"block\", at = [0.1, 0.0, -0.08], axis = [0.0, 1.0, 0.0] }\nmass = 0.001\n\
+        com = [0.05, 0.0, 0.0]\nsize = [0.1, 0.01, 0.01]\ncontacts = [[0.1, 0.0, 0.0]]\n";
+    let scene = parse(text, "a test").expect("a scene");
+    let mut plant = Plant::new(&scene).expect("a plant");
+    for _ in 0..200 {
+        plant.advance(&Torques::default()).expect("a step");
+        let truth = plant.truth();
+        assert!(truth.natural_map <= 1e-10 && truth.penetration < 1e-3, "{truth:?}");
+    }
+}
