@@ -12,8 +12,8 @@ pub struct Touch {
     pub id: usize,
     /// Link that carries it.
     pub link: usize,
-    /// Where on the ground it touches, below it, from the pose's reference point [m]. All contacts are thus in one plane: a foot that lands
-    /// askew by a hair would else have to slip by a hair to stand, and contact would be as ill-posed as that is little.
+    /// Where it touches, from the pose's reference point [m]: it, at the height of the lowest contact of its link. These are thus in one
+    /// plane: a foot that lands askew by a hair would else have to slip by a hair to stand, and contact be as ill-posed as that is little.
     pub arm: Vector3<f64>,
     /// Height above the ground [m].
     pub gap: f64,
@@ -41,17 +41,19 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touc
                 _ => 2.0 * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
             };
             if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
-                touches.push(Touch { id, link, arm: on_ground(pose, arm), gap });
+                touches.push(Touch { id, link, arm, gap });
             }
         }
         first += corners.len();
-        touches[start..].sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
+        level(&mut touches[start..]);
     }
 }
 
-/// Where on the ground a point touches.
-fn on_ground(pose: &Pose, arm: Vector3<f64>) -> Vector3<f64> {
-    Vector3::new(arm.x, arm.y, -pose.reference.z)
+/// Lists the lowest first, and gives all contacts of a link its height.
+fn level(touches: &mut [Touch]) {
+    touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
+    let height = touches.first().map_or(0.0, |lowest| lowest.arm.z);
+    touches.iter_mut().for_each(|touch| touch.arm.z = height);
 }
 
 /// Adds the points that were not listed and that the velocity `after` the step takes into the ground within `h`; whether there are any.
@@ -70,7 +72,7 @@ pub fn overlooked(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], t
                 let gap = pose.reference.z + arm.z;
                 let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
                 if sinks && corner.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
-                    touches.push(Touch { id, link, arm: on_ground(pose, arm), gap });
+                    touches.push(Touch { id, link, arm, gap });
                 }
             }
         }
@@ -79,6 +81,7 @@ pub fn overlooked(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], t
     if touches.len() == before {
         return false;
     }
-    touches.sort_unstable_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
+    touches.sort_by_key(|touch| touch.link);
+    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(level);
     true
 }

@@ -160,9 +160,6 @@ impl Coulomb {
         let arrived = self.interior.run(&self.round, pace, &mut self.iterate);
         let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
         self.interior.start(&self.round, groups, &mut self.start);
-        if arrived {
-            return true;
-        }
         self.note();
         self.before.clone_from(&self.iterate.f);
         for free in [0, u32::MAX] {
@@ -174,7 +171,8 @@ impl Coulomb {
             }
             self.note();
         }
-        false
+        self.iterate.f.clone_from(&self.before);
+        arrived
     }
 
     /// Follows the solution from contacts so compliant that each has its own to those of the problem, in steps as long as Newton's method
