@@ -11,25 +11,30 @@ use crate::detect::Touch;
 use nalgebra::Vector3;
 
 impl Weld {
-    /// The residuals of the last solution; those that are called solved by the coarse bound are not measured by the finer one.
+    /// The residuals of the last solution, and its energy.
     pub(super) fn report(&self, touches: &[Touch], friction: f64, h: f64) -> Report {
-        // no contact moves less easily than the whole robot's mass does
-        let least = Ease { per_fall: 0.0, ..Ease::of([1.0 / self.mass; 2]) };
-        let mut residuals = self.residuals(touches, friction, h, |_, _| least);
-        if residuals[0] > SOLVED {
-            residuals = self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
-        }
-        if self.round {
-            residuals = [self.of_round_cones(touches, friction, h); 2];
-        }
+        let [natural_map, signorini] = match self.round {
+            true => [self.of_round_cones(touches, friction, h); 2],
+            false => self.of_square_cones(touches, friction, h),
+        };
         let work = |foot: &Foot| -> f64 {
             let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
             pairs.map(|((t, free), w)| w.dot(&(t + free))).sum()
         };
         let energy_gain = 0.5 * self.feet[..self.count].iter().map(work).sum::<f64>();
         let work = 0.5 * self.feet[..self.count].iter().map(|foot| work(foot).abs()).sum::<f64>();
-        let [natural_map, signorini] = residuals;
         Report { natural_map, own: natural_map, signorini, energy_gain, work, warm: true, ..Report::default() }
+    }
+
+    /// The bounds for square cones; those that are called solved by the coarse bound are not measured by the finer one.
+    fn of_square_cones(&self, touches: &[Touch], friction: f64, h: f64) -> [f64; 2] {
+        // no contact moves less easily than the whole robot's mass does
+        let least = Ease { per_fall: 0.0, ..Ease::of([1.0 / self.mass; 2]) };
+        let coarse = self.residuals(touches, friction, h, |_, _| least);
+        if coarse[0] > SOLVED {
+            return self.residuals(touches, friction, h, |i, d| Ease::of(self.mobility.ease(i, d)));
+        }
+        coarse
     }
 
     /// The bound for round cones: the natural map of a contact, |f − P_K(f − (F/V) v̂)|/F, is no more than |v̂|/V, for no projection on a

@@ -146,22 +146,21 @@ impl Sole {
                 let from = d.xy() - centre;
                 let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
                 let bound = friction * n;
-                if round {
-                    let excess = f.norm() / bound;
-                    if excess > 1.0 {
-                        *g /= EASE * excess * excess;
-                        slips = true;
-                    }
+                let excess = if round {
+                    f.norm() / bound
                 } else if 2.0 * f.norm_squared() > bound * bound {
                     let slip = velocity(free, d).xy();
                     let excess = (f.dot(&slip).abs() + f.perp(&slip).abs()) / (bound * slip.norm());
                     if excess.is_nan() {
                         return None; // without a slip there is no telling where the cone's corner lies
                     }
-                    if excess > 1.0 {
-                        *g /= EASE * excess * excess;
-                        slips = true;
-                    }
+                    excess
+                } else {
+                    0.0
+                };
+                if excess > 1.0 {
+                    *g /= EASE * excess * excess;
+                    slips = true;
                 }
                 shear.push(f);
             }
