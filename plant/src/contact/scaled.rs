@@ -2,7 +2,7 @@
 //! impulses and velocities are both in sqrt(J).
 
 use super::residual::greatest;
-use super::tolerance::IMMOVABLE;
+use super::tolerance::{COMPLIANCE, IMMOVABLE};
 use super::{Problem, lift};
 use messages::scene::Law;
 
@@ -11,7 +11,7 @@ use messages::scene::Law;
 /// Two flat feet on one robot hold each other along directions that H sees at 1e-12 or not at all. There the impulse is
 /// the quotient of two roundings, and pivoting loses its way. With this the problem has one solution, that of least norm
 /// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
-pub(crate) const YIELD: f64 = 2e-11;
+pub(crate) const YIELD: f64 = COMPLIANCE;
 
 /// The same for pivoting in 32 digits: far above the rounding of A, so that there is one solution, and far below what
 /// counts as solved.
