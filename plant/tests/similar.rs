@@ -41,13 +41,16 @@ fn thrown(scale: f64, settings: &str) -> String {
 #[test]
 fn lengths_a_million_times_as_large_or_small_move_alike() {
     // by powers of two nothing rounds differently, so whatever differs has a length of its own
-    for settings in ["", "law = \"Aligned\"", "method = \"MoreauJean\"", "method = \"MidpointMoreau\"", "method = \"Rk4Impact\""] {
+    for settings in
+        ["", "law = \"Aligned\"", "method = \"MoreauJean\"", "method = \"MidpointMoreau\"", "method = \"Rk4Impact\""]
+    {
         let ours = run(&thrown(1.0, settings));
         for scale in [-20, -10, 10, 20].map(|power| 2f64.powi(power)) {
             let theirs = run(&thrown(scale, settings));
             let mut worst = 0.0_f64;
             for ((p, v), (q, w)) in ours.iter().zip(&theirs) {
-                let unlike = |a: &[f64; 3], b: &[f64; 3]| (0..3).fold(0.0, |most: f64, k| most.max((a[k] - b[k] / scale).abs()));
+                let unlike =
+                    |a: &[f64; 3], b: &[f64; 3]| (0..3).fold(0.0, |most: f64, k| most.max((a[k] - b[k] / scale).abs()));
                 worst = worst.max(unlike(p, q)).max(unlike(v, w));
             }
             println!("{settings} × {scale:e}: unlike by {worst:.1e}");

@@ -23,11 +23,8 @@ fn turning(name: &str, settings: &[&str]) -> f64 {
 /// .706702 rad/s after half a second.
 #[test]
 fn a_puck_that_slides_and_turns_is_braked_about_the_vertical() {
-    for (settings, most) in [
-        (vec![], 2e-4),
-        (vec!["plant.dt=0.00025"], 5e-5),
-        (vec!["plant.method=EventDriven"], 1e-6),
-    ] {
+    for (settings, most) in [(vec![], 2e-4), (vec!["plant.dt=0.00025"], 5e-5), (vec!["plant.method=EventDriven"], 1e-6)]
+    {
         let found = turning("slide-and-turn", &settings);
         println!("{settings:?}: {found}");
         assert!((found - 0.706_702).abs() < most, "{settings:?}: {found}");

@@ -114,10 +114,11 @@ fn a_cube_sticks_for_an_hour_inside_its_friction_cone() {
 }
 
 /// Both legs move in planes across the trunk's roll axis, which the trunk's width parts: on two flat soles a trunk that has rolled by φ
-/// stands on width/cos φ. So it cannot sway on both feet unless they slide, however slowly; where friction holds them, they tip.
+/// stands on width/cos φ. So it cannot sway on both feet unless they slide, however slowly; where friction holds them, they tip: from
+/// μ = .67 on a little.
 #[test]
 fn who_has_no_hip_to_roll_spreads_the_feet_by_swaying() {
-    let (off, tipped, roll) = sway("0.7");
+    let (off, tipped, roll) = sway("0.6");
     println!("rolled by {roll:.4} rad; off by {off:.1e} m, corners {tipped:.1e} m up");
     assert_near("roll", roll, 0.05, 0.01);
     assert_near("width", off, 0.0, 1e-9);

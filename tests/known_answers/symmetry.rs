@@ -70,7 +70,9 @@ fn a_world_turned_by_37_degrees_moves_as_before() {
     turned.initial.orientation_deg[2] += 37.0;
     turned.initial.velocity = (turn * Vector3::from(scene.initial.velocity)).into();
     turned.initial.angular_velocity = (turn * Vector3::from(scene.initial.angular_velocity)).into();
-    let (worst, _) = difference(&path(&scene, 1500), &path(&turned, 1500), |s| s.map(|v| turn * v));
-    println!("turned: {worst:e}");
-    assert!(worst < 1e-12);
+    let reference = path(&scene, 1500);
+    let (worst, _) = difference(&reference, &path(&turned, 1500), |s| s.map(|v| turn * v));
+    let greatest = reference.iter().flatten().map(|v| v.norm()).fold(0.0, f64::max); // it spins at 12 rad/s
+    println!("turned: {worst:e} of {greatest}");
+    assert!(worst < 3e-13 * greatest);
 }

@@ -4,6 +4,9 @@
 /// differently, also finds less than that.
 pub(crate) const SOLVED: f64 = 4e-11;
 
+/// The natural map that every solved step promises [-].
+pub(super) const PROMISED: f64 = 1e-10;
+
 /// Compliance of the contacts [-]: what is added to the scaled A, whose diagonal of the normal is 1.
 ///
 /// Two feet of one robot press against each other along directions that A holds at 1e-12 or not at all. With the compliance the impulse

@@ -96,7 +96,7 @@ impl Interior {
                 break;
             }
             iterate.steps += 1;
-            self.measure(unit, iterate);
+            self.measure(unit, &iterate.v);
             if !self.factorize(round) {
                 break;
             }
@@ -140,18 +140,19 @@ impl Interior {
     }
 
     /// Scaling, gradient, and what y lacks.
-    fn measure(&mut self, unit: f64, Iterate { f, v, .. }: &Iterate) {
+    fn measure(&mut self, unit: f64, v: &[f64]) {
         for (i, own) in self.contacts.iter_mut().enumerate() {
             own.scaling = Scaling::of(own.x, own.y);
             let slip = length(own.y[1], own.y[2]);
             own.gradient = if slip > 0.0 { [0.0, own.y[1] / slip, own.y[2] / slip] } else { [0.0; 3] };
-            let (f, v) = (part(f, i), part(v, i));
-            own.lacks = [0, 1, 2].map(|k| self.weights[3 * i + k] * (v[k] + COMPLIANCE * f[k]) / unit - own.y[k]);
+            let v = part(v, i);
+            own.lacks = [0, 1, 2].map(|k| self.weights[3 * i + k] * v[k] / unit - own.y[k]);
             own.lacks[0] += slip;
         }
     }
 
-    /// The factor of A + (1 − e gᵀ)W², e the normal, g the gradient.
+    /// The factor of A + ε + (1 − e gᵀ)W², e the normal, g the gradient. The compliance ε keeps the matrix regular; what y lacks is that
+    /// of rigid contacts, so the method ends at their solution.
     fn factorize(&mut self, round: &Round) -> bool {
         let Interior { contacts, weights, matrix, factor, .. } = self;
         let m = weights.len();

@@ -26,6 +26,8 @@ use super::{Iterate, Kind, Start};
 pub(super) const STEPS: u32 = 12;
 /// Steps in which a patch may be outside its cones before it is given up.
 const PATIENCE: u32 = 4;
+/// A change of the impulse up to this part of the greatest is rounding [-].
+const STILL: f64 = 1e-14;
 /// Solutions at most that undo the compliance.
 const REFINEMENTS: u32 = 4;
 
@@ -117,7 +119,7 @@ impl Newton {
             }
             iterate.steps += 1;
             self.failed = 0;
-            if !self.solve(round, compliance, &mut iterate.f) {
+            if !self.solve(round, compliance, false, &mut iterate.f) {
                 return false;
             }
             self.linear.clone_from(&iterate.f);
@@ -137,6 +139,7 @@ impl Newton {
                 iterate.error = round.residual(&iterate.f, &iterate.v, 0.0);
                 if iterate.error <= SOLVED {
                     self.refine(round, iterate);
+                    self.press_evenly(round, iterate);
                     return true;
                 }
             }
@@ -227,14 +230,16 @@ impl Newton {
         }
     }
 
-    /// One solution of the equations; writes f = G y.
-    fn solve(&mut self, round: &Round, compliance: f64, f: &mut [f64]) -> bool {
+    /// One solution of the equations, if asked for that with the evenest pressure; writes f = G y.
+    fn solve(&mut self, round: &Round, compliance: f64, evenly: bool, f: &mut [f64]) -> bool {
         let Newton { groups, contacts, patch, unknowns, response, matrix, factor, right, around, .. } = self;
         unknowns.clear();
         for (g, group) in groups.iter_mut().enumerate() {
             if group.sticks {
-                patch.find_basis(round, group, |i| contacts[i].kind == Kind::Patch);
+                patch.find_basis(round, group, 3, |i| contacts[i].kind == Kind::Patch);
                 unknowns.extend((0..group.rank).map(|column| Unknown::Patch { group: g, column }));
+            } else {
+                patch.find_basis(round, group, 1, |i| contacts[i].kind != Kind::Open);
             }
             for (contact, own) in (group.first..).zip(&contacts[group.first..group.end]) {
                 match own.kind {
@@ -248,7 +253,7 @@ impl Newton {
             f.fill(0.0);
             return true;
         }
-        let equations = Equations { round, groups, contacts, patch };
+        let equations = Equations { round, groups: &*groups, contacts, patch: &*patch };
         let (n, m) = (unknowns.len(), f.len());
         matrix.clear();
         right.clear();
@@ -267,6 +272,9 @@ impl Newton {
             }
             right.push(0.0);
         }
+        if evenly {
+            equations.press_evenly(unknowns, matrix);
+        }
         response.clear();
         response.extend(round.drift.iter().zip(&*around).map(|(b, around)| compliance * around - b));
         right.iter_mut().zip(&*unknowns).for_each(|(right, reads)| *right = equations.read(*reads, response));
@@ -279,6 +287,36 @@ impl Newton {
             equations.push(*unknown, |row, weight| f[row] += weight * y);
         }
         f.iter().all(|f| f.is_finite())
+    }
+
+    /// Takes the solution with the evenest pressure, where one link's contacts push in more ways than it can move, if it obeys the law too.
+    fn press_evenly(&mut self, round: &Round, iterate: &mut Iterate) {
+        let pushing = |group: &Group| (group.first..group.end).filter(|&i| self.contacts[i].kind != Kind::Open).count();
+        if self.groups.iter().all(|group| group.sticks || group.rank == pushing(group)) {
+            return;
+        }
+        let found = iterate.clone();
+        for _ in 0..REFINEMENTS {
+            self.kept.clone_from(&iterate.f);
+            self.failed = u32::from(!self.solve(round, COMPLIANCE, true, &mut iterate.f));
+            if self.failed != 0 {
+                break;
+            }
+            self.linear.clone_from(&iterate.f);
+            self.spread(round, &mut iterate.f);
+            round.velocity(&iterate.f, &mut iterate.v);
+            iterate.error = round.residual(&iterate.f, &iterate.v, 0.0);
+            let moves =
+                iterate.f.iter().zip(&self.kept).any(|(f, kept)| (f - kept).abs() > STILL * round.reach(&iterate.f));
+            if self.failed != 0 || !moves {
+                break;
+            }
+            self.classify(round, COMPLIANCE, iterate);
+        }
+        match self.failed == 0 && iterate.error <= SOLVED {
+            true => self.refine(round, iterate),
+            false => *iterate = found,
+        }
     }
 
     /// Undoes what the compliance has moved, wherever A allows, by the factor that is there; kept if the residual is less.
@@ -378,6 +416,32 @@ impl Equations<'_> {
                 let [a, b] = self.contacts[i].along;
                 entry(3 * i + 1, -b);
                 entry(3 * i + 2, a);
+            }
+        }
+    }
+
+    /// Adds that the pressure of a link without a patch is the evenest: of normal impulses that A cannot tell apart there are none. They
+    /// move nothing but by their friction, and would else be quotients of roundings.
+    fn press_evenly(&self, unknowns: &[Unknown], matrix: &mut [f64]) {
+        for group in self.groups.iter().filter(|group| !group.sticks) {
+            let contacts = group.first..group.end;
+            if contacts.clone().filter(|&i| self.contacts[i].kind != Kind::Open).count() == group.rank {
+                continue;
+            }
+            let normals = || {
+                unknowns.iter().enumerate().filter_map(|(place, unknown)| match *unknown {
+                    Unknown::Along(i) | Unknown::Sticks { contact: i, row: 0 } if contacts.contains(&i) => {
+                        Some((place, i))
+                    }
+                    _ => None,
+                })
+            };
+            for (column, i) in normals() {
+                for (row, k) in normals() {
+                    let told_apart: f64 =
+                        self.patch.basis[i][0].iter().zip(self.patch.basis[k][0]).map(|(a, b)| a * b).sum();
+                    matrix[column * unknowns.len() + row] += if i == k { 1.0 } else { 0.0 } - told_apart;
+                }
             }
         }
     }

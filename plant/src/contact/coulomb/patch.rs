@@ -38,8 +38,8 @@ pub(super) struct Group {
     pub may: bool,
     /// Columns of Q.
     pub rank: usize,
-    /// Members of the patch that Q is of, as bits; none yet.
-    pub of: u64,
+    /// Members that Q is of, as bits, and how many rows of each; none yet.
+    pub of: (u64, usize),
 }
 
 /// Q by contact, and the weights of normal and friction; workspace.
@@ -59,18 +59,20 @@ impl Patch {
         self.weights.resize(contacts, [0.0; 2]);
     }
 
-    /// Q of the members of a group: the factor of their A by pivoted Cholesky, made orthonormal by Gram and Schmidt, twice.
-    pub fn find_basis(&mut self, round: &Round, group: &mut Group, member: impl Fn(usize) -> bool) {
+    /// Q of the first `rows` of the members of a group, the normal or all three: the factor of their A by pivoted Cholesky, made
+    /// orthonormal by Gram and Schmidt, twice.
+    pub fn find_basis(&mut self, round: &Round, group: &mut Group, rows: usize, member: impl Fn(usize) -> bool) {
         let (m, contacts) = (3 * round.contacts, group.first..group.end);
         let members = contacts.clone().filter(|&i| member(i)).fold(0, |bits, i| bits | 1 << (i - group.first).min(63));
-        if contacts.len() < 64 && group.of == members {
+        if contacts.len() < 64 && group.of == (members, rows) {
             return;
         }
-        group.of = members;
+        group.of = (members, rows);
         let Patch { basis, diagonal, .. } = self;
         for i in contacts.clone() {
             basis[i] = Rows::default();
-            diagonal[i] = [0, 1, 2].map(|k| if member(i) { round.delassus[(3 * i + k) * (m + 1)] } else { 0.0 });
+            diagonal[i] =
+                [0, 1, 2].map(|k| if member(i) && k < rows { round.delassus[(3 * i + k) * (m + 1)] } else { 0.0 });
         }
         let least = DEPENDENT * diagonal[contacts.clone()].as_flattened().iter().fold(0.0, |most: f64, d| most.max(*d));
         group.rank = 0;
@@ -90,7 +92,7 @@ impl Patch {
             let row = basis[pivot.0][pivot.1];
             let scale = 1.0 / most.sqrt();
             for i in contacts.clone().filter(|&i| member(i)) {
-                for k in 0..3 {
+                for k in 0..rows {
                     let known: f64 = (0..c).map(|d| basis[i][k][d] * row[d]).sum();
                     let entry = (round.delassus[(3 * pivot.0 + pivot.1) * m + 3 * i + k] - known) * scale;
                     basis[i][k][c] = entry;
