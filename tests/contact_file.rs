@@ -20,13 +20,13 @@ fn a_problem_that_is_not_solved_ends_the_run_and_can_be_solved_from_its_file() {
     let folder = fresh_path("unsolved");
     std::fs::create_dir(&folder).expect("a folder");
     for process in [&["--in-process"][..], &[]] {
-        let run = ["run", "walk", "--quiet", "--set", "plant.tolerance=1e-20"];
+        let run = ["run", "walk", "--quiet", "--set", "plant.tolerance=1e-20", "--set", "plant.law=Aligned"];
         let output = biped(&folder, &[&run[..], process].concat());
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(8), "{errors}");
         let name = errors.rsplit_once("see `biped contact ").and_then(|(_, rest)| rest.split_once('`'));
         let name = name.expect("the name of a file").0;
-        for words in ["contact problem of step", "Cone leaves a residual", "plant.tolerance is 1.0e-20"] {
+        for words in ["contact problem of step", "Aligned leaves a residual", "plant.tolerance is 1.0e-20"] {
             assert!(errors.contains(words), "{errors} does not say {words}");
         }
         assert!(folder.join(name).exists(), "{errors}");
@@ -40,9 +40,9 @@ fn a_problem_that_is_not_solved_ends_the_run_and_can_be_solved_from_its_file() {
         for law in messages::scene::Law::ALL {
             assert!(table.contains(&format!("| {law} ")), "{table} has no row of {law}");
         }
-        let one = biped(&folder, &["contact", name, "--law", "Cone"]);
+        let one = biped(&folder, &["contact", name, "--law", "Aligned"]);
         let table = String::from_utf8_lossy(&one.stdout);
-        let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| Cone")).collect();
+        let rows: Vec<_> = table.lines().filter(|line| line.starts_with("| Aligned")).collect();
         assert!(rows.len() == 1 && !table.contains("EnergyQp"), "{table}");
         let residual: f64 = rows[0].split('|').nth(2).expect("a cell").trim().parse().expect("a number");
         assert!(residual > 1e-20 && residual < 1e-10, "the same residual as in the run: {table}");

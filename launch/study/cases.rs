@@ -89,7 +89,9 @@ fn laws() -> Vec<Case> {
         case(format!("{name}, {law}"), scene, &[settings, &[&format!("plant.law={law}")]].concat())
     };
     let each = |name: &str, scene: &'static str, settings: &[&str]| -> Vec<Case> {
-        [Law::EnergyQp, Law::Complementarity, Law::Aligned, Law::Cone].map(|law| under(law, name, scene, settings)).into()
+        [Law::EnergyQp, Law::Complementarity, Law::Aligned, Law::Cone]
+            .map(|law| under(law, name, scene, settings))
+            .into()
     };
     [
         Law::ALL.map(|law| under(law, "walk 14 s", "walk", &[])).into(),

@@ -47,8 +47,9 @@ pub struct PlantScene {
     pub base: Base,
     /// Contact law.
     pub law: Law,
-    /// Greatest residual that an exact contact law may leave in a step, relative to the step's scale. Beyond it the run ends
-    /// and writes the contact problem to a file for `biped contact` [-].
+    /// Greatest residual that a contact law with a complementary basis (`Aligned`, `Complementarity`, `EnergyQp`, `EnergyQpGap`) may leave in
+    /// a step, relative to the step's scale. Beyond it the run ends and writes the contact problem to a file for `biped contact`. The other
+    /// laws flag such a step as a fallback and go on [-].
     pub tolerance: f64,
     /// Integration method.
     pub method: Method,

@@ -232,18 +232,13 @@ pub fn tangents(law: Law) -> usize {
 }
 
 /// Whether the law's own problem ends at a complementary basis, on rays along its tangents, whose impulse is the solution of a
-/// linear system: exact to rounding. The first tangent is the direction of the free slip.
+/// linear system: exact to rounding, as `plant.tolerance` asks in every step. The first tangent is the direction of the free slip.
 ///
 /// The other laws come nearer with each iteration and say with `fallback` where they did not come near enough, or evaluate a
 /// formula. Their tangents are the world's x and y: a round cone looks the same along any, and an impulse remembered along them
 /// means the same in the next step.
 pub fn has_basis(law: Law) -> bool {
     matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::Complementarity | Law::Aligned)
-}
-
-/// Whether the law is solved to rounding, as `plant.tolerance` asks in every step.
-pub fn is_exact(law: Law) -> bool {
-    has_basis(law) || law == Law::Cone
 }
 
 /// Whether the law's impulse can never raise the energy.

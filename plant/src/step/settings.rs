@@ -1,6 +1,6 @@
 //! What a scene asks of the step, in the units and counts of the step.
 
-use crate::contact::{Problem, Report, Spring, is_coulomb, is_exact, is_plastic};
+use crate::contact::{Problem, Report, Spring, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
 use crate::model::Model;
 use messages::scene::{Law, Method, PlantScene};
@@ -90,7 +90,7 @@ impl Settings {
     /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
     pub fn check(&self, report: &Report, step: u64, problem: &Problem) -> Result<(), PlantError> {
         let Settings { law, tolerance, h, .. } = *self;
-        if report.own <= tolerance || !is_exact(law) || problem.check().is_err() {
+        if report.own <= tolerance || !has_basis(law) || problem.check().is_err() {
             return Ok(());
         }
         let (time, problem) = (step as f64 * h, Box::new(problem.clone()));
