@@ -34,8 +34,7 @@ const EPISODE: (usize, usize) = (25, 200);
 /// If the scene is bad, or on Ctrl-C.
 fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result<[Tally; 2], Failure> {
     let mut random = Rng::with_seed(seed);
-    let (mut scene, begin) = family.scene(&mut random)?;
-    scene.plant.tolerance = 1.0; // what is not solved is to be counted
+    let (scene, begin) = family.scene(&mut random)?;
     let mut plant = Plant::new(&scene)?.without_welds();
     let controller = scene.controller.as_ref().map(|_| Controller::new(&scene)).transpose();
     let mut controller = controller.map_err(controller::process::ProcessError::from)?;

@@ -238,7 +238,7 @@ impl Newton {
             if group.sticks {
                 patch.find_basis(round, group, 3, |i| contacts[i].kind == Kind::Patch);
                 unknowns.extend((0..group.rank).map(|column| Unknown::Patch { group: g, column }));
-            } else {
+            } else if evenly {
                 patch.find_basis(round, group, 1, |i| contacts[i].kind != Kind::Open);
             }
             for (contact, own) in (group.first..).zip(&contacts[group.first..group.end]) {
@@ -291,8 +291,17 @@ impl Newton {
 
     /// Takes the solution with the evenest pressure, where one link's contacts push in more ways than it can move, if it obeys the law too.
     fn press_evenly(&mut self, round: &Round, iterate: &mut Iterate) {
-        let pushing = |group: &Group| (group.first..group.end).filter(|&i| self.contacts[i].kind != Kind::Open).count();
-        if self.groups.iter().all(|group| group.sticks || group.rank == pushing(group)) {
+        let Newton { groups, contacts, patch, .. } = self;
+        let mut unique = true;
+        for group in groups.iter_mut().filter(|group| !group.sticks) {
+            let pushes = |i: usize| contacts[i].kind != Kind::Open;
+            let pushing = (group.first..group.end).filter(|&i| pushes(i)).count();
+            if pushing > 1 {
+                patch.find_basis(round, group, 1, pushes);
+                unique &= group.rank == pushing;
+            }
+        }
+        if unique {
             return;
         }
         let found = iterate.clone();
