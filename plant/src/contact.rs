@@ -27,6 +27,7 @@
 //! f_N (v_N - mu |v_F|) = 0 in place of (19), so whatever slides is thrown up. See docs/PAPER.md.
 
 mod basis;
+mod certificate;
 mod cone_qp;
 mod cones;
 mod coulomb;

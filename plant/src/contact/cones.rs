@@ -90,14 +90,6 @@ impl Cones {
         report
     }
 
-    /// Goes on from an impulse to the law of the round cone, by so many energy minima at most.
-    pub fn approach(&mut self, problem: &Problem, minima: u32, impulse: &mut Vec<f64>, steps: &mut u32) {
-        self.round.set(problem, Law::Cone);
-        self.round.read(impulse, &mut self.f);
-        fixed_point::iterate(self, Iteration::Aclm, minima, steps);
-        self.round.write(problem, &self.f, impulse);
-    }
-
     /// Residuals of a given impulse.
     pub fn measure(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
         let mut report = Report::default();

@@ -4,13 +4,15 @@
 //!   solve(problem, memory):
 //!     recall     what each contact did in the last step, its impulse and its slip
 //!     Newton     from there; patches that do not hold are freed, and Newton again         (newton, patch)
-//!     interior   points, then Newton from what the contacts do where they end             (interior)
-//!     follow     the solution while the compliance falls to ε
-//!     the impulse with the least residual of all, flagged                                 (residual)
+//!     interior   points, fast and slowly, each with Newton from where they end            (interior)
+//!     minima     of the energy with De Saxcé's shift held, each with Newton, until the
+//!                shift is that of the slip                                                (shift)
+//!     keep       of all impulses that with the least residual, and what its contacts do   (certificate)
 //! ```
 //!
-//! The first that meets the certificate is the solution: all are judged alike, by the natural map of the round cone in the problem as it
-//! was posed. Before all of them the step tries feet that stand, for which nobody needs A: [`crate::weld`].
+//! Each rung leaves its impulse; the next is taken where none meets the certificate yet: the natural map of the round cone in the problem
+//! as it was posed. What the last leaves unsolved is flagged. Before all of them the step tries feet that stand, for which nobody needs A:
+//! [`crate::weld`].
 //!
 //! Coulomb's law has several answers in places. Among impulses with the same effect that of least norm over each link is taken, spread as
 //! [`patch`] says; among different motions the first that is found, from what the contacts did in the step before. So it is in every method.
@@ -18,29 +20,21 @@
 mod interior;
 mod newton;
 mod patch;
-mod residual;
+mod shift;
 
 use super::memory::Memory;
 use super::round::{Round, part};
-use super::tolerance::COMPLIANCE;
+use super::tolerance::{PROMISED, SOLVED};
 use super::{Problem, Report};
 use interior::{Interior, Pace};
 use messages::scene::Law;
-use newton::{Newton, STEPS};
-pub(super) use residual::{Judge, Scales, greater, speeds};
+use newton::Newton;
+use shift::Shift;
 
 /// Choices of patches that are tried: all that there may be, then without those that stuck.
 const CHOICES: usize = 2;
-/// Compliance at which contacts hardly feel each other, as a power of ten; continuation begins there.
-const SOFT: f64 = 2.0;
-/// Solutions of the continuation at most.
-const SOLUTIONS: u32 = 60;
-/// Steps of Newton's method for each of these but the last.
-const FEW: u32 = 6;
-/// Shortest and longest step of the continuation, as powers of ten.
-const STRIDES: [f64; 2] = [1e-3, 4.0];
-/// What is left of a step that Newton's method does not bear [-].
-const SHORTER: f64 = 0.4;
+/// Energy minima at most. Half of the problems that need them need one, one in ten more than ten.
+const MINIMA: u32 = 50;
 
 /// What a contact does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -78,12 +72,14 @@ pub(super) struct Coulomb {
     round: Round,
     newton: Newton,
     interior: Interior,
+    shift: Shift,
     start: Start,
     iterate: Iterate,
-    /// The impulse of the step before, and the one with the least residual so far.
-    before: Vec<f64>,
-    best: Vec<f64>,
-    least: f64,
+    /// The impulse that Newton's method begins at.
+    begin: Vec<f64>,
+    /// The impulse with the least residual so far, and what its contacts do.
+    best: Iterate,
+    kinds: Vec<Kind>,
 }
 
 impl Coulomb {
@@ -92,55 +88,44 @@ impl Coulomb {
         self.round.set(problem, Law::Cone);
         self.newton.begin(&self.round);
         self.recall(problem, memory);
-        let recalls = self.before.iter().any(|f| *f != 0.0);
-        let solved = self.near(recalls) || self.through_interior() || self.through_compliance();
-        if !solved {
-            self.iterate.f.clone_from(&self.best);
-        }
-        self.round.velocity(&self.iterate.f, &mut self.iterate.v);
+        let _solved = self.near() || self.through_interior() || self.through_minima();
+        self.round.velocity(&self.best.f, &mut self.best.v);
         self.keep(problem, memory);
-        self.round.write(problem, &self.iterate.f, impulse);
-        Report {
-            pivots: self.iterate.steps,
-            warm: solved && self.iterate.steps == 1,
-            fallback: !solved,
-            ..Report::default()
-        }
+        self.round.write(problem, &self.best.f, impulse);
+        let (steps, solved) = (self.iterate.steps, self.best.error <= PROMISED);
+        Report { pivots: steps, warm: solved && steps == 1, fallback: !solved, ..Report::default() }
     }
 
     /// What the contacts did in the last step.
     fn recall(&mut self, problem: &Problem, memory: &Memory) {
-        let Coulomb { round, start, iterate, before, best, least, .. } = self;
+        let Coulomb { round, start, iterate, begin, best, kinds, .. } = self;
         start.kinds.clear();
         start.slips.clear();
-        before.clear();
-        before.resize(3 * problem.contacts, 0.0);
+        begin.clear();
+        begin.resize(3 * problem.contacts, 0.0);
         for (i, &id) in problem.id.iter().enumerate() {
             let last = memory.contact(id);
             start.kinds.push(last.kind);
             start.slips.push(last.slip.map(|slip| slip / round.scale[i]));
-            (0..1 + problem.tangents).for_each(|k| before[3 * i + k] = last.impulse[k] * round.scale[i]);
+            (0..1 + problem.tangents).for_each(|k| begin[3 * i + k] = last.impulse[k] * round.scale[i]);
         }
-        *iterate =
-            Iterate { f: std::mem::take(&mut iterate.f), v: std::mem::take(&mut iterate.v), ..Iterate::default() };
-        iterate.f.clone_from(before);
-        best.clone_from(before);
-        best.fill(0.0);
-        *least = f64::INFINITY;
+        iterate.f.clone_from(begin);
+        iterate.steps = 0;
+        best.f.clone_from(begin);
+        best.f.fill(0.0);
+        best.error = f64::INFINITY;
+        kinds.clone_from(&start.kinds);
     }
 
     /// Newton's method from what the contacts did, or from no impulse: with all patches that there may be, then without those that stuck and
     /// did not hold.
-    fn near(&mut self, recalls: bool) -> bool {
+    fn near(&mut self) -> bool {
+        let recalls = self.begin.iter().any(|f| *f != 0.0);
         let mut free = 0;
         for _ in 0..CHOICES {
-            self.iterate.f.clone_from(&self.before);
-            let start = recalls.then_some(&self.start);
-            if self.newton.run(&self.round, COMPLIANCE, free, start, STEPS, &mut self.iterate) {
-                self.take_kinds();
+            if self.newton_from(recalls, free) {
                 return true;
             }
-            self.note();
             let sticking = self.newton.groups.iter().enumerate().filter(|(_, group)| group.sticks);
             let next = sticking.fold(free, |bits, (g, _)| bits | 1 << g.min(31));
             if next == free {
@@ -151,87 +136,70 @@ impl Coulomb {
         false
     }
 
-    /// Interior points, then Newton's method from what the contacts do there, with patches and without.
+    /// Interior points with |v_F| as it becomes.
     fn through_interior(&mut self) -> bool {
-        Interior::takes(&self.round) && Pace::BOTH.into_iter().any(|pace| self.at_pace(pace))
+        [Pace::FAST, Pace::SLOW].into_iter().any(|pace| self.at_pace(pace, false)) || self.best.error <= PROMISED
     }
 
-    fn at_pace(&mut self, pace: Pace) -> bool {
-        let arrived = self.interior.run(&self.round, pace, &mut self.iterate);
-        let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
-        self.interior.start(&self.round, groups, &mut self.start);
-        self.note();
-        self.before.clone_from(&self.iterate.f);
-        for free in [0, u32::MAX] {
-            self.iterate.f.clone_from(&self.before);
-            let start = (free == 0).then_some(&self.start);
-            if self.newton.run(&self.round, COMPLIANCE, free, start, STEPS, &mut self.iterate) {
-                self.take_kinds();
+    /// Energy minima with |v_F| held, until it is that of the slip.
+    fn through_minima(&mut self) -> bool {
+        self.shift.begin(self.round.contacts);
+        for _ in 0..MINIMA {
+            if self.at_pace(Pace::FAST, true) {
                 return true;
             }
-            self.note();
+            self.round.velocity(&self.begin, &mut self.iterate.v);
+            self.shift.follow(&self.iterate.v);
         }
-        self.iterate.f.clone_from(&self.before);
-        arrived
+        self.best.error <= PROMISED
     }
 
-    /// Follows the solution from contacts so compliant that each has its own to those of the problem, in steps as long as Newton's method
-    /// bears.
-    fn through_compliance(&mut self) -> bool {
-        self.round.each_by_itself(10f64.powf(SOFT), &mut self.iterate.f);
-        self.before.clone_from(&self.iterate.f);
-        let (mut at, mut stride, goal) = (SOFT, STRIDES[1], COMPLIANCE.log10());
-        for _ in 0..SOLUTIONS {
-            let next = f64::max(at - stride, goal);
-            let last = next == goal;
-            let (compliance, most) = if last { (COMPLIANCE, STEPS) } else { (10f64.powf(next), FEW) };
-            if self.newton.run(&self.round, compliance, u32::MAX, None, most, &mut self.iterate) {
-                if last {
-                    self.take_kinds();
-                    return true;
-                }
-                (at, stride) = (next, f64::min(2.0 * stride, STRIDES[1]));
-                self.before.clone_from(&self.iterate.f);
-                continue;
-            }
-            if last {
-                self.note();
-            }
-            stride *= SHORTER;
-            self.iterate.f.clone_from(&self.before);
-            if stride < STRIDES[0] {
-                break;
-            }
+    /// Interior points, then Newton's method from what the contacts do there, with patches and without.
+    fn at_pace(&mut self, pace: Pace, holds: bool) -> bool {
+        let held = holds.then_some(&*self.shift.held);
+        self.interior.run(&self.round, pace, held, &mut self.iterate);
+        let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
+        self.interior.start(&self.round, groups, &mut self.start);
+        self.begin.clone_from(&self.iterate.f);
+        self.note(true);
+        self.newton_from(true, 0) || self.newton_from(false, u32::MAX) || self.best.error <= SOLVED
+    }
+
+    /// Newton's method from the beginning; the groups of `free` do not stick as a patch.
+    fn newton_from(&mut self, knows: bool, free: u32) -> bool {
+        self.iterate.f.clone_from(&self.begin);
+        let start = knows.then_some(&self.start);
+        let solved = self.newton.run(&self.round, free, start, &mut self.iterate);
+        self.note(!solved);
+        if solved {
+            self.kinds.clear();
+            self.kinds.extend(self.newton.kinds());
         }
-        false
+        solved
     }
 
-    /// The kinds that Newton's method ended with.
-    fn take_kinds(&mut self) {
-        self.start.kinds.clear();
-        self.start.kinds.extend(self.newton.kinds());
-    }
-
-    /// Remembers the impulse if its residual is the least so far.
-    fn note(&mut self) {
-        let Iterate { f, v, error, .. } = &mut self.iterate;
-        self.round.velocity(f, v);
-        *error = self.round.residual(f, v, 0.0);
-        if *error < self.least {
-            self.least = *error;
-            self.best.clone_from(f);
+    /// Remembers the impulse if its residual, which may have to be found yet, is the least so far.
+    fn note(&mut self, finds: bool) {
+        let Coulomb { round, start, iterate, best, kinds, .. } = self;
+        if finds {
+            round.velocity(&iterate.f, &mut iterate.v);
+            iterate.error = round.residual(&iterate.f, &iterate.v);
+        }
+        if iterate.error < best.error {
+            best.copy(iterate);
+            kinds.clone_from(&start.kinds);
         }
     }
 
     /// Keeps what the contacts did for the next step.
     fn keep(&mut self, problem: &Problem, memory: &mut Memory) {
-        let Coulomb { round, start, iterate, .. } = self;
+        let Coulomb { round, kinds, best, .. } = self;
         let mut rests = true;
         memory.forget_contacts();
         for (i, &id) in problem.id.iter().enumerate() {
-            let (f, v) = (part(&iterate.f, i), part(&iterate.v, i));
-            let kind = if f[0] > 0.0 { start.kinds[i] } else { Kind::Open };
-            rests &= f[0] <= 0.0 || v.iter().all(|v| v.abs() <= 2.0 * COMPLIANCE * round.speed(i));
+            let (f, v) = (part(&best.f, i), part(&best.v, i));
+            let kind = if f[0] > 0.0 { kinds[i] } else { Kind::Open };
+            rests &= f[0] <= 0.0 || v.iter().all(|v| v.abs() <= SOLVED * round.speed(i));
             memory.remember(id, super::status::standing(kind != Kind::Open, 4));
             let last = memory.contact_mut(id);
             last.kind = kind;
@@ -239,5 +207,14 @@ impl Coulomb {
             last.impulse = f.map(|f| f / round.scale[i]);
         }
         memory.rests = rests;
+    }
+}
+
+impl Iterate {
+    /// Becomes the other impulse, in the room it has; it counts its own systems.
+    fn copy(&mut self, other: &Iterate) {
+        self.f.clone_from(&other.f);
+        self.v.clone_from(&other.v);
+        self.error = other.error;
     }
 }

@@ -1,6 +1,6 @@
 //! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
 
-use super::coulomb::{self, Scales, greater};
+use super::certificate::{self, Scales, greater};
 use super::project::{bounded, cone, greatest_slip, pyramid};
 use super::residual::relative;
 use super::scaled::{Scaled, respond};
@@ -43,7 +43,7 @@ pub(super) struct Round {
     pub given: Vec<[f64; 2]>,
     /// Greatest entry of each contact's own diagonal of A~.
     pub inverse_mass: Vec<f64>,
-    /// V of each contact [m/s]; see [`super::coulomb`].
+    /// V of each contact [m/s]; see [`super::certificate`].
     speeds: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
@@ -89,7 +89,7 @@ impl Round {
         self.inverse_mass.extend((0..problem.contacts).map(|i| if own(i) > 0.0 { own(i) } else { 1.0 }));
         let Round { delassus, drift, scale, speeds, .. } = self;
         let coupled = |i: usize, k: usize| (3 * i..3 * i + 3).any(|row| delassus[row * n + 3 * k..][..3] != [0.0; 3]);
-        coulomb::speeds(drift, scale, coupled, speeds);
+        certificate::speeds(drift, scale, coupled, speeds);
     }
 
     /// V of a contact, scaled.
@@ -97,11 +97,11 @@ impl Round {
         self.speeds[i] / self.scale[i]
     }
 
-    /// Natural map of Coulomb's law, contact by contact, with contacts of this compliance whose velocities have it already.
-    pub fn residual(&self, f: &[f64], v: &[f64], compliance: f64) -> f64 {
+    /// Natural map of Coulomb's law, contact by contact.
+    pub fn residual(&self, f: &[f64], v: &[f64]) -> f64 {
         let mut worst = 0.0;
         for i in 0..self.contacts {
-            let (own_f, own_v, inverse_mass) = (part(f, i), part(v, i), self.inverse_mass[i] + compliance);
+            let (own_f, own_v, inverse_mass) = (part(f, i), part(v, i), self.inverse_mass[i]);
             let scales = Scales::of(self.speed(i), inverse_mass, own_f);
             let mut map = scales.natural_map(own_f, own_v, self.friction[i], self.given[i]);
             if map > SOLVED && map < HIDDEN {
@@ -118,18 +118,6 @@ impl Round {
             worst = greater(worst, map);
         }
         worst
-    }
-
-    /// Impulses of contacts so compliant that none feels another.
-    pub fn each_by_itself(&self, compliance: f64, f: &mut [f64]) {
-        for (i, f) in f.chunks_exact_mut(3).enumerate() {
-            let b = part(&self.drift, i);
-            let (mu, free) = (self.friction[i], b.map(|b| -b / (compliance + self.inverse_mass[i])));
-            let normal = free[0].max(0.0);
-            let share = f64::min(1.0, mu * normal / free[1].hypot(free[2]));
-            let share = if share.is_nan() { 0.0 } else { share };
-            f.copy_from_slice(&[normal, share * free[1], share * free[2]]);
-        }
     }
 
     /// Becomes the problem of one proximal round: A + rho I, b - rho f.

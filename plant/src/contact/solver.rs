@@ -7,14 +7,15 @@ mod rehearse;
 mod slide;
 
 use super::basis::Block;
+use super::certificate::Judge;
 use super::cones::Cones;
-use super::coulomb::{Coulomb, Judge};
+use super::coulomb::Coulomb;
 use super::energy_qp::{EnergyQp, Shift, minimises_energy};
 use super::facets::Facets;
 use super::lemke::{Care, FINE};
 use super::residual::{self, Yardstick};
 use super::scaled::{self, HAIR, Scaled, YIELD};
-use super::tolerance::{PROMISED, SOLVED};
+use super::tolerance::SOLVED;
 use super::{Memory, Problem, Report, has_basis, status};
 use messages::scene::Law;
 
@@ -22,8 +23,6 @@ use messages::scene::Law;
 pub(super) const FEW: usize = 4;
 /// Contacts of two feet that stand: while they slide, the basis seldom lasts.
 const BOTH: usize = 8;
-/// Energy minima at most on the last way to the round cone.
-const MINIMA: u32 = 50;
 
 /// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
 /// changing results.
@@ -73,9 +72,6 @@ impl Solver {
             let mut report = self.coulomb.solve(problem, memory, &mut self.impulse);
             self.find_velocity(problem);
             self.certify(problem, law, &mut report);
-            if report.fallback {
-                self.by_energy_minima(problem, &mut report);
-            }
             report.own = report.natural_map;
             return report;
         }
@@ -101,20 +97,6 @@ impl Solver {
         self.unscale(problem);
         self.measure(problem, law, &mut report);
         report
-    }
-
-    /// The surest and slowest way to the round cone, the limit of energy minima ([`super::fixed_point`]); kept if it is solved.
-    fn by_energy_minima(&mut self, problem: &Problem, report: &mut Report) {
-        let (before, own) = (self.impulse.clone(), *report);
-        self.cones.approach(problem, MINIMA, &mut self.impulse, &mut report.pivots);
-        self.find_velocity(problem);
-        self.certify(problem, Law::Cone, report);
-        report.fallback = report.natural_map.is_nan() || report.natural_map > PROMISED;
-        if report.fallback {
-            self.impulse = before;
-            self.find_velocity(problem);
-            *report = Report { pivots: report.pivots, ..own };
-        }
     }
 
     /// Whether nothing that pushes moves.

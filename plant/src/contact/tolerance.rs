@@ -13,9 +13,6 @@ pub(super) const PROMISED: f64 = 1e-10;
 /// there is the one of least norm, not a quotient of two roundings. Half of [`SOLVED`]: what it moves is then seldom too much.
 pub(super) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
-/// A natural map up to this ends Newton's method where the contacts are still more compliant than that [-]: near enough to go on from.
-pub(super) const NEAR: f64 = 1e-9;
-
 /// Rounding of A f, as a part of Σ|A f| [-]. A contact cannot be judged more finely than that.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 

@@ -2,8 +2,10 @@
 //!
 //! With x = (μf_N, f_F) and y = (v_N/μ + |v_F|, v_F) Coulomb's law asks for x and y in the cone L = {x_N ≥ |x_F|} and x·y = 0. The method
 //! follows the points with x∘y = τ(1, 0, 0) inside L while τ falls to zero: all contacts decide together what they do, and none has to be
-//! guessed. It is exact for the convex program (y without |v_F|); with |v_F|, whose derivative is taken along, it nearly always arrives,
-//! but need not.
+//! guessed. Where |v_F| is held as given the program is convex, and it arrives. Where |v_F| is that of y, whose derivative is taken along,
+//! it nearly always does.
+//!
+//! A contact whose direction of slip is given has f_F = −μ f_N along it: its only unknown is f_N, its only condition that of v_N.
 //!
 //! # Source
 //! Nesterov & Todd (1997): the scaling W, Wx = W⁻¹y. Mehrotra (1992): predictor and corrector. Acary, Armand & Nguyen (2022): the same
@@ -17,8 +19,11 @@ use super::{Iterate, Kind, Start};
 
 /// Steps at most; it takes 10 to 20.
 const STEPS: u32 = 40;
-/// Where τ has fallen to this, rounding is all that is left [-]; the step's speed is 1.
-const NOTHING: f64 = 1e-28;
+/// τ falls no further than to this [-], the step's speed being 1: an impulse is then within 1e-10 of its cone, and Newton's method has the
+/// rest. Below, the rounding of x decides whether it is inside.
+const LEAST: f64 = 1e-20;
+/// What y may lack in the end [-]: rounding.
+const LACKS: f64 = 1e-13;
 
 /// What the predictor takes more than this part of vanishes [-].
 const HALF: f64 = 0.5;
@@ -35,8 +40,8 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Fast, and slowly if that does not arrive.
-    pub const BOTH: [Pace; 2] = [Pace { fraction: 0.99, leaves: 1e-4 }, Pace { fraction: 0.9, leaves: 0.1 }];
+    pub const FAST: Pace = Pace { fraction: 0.99, leaves: 1e-4 };
+    pub const SLOW: Pace = Pace { fraction: 0.9, leaves: 0.1 };
 }
 
 /// A contact of the problem: x, y, and its step.
@@ -59,7 +64,7 @@ struct Contact {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Interior {
     contacts: Vec<Contact>,
-    /// 1/μ, 1, 1 of each contact: f = weight x; 1, 0, 0 without friction.
+    /// 1/μ, 1, 1 of each contact: f = weight x; 1, 0, 0 where friction is none, or follows f_N.
     weights: Vec<f64>,
     matrix: Vec<f64>,
     factor: Pivoted,
@@ -68,52 +73,52 @@ pub(super) struct Interior {
 }
 
 impl Interior {
-    /// Whether the problem is one for it: each contact may slip any way.
-    pub fn takes(round: &Round) -> bool {
-        round.given.iter().all(|given| *given == [0.0; 2])
-    }
-
-    /// Goes to the solution, or as near as it comes; whether it has arrived.
-    pub fn run(&mut self, round: &Round, pace: Pace, iterate: &mut Iterate) -> bool {
+    /// Goes to the solution, or as near as it comes; with |v_F| held, to that of the convex program.
+    pub fn run(&mut self, round: &Round, pace: Pace, held: Option<&[f64]>, iterate: &mut Iterate) {
         let unit = if round.size > 0.0 { round.size } else { 1.0 };
         self.contacts.clear();
         self.contacts.resize(round.contacts, Contact { x: [1.0, 0.0, 0.0], y: [1.0, 0.0, 0.0], ..Contact::default() });
         self.weights.clear();
-        let weights = |mu: &f64| if *mu > 0.0 { [1.0 / mu, 1.0, 1.0] } else { [1.0, 0.0, 0.0] };
-        self.weights.extend(round.friction.iter().flat_map(weights));
+        self.weights.extend(round.friction.iter().zip(&round.given).flat_map(|(mu, given)| {
+            match *mu > 0.0 && *given == [0.0; 2] {
+                true => [1.0 / mu, 1.0, 1.0],
+                false => [1.0, 0.0, 0.0],
+            }
+        }));
         self.best.clone_from(&iterate.f);
         let mut least = f64::INFINITY;
         for _ in 0..STEPS {
-            self.write(unit, &mut iterate.f);
+            self.write(round, unit, &mut iterate.f);
             round.velocity(&iterate.f, &mut iterate.v);
-            let error = round.residual(&iterate.f, &iterate.v, 0.0);
-            if error < least {
+            let error = round.residual(&iterate.f, &iterate.v);
+            if error < least || held.is_some() {
                 least = error;
                 self.best.clone_from(&iterate.f);
             }
             let tau = self.contacts.iter().map(|own| dot(own.x, own.y)).sum::<f64>() / round.contacts as f64;
-            if least <= 0.5 * SOLVED || tau.is_nan() || tau < NOTHING {
+            let lacks = self.measure(unit, held, &iterate.v);
+            if least <= 0.5 * SOLVED || tau.is_nan() || tau < LEAST && lacks < LACKS {
                 break;
             }
             iterate.steps += 1;
-            self.measure(unit, &iterate.v);
             if !self.factorize(round) {
                 break;
             }
             self.direct(None, tau);
             self.contacts.iter_mut().for_each(Contact::foresee);
             let far = self.longest();
-            self.direct(Some((1.0 - far.min(1.0)).powi(3).max(pace.leaves)), tau);
+            let share = if tau < LEAST { 1.0 } else { (1.0 - far.min(1.0)).powi(3).max(pace.leaves) };
+            self.direct(Some(share), tau);
             let step = f64::min(1.0, pace.fraction * self.longest());
             for own in &mut self.contacts {
                 own.x = add(own.x, step, own.dx);
                 own.y = add(own.y, step, own.dy);
             }
+            if !self.contacts.iter().all(|own| determinant(own.x) > 0.0 && determinant(own.y) > 0.0) {
+                break; // rounding took one out of its cone
+            }
         }
         iterate.f.clone_from(&self.best);
-        round.velocity(&iterate.f, &mut iterate.v);
-        iterate.error = least;
-        least <= SOLVED
     }
 
     /// What each contact does in the end, as the last step foresaw it.
@@ -133,22 +138,28 @@ impl Interior {
         }
     }
 
-    /// f = weight x.
-    fn write(&self, unit: f64, f: &mut [f64]) {
-        let x = self.contacts.iter().flat_map(|own| own.x);
-        f.iter_mut().zip(x.zip(&self.weights)).for_each(|(f, (x, weight))| *f = x * weight * unit);
+    /// f = weight x, and friction where it follows f_N.
+    fn write(&self, round: &Round, unit: f64, f: &mut [f64]) {
+        for (i, (own, f)) in self.contacts.iter().zip(f.chunks_exact_mut(3)).enumerate() {
+            (0..3).for_each(|k| f[k] = own.x[k] * self.weights[3 * i + k] * unit);
+            (0..2).for_each(|k| f[1 + k] -= round.friction[i] * round.given[i][k] * f[0]);
+        }
     }
 
-    /// Scaling, gradient, and what y lacks.
-    fn measure(&mut self, unit: f64, v: &[f64]) {
+    /// Scaling, gradient, and what y lacks; returns the greatest of that.
+    fn measure(&mut self, unit: f64, held: Option<&[f64]>, v: &[f64]) -> f64 {
+        let mut most: f64 = 0.0;
         for (i, own) in self.contacts.iter_mut().enumerate() {
             own.scaling = Scaling::of(own.x, own.y);
             let slip = length(own.y[1], own.y[2]);
-            own.gradient = if slip > 0.0 { [0.0, own.y[1] / slip, own.y[2] / slip] } else { [0.0; 3] };
+            own.gradient =
+                if slip > 0.0 && held.is_none() { [0.0, own.y[1] / slip, own.y[2] / slip] } else { [0.0; 3] };
             let v = part(v, i);
             own.lacks = [0, 1, 2].map(|k| self.weights[3 * i + k] * v[k] / unit - own.y[k]);
-            own.lacks[0] += slip;
+            own.lacks[0] += held.map_or(slip, |held| held[i] / unit);
+            most = own.lacks.iter().fold(most, |most, lacks| most.max(lacks.abs()));
         }
+        most
     }
 
     /// The factor of A + ε + (1 − e gᵀ)W², e the normal, g the gradient. The compliance ε keeps the matrix regular; what y lacks is that
@@ -158,8 +169,15 @@ impl Interior {
         let m = weights.len();
         matrix.clear();
         for (c, column) in weights.iter().enumerate() {
-            let row = &round.delassus[c * m..][..m];
-            matrix.extend(row.iter().zip(&*weights).map(|(a, weight)| a * weight * column));
+            let row = |k: usize| &round.delassus[k * m..][..m];
+            matrix.extend(row(c).iter().zip(&*weights).map(|(a, weight)| a * weight * column));
+            if c % 3 == 0 && round.given[c / 3] != [0.0; 2] {
+                for (k, given) in (c + 1..).zip(round.given[c / 3]) {
+                    let follows = -round.friction[c / 3] * given;
+                    let entries = matrix[c * m..].iter_mut().zip(row(k)).zip(&*weights);
+                    entries.for_each(|((entry, a), weight)| *entry += a * weight * follows);
+                }
+            }
             let own = &contacts[c / 3];
             let mut unit = [0.0; 3];
             unit[c % 3] = 1.0;

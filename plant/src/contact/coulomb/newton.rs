@@ -18,12 +18,12 @@
 use super::super::pivoted::Pivoted;
 use super::super::project::length;
 use super::super::round::{Round, part};
-use super::super::tolerance::{COMPLIANCE, NEAR, SOLVED};
+use super::super::tolerance::{COMPLIANCE, SOLVED};
 use super::patch::{Group, Patch};
 use super::{Iterate, Kind, Start};
 
 /// Steps at most; from a good start it takes one to four.
-pub(super) const STEPS: u32 = 12;
+const STEPS: u32 = 12;
 /// Steps in which a patch may be outside its cones before it is given up.
 const PATIENCE: u32 = 4;
 /// A change of the impulse up to this part of the greatest is rounding [-].
@@ -68,6 +68,7 @@ pub(super) struct Newton {
     linear: Vec<f64>,
     kept: Vec<f64>,
     change: Vec<f64>,
+    found: Iterate,
     /// Patches that the last run found outside their cones, as bits of their groups.
     pub failed: u32,
 }
@@ -90,18 +91,8 @@ impl Newton {
         self.contacts.iter().map(|contact| contact.kind)
     }
 
-    /// From the present impulse to a solution of the problem whose contacts have this compliance. The groups of `free` do not stick as a
-    /// patch. False if it does not get there within so many steps.
-    pub fn run(
-        &mut self,
-        round: &Round,
-        compliance: f64,
-        free: u32,
-        start: Option<&Start>,
-        most: u32,
-        iterate: &mut Iterate,
-    ) -> bool {
-        let rigid = compliance <= COMPLIANCE;
+    /// From the present impulse to the solution. The groups of `free` do not stick as a patch. False if it does not get there.
+    pub fn run(&mut self, round: &Round, free: u32, start: Option<&Start>, iterate: &mut Iterate) -> bool {
         self.contacts.clear();
         self.contacts.resize(round.contacts, Contact::default());
         for (g, group) in self.groups.iter_mut().enumerate() {
@@ -110,16 +101,16 @@ impl Newton {
         self.around.clear();
         self.around.resize(iterate.f.len(), 0.0);
         self.linear.clone_from(&iterate.f);
-        self.velocity(round, compliance, iterate);
+        self.velocity(round, iterate);
         let (mut outside, mut refined) = (0, 0);
-        for step in 0..most {
+        for step in 0..STEPS {
             match start {
                 Some(start) if step == 0 => self.recall(round, start, iterate),
-                _ => self.classify(round, compliance, iterate),
+                _ => self.classify(round, iterate),
             }
             iterate.steps += 1;
             self.failed = 0;
-            if !self.solve(round, compliance, false, &mut iterate.f) {
+            if !self.solve(round, false, &mut iterate.f) {
                 return false;
             }
             self.linear.clone_from(&iterate.f);
@@ -131,27 +122,22 @@ impl Newton {
                     return false;
                 }
                 iterate.f.clone_from(&self.linear);
-                self.velocity(round, compliance, iterate);
+                self.velocity(round, iterate);
                 continue;
             }
-            if rigid {
-                round.velocity(&iterate.f, &mut iterate.v);
-                iterate.error = round.residual(&iterate.f, &iterate.v, 0.0);
-                if iterate.error <= SOLVED {
-                    self.refine(round, iterate);
-                    self.press_evenly(round, iterate);
-                    return true;
-                }
+            round.velocity(&iterate.f, &mut iterate.v);
+            iterate.error = round.residual(&iterate.f, &iterate.v);
+            if iterate.error <= SOLVED {
+                self.refine(round, iterate);
+                self.press_evenly(round, iterate);
+                return true;
             }
-            self.velocity(round, compliance, iterate);
+            let rigid = iterate.error;
+            self.velocity(round, iterate);
             if self.patches_move(round, iterate) {
                 return false;
             }
-            let error = round.residual(&iterate.f, &iterate.v, compliance);
-            if !rigid && error <= NEAR {
-                return true;
-            }
-            if rigid && error <= 0.1 * iterate.error {
+            if round.residual(&iterate.f, &iterate.v) <= 0.1 * rigid {
                 // solved but for what the compliance moves
                 if refined == REFINEMENTS {
                     return false;
@@ -164,15 +150,15 @@ impl Newton {
     }
 
     /// v = A f + b + ε(G y − f₀).
-    fn velocity(&self, round: &Round, compliance: f64, Iterate { f, v, .. }: &mut Iterate) {
+    fn velocity(&self, round: &Round, Iterate { f, v, .. }: &mut Iterate) {
         round.velocity(f, v);
         for ((v, y), around) in v.iter_mut().zip(&self.linear).zip(&self.around) {
-            *v += compliance * (y - around);
+            *v += COMPLIANCE * (y - around);
         }
     }
 
     /// The kinds that impulse and velocity speak for.
-    fn classify(&mut self, round: &Round, compliance: f64, Iterate { f, v, .. }: &Iterate) {
+    fn classify(&mut self, round: &Round, Iterate { f, v, .. }: &Iterate) {
         for group in &mut self.groups {
             let mut sticking = 0;
             for i in group.first..group.end {
@@ -181,7 +167,7 @@ impl Newton {
                     continue;
                 }
                 let (f, v, mu) = (part(f, i), part(v, i), round.friction[i]);
-                let rho = 1.0 / (round.inverse_mass[i] + compliance);
+                let rho = 1.0 / (round.inverse_mass[i] + COMPLIANCE);
                 let x = [f[0] - rho * v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
                 let (bound, length) = (mu * x[0], length(x[1], x[2]));
                 *own = if x[0] <= 0.0 {
@@ -231,7 +217,7 @@ impl Newton {
     }
 
     /// One solution of the equations, if asked for that with the evenest pressure; writes f = G y.
-    fn solve(&mut self, round: &Round, compliance: f64, evenly: bool, f: &mut [f64]) -> bool {
+    fn solve(&mut self, round: &Round, evenly: bool, f: &mut [f64]) -> bool {
         let Newton { groups, contacts, patch, unknowns, response, matrix, factor, right, around, .. } = self;
         unknowns.clear();
         for (g, group) in groups.iter_mut().enumerate() {
@@ -263,7 +249,7 @@ impl Newton {
             equations.push(*unknown, |row, weight| {
                 let a = &round.delassus[row * m..][..m];
                 response.iter_mut().zip(a).for_each(|(sum, a)| *sum = a.mul_add(weight, *sum));
-                response[row] += compliance * weight;
+                response[row] += COMPLIANCE * weight;
             });
             let first = matrix.len();
             matrix.extend(unknowns.iter().map(|reads| equations.read(*reads, response)));
@@ -276,7 +262,7 @@ impl Newton {
             equations.press_evenly(unknowns, matrix);
         }
         response.clear();
-        response.extend(round.drift.iter().zip(&*around).map(|(b, around)| compliance * around - b));
+        response.extend(round.drift.iter().zip(&*around).map(|(b, around)| COMPLIANCE * around - b));
         right.iter_mut().zip(&*unknowns).for_each(|(right, reads)| *right = equations.read(*reads, response));
         if !factor.factorize(n, matrix, 0.0) {
             return false;
@@ -304,27 +290,27 @@ impl Newton {
         if unique {
             return;
         }
-        let found = iterate.clone();
+        self.found.copy(iterate);
         for _ in 0..REFINEMENTS {
             self.kept.clone_from(&iterate.f);
-            self.failed = u32::from(!self.solve(round, COMPLIANCE, true, &mut iterate.f));
+            self.failed = u32::from(!self.solve(round, true, &mut iterate.f));
             if self.failed != 0 {
                 break;
             }
             self.linear.clone_from(&iterate.f);
             self.spread(round, &mut iterate.f);
             round.velocity(&iterate.f, &mut iterate.v);
-            iterate.error = round.residual(&iterate.f, &iterate.v, 0.0);
+            iterate.error = round.residual(&iterate.f, &iterate.v);
             let moves =
                 iterate.f.iter().zip(&self.kept).any(|(f, kept)| (f - kept).abs() > STILL * round.reach(&iterate.f));
             if self.failed != 0 || !moves {
                 break;
             }
-            self.classify(round, COMPLIANCE, iterate);
+            self.classify(round, iterate);
         }
         match self.failed == 0 && iterate.error <= SOLVED {
             true => self.refine(round, iterate),
-            false => *iterate = found,
+            false => iterate.copy(&self.found),
         }
     }
 
@@ -353,7 +339,7 @@ impl Newton {
         self.failed = 0;
         self.spread(round, f);
         round.velocity(f, v);
-        let refined = round.residual(f, v, 0.0);
+        let refined = round.residual(f, v);
         if self.failed == 0 && refined < *error {
             *error = refined;
         } else {

@@ -14,9 +14,9 @@
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
-use super::super::project::{cone, length};
-use super::super::tolerance::{ROUNDING, SOLVED};
-use super::super::{Problem, lift};
+use super::project::{cone, length};
+use super::tolerance::{ROUNDING, SOLVED};
+use super::{Problem, lift};
 use messages::scene::Law;
 
 /// An impulse or a slip this small, as a part of its scale, has no direction.
@@ -24,7 +24,7 @@ const NO_DIRECTION: f64 = 1e-6;
 
 /// How well an impulse obeys Coulomb's law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(in super::super) struct Residual {
+pub(super) struct Residual {
     /// Greatest natural map of all contacts [-].
     pub natural_map: f64,
     /// Greatest |f_N v_N| of (19), as a part of F V [-].
@@ -35,7 +35,7 @@ pub(in super::super) struct Residual {
 
 /// What a contact is measured by: V [m/s] and F [N·s].
 #[derive(Clone, Copy, Debug)]
-pub(in super::super) struct Scales {
+pub(super) struct Scales {
     pub speed: f64,
     pub impulse: f64,
     /// Rounding of the velocity, where it was asked for.
@@ -80,18 +80,13 @@ impl Scales {
 }
 
 /// The greater of two; what is no number stays.
-pub(in super::super) fn greater(worst: f64, next: f64) -> f64 {
+pub(super) fn greater(worst: f64, next: f64) -> f64 {
     if worst.is_nan() || next <= worst { worst } else { next }
 }
 
 /// V of each contact, from its drift with the approach, three rows each in units of `scale`: the greatest speed of all that are coupled
 /// with it, directly or through others. A normal velocity counts where it goes down.
-pub(in super::super) fn speeds(
-    drift: &[f64],
-    scale: &[f64],
-    coupled: impl Fn(usize, usize) -> bool,
-    speeds: &mut Vec<f64>,
-) {
+pub(super) fn speeds(drift: &[f64], scale: &[f64], coupled: impl Fn(usize, usize) -> bool, speeds: &mut Vec<f64>) {
     let size = |b: &[f64]| (b[0].min(0.0).powi(2) + b[1] * b[1] + b[2] * b[2]).sqrt() + 0.0 * b[0];
     speeds.clear();
     speeds.extend(drift.chunks_exact(3).zip(scale).map(|(b, scale)| size(b) * scale));
@@ -110,7 +105,7 @@ pub(in super::super) fn speeds(
 
 /// Judges impulses; workspace.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct Judge {
+pub(super) struct Judge {
     drift: Vec<f64>,
     ones: Vec<f64>,
     speeds: Vec<f64>,
