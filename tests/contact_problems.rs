@@ -24,8 +24,8 @@ struct Limits {
 /// first whether they stand, which needs no A: `plant::weld`.)
 fn limits(law: &str, family: &str) -> Limits {
     match (law, family) {
-        ("Cone", "standing" | "swaying") => Limits { unsolved: 0.03, natural_map: 1e-4, per_pair: 12.0, warm: 0.02 },
-        ("Cone", "jams") => Limits { unsolved: 0.002, natural_map: 1e-6, per_pair: 20.0, warm: 0.2 },
+        ("Cone", "standing" | "swaying") => Limits { unsolved: 0.01, natural_map: 1e-8, per_pair: 60.0, warm: 0.02 },
+        ("Cone", "jams") => Limits { unsolved: 0.002, natural_map: 1e-8, per_pair: 40.0, warm: 0.2 },
         ("Cone", _) => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 8.0, warm: 0.2 },
         _ => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 4.0, warm: 0.2 },
     }

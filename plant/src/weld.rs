@@ -24,7 +24,7 @@ mod certificate;
 mod foot;
 mod sole;
 
-use crate::contact::{Report, SOLVED, YIELD};
+use crate::contact::{COMPLIANCE, Report, SOLVED};
 use crate::detect::Touch;
 use crate::factor::Factor;
 use crate::kinematics::Pose;
@@ -153,7 +153,7 @@ impl Weld {
                 mobility.put(i, j, &a.rows[..shared], &b.rows[..shared]);
             }
         }
-        mobility.factorize(feet, if feet.len() > 1 { YIELD } else { 0.0 }, factored)?;
+        mobility.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
         feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Pair::default()));
         let mut before = f64::INFINITY;
         let mut kept = [(Pair::default(), Pair::default()); FEET];

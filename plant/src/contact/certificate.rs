@@ -84,6 +84,11 @@ pub(super) fn greater(worst: f64, next: f64) -> f64 {
     if worst.is_nan() || next <= worst { worst } else { next }
 }
 
+/// A ratio that is zero, not NaN, for nothing of nothing.
+pub(crate) fn relative(x: f64, scale: f64) -> f64 {
+    if x == 0.0 { 0.0 } else { x / scale }
+}
+
 /// V of each contact, from its drift with the approach, three rows each in units of `scale`: the greatest speed of all that are coupled
 /// with it, directly or through others. A normal velocity counts where it goes down.
 pub(super) fn speeds(drift: &[f64], scale: &[f64], coupled: impl Fn(usize, usize) -> bool, speeds: &mut Vec<f64>) {

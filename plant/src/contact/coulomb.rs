@@ -22,7 +22,7 @@ mod newton;
 mod patch;
 mod shift;
 
-use super::memory::Memory;
+use super::memory::{Contact, Memory};
 use super::round::{Round, part};
 use super::tolerance::{PROMISED, SOLVED};
 use super::{Problem, Report};
@@ -195,16 +195,13 @@ impl Coulomb {
     fn keep(&mut self, problem: &Problem, memory: &mut Memory) {
         let Coulomb { round, kinds, best, .. } = self;
         let mut rests = true;
-        memory.forget_contacts();
+        memory.forget();
         for (i, &id) in problem.id.iter().enumerate() {
             let (f, v) = (part(&best.f, i), part(&best.v, i));
             let kind = if f[0] > 0.0 { kinds[i] } else { Kind::Open };
             rests &= f[0] <= 0.0 || v.iter().all(|v| v.abs() <= SOLVED * round.speed(i));
-            memory.remember(id, super::status::standing(kind != Kind::Open, 4));
-            let last = memory.contact_mut(id);
-            last.kind = kind;
-            last.slip = [v[1] * round.scale[i], v[2] * round.scale[i]];
-            last.impulse = f.map(|f| f / round.scale[i]);
+            let slip = [v[1] * round.scale[i], v[2] * round.scale[i]];
+            *memory.contact_mut(id) = Contact { kind, slip, impulse: f.map(|f| f / round.scale[i]), basis: 0 };
         }
         memory.rests = rests;
     }

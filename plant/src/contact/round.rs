@@ -1,29 +1,12 @@
 //! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
 
 use super::certificate::{self, Scales, greater};
-use super::project::{bounded, cone, greatest_slip, pyramid};
-use super::residual::relative;
-use super::scaled::{Scaled, respond};
 use super::tolerance::{IMMOVABLE, SOLVED};
-use super::{Problem, Report, lift};
+use super::{Problem, lift};
 use messages::scene::Law;
 
 /// A natural map beyond this is not rounding, however large A f is [-].
 const HIDDEN: f64 = 1e-3;
-
-/// What the impulse of a contact has to obey: f = P_K(f - v^) with a cone K and a corrected velocity v^.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Rule<'a> {
-    /// Coulomb's law, (17)-(22): v^_N = v_N + mu |v_F|, K the round cone (De Saxcé & Feng 1998).
-    Coulomb,
-    /// The minimum of (14) over the round cone: v^_N = v_N plus a given shift (none if empty).
-    Energy(&'a [f64]),
-    /// f_N >= 0, |f_F| no more than given for each contact: v^ = v (Tresca).
-    Bound(&'a [f64]),
-    /// Coulomb's law with friction in the polygon of this many corners (cos, sin)(2 pi j/d), v^_N = v_N + mu times the
-    /// greatest slip against one of them (Stewart & Trinkle 1996).
-    Polygon(usize),
-}
 
 /// `v = A f + b`, three rows per contact (of one tangent the last is empty): f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].
 #[derive(Clone, Debug, Default)]
@@ -120,23 +103,6 @@ impl Round {
         worst
     }
 
-    /// Becomes the problem of one proximal round: A + rho I, b - rho f.
-    pub fn regularise(&mut self, original: &Round, rho: f64, f: &[f64]) {
-        self.clone_from(original);
-        self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
-        self.drift.iter_mut().zip(f).for_each(|(b, f)| *b -= rho * f);
-    }
-
-    /// Copies itself for [`super::facets`], of which the rows of a contact need not be scaled alike.
-    pub fn copy_to(&self, scaled: &mut Scaled) {
-        (scaled.contacts, scaled.tangents, scaled.size) = (self.contacts, 2, self.size);
-        scaled.delassus.clone_from(&self.delassus);
-        scaled.drift.clone_from(&self.drift);
-        scaled.friction.clone_from(&self.friction);
-        scaled.ratio.clear();
-        scaled.ratio.resize(self.drift.len(), 1.0);
-    }
-
     /// v~ = A~ f~ + b~.
     pub fn velocity(&self, f: &[f64], v: &mut Vec<f64>) {
         respond(&self.delassus, &self.drift, f, v);
@@ -160,55 +126,11 @@ impl Round {
         }
     }
 
-    /// Natural map ||f - P_K(f - v^)||, the greatest entry, relative to the step's scale max(||f||, ||b||).
-    pub fn natural_map(&self, rule: Rule<'_>, f: &[f64], v: &[f64]) -> f64 {
-        let mut worst = 0.0_f64;
-        for i in 0..self.contacts {
-            let (f, v, mu) = (part(f, i), part(v, i), self.friction[i]);
-            let shift = match rule {
-                Rule::Coulomb => mu * v[1].hypot(v[2]),
-                Rule::Energy(shift) => shift.get(i).copied().unwrap_or(0.0),
-                Rule::Bound(_) => 0.0,
-                Rule::Polygon(d) => mu * greatest_slip(d, v),
-            };
-            let x = [f[0] - v[0] - shift, f[1] - v[1], f[2] - v[2]];
-            let nearest = match rule {
-                Rule::Coulomb | Rule::Energy(_) => cone(x, mu),
-                Rule::Bound(bound) => bounded(x, bound[i]),
-                Rule::Polygon(d) => pyramid(x, mu, d),
-            };
-            for k in 0..3 {
-                // Neither the projection nor f64::max may hide a NaN.
-                let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
-                worst = if worst.is_nan() || error <= worst { worst } else { error };
-            }
-        }
-        relative(worst, self.reach(f))
-    }
-
-    /// Step rho of a tangent impulse against a slip, the inverse of the greater tangent diagonal.
-    pub fn tangent_step(&self, i: usize) -> f64 {
-        let n = 3 * self.contacts;
-        let diagonal = |k: usize| self.delassus[k * n + k];
-        let greater = diagonal(3 * i + 1).max(diagonal(3 * i + 2));
-        if greater > 0.0 { 1.0 / greater } else { 1.0 }
-    }
-
     /// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
     pub fn reach(&self, f: &[f64]) -> f64 {
         f.iter().fold(self.size, |size, f| size.max(f.abs()))
     }
 
-    /// Fills the report's residuals: Coulomb's for a round cone, and the law's own.
-    pub fn measure(&self, own: Rule<'_>, f: &[f64], v: &[f64], report: &mut Report) {
-        report.natural_map = self.natural_map(Rule::Coulomb, f, v);
-        report.own = self.natural_map(own, f, v);
-        let scale = self.reach(f);
-        let work = f.iter().zip(v).step_by(3).fold(0.0, |work: f64, (f, v)| work.max((f * v).abs()));
-        report.signorini = relative(work, scale * scale);
-        report.slip_misalignment =
-            (0..self.contacts).map(|i| misalignment(part(f, i), part(v, i), scale)).fold(0.0, f64::max);
-    }
 }
 
 /// The three rows of contact i.
@@ -216,11 +138,48 @@ pub(super) fn part(x: &[f64], i: usize) -> [f64; 3] {
     [x[3 * i], x[3 * i + 1], x[3 * i + 2]]
 }
 
-/// Angle between f_F and -v_F if both have a direction \[rad\].
-fn misalignment(f: [f64; 3], v: [f64; 3], scale: f64) -> f64 {
-    let least = super::residual::NO_DIRECTION * scale;
-    if f[1].hypot(f[2]) <= least || v[1].hypot(v[2]) <= least {
-        return 0.0;
+/// v = A f + b, with A symmetric. Columns of what does not push count too: what is no number in them must show.
+pub(super) fn respond(delassus: &[f64], drift: &[f64], impulse: &[f64], velocity: &mut Vec<f64>) {
+    velocity.clear();
+    velocity.extend_from_slice(drift);
+    let (v, m) = (&mut velocity[..], drift.len());
+    // four rows at a time: each of them would wait until v is in memory again
+    let (fours, rest) = impulse.as_chunks::<4>();
+    for (k, f) in fours.iter().enumerate() {
+        let [a, b, c, d] = std::array::from_fn(|r| &delassus[(4 * k + r) * m..][..v.len()]);
+        for i in 0..v.len() {
+            v[i] = d[i].mul_add(f[3], c[i].mul_add(f[2], b[i].mul_add(f[1], a[i].mul_add(f[0], v[i]))));
+        }
     }
-    (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))
+    for (f, row) in rest.iter().zip(delassus[4 * fours.len() * m..].chunks_exact(m.max(1))) {
+        v.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::respond;
+    use fastrand::Rng;
+
+    #[test]
+    fn the_response_is_that_of_column_by_column_and_what_is_no_number_shows() {
+        let mut rng = Rng::with_seed(1);
+        for m in 0..=9 {
+            let [drift, impulse]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..m).map(|_| rng.f64() - 0.5).collect());
+            let mut delassus: Vec<f64> = (0..m * m).map(|_| rng.f64() - 0.5).collect();
+            let mut expected = drift.clone();
+            for (r, f) in impulse.iter().enumerate() {
+                expected.iter_mut().enumerate().for_each(|(i, v)| *v = delassus[r * m + i].mul_add(*f, *v));
+            }
+            let mut found = vec![1.0; 3];
+            respond(&delassus, &drift, &impulse, &mut found);
+            assert_eq!(found, expected, "{m} rows");
+            for r in 0..m {
+                let kept = std::mem::replace(&mut delassus[r * m], f64::NAN);
+                respond(&delassus, &drift, &vec![0.0; m], &mut found);
+                assert!(found[0].is_nan(), "row {r} of {m} pushes nothing");
+                delassus[r * m] = kept;
+            }
+        }
+    }
 }

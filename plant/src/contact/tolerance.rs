@@ -11,7 +11,7 @@ pub(super) const PROMISED: f64 = 1e-10;
 ///
 /// Two feet of one robot press against each other along directions that A holds at 1e-12 or not at all. With the compliance the impulse
 /// there is the one of least norm, not a quotient of two roundings. Half of [`SOLVED`]: what it moves is then seldom too much.
-pub(super) const COMPLIANCE: f64 = 0.5 * SOLVED;
+pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
 /// Rounding of A f, as a part of Σ|A f| [-]. A contact cannot be judged more finely than that.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;

@@ -11,9 +11,9 @@
 //! | energy program | its edges that push | the same |
 
 use super::energy_qp::minimises_energy;
-use super::pivoted::Pivoted;
+use super::super::pivoted::Pivoted;
 use super::scaled::{Mix, Scaled};
-use super::{residual, status::EDGES};
+use super::{diamond, status::EDGES};
 use messages::scene::Law;
 
 /// Refinements at most.
@@ -64,7 +64,7 @@ impl Block {
             if !minimises_energy(law) {
                 scaled.harden(f, v); // the refinement undoes the yielding wherever A allows
             }
-            let size = residual::scale(scaled, f);
+            let size = diamond::scale(scaled, f);
             let left = self.columns.iter().map(|column| read(&column.read, v).abs()).fold(0.0, f64::max);
             // What no longer shrinks is in rows that depend on others.
             if left <= 4.0 * f64::EPSILON * size || left > 0.1 * before {

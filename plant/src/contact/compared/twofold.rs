@@ -1,28 +1,9 @@
-//! Numbers for pivoting: `f64`, and the sum of two of them, which has 32 digits.
+//! A number of 32 digits, as the sum of two of 16: for pivoting, see [`super::lemke`].
 //!
 //! # Source
 //! Dekker, *A floating-point technique for extending the available precision*, 1971; Knuth's sum of two numbers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
-
-/// What a [`super::dictionary::Dictionary`] is made of.
-pub(super) trait Number:
-    Copy
-    + Default
-    + PartialEq
-    + PartialOrd
-    + From<f64>
-    + Into<f64>
-    + Add<Output = Self>
-    + Sub<Output = Self>
-    + Mul<Output = Self>
-    + Div<Output = Self>
-    + Neg<Output = Self>
-{
-}
-
-impl Number for f64 {}
-impl Number for Twofold {}
 
 /// `high + low`, of which `low` is what `high` has lost in rounding. Ordered as numbers are.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]

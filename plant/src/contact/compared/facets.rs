@@ -18,80 +18,25 @@
 //! A ray would need an impulse in the cone with A f = 0 and f·b + (lift) < 0; but A f = 0 means K f = 0, and b is in the
 //! range of K^T, so f·b = 0: there is none.
 
-use super::lemke::{Care, EXACT, Lemke, NEAR};
-use super::project::corner;
+use super::lemke::Lemke;
+use super::polygon::corner;
 use super::scaled::Scaled;
-use super::solver::FEW;
-use super::twofold::{Number, Twofold};
+use super::twofold::Twofold;
 
-/// Assembly of the problem, pivoting, and the reading of its solution.
+/// Assembly of the problem, pivoting, and the reading of its solution: pairs, `d + 2` of each contact.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
-    quick: Pairs<f64>,
-    exact: Pairs<Twofold>,
-}
-
-impl Facets {
-    /// Solves and writes the basis, one bit per basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed.
-    /// Adds the pivots to `count`; false when there is no solution to be found.
-    pub fn pivot(&mut self, scaled: &Scaled, care: Care, basis: &mut [u8], count: &mut u32) -> bool {
-        self.quick.along_tangents(scaled);
-        let solved = self.quick.lemke.run(care, count);
-        if solved {
-            self.quick.basis(basis);
-        }
-        solved
-    }
-
-    /// The same in 32 digits, with the impulse. Of few contacts the path from the start is short; of others it begins
-    /// at the given basis, if it can.
-    pub fn pivot_exactly(&mut self, scaled: &Scaled, basis: &mut [u8], f: &mut Vec<f64>, count: &mut u32) -> bool {
-        let exact = &mut self.exact;
-        exact.along_tangents(scaled);
-        let size = exact.count + 2;
-        let start = &exact.start;
-        let entered = |pair: usize| {
-            let (i, local) = (pair / size, pair % size);
-            (basis[i] >> local & 1 == 1) != at_start(start[i], size, local)
-        };
-        let mut solved = basis.len() > FEW && exact.lemke.run_from(entered, NEAR, count);
-        if !solved {
-            exact.along_tangents(scaled);
-            solved = exact.lemke.run(EXACT, count);
-        }
-        if solved {
-            exact.basis(basis);
-            exact.impulse(scaled, f);
-        }
-        solved
-    }
-
-    /// Solves with `d` directions around each contact, whose rows are scaled alike, and writes the impulse to within the
-    /// rounding of the pivots; what it returns and counts is likewise.
-    pub fn around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>, count: &mut u32) -> bool {
-        let Facets { quick, exact } = self;
-        if care.exact {
-            exact.solve_around(scaled, d, care, f, count)
-        } else {
-            quick.solve_around(scaled, d, care, f, count)
-        }
-    }
-}
-
-/// The pairs of the problem, `d + 2` of each contact.
-#[derive(Clone, Debug, Default)]
-struct Pairs<N> {
-    lemke: Lemke<N>,
+    lemke: Lemke,
     /// d_j of every contact in its scaled rows, and its weight c_j.
-    facet: Vec<([N; 3], N)>,
+    facet: Vec<([Twofold; 3], Twofold)>,
     /// d.
     count: usize,
     /// Facet j of each contact, along which it slides at the start.
     start: Vec<usize>,
     /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
-    push: Vec<[N; 3]>,
+    push: Vec<[Twofold; 3]>,
     /// For each pair: coefficients with which the basic partner reads the contact's velocity.
-    read: Vec<[N; 3]>,
+    read: Vec<[Twofold; 3]>,
 }
 
 /// Whether the partner of a pair is basic at the start: the facet of the slide, and the slip speed.
@@ -99,7 +44,30 @@ fn at_start(slides: usize, size: usize, local: usize) -> bool {
     local == 1 + slides || local == size - 1
 }
 
-impl<N: Number> Pairs<N> {
+impl Facets {
+    /// Solves with friction there and back along each tangent, from the given basis if that can be and else from the start; writes basis and
+    /// impulse. A bit of the basis for each basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed. Adds the pivots to `count`;
+    /// false when there is no solution to be found.
+    pub fn pivot(&mut self, scaled: &Scaled, basis: &mut [u8], f: &mut Vec<f64>, count: &mut u32) -> bool {
+        self.along_tangents(scaled);
+        let size = self.count + 2;
+        let Facets { lemke, start, .. } = self;
+        let entered = |pair: usize| {
+            let (i, local) = (pair / size, pair % size);
+            (basis[i] >> local & 1 == 1) != at_start(start[i], size, local)
+        };
+        let mut solved = lemke.run_from(entered, count);
+        if !solved {
+            self.along_tangents(scaled);
+            solved = self.lemke.run(count);
+        }
+        if solved {
+            self.basis(basis);
+            self.impulse(scaled, f);
+        }
+        solved
+    }
+
     /// Writes the problem with friction there and back along each tangent.
     fn along_tangents(&mut self, scaled: &Scaled) {
         self.count = scaled.facets();
@@ -107,7 +75,7 @@ impl<N: Number> Pairs<N> {
         for ratio in scaled.ratio.chunks_exact(scaled.stride()) {
             self.facet.extend((0..self.count).map(|j| {
                 let (row, sign) = Scaled::facet(j);
-                let mut unit = [N::default(); 3];
+                let mut unit = [Twofold::default(); 3];
                 unit[row] = sign.into();
                 (unit, ratio[row].into())
             }));
@@ -116,19 +84,20 @@ impl<N: Number> Pairs<N> {
         self.assemble(scaled);
     }
 
-    /// Solves with friction in `d` directions of equal angles.
-    fn solve_around(&mut self, scaled: &Scaled, d: usize, care: Care, f: &mut Vec<f64>, count: &mut u32) -> bool {
+    /// Solves with friction in `d` directions of equal angles around each contact, whose rows are scaled alike, and writes the impulse; what it
+    /// returns and counts is likewise.
+    pub fn around(&mut self, scaled: &Scaled, d: usize, f: &mut Vec<f64>, count: &mut u32) -> bool {
         self.count = d;
         self.facet.clear();
         for _ in 0..scaled.contacts {
             self.facet.extend((0..d).map(|j| {
                 let [x, y] = corner(d, j);
-                ([0.0, x, y].map(N::from), 1.0.into())
+                ([0.0, x, y].map(Twofold::from), 1.0.into())
             }));
         }
         self.directions(scaled);
         self.assemble(scaled);
-        let solved = self.lemke.run(care, count);
+        let solved = self.lemke.run(count);
         if solved {
             self.impulse(scaled, f);
         }
@@ -149,7 +118,7 @@ impl<N: Number> Pairs<N> {
             let (first, push) = (push.0 * (self.count + 2), push.1);
             let of = |row: usize| {
                 let parts = push.iter().enumerate().map(|(k, push)| self.lemke.partner(first + k) * push[row]);
-                parts.fold(N::default(), |sum, part| sum + part).into() * scaled.size
+                f64::from(parts.fold(Twofold::default(), |sum, part| sum + part)) * scaled.size
             };
             f.extend((0..scaled.stride()).map(of));
         }
@@ -157,7 +126,7 @@ impl<N: Number> Pairs<N> {
 
     /// Chooses the facets of the start and from them what each variable pushes and reads.
     fn directions(&mut self, scaled: &Scaled) {
-        let (d, stride, zero) = (self.count, scaled.stride(), N::default());
+        let (d, stride, zero) = (self.count, scaled.stride(), Twofold::default());
         self.start.clear();
         self.push.clear();
         self.read.clear();
@@ -192,20 +161,20 @@ impl<N: Number> Pairs<N> {
 
     /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
     fn assemble(&mut self, scaled: &Scaled) {
-        let Pairs { lemke, facet, count, start, push, read } = self;
+        let Facets { lemke, facet, count, start, push, read } = self;
         let (d, stride, m) = (*count, scaled.stride(), scaled.drift.len());
         let (size, n) = (d + 2, push.len());
         lemke.reset(n);
         for (r, e) in read.iter().enumerate() {
-            let weights = || (r / size * stride..).zip(&e[..stride]).filter(|(_, e)| **e != N::default());
+            let weights = || (r / size * stride..).zip(&e[..stride]).filter(|(_, e)| **e != Twofold::default());
             let read = |column: usize| {
-                weights().fold(N::default(), |sum, (k, &e)| sum + e * scaled.delassus[k * m + column].into())
+                weights().fold(Twofold::default(), |sum, (k, &e)| sum + e * scaled.delassus[k * m + column].into())
             };
             let entries = lemke.dictionary.row_mut(r);
-            let b = weights().fold(N::default(), |sum, (k, &e)| sum + e * scaled.drift[k].into());
+            let b = weights().fold(Twofold::default(), |sum, (k, &e)| sum + e * scaled.drift[k].into());
             entries[n + 1] = b / scaled.size.into();
             for (i, (columns, push)) in entries.chunks_exact_mut(size).zip(push.chunks_exact(size)).enumerate() {
-                let a: [N; 3] = [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { N::default() });
+                let a: [Twofold; 3] = [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { Twofold::default() });
                 for (entry, e) in columns.iter_mut().zip(push) {
                     *entry = a[0] * e[0] + a[1] * e[1] + a[2] * e[2];
                 }
@@ -214,13 +183,13 @@ impl<N: Number> Pairs<N> {
         for (i, &j) in start.iter().enumerate() {
             let ratio = |k: usize| facet[i * d + k].1;
             let first = i * size;
-            let mut couple = |row: usize, column: usize, x: N| {
+            let mut couple = |row: usize, column: usize, x: Twofold| {
                 let entry = &mut lemke.dictionary.row_mut(first + row)[column];
                 *entry = *entry + x;
             };
-            let one = N::from(1.0);
+            let one = Twofold::from(1.0);
             couple(0, n, one);
-            couple(1 + j, first, N::from(scaled.friction[i]) / ratio(j));
+            couple(1 + j, first, Twofold::from(scaled.friction[i]) / ratio(j));
             couple(1 + j, first + d + 1, -one / ratio(j));
             couple(d + 1, first + 1 + j, one / ratio(j));
             for k in (0..d).filter(|&k| k != j) {

@@ -4,7 +4,8 @@
 //! Interior points end at about 1e-9; Newton's method finds the last digits. This one solver allocates.
 
 use super::newton::YIELDS;
-use super::round::{Round, Rule};
+use super::super::round::Round;
+use super::rule::Rule;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use std::cmp::Ordering;

@@ -13,21 +13,21 @@
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction
 //! problem via convex optimization*, ZAMM 91, 2011.
 
-use super::SOLVED;
+use super::super::tolerance::SOLVED;
 use super::cones::Cones;
-use super::round::Rule;
+use super::rule::Rule;
 use messages::scene::Iteration;
 
 /// Minima at most.
-pub(super) const MINIMA: u32 = 200;
+const MINIMA: u32 = 200;
 /// Minima without progress before it becomes more cautious, or bolder.
 const PATIENCE: u32 = 6;
 
-/// Iterates from the present impulse; false if that does not settle within so many minima. Adds them to `count`.
-pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, minima: u32, count: &mut u32) -> bool {
+/// Iterates from the present impulse; false if that does not settle. Adds the minima to `count`.
+pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, count: &mut u32) -> bool {
     let (mut least, mut waited, mut share, mut creeps) = (f64::INFINITY, 0, 1.0, false);
     cones.held.clear();
-    for _ in 0..minima {
+    for _ in 0..MINIMA {
         let error = cones.residual(Rule::Coulomb);
         if error <= SOLVED {
             return true;

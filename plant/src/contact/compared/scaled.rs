@@ -1,9 +1,10 @@
 //! The contact problem in energy units: rows and columns scaled by diag(A)^-1/2, so that A has a unit diagonal and
 //! impulses and velocities are both in sqrt(J).
 
-use super::residual::greatest;
-use super::tolerance::{COMPLIANCE, IMMOVABLE};
-use super::{Problem, lift};
+use super::super::round::{Round, respond};
+use super::super::tolerance::{COMPLIANCE, IMMOVABLE};
+use super::super::{Problem, lift};
+use super::diamond::greatest;
 use messages::scene::Law;
 
 /// What [`Scaled::give`] adds to the unit diagonal: contacts yield by this much.
@@ -11,7 +12,7 @@ use messages::scene::Law;
 /// Two flat feet on one robot hold each other along directions that H sees at 1e-12 or not at all. There the impulse is
 /// the quotient of two roundings, and pivoting loses its way. With this the problem has one solution, that of least norm
 /// where A is singular, and its residual in the problem without it is no more than this, relative to the impulse.
-pub(crate) const YIELD: f64 = COMPLIANCE;
+pub(super) const YIELD: f64 = COMPLIANCE;
 
 /// The same for pivoting in 32 digits: far above the rounding of A, so that there is one solution, and far below what
 /// counts as solved.
@@ -118,6 +119,16 @@ impl Scaled {
         }
     }
 
+    /// Of a problem for round cones: the rows of a contact are scaled alike.
+    pub fn set_alike(&mut self, round: &Round) {
+        (self.contacts, self.tangents, self.size, self.give) = (round.contacts, 2, round.size, 0.0);
+        self.delassus.clone_from(&round.delassus);
+        self.drift.clone_from(&round.drift);
+        self.friction.clone_from(&round.friction);
+        self.ratio.clear();
+        self.ratio.resize(self.drift.len(), 1.0);
+    }
+
     /// Lets the contacts yield by so much: [`YIELD`], [`HAIR`], or not at all.
     pub fn give(&mut self, give: f64) {
         let (change, next) = (give - self.give, self.drift.len() + 1);
@@ -137,46 +148,9 @@ impl Scaled {
         }
     }
 
-    /// Becomes the same problem, in the buffers it has.
-    pub fn copy(&mut self, original: &Scaled) {
-        (self.contacts, self.tangents, self.size) = (original.contacts, original.tangents, original.size);
-        self.give = original.give;
-        self.delassus.clone_from(&original.delassus);
-        self.drift.clone_from(&original.drift);
-        self.root.clone_from(&original.root);
-        self.friction.clone_from(&original.friction);
-        self.ratio.clone_from(&original.ratio);
-        self.reach.clone_from(&original.reach);
-    }
-
-    /// Becomes the problem of one proximal round: A + rho I, b - rho f.
-    pub fn regularise(&mut self, original: &Scaled, rho: f64, f: &[f64]) {
-        self.copy(original);
-        self.delassus.iter_mut().step_by(f.len() + 1).for_each(|a| *a += rho);
-        self.drift.iter_mut().zip(f).for_each(|(b, f)| *b -= rho * f);
-    }
-
     /// v~ = A~ f~ + b~.
     pub fn velocity(&self, impulse: &[f64], velocity: &mut Vec<f64>) {
         respond(&self.delassus, &self.drift, impulse, velocity);
-    }
-}
-
-/// v = A f + b, with A symmetric. Columns of what does not push count too: what is no number in them must show.
-pub(super) fn respond(delassus: &[f64], drift: &[f64], impulse: &[f64], velocity: &mut Vec<f64>) {
-    velocity.clear();
-    velocity.extend_from_slice(drift);
-    let (v, m) = (&mut velocity[..], drift.len());
-    // four rows at a time: each of them would wait until v is in memory again
-    let (fours, rest) = impulse.as_chunks::<4>();
-    for (k, f) in fours.iter().enumerate() {
-        let [a, b, c, d] = std::array::from_fn(|r| &delassus[(4 * k + r) * m..][..v.len()]);
-        for i in 0..v.len() {
-            v[i] = d[i].mul_add(f[3], c[i].mul_add(f[2], b[i].mul_add(f[1], a[i].mul_add(f[0], v[i]))));
-        }
-    }
-    for (f, row) in rest.iter().zip(delassus[4 * fours.len() * m..].chunks_exact(m.max(1))) {
-        v.iter_mut().zip(row).for_each(|(v, a)| *v = a.mul_add(*f, *v));
     }
 }
 
@@ -191,32 +165,4 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
         }
     }
     (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
-}
-
-#[cfg(test)]
-mod tests {
-    use super::respond;
-    use fastrand::Rng;
-
-    #[test]
-    fn the_response_is_that_of_column_by_column_and_what_is_no_number_shows() {
-        let mut rng = Rng::with_seed(1);
-        for m in 0..=9 {
-            let [drift, impulse]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..m).map(|_| rng.f64() - 0.5).collect());
-            let mut delassus: Vec<f64> = (0..m * m).map(|_| rng.f64() - 0.5).collect();
-            let mut expected = drift.clone();
-            for (r, f) in impulse.iter().enumerate() {
-                expected.iter_mut().enumerate().for_each(|(i, v)| *v = delassus[r * m + i].mul_add(*f, *v));
-            }
-            let mut found = vec![1.0; 3];
-            respond(&delassus, &drift, &impulse, &mut found);
-            assert_eq!(found, expected, "{m} rows");
-            for r in 0..m {
-                let kept = std::mem::replace(&mut delassus[r * m], f64::NAN);
-                respond(&delassus, &drift, &vec![0.0; m], &mut found);
-                assert!(found[0].is_nan(), "row {r} of {m} pushes nothing");
-                delassus[r * m] = kept;
-            }
-        }
-    }
 }

@@ -1,6 +1,8 @@
 //! What each contact does, as the bits of a basis: of a complementary one ([`Status`]), or those of the edges along which it pushes.
 
-use super::residual;
+use super::super::coulomb::Kind;
+use super::super::memory::Contact;
+use super::diamond;
 use super::scaled::Scaled;
 
 /// At the optimum of the energy program a contact slips if it is faster than this, relative to the step's scale.
@@ -21,15 +23,19 @@ pub(super) fn edges(bits: u8, d: usize) -> u8 {
     }
 }
 
-/// The bits of a contact that sticks, or of one that is open.
-pub(super) fn standing(sticks: bool, d: usize) -> u8 {
-    if sticks { Status::Sticks } else { Status::Open }.write(d)
+/// The bits of what a contact did in the last step; of one whose link stood they are not known.
+pub(super) fn recall(last: Contact, d: usize) -> u8 {
+    match (last.basis, last.kind) {
+        (0, Kind::Open) => 0,
+        (0, _) => Status::Sticks.write(d),
+        (bits, _) => bits,
+    }
 }
 
 /// Lets the contacts slide that do so at the optimum of the energy program; the others keep their edges.
 pub(super) fn slide(scaled: &Scaled, f: &[f64], v: &[f64], basis: &mut [u8]) {
     let (d, stride) = (scaled.facets(), scaled.stride());
-    let least = SLIPS * residual::scale(scaled, f);
+    let least = SLIPS * diamond::scale(scaled, f);
     for (i, bits) in basis.iter_mut().enumerate() {
         let slips = (1..stride).any(|k| v[i * stride + k].abs() > least);
         if slips {

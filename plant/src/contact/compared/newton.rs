@@ -13,9 +13,10 @@
 //! Close to a solution the statuses no longer change and the steps converge quadratically; far from it they need not
 //! converge at all, so the best iterate is kept, and [`super::cones`] starts again from a better place.
 
-use super::SOLVED;
-use super::project::corner;
-use super::round::{Round, Rule, part};
+use super::super::round::{Round, part};
+use super::super::tolerance::SOLVED;
+use super::polygon::corner;
+use super::rule::{Rule, natural_map, tangent_step};
 
 /// Steps at most.
 const STEPS: u32 = 25;
@@ -55,7 +56,7 @@ impl Newton {
         steps: &mut u32,
     ) -> f64 {
         round.velocity(f, v);
-        let mut least = round.natural_map(rule, f, v);
+        let mut least = natural_map(round, rule, f, v);
         self.best.clone_from(f);
         for rho in YIELDS {
             self.run(round, rule, rho, &mut least, f, v, steps);
@@ -87,7 +88,7 @@ impl Newton {
             }
             *steps += 1;
             round.velocity(f, v);
-            let error = round.natural_map(rule, f, v);
+            let error = natural_map(round, rule, f, v);
             // What is solved gets one more chance to be so to rounding.
             patience = if *least <= SOLVED { 0 } else { patience - 1 };
             if error < *least {
@@ -132,7 +133,7 @@ fn equations(round: &Round, rule: Rule<'_>, i: usize, f: [f64; 3], v: [f64; 3]) 
         let v = [v[0] + shift.get(i).copied().unwrap_or(0.0), v[1], v[2]];
         return on_cone(mu, f, v);
     }
-    let rho = round.tangent_step(i);
+    let rho = tangent_step(round, i);
     let x = [f[0] - v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
     // The bound of friction, and what it changes by with x_N.
     let (bound, slope) = match rule {

@@ -1,6 +1,6 @@
 //! Where a piece of the path of the shift ends: at the first border that what falls along it meets.
 
-use super::super::residual::greatest;
+use super::super::diamond::greatest;
 use super::EnergyQp;
 use super::edges::{Panel, WIDTH, least, place_of};
 

@@ -5,39 +5,23 @@
 //! by its partner entering, until t leaves. Ties are broken as if row i of q were larger by eps^i, so no basis comes twice
 //! and redundant contacts (singular M) do not cycle. For a copositive M the path ends at a solution.
 //!
-//! In 16 digits that is so unless contacts all but hold each other; in 32 ([`EXACT`]) always. There the path may also begin
-//! at a guess, whose contradictions t makes good.
+//! The dictionary has 32 digits: feet that all but hold each other ask for that, and the path ends in few pivots. It may also begin at a
+//! guess, whose contradictions t makes good.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.
 
 use super::dictionary::Dictionary;
-use super::twofold::Number;
+use super::twofold::Twofold;
 use std::cmp::Ordering;
 
-/// What counts as rounding on the way.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Care {
-    /// Entries below this are no pivots: in the scaled problem an honest one is about 1.
-    pub zero: f64,
-    /// Rows that come this close to zero together are ties; q is at most about 1.
-    pub tie: f64,
-    /// Whether ties are relative to the largest entry of their row, and the dictionary is made afresh after each pivot
-    /// that is [`FAR`] from 1.
-    pub exact: bool,
-    /// Pivots per pair at most.
-    pub most: usize,
-}
-
-/// Rounding is about 1e-15 but grows from pivot to pivot: wide enough that in redundant rows it does not choose. What
-/// that costs is made good when the impulse is computed afresh from the final basis.
-pub(super) const QUICK: Care = Care { zero: 1e-9, tie: 1e-9, exact: false, most: 50 };
-/// Ties as narrow as 1e-10 needs in a step of many contacts, and a path that is given up if it is long.
-pub(super) const FINE: Care = Care { zero: 1e-12, tie: 1e-12, exact: false, most: 1 };
-/// For 32 digits and contacts that yield by [`super::scaled::HAIR`]: entries reach its inverse, their rounding 1e-20.
-pub(super) const EXACT: Care = Care { zero: 1e-16, tie: 1e-28, exact: true, most: 50 };
-/// The same from a guess; if that is a bad one, better from the start.
-pub(super) const NEAR: Care = Care { most: 2, ..EXACT };
+/// Entries below this are no pivots: in the scaled problem an honest one is about 1; with contacts that yield by
+/// [`super::scaled::HAIR`] they reach its inverse, their rounding 1e-20.
+const ZERO: f64 = 1e-16;
+/// Rows that come this close to zero together, beside the largest entry of each, are ties; q is at most about 1.
+const TIE: f64 = 1e-28;
+/// Pivots per pair at most, from the start and from a guess; if that is a bad one, better from the start.
+const MOST: [usize; 2] = [50, 2];
 /// A pivot so much smaller or larger than 1 has cost digits.
 const FAR: f64 = 1e3;
 /// Its multiples have fractions far from each other.
@@ -47,10 +31,10 @@ const PARTED: f64 = 1e-14;
 
 /// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Lemke<N> {
+pub(super) struct Lemke {
     /// n rows; columns: the n partners, t, constants.
-    pub dictionary: Dictionary<N>,
-    original: Dictionary<N>,
+    pub dictionary: Dictionary,
+    original: Dictionary,
     basic: Vec<usize>,
     nonbasic: Vec<usize>,
     /// Row of a basic variable, or n + column of a nonbasic one.
@@ -60,7 +44,7 @@ pub(super) struct Lemke<N> {
     leaving: Vec<usize>,
 }
 
-impl<N: Number> Lemke<N> {
+impl Lemke {
     /// Empties the dictionary for n pairs.
     pub fn reset(&mut self, n: usize) {
         self.dictionary.reset(n, n + 2);
@@ -73,49 +57,47 @@ impl<N: Number> Lemke<N> {
     }
 
     /// Value of that partner in the solution.
-    pub fn partner(&self, i: usize) -> N {
+    pub fn partner(&self, i: usize) -> Twofold {
         let n = self.dictionary.rows;
         let place = self.place[n + i];
-        if place < n { self.dictionary.constant(place) } else { N::default() }
+        if place < n { self.dictionary.constant(place) } else { Twofold::default() }
     }
 
     /// Runs to a complementary basis and adds the pivots to `count`; false on a ray or after too many.
-    pub fn run(&mut self, care: Care, count: &mut u32) -> bool {
-        if care.exact {
-            self.part();
-            self.original.copy(&self.dictionary);
-        }
+    pub fn run(&mut self, count: &mut u32) -> bool {
+        self.part();
+        self.original.copy(&self.dictionary);
         self.begin();
-        self.follow(care, count)
+        self.follow(MOST[0], count)
     }
 
     /// The same from the basis that the partners of these rows have entered; false also if it is singular.
     ///
     /// There t lifts each negative row, by a little more than it needs, so that no two reach zero together. In the rows of
     /// the start, of which the dictionary is made afresh, that is B c: c what t adds to the basic variables, B their columns.
-    pub fn run_from(&mut self, entered: impl Fn(usize) -> bool, care: Care, count: &mut u32) -> bool {
+    pub fn run_from(&mut self, entered: impl Fn(usize) -> bool, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
-        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = N::default());
+        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = Twofold::default());
         self.part();
         self.original.copy(&self.dictionary);
         self.begin();
         self.entering.extend((0..n).filter(|&i| entered(i)));
         self.leaving.clone_from(&self.entering);
         *count += 1;
-        if !self.gather(care) {
+        if !self.gather() {
             return false;
         }
         for r in 0..n {
-            let lift = greater(-self.dictionary.constant(r), N::default());
-            self.dictionary.row_mut(r)[n] = lift * N::from(1.0 + r as f64 / n as f64);
+            let lift = greater(-self.dictionary.constant(r), Twofold::default());
+            self.dictionary.row_mut(r)[n] = lift * Twofold::from(1.0 + r as f64 / n as f64);
         }
         for r in 0..n {
-            let lift = |place: usize| if place < n { self.dictionary.at(place, n) } else { N::default() };
+            let lift = |place: usize| if place < n { self.dictionary.at(place, n) } else { Twofold::default() };
             let columns = (0..n).filter(|i| self.place[n + i] < n);
             let lifts = columns.map(|i| self.original.at(r, i) * lift(self.place[n + i]));
-            self.original.row_mut(r)[n] = lift(self.place[r]) - lifts.fold(N::default(), |sum, x| sum + x);
+            self.original.row_mut(r)[n] = lift(self.place[r]) - lifts.fold(Twofold::default(), |sum, x| sum + x);
         }
-        self.follow(care, count)
+        self.follow(MOST[1], count)
     }
 
     /// Adds to each row of q what no residual shows, so that no two are tied: a tie that rounding decides wrongly among
@@ -146,30 +128,30 @@ impl<N: Number> Lemke<N> {
     }
 
     /// Lets t enter, then partners until it leaves.
-    fn follow(&mut self, care: Care, count: &mut u32) -> bool {
+    fn follow(&mut self, most: usize, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
         let Some(mut row) = self.first_row() else { return true };
         let mut column = n;
-        for _ in 0..care.most * n {
+        for _ in 0..most * n {
             *count += 1;
             let left = self.basic[row];
-            let pivot = self.dictionary.at(row, column).into().abs();
+            let pivot = f64::from(self.dictionary.at(row, column)).abs();
             self.exchange(row, column);
             if left == 2 * n {
                 return true;
             }
-            if care.exact && !(1.0 / FAR..FAR).contains(&pivot) && !self.refresh(care) {
+            if !(1.0 / FAR..FAR).contains(&pivot) && !self.refresh() {
                 return false;
             }
             column = self.place[(left + n) % (2 * n)] - n;
-            let Some(next) = self.leaving(column, care) else { return false };
+            let Some(next) = self.leaving(column) else { return false };
             row = next;
         }
         false
     }
 
     /// Makes the dictionary of the present basis from the original one.
-    fn refresh(&mut self, care: Care) -> bool {
+    fn refresh(&mut self) -> bool {
         let n = self.dictionary.rows;
         self.dictionary.copy(&self.original);
         self.entering.clear();
@@ -180,23 +162,23 @@ impl<N: Number> Lemke<N> {
         self.basic.extend(0..n);
         self.nonbasic.clear();
         self.nonbasic.extend(n..=2 * n);
-        self.gather(care)
+        self.gather()
     }
 
     /// Exchanges the rows of `leaving` for the columns of `entering`, the largest pivots first; false if one is nothing.
-    fn gather(&mut self, care: Care) -> bool {
+    fn gather(&mut self) -> bool {
         let n = self.dictionary.rows;
         while !self.entering.is_empty() {
-            let (mut best, mut size) = ((0, 0), care.zero);
+            let (mut best, mut size) = ((0, 0), ZERO);
             for (i, &row) in self.leaving.iter().enumerate() {
                 for (j, &column) in self.entering.iter().enumerate() {
-                    let entry = self.dictionary.at(row, column).into().abs();
+                    let entry = f64::from(self.dictionary.at(row, column)).abs();
                     if entry > size {
                         (best, size) = ((i, j), entry);
                     }
                 }
             }
-            if size <= care.zero {
+            if size <= ZERO {
                 return false;
             }
             let (row, column) = (self.leaving.swap_remove(best.0), self.entering.swap_remove(best.1));
@@ -214,7 +196,7 @@ impl<N: Number> Lemke<N> {
 
     /// Row that t must lift most; of equal ones the last, whose perturbation is smallest.
     fn first_row(&self) -> Option<usize> {
-        let (n, zero) = (self.dictionary.rows, N::default());
+        let (n, zero) = (self.dictionary.rows, Twofold::default());
         let lift = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
         let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > zero && lift(r) > zero);
         lifted.max_by(|&a, &b| order(lift(a), lift(b)))
@@ -229,13 +211,13 @@ impl<N: Number> Lemke<N> {
     }
 
     /// Lexicographic ratio test: the row that reaches zero first while the variable of `column` grows.
-    fn leaving(&mut self, column: usize, care: Care) -> Option<usize> {
+    fn leaving(&mut self, column: usize) -> Option<usize> {
         let n = self.dictionary.rows;
         let Lemke { dictionary, place, ties, .. } = self;
         let slope = |r: usize| -dictionary.at(r, column);
-        let ratio = |r: usize| greater(dictionary.constant(r), N::default()) / slope(r);
-        let tie = |r: usize| N::from(care.tie * if care.exact { dictionary.largest(r) } else { 1.0 });
-        let falling = (0..n).filter(|&r| slope(r) > care.zero.into());
+        let ratio = |r: usize| greater(dictionary.constant(r), Twofold::default()) / slope(r);
+        let tie = |r: usize| Twofold::from(TIE * dictionary.largest(r));
+        let falling = (0..n).filter(|&r| slope(r) > Twofold::from(ZERO));
         let least = falling.clone().map(ratio).min_by(|&a, &b| order(a, b))?;
         ties.clear();
         ties.extend(falling.filter(|&r| dictionary.constant(r) - least * slope(r) <= tie(r)));
@@ -256,10 +238,10 @@ impl<N: Number> Lemke<N> {
 }
 
 /// What is no number is equal to all.
-fn order<N: Number>(a: N, b: N) -> Ordering {
+fn order(a: Twofold, b: Twofold) -> Ordering {
     a.partial_cmp(&b).unwrap_or(Ordering::Equal)
 }
 
-fn greater<N: Number>(a: N, b: N) -> N {
+fn greater(a: Twofold, b: Twofold) -> Twofold {
     if a > b { a } else { b }
 }

@@ -1,29 +1,20 @@
 //! Laws of round cones and pyramids, from the cheapest start to the surest.
 
+use super::super::round::Round;
+use super::super::tolerance::SOLVED;
+use super::super::{Memory, Problem, Report};
 use super::cone_qp::ConeQp;
 use super::facets::Facets;
-use super::fixed_point::{self, MINIMA};
-use super::lemke::{Care, EXACT, FINE, QUICK};
+use super::fixed_point;
 use super::newton::Newton;
-use super::round::{Round, Rule};
+use super::rule::{Rule, natural_map};
 use super::scaled::{HAIR, Scaled};
+use super::spring_damper;
 use super::sweep::sweep;
-use super::{Memory, Problem, Report, SOLVED, spring_damper};
 use messages::scene::{Iteration, Law};
 
 /// Sweeps before each new start of Newton's method.
 const BURSTS: [u32; 4] = [3, 12, 50, 200];
-
-/// Energy minima after which a start is good enough.
-const FEW: u32 = 20;
-/// Starts by pivoting: what contacts yield by, and what counts as zero.
-const PIVOTING: [(f64, Care); 6] =
-    [(0.0, QUICK), (0.0, FINE), (HAIR, EXACT), (1e-8, QUICK), (1e-6, QUICK), (1e-4, QUICK)];
-/// More contacts have too many facets for 32 digits.
-const MANY: usize = 8;
-
-/// What contacts yield by on the way to rigid ones.
-const HARDENING: [f64; 10] = [1.0, 0.3, 0.1, 3e-2, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7];
 
 /// Workspace and last solution of the laws that have no basis along the problem's tangents.
 #[derive(Clone, Debug, Default)]
@@ -35,8 +26,6 @@ pub(super) struct Cones {
     cone_qp: ConeQp,
     facets: Facets,
     scaled: Scaled,
-    proximal: Scaled,
-    yielding: Round,
     swept: Vec<f64>,
     best: Vec<f64>,
     /// Friction bound or shift of v_N that the present iterate is solved with.
@@ -51,7 +40,7 @@ impl Cones {
         let mut report = Report::default();
         self.round.set(problem, law);
         impulse.clear();
-        problem.id.iter().for_each(|&id| impulse.extend_from_slice(&memory.impulse(id)[..1 + problem.tangents]));
+        problem.id.iter().for_each(|&id| impulse.extend_from_slice(&memory.contact(id).impulse[..1 + problem.tangents]));
         self.round.read(impulse, &mut self.f);
         let solved = match law {
             Law::SpringDamper => {
@@ -73,31 +62,27 @@ impl Cones {
                 let energy = Rule::Energy(&[]);
                 self.certify(energy, &mut report.pivots) || self.minimise(energy, &mut report.pivots)
             }
-            Law::FixedPoint(iteration) => fixed_point::iterate(self, iteration, MINIMA, &mut report.pivots),
-            _ => self.coulomb(rule(law), &mut report.pivots),
+            Law::FixedPoint(iteration) => fixed_point::iterate(self, iteration, &mut report.pivots),
+            _ => self.polygon(rule(law), &mut report.pivots),
         };
         report.fallback = !solved;
         self.round.velocity(&self.f, &mut self.v);
-        self.round.measure(rule(law), &self.f, &self.v, &mut report);
-        match law {
-            Law::SpringDamper => report.own = 0.0 * report.natural_map, // a formula has no residual but NaN
-            Law::Lagged => report.own = self.round.natural_map(Rule::Bound(&self.held), &self.f, &self.v),
-            _ => {}
-        }
+        report.own = match law {
+            Law::SpringDamper => 0.0 * self.round.reach(&self.f), // a formula has no residual but NaN
+            Law::Lagged => natural_map(&self.round, Rule::Bound(&self.held), &self.f, &self.v),
+            _ => natural_map(&self.round, rule(law), &self.f, &self.v),
+        };
         report.warm = solved && report.pivots == 0;
         self.round.write(problem, &self.f, impulse);
         memory.keep(problem, impulse);
         report
     }
 
-    /// Residuals of a given impulse.
-    pub fn measure(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
-        let mut report = Report::default();
+    /// The residual of a given impulse in the law's own problem.
+    pub fn own_residual(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> f64 {
         self.round.set(problem, law);
         self.round.read(impulse, &mut self.f);
-        self.round.velocity(&self.f, &mut self.v);
-        self.round.measure(rule(law), &self.f, &self.v, &mut report);
-        report
+        self.residual(rule(law))
     }
 
     /// Takes this share of the bound, or of the shift, that the present impulse gives, the rest from before. Whether it changes that way
@@ -135,69 +120,23 @@ impl Cones {
         result
     }
 
-    /// Coulomb's law from the remembered impulse, from sweeps, from Lemke's method with as many facets, and as a fixed point
-    /// of energy minima.
-    fn coulomb(&mut self, rule: Rule<'_>, steps: &mut u32) -> bool {
+    /// Coulomb's law with a polygon from the remembered impulse and from sweeps, then by Lemke's method in 32 digits, of contacts that yield by
+    /// a hair.
+    fn polygon(&mut self, rule: Rule<'_>, steps: &mut u32) -> bool {
         if self.settle(rule, steps) {
             return true;
         }
-        let mut least = self.residual(rule);
-        let mut kept = self.f.clone();
-        let ways = PIVOTING.map(Some).into_iter().chain([None]);
-        for way in ways {
-            match way {
-                Some((_, care)) if care.exact && self.round.contacts > MANY => continue,
-                Some((rho, care)) => self.pivot(rule, rho, care, steps),
-                None => _ = fixed_point::iterate(self, Iteration::Aclm, FEW, steps),
-            }
-            let error = self.newton.polish(&self.round, rule, &mut self.f, &mut self.v, steps);
-            if error < least {
-                least = error;
-                kept.clone_from(&self.f);
-            }
-            if least <= SOLVED {
-                break;
-            }
+        let Rule::Polygon(d) = rule else { return false };
+        let (least, kept) = (self.residual(rule), self.f.clone());
+        let Cones { round, scaled, facets, newton, f, v, .. } = self;
+        scaled.set_alike(round);
+        scaled.give(HAIR);
+        facets.around(scaled, d, f, steps);
+        let error = newton.polish(round, rule, f, v, steps);
+        if error.is_nan() || error > least {
+            self.f = kept;
         }
-        self.f = kept;
-        least <= SOLVED || self.harden(rule, least, steps)
-    }
-
-    /// From contacts that yield much, where Newton's method settles from anywhere, to ones that yield ever less around the
-    /// impulse before; leaves the best.
-    fn harden(&mut self, rule: Rule<'_>, mut least: f64, steps: &mut u32) -> bool {
-        self.best.clone_from(&self.f);
-        for start in [true, false] {
-            if start {
-                self.f.fill(0.0);
-            }
-            for rho in HARDENING {
-                self.yielding.regularise(&self.round, rho, &self.f);
-                self.newton.polish(&self.yielding, rule, &mut self.f, &mut self.v, steps);
-                self.swept.clone_from(&self.f);
-                let error = self.newton.polish(&self.round, rule, &mut self.swept, &mut self.v, steps);
-                if error < least {
-                    least = error;
-                    self.best.clone_from(&self.swept);
-                }
-                if least <= SOLVED {
-                    self.f.clone_from(&self.best);
-                    return true;
-                }
-            }
-            self.f.clone_from(&self.best);
-        }
-        false
-    }
-
-    /// A start by Lemke's method: of contacts that yield by `rho` around the present impulse.
-    fn pivot(&mut self, rule: Rule<'_>, rho: f64, care: Care, steps: &mut u32) {
-        let d = if let Rule::Polygon(d) = rule { d } else { 8 };
-        self.round.copy_to(&mut self.scaled);
-        self.proximal.regularise(&self.scaled, rho, &self.f);
-        self.swept.clone_from(&self.f);
-        self.facets.around(&self.proximal, d, care, &mut self.swept, steps);
-        self.f.clone_from(&self.swept);
+        error <= SOLVED
     }
 
     /// Minimum of a convex rule: Newton's method, and behind it the interior-point method.
@@ -246,7 +185,7 @@ impl Cones {
     /// Natural map of the present impulse.
     pub fn residual(&mut self, rule: Rule<'_>) -> f64 {
         self.round.velocity(&self.f, &mut self.v);
-        self.round.natural_map(rule, &self.f, &self.v)
+        natural_map(&self.round, rule, &self.f, &self.v)
     }
 }
 

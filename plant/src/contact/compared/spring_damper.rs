@@ -5,7 +5,7 @@
 //! z^2 - (2 - omega^2 h^2 - 2 zeta omega h) z + (1 - 2 zeta omega h) stay in the unit circle. Here m is what the contact
 //! point weighs by itself, 1/A_NN. Below v_s friction is viscous, so whatever stands on a slope creeps.
 
-use super::Problem;
+use super::super::Problem;
 
 /// Slip speed v_s from which on friction is full [m/s].
 const SLIP: f64 = 1e-2;

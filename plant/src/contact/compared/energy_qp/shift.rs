@@ -13,7 +13,7 @@
 //! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011);
 //! Katzenelson, *An algorithm for solving nonlinear resistor networks* (1965).
 
-use super::super::pivoted::Pivoted;
+use super::super::super::pivoted::Pivoted;
 use super::super::scaled::Scaled;
 use super::EnergyQp;
 use super::border::{Border, Outlook};

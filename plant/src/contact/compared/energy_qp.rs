@@ -21,7 +21,7 @@ mod responses;
 mod shift;
 mod slides;
 
-use super::residual::greatest;
+use super::diamond::greatest;
 use super::scaled::Scaled;
 use super::status::EDGES;
 use directions::Directions;

@@ -3,8 +3,10 @@
 //! With two masses on each other, the heavier r times the lighter, a sweep leaves r/(1 + r) of the error: 2.3 r sweeps per
 //! digit. So it is a start for [`super::newton`], and a law of its own as a baseline.
 
-use super::project::{bounded, cone};
-use super::round::{Round, Rule, part};
+use super::super::project::cone;
+use super::super::round::{Round, part};
+use super::polygon::bounded;
+use super::rule::{Rule, tangent_step};
 use super::scaled::dot;
 
 /// One sweep over `f`.
@@ -12,7 +14,7 @@ pub(super) fn sweep(round: &Round, rule: Rule<'_>, f: &mut [f64]) {
     let n = f.len();
     for i in 0..round.contacts {
         let at = |k: usize, f: &[f64]| dot(&round.delassus[(3 * i + k) * n..][..n], f) + round.drift[3 * i + k];
-        let (mu, rho) = (round.friction[i], round.tangent_step(i));
+        let (mu, rho) = (round.friction[i], tangent_step(round, i));
         if let Rule::Energy(shift) = rule {
             let step = rho.min(1.0) / 2.0;
             let extra = shift.get(i).copied().unwrap_or(0.0);

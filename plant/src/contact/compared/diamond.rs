@@ -1,9 +1,7 @@
-//! What a step reports: how far an impulse is from the law, in numbers that compare across laws.
+//! How far an impulse is from the law whose cone the tangents span, a diamond: by that a basis is accepted.
 
+use super::super::certificate::relative;
 use super::scaled::Scaled;
-
-/// An impulse or slip this small beside the step's scale has no direction.
-pub(super) const NO_DIRECTION: f64 = 1e-6;
 
 /// Whose optimality the natural map measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -95,11 +93,6 @@ fn of_contact(scaled: &Scaled, i: usize, rows: &[f64]) -> [f64; 3] {
 /// mu |v_F| of a contact in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
 fn along(reach: [f64; 3], v: [f64; 3]) -> f64 {
     f64::max(0.0, reach[1] * v[1].abs()).max(reach[2] * v[2].abs())
-}
-
-/// A ratio that is zero, not NaN, for nothing of nothing.
-pub(crate) fn relative(x: f64, scale: f64) -> f64 {
-    if x == 0.0 { 0.0 } else { x / scale }
 }
 
 #[cfg(test)]

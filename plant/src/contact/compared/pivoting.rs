@@ -1,0 +1,179 @@
+//! The laws whose solution is a basis: from the cheapest way to it to the surest, each judged by its residual alone.
+//!
+//! ```text
+//!   solve(problem, memory):
+//!     recall     the basis of the last step
+//!     try        it as it is
+//!     slide      the energy program from that basis on; for Coulomb's law the path to the shifted one   (energy_qp)
+//!     pivot      for Coulomb's law: Lemke in 32 digits from what that guessed                           (facets, lemke)
+//!     the impulse with the least residual of all, flagged                                               (diamond)
+//! ```
+//!
+//! A basis says of every contact whether it is open, sticks, or slides which way; its impulse is computed afresh from A and b (`basis`).
+//! Contacts yield by rounding on the way ([`YIELD`], [`HAIR`]), so that there is one solution; the residual is that of rigid ones.
+
+use super::super::tolerance::SOLVED;
+use super::super::{Memory, Problem, Report};
+use super::basis::Block;
+use super::diamond::{self, Yardstick};
+use super::energy_qp::{EnergyQp, Shift, minimises_energy};
+use super::facets::Facets;
+use super::scaled::{HAIR, Scaled, YIELD};
+use super::status;
+use messages::scene::Law;
+
+#[cfg(test)]
+mod hard;
+mod rehearse;
+mod slide;
+
+/// Workspace.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pivoting {
+    pub scaled: Scaled,
+    facets: Facets,
+    pub energy_qp: EnergyQp,
+    block: Block,
+    pub basis: Vec<u8>,
+    /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
+    pub shift: Shift,
+    pub f: Vec<f64>,
+    pub v: Vec<f64>,
+    /// The impulse at which Lemke's method ended.
+    pivoted: Vec<f64>,
+    /// The impulse with the least residual so far, and that.
+    best: Vec<f64>,
+    least: f64,
+}
+
+impl Pivoting {
+    /// Solves; writes the impulse [N·s].
+    pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
+        self.scaled.set(problem, law);
+        self.least = f64::INFINITY;
+        self.best.clear();
+        self.best.resize(self.scaled.drift.len(), 0.0);
+        self.recall(problem, memory);
+        let mut report = Report::default();
+        report.fallback = !self.find(law, &mut report.pivots);
+        if report.fallback {
+            self.take_best();
+        }
+        report.warm = !report.fallback && self.is_as_before(problem, memory);
+        report.own = diamond::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
+        self.unscale(impulse);
+        self.keep(problem, memory, impulse);
+        report
+    }
+
+    /// Finds the solution; false if every way failed.
+    fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
+        self.while_yielding(YIELD, |way| way.is_solved(law))
+            || self.while_yielding(YIELD, |way| way.slide(law, pivots))
+            || !minimises_energy(law) && self.while_yielding(HAIR, |way| way.pivot(law, pivots))
+    }
+
+    /// The bases of the last step.
+    fn recall(&mut self, problem: &Problem, memory: &Memory) {
+        let d = self.scaled.facets();
+        self.basis.clear();
+        self.basis.extend(problem.id.iter().map(|&id| status::recall(memory.contact(id), d)));
+    }
+
+    fn is_as_before(&self, problem: &Problem, memory: &Memory) -> bool {
+        let d = self.scaled.facets();
+        problem.id.iter().zip(&self.basis).all(|(&id, &bits)| status::recall(memory.contact(id), d) == bits)
+    }
+
+    /// Keeps what the contacts did for the next step.
+    fn keep(&self, problem: &Problem, memory: &mut Memory, impulse: &[f64]) {
+        memory.keep(problem, impulse);
+        let (stride, least) = (self.scaled.stride(), SOLVED * diamond::scale(&self.scaled, &self.f));
+        let mut contacts = self.f.chunks_exact(stride).zip(self.v.chunks_exact(stride));
+        memory.rests = contacts.all(|(f, v)| f[0] == 0.0 || v.iter().all(|v| v.abs() <= least));
+        problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.contact_mut(id).basis = bits);
+    }
+
+    /// Goes a way with contacts that yield by so much; they are rigid again if it finds nothing.
+    fn while_yielding(&mut self, give: f64, way: impl FnOnce(&mut Pivoting) -> bool) -> bool {
+        self.scaled.give(give);
+        let found = way(self);
+        if !found {
+            self.scaled.give(0.0);
+        }
+        found
+    }
+
+    /// The residual of a given impulse in the law's own problem.
+    pub fn own_residual(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> f64 {
+        self.scaled.set(problem, law);
+        self.f.clear();
+        self.f.extend(impulse.iter().zip(&self.scaled.root).map(|(f, r)| f * r));
+        self.scaled.velocity(&self.f, &mut self.v);
+        diamond::natural_map(&self.scaled, &self.f, &self.v, yardstick(law))
+    }
+
+    /// Whether the present basis is the solution.
+    fn is_solved(&mut self, law: Law) -> bool {
+        if !self.block.solve(&self.scaled, law, &self.basis, &mut self.f, &mut self.v) {
+            return false;
+        }
+        if minimises_energy(law) {
+            self.scaled.harden(&self.f, &mut self.v);
+        }
+        let error = diamond::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
+        self.note(error);
+        error <= SOLVED
+    }
+
+    /// Lemke's method in 32 digits, where it ends at a solution: that of its basis, or its own where that is singular.
+    fn pivot(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let Pivoting { facets, scaled, basis, f, pivoted, .. } = self;
+        status::complement(scaled, f, basis);
+        if !facets.pivot(scaled, basis, pivoted, pivots) {
+            return false;
+        }
+        if self.is_solved(law) {
+            return true;
+        }
+        self.f.clone_from(&self.pivoted);
+        self.find_velocity();
+        let error = diamond::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
+        self.note(error);
+        error <= SOLVED
+    }
+
+    /// Remembers the impulse if its residual is the least so far.
+    pub fn note(&mut self, error: f64) {
+        if error < self.least {
+            self.least = error;
+            self.best.clone_from(&self.f);
+        }
+    }
+
+    /// Goes back to the impulse with the least residual so far.
+    fn take_best(&mut self) {
+        self.f.clone_from(&self.best);
+        self.find_velocity();
+    }
+
+    /// The velocity of rigid contacts.
+    pub fn find_velocity(&mut self) {
+        self.scaled.velocity(&self.f, &mut self.v);
+        self.scaled.harden(&self.f, &mut self.v);
+    }
+
+    /// From energy units back to N·s.
+    fn unscale(&self, impulse: &mut Vec<f64>) {
+        impulse.clear();
+        impulse.extend(self.f.iter().zip(&self.scaled.root).map(|(f, &r)| if r > 0.0 { f / r } else { 0.0 }));
+    }
+}
+
+/// Optimality that the law's own solution has.
+pub(super) fn yardstick(law: Law) -> Yardstick {
+    match law {
+        Law::EnergyQp | Law::EnergyQpGap => Yardstick::EnergyMinimum,
+        _ => Yardstick::Coulomb,
+    }
+}
