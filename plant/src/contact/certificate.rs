@@ -18,6 +18,10 @@ use super::project::{cone, length};
 use super::tolerance::{ROUNDING, SOLVED};
 use super::{Problem, lift};
 use messages::scene::Law;
+use std::ops::Range;
+
+/// A natural map beyond this is not rounding, however large A f is [-].
+const HIDDEN: f64 = 1e-3;
 
 /// An impulse or a slip this small, as a part of its scale, has no direction.
 const NO_DIRECTION: f64 = 1e-6;
@@ -79,6 +83,22 @@ impl Scales {
     }
 }
 
+/// The natural map of one contact, measured as finely as the rounding of A f lets it: `sum` is its greatest Σ|A f|.
+pub(super) fn of_contact(
+    scales: Scales,
+    inverse_mass: f64,
+    [f, v]: [[f64; 3]; 2],
+    friction: f64,
+    given: [f64; 2],
+    sum: impl FnOnce() -> f64,
+) -> f64 {
+    let map = scales.natural_map(f, v, friction, given);
+    if map > SOLVED && map < HIDDEN {
+        return scales.as_known(sum(), inverse_mass, f).natural_map(f, v, friction, given);
+    }
+    map
+}
+
 /// The greater of two; what is no number stays.
 pub(super) fn greater(worst: f64, next: f64) -> f64 {
     if worst.is_nan() || next <= worst { worst } else { next }
@@ -87,6 +107,12 @@ pub(super) fn greater(worst: f64, next: f64) -> f64 {
 /// A ratio that is zero, not NaN, for nothing of nothing.
 pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
+}
+
+/// The greatest Σ|A f| of some rows.
+pub(super) fn greatest_sum(delassus: &[f64], f: &[f64], rows: Range<usize>) -> f64 {
+    let row = |row: usize| delassus[row * f.len()..][..f.len()].iter().zip(f).map(|(a, f)| (a * f).abs()).sum();
+    rows.map(row).fold(0.0, f64::max)
 }
 
 /// V of each contact, from its drift with the approach, three rows each in units of `scale`: the greatest speed of all that are coupled
@@ -143,13 +169,8 @@ impl Judge {
             let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
             let scales = Scales::of(speed, inverse_mass, f);
-            let mut map = scales.natural_map(f, v, friction, given);
-            if map > SOLVED {
-                let row =
-                    |row: usize| problem.delassus[row * m..][..m].iter().zip(impulse).map(|(a, f)| (a * f).abs()).sum();
-                let known = rows.map(row).fold(0.0, f64::max);
-                map = scales.as_known(known, inverse_mass, f).natural_map(f, v, friction, given);
-            }
+            let sum = || greatest_sum(&problem.delassus, impulse, rows);
+            let map = of_contact(scales, inverse_mass, [f, v], friction, given, sum);
             residual.natural_map = greater(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };

@@ -1,12 +1,9 @@
 //! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
 
-use super::certificate::{self, Scales, greater};
-use super::tolerance::{IMMOVABLE, SOLVED};
+use super::certificate::{self, Scales, greater, greatest_sum, of_contact};
+use super::tolerance::IMMOVABLE;
 use super::{Problem, lift};
 use messages::scene::Law;
-
-/// A natural map beyond this is not rounding, however large A f is [-].
-const HIDDEN: f64 = 1e-3;
 
 /// `v = A f + b`, three rows per contact (of one tangent the last is empty): f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].
 #[derive(Clone, Debug, Default)]
@@ -86,18 +83,8 @@ impl Round {
         for i in 0..self.contacts {
             let (own_f, own_v, inverse_mass) = (part(f, i), part(v, i), self.inverse_mass[i]);
             let scales = Scales::of(self.speed(i), inverse_mass, own_f);
-            let mut map = scales.natural_map(own_f, own_v, self.friction[i], self.given[i]);
-            if map > SOLVED && map < HIDDEN {
-                let n = f.len();
-                let row = |row: usize| self.delassus[row * n..][..n].iter().zip(f).map(|(a, f)| (a * f).abs()).sum();
-                let known = (3 * i..3 * i + 3).map(row).fold(0.0, f64::max);
-                map = scales.as_known(known, inverse_mass, own_f).natural_map(
-                    own_f,
-                    own_v,
-                    self.friction[i],
-                    self.given[i],
-                );
-            }
+            let sum = || greatest_sum(&self.delassus, f, 3 * i..3 * i + 3);
+            let map = of_contact(scales, inverse_mass, [own_f, own_v], self.friction[i], self.given[i], sum);
             worst = greater(worst, map);
         }
         worst
@@ -130,7 +117,6 @@ impl Round {
     pub fn reach(&self, f: &[f64]) -> f64 {
         f.iter().fold(self.size, |size, f| size.max(f.abs()))
     }
-
 }
 
 /// The three rows of contact i.

@@ -10,8 +10,8 @@
 //! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
 //! | energy program | its edges that push | the same |
 
-use super::energy_qp::minimises_energy;
 use super::super::pivoted::Pivoted;
+use super::energy_qp::minimises_energy;
 use super::scaled::{Mix, Scaled};
 use super::{diamond, status::EDGES};
 use messages::scene::Law;

@@ -3,8 +3,8 @@
 //! min f·A f/2 + f·(b + shift) with each contact's (mu f_N, f_F), or (bound, f_F) beside f_N >= 0, in a second-order cone.
 //! Interior points end at about 1e-9; Newton's method finds the last digits. This one solver allocates.
 
-use super::newton::YIELDS;
 use super::super::round::Round;
+use super::newton::YIELDS;
 use super::rule::Rule;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};

@@ -40,7 +40,10 @@ impl Cones {
         let mut report = Report::default();
         self.round.set(problem, law);
         impulse.clear();
-        problem.id.iter().for_each(|&id| impulse.extend_from_slice(&memory.contact(id).impulse[..1 + problem.tangents]));
+        problem
+            .id
+            .iter()
+            .for_each(|&id| impulse.extend_from_slice(&memory.contact(id).impulse[..1 + problem.tangents]));
         self.round.read(impulse, &mut self.f);
         let solved = match law {
             Law::SpringDamper => {

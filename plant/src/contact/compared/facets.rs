@@ -174,7 +174,8 @@ impl Facets {
             let b = weights().fold(Twofold::default(), |sum, (k, &e)| sum + e * scaled.drift[k].into());
             entries[n + 1] = b / scaled.size.into();
             for (i, (columns, push)) in entries.chunks_exact_mut(size).zip(push.chunks_exact(size)).enumerate() {
-                let a: [Twofold; 3] = [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { Twofold::default() });
+                let a: [Twofold; 3] =
+                    [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { Twofold::default() });
                 for (entry, e) in columns.iter_mut().zip(push) {
                     *entry = a[0] * e[0] + a[1] * e[1] + a[2] * e[2];
                 }

@@ -15,19 +15,21 @@
 //! # Source
 //! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
 
+mod equations;
+mod evenness;
+
 use super::super::pivoted::Pivoted;
 use super::super::project::length;
 use super::super::round::{Round, part};
 use super::super::tolerance::{COMPLIANCE, SOLVED};
 use super::patch::{Group, Patch};
 use super::{Iterate, Kind, Start};
+use equations::{Equations, Unknown};
 
 /// Steps at most; from a good start it takes one to four.
 const STEPS: u32 = 12;
 /// Steps in which a patch may be outside its cones before it is given up.
 const PATIENCE: u32 = 4;
-/// A change of the impulse up to this part of the greatest is rounding [-].
-const STILL: f64 = 1e-14;
 /// Solutions at most that undo the compliance.
 const REFINEMENTS: u32 = 4;
 
@@ -40,15 +42,6 @@ struct Contact {
     /// σρ and 1 − σ.
     slip: f64,
     friction: f64,
-}
-
-/// One unknown: where it pushes, and where its equation reads.
-#[derive(Clone, Copy, Debug)]
-enum Unknown {
-    Patch { group: usize, column: usize },
-    Sticks { contact: usize, row: usize },
-    Along(usize),
-    Across(usize),
 }
 
 /// Workspace.
@@ -275,45 +268,6 @@ impl Newton {
         f.iter().all(|f| f.is_finite())
     }
 
-    /// Takes the solution with the evenest pressure, where one link's contacts push in more ways than it can move, if it obeys the law too.
-    fn press_evenly(&mut self, round: &Round, iterate: &mut Iterate) {
-        let Newton { groups, contacts, patch, .. } = self;
-        let mut unique = true;
-        for group in groups.iter_mut().filter(|group| !group.sticks) {
-            let pushes = |i: usize| contacts[i].kind != Kind::Open;
-            let pushing = (group.first..group.end).filter(|&i| pushes(i)).count();
-            if pushing > 1 {
-                patch.find_basis(round, group, 1, pushes);
-                unique &= group.rank == pushing;
-            }
-        }
-        if unique {
-            return;
-        }
-        self.found.copy(iterate);
-        for _ in 0..REFINEMENTS {
-            self.kept.clone_from(&iterate.f);
-            self.failed = u32::from(!self.solve(round, true, &mut iterate.f));
-            if self.failed != 0 {
-                break;
-            }
-            self.linear.clone_from(&iterate.f);
-            self.spread(round, &mut iterate.f);
-            round.velocity(&iterate.f, &mut iterate.v);
-            iterate.error = round.residual(&iterate.f, &iterate.v);
-            let moves =
-                iterate.f.iter().zip(&self.kept).any(|(f, kept)| (f - kept).abs() > STILL * round.reach(&iterate.f));
-            if self.failed != 0 || !moves {
-                break;
-            }
-            self.classify(round, iterate);
-        }
-        match self.failed == 0 && iterate.error <= SOLVED {
-            true => self.refine(round, iterate),
-            false => iterate.copy(&self.found),
-        }
-    }
-
     /// Undoes what the compliance has moved, wherever A allows, by the factor that is there; kept if the residual is less.
     fn refine(&mut self, round: &Round, iterate: &mut Iterate) {
         let Iterate { f, v, error, .. } = iterate;
@@ -376,85 +330,5 @@ impl Contact {
     /// A contact that slides against a given direction of friction.
     fn given(slip: [f64; 2]) -> Contact {
         Contact { kind: Kind::Slides, along: slip.map(|slip| -slip), slip: 0.0, friction: 1.0 }
-    }
-}
-
-/// G and R by their unknowns.
-struct Equations<'a> {
-    round: &'a Round,
-    groups: &'a [Group],
-    contacts: &'a [Contact],
-    patch: &'a Patch,
-}
-
-impl Equations<'_> {
-    /// Entries of a column of G.
-    #[inline(always)]
-    fn push(&self, unknown: Unknown, mut entry: impl FnMut(usize, f64)) {
-        match unknown {
-            Unknown::Patch { group, column } => {
-                let group = &self.groups[group];
-                for i in (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch) {
-                    (0..3).for_each(|k| entry(3 * i + k, self.patch.basis[i][k][column]));
-                }
-            }
-            Unknown::Sticks { contact, row } => entry(3 * contact + row, 1.0),
-            Unknown::Along(i) => {
-                let (mu, [a, b]) = (self.round.friction[i], self.contacts[i].along);
-                let unit = 1.0 / (1.0 + mu * mu).sqrt();
-                [unit, unit * mu * a, unit * mu * b]
-                    .into_iter()
-                    .enumerate()
-                    .for_each(|(k, weight)| entry(3 * i + k, weight));
-            }
-            Unknown::Across(i) => {
-                let [a, b] = self.contacts[i].along;
-                entry(3 * i + 1, -b);
-                entry(3 * i + 2, a);
-            }
-        }
-    }
-
-    /// Adds that the pressure of a link without a patch is the evenest: of normal impulses that A cannot tell apart there are none. They
-    /// move nothing but by their friction, and would else be quotients of roundings.
-    fn press_evenly(&self, unknowns: &[Unknown], matrix: &mut [f64]) {
-        for group in self.groups.iter().filter(|group| !group.sticks) {
-            let contacts = group.first..group.end;
-            if contacts.clone().filter(|&i| self.contacts[i].kind != Kind::Open).count() == group.rank {
-                continue;
-            }
-            let normals = || {
-                unknowns.iter().enumerate().filter_map(|(place, unknown)| match *unknown {
-                    Unknown::Along(i) | Unknown::Sticks { contact: i, row: 0 } if contacts.contains(&i) => {
-                        Some((place, i))
-                    }
-                    _ => None,
-                })
-            };
-            for (column, i) in normals() {
-                for (row, k) in normals() {
-                    let told_apart: f64 =
-                        self.patch.basis[i][0].iter().zip(self.patch.basis[k][0]).map(|(a, b)| a * b).sum();
-                    matrix[column * unknowns.len() + row] += if i == k { 1.0 } else { 0.0 } - told_apart;
-                }
-            }
-        }
-    }
-
-    /// What a row of R makes of numbers by rows.
-    #[inline(always)]
-    fn read(&self, unknown: Unknown, rows: &[f64]) -> f64 {
-        match unknown {
-            Unknown::Patch { .. } | Unknown::Sticks { .. } => {
-                let mut sum = 0.0;
-                self.push(unknown, |row, weight| sum += weight * rows[row]);
-                sum
-            }
-            Unknown::Along(i) => rows[3 * i],
-            Unknown::Across(i) => {
-                let Contact { along: [a, b], slip, .. } = self.contacts[i];
-                slip * (a * rows[3 * i + 2] - b * rows[3 * i + 1])
-            }
-        }
     }
 }
