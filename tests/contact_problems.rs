@@ -1,5 +1,5 @@
-//! Contact problems of ten families, from standing to Painlevé's jams: `biped study problems` in small. The law `Aligned` solves all of
-//! them; the default, Coulomb's round cone, all but a few of two feet that stand, and of jams. Its seeds are fixed; the figures of the
+//! Contact problems of fourteen families, from standing to Painlevé's jams: `biped study problems` in small. The law `Aligned` solves all of
+//! them, but for some where friction is a hundred or more; the default, Coulomb's round cone, all but a few of two feet that stand. Its seeds are fixed; the figures of the
 //! large one are in docs/DESIGN.md.
 
 mod common;
@@ -26,6 +26,9 @@ fn limits(law: &str, family: &str) -> Limits {
     match (law, family) {
         ("Cone", "standing" | "swaying") => Limits { unsolved: 0.01, natural_map: 1e-8, per_pair: 60.0, warm: 0.02 },
         ("Cone", "jams") => Limits { unsolved: 0.002, natural_map: 1e-8, per_pair: 40.0, warm: 0.2 },
+        ("Cone", "conditioned") => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 120.0, warm: 0.2 },
+        ("Cone", "rough") => Limits { unsolved: 0.004, natural_map: 1e-8, per_pair: 120.0, warm: 0.2 },
+        ("Aligned", "rough") => Limits { unsolved: 0.08, natural_map: 0.1, per_pair: 12.0, warm: 0.2 },
         ("Cone", _) => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 8.0, warm: 0.2 },
         _ => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 4.0, warm: 0.2 },
     }
@@ -35,7 +38,7 @@ fn limits(law: &str, family: &str) -> Limits {
 fn every_contact_problem_is_solved_in_few_pivots() {
     let folder = fresh_path("problems");
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
-        .args(["study", "problems", "--count", "10000", "--quiet", "--out"])
+        .args(["study", "problems", "--count", "14000", "--quiet", "--out"])
         .arg(&folder)
         .output()
         .expect("the program starts");
@@ -47,7 +50,7 @@ fn every_contact_problem_is_solved_in_few_pivots() {
     let mut lines = text.lines();
     let names = cells(lines.next().expect("a header"));
     let rows: Vec<HashMap<_, _>> = lines.map(|line| names.iter().cloned().zip(cells(line)).collect()).collect();
-    assert_eq!(rows.len(), 2 * 10, "ten families under two laws");
+    assert_eq!(rows.len(), 2 * 14, "fourteen families under two laws");
     for row in &rows {
         let number = |name: &str| row[name].parse::<f64>().expect("a number");
         // An episode ends early when all has come to lie in the air, or blew up.

@@ -30,11 +30,22 @@ pub enum Family {
     Jams,
     /// Trees of bodies without any order.
     Chains,
+    /// The same with masses that differ by up to 1e14.
+    Conditioned,
+    /// Two legs hinged at the top that press their feet apart.
+    Wedged,
+    /// A tumbling box that has each of its corners up to four times.
+    Duplicated,
+    /// The tumbling box where friction is anything from none to 1000, or so great that all sticks.
+    Rough,
 }
+
+/// Friction so great that nothing slips [-].
+const STICKS: f64 = 1e6;
 
 impl Family {
     /// All of them.
-    pub const ALL: [Family; 10] = [
+    pub const ALL: [Family; 14] = [
         Family::Standing,
         Family::Swaying,
         Family::Walking,
@@ -45,6 +56,10 @@ impl Family {
         Family::IllScaled,
         Family::Jams,
         Family::Chains,
+        Family::Conditioned,
+        Family::Wedged,
+        Family::Duplicated,
+        Family::Rough,
     ];
 
     /// A scene of this family, and the time at which its problems begin to count.
@@ -82,6 +97,22 @@ impl Family {
             Family::Chains => {
                 let bodies = tree(random, 1.0);
                 (thrown(bodies, 2.0, random), 0.0)
+            }
+            Family::Conditioned => {
+                let bodies = tree(random, 14.0);
+                (thrown(bodies, 1.0, random), 0.0)
+            }
+            Family::Wedged => (wedge(random), 0.0),
+            Family::Duplicated => {
+                let mut bodies = tumbler(random);
+                bodies.iter_mut().for_each(|body| body.contacts = body.contacts.repeat(random.usize(2..=4)));
+                (thrown(bodies, 6.0, random), 0.0)
+            }
+            Family::Rough => {
+                let mut scene = thrown(tumbler(random), 6.0, random);
+                let any = 10f64.powf(6.0 * random.f64() - 3.0);
+                scene.plant.friction = *random.choice(&[0.0, any, any, any, STICKS]).unwrap_or(&any);
+                (scene, 0.0)
             }
         })
     }
@@ -209,5 +240,30 @@ fn jam(random: &mut Rng) -> Scene {
     scene.initial.orientation_deg = [0.0, 20.0 + 60.0 * random.f64(), 360.0 * random.f64()];
     scene.initial.velocity[0] *= 10.0;
     scene.initial.angular_velocity = scene.initial.angular_velocity.map(|rate| 0.1 * rate);
+    scene
+}
+
+/// An A-frame: two legs hinged at the top, with a load there and feet of one to four corners, on ground that holds them apart or does not.
+fn wedge(random: &mut Rng) -> Scene {
+    let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+    let (spread, load, friction) = (between(0.2, 1.3), 10f64.powf(between(-1.0, 3.0)), 10f64.powf(between(-1.0, 1.0)));
+    let clearance = 1e-3 * between(0.0, 1.0);
+    let mut bodies = vec![body("load".into(), load, [0.1; 3], vec![])];
+    for side in [1.0, -1.0] {
+        let [x, y] = [0.02, 0.05].map(|half| if random.bool() { half } else { 0.0 });
+        let corners = [[x, y], [x, -y], [-x, y], [-x, -y]].map(|[x, y]| [x, y, -1.0]);
+        bodies.push(Body {
+            joint: Some(hinge("load", [0.0, 1.0, 0.0], [0.0, side * 0.1, 0.0])),
+            com: [0.0, 0.0, -0.5],
+            contacts: corners.to_vec(),
+            ..body(format!("leg {side}"), 1.0, [0.05, 0.05, 1.0], vec![])
+        });
+    }
+    let mut scene = thrown(bodies, 0.01, random);
+    scene.plant.friction = friction;
+    scene.plant.drive_inertia = 0.0;
+    scene.initial.clearance = Some(clearance);
+    scene.initial.orientation_deg = [0.0; 3];
+    scene.initial.joints = vec![0.5 * spread, -0.5 * spread];
     scene
 }

@@ -12,7 +12,7 @@
 //! A basis says of every contact whether it is open, sticks, or slides which way; its impulse is computed afresh from A and b (`basis`).
 //! Contacts yield by rounding on the way ([`YIELD`], [`HAIR`]), so that there is one solution; the residual is that of rigid ones.
 
-use super::super::tolerance::SOLVED;
+use super::super::tolerance::{PROMISED, SOLVED};
 use super::super::{Memory, Problem, Report};
 use super::basis::Block;
 use super::diamond::{self, Yardstick};
@@ -55,12 +55,13 @@ impl Pivoting {
         self.best.resize(self.scaled.drift.len(), 0.0);
         self.recall(problem, memory);
         let mut report = Report::default();
-        report.fallback = !self.find(law, &mut report.pivots);
-        if report.fallback {
+        let found = self.find(law, &mut report.pivots);
+        if !found {
             self.take_best();
         }
-        report.warm = !report.fallback && self.is_as_before(problem, memory);
         report.own = diamond::natural_map(&self.scaled, &self.f, &self.v, yardstick(law));
+        report.fallback = !(found || report.own <= PROMISED);
+        report.warm = found && self.is_as_before(problem, memory);
         self.unscale(impulse);
         self.keep(problem, memory, impulse);
         report
