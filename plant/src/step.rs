@@ -4,8 +4,8 @@
 //!   pose → H, b → free motion (12) → touching → problem (14) → impulse (15)-(22) → velocity (12) → position
 //! ```
 //!
-//! The stages are in `step/free.rs` and `step/contact.rs`: each reads what it is given and returns what it makes, in room of its own.
-//! Each integration method has them in an order of its own:
+//! The stages are in `step/free.rs`, `step/contact.rs` and `step/each.rs`: each reads what it is given and returns what it makes, in room
+//! of its own. An integration method has them in its order:
 //!
 //! | method | where |
 //! |---|---|
@@ -18,6 +18,7 @@
 
 mod contact;
 mod doubling;
+mod each;
 mod euler;
 mod event;
 mod free;
@@ -59,6 +60,7 @@ pub struct Plant {
     /// Length that the step control would take next [s].
     stride: f64,
     record: Record,
+    /// As in [`Counts`].
     events: u64,
     rejected: u64,
     work: Workspace,
@@ -209,8 +211,14 @@ impl Plant {
 
     /// What the run has cost so far.
     pub fn counts(&self) -> Counts {
-        let (Workspace { dynamics, contacts, .. }, &Plant { events, rejected, .. }) = (&self.work, self);
-        Counts { evaluations: dynamics.evaluations, contacts: contacts.solved, warm: contacts.warm, events, rejected }
+        let (dynamics, outcome) = (&self.work.dynamics, &self.work.contacts.outcome);
+        Counts {
+            evaluations: dynamics.evaluations,
+            contacts: outcome.solved,
+            warm: outcome.warm,
+            events: self.events,
+            rejected: self.rejected,
+        }
     }
 
     /// The present state.

@@ -1,8 +1,9 @@
-//! The stages of a step at contact: what touches, the problem (14), its impulse (15)-(22), the velocity after it.
+//! The stages of a step at contact: what touches, its impulse (14)-(22), the velocity after it.
 
+use super::each::Each;
 use super::settings::{Settings, World};
-use crate::contact::{Memory, Report, Solver, tangents};
-use crate::delassus::{ContactMap, Free, Response};
+use crate::contact::{Memory, Report};
+use crate::delassus::{Free, Response};
 use crate::detect::{Touch, overlooked, touching};
 use crate::error::PlantError;
 use crate::kinematics::Pose;
@@ -56,28 +57,16 @@ impl Record {
     }
 }
 
-/// The solvers of contact and their solution.
+/// The ways to the impulses, and the outcome.
 pub(super) struct Contacts {
     pub each: Each,
     weld: Weld,
     pub outcome: Outcome,
-    /// Problems solved so far …
-    pub solved: u64,
-    /// … and those whose remembered basis was right.
-    pub warm: u64,
 }
 
 impl Contacts {
     pub fn new(model: &Model, law: Law) -> Contacts {
-        let zeros = || vec![0.0; model.dofs()];
-        let impulses = Vec::with_capacity(model.corners.len());
-        Contacts {
-            each: Each::new(model, law),
-            weld: Weld::new(model),
-            outcome: Outcome { rate: zeros(), change: zeros(), impulses },
-            solved: 0,
-            warm: 0,
-        }
+        Contacts { each: Each::new(model, law), weld: Weld::new(model), outcome: Outcome::new(model) }
     }
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
@@ -95,13 +84,10 @@ impl Contacts {
         h: f64,
         memory: &mut Memory,
     ) -> Result<Contact<'a>, PlantError> {
-        let Contacts { each, weld, outcome, .. } = self;
-        let Touches { list, horizon } = touches;
-        let mut report = Report::default();
+        let (Contacts { each, weld, outcome }, Touches { list, horizon }) = (self, touches);
         outcome.begin(free);
         while !list.is_empty() {
-            let response;
-            (response, report) = match stand(world, free, list, h, memory, weld) {
+            let (response, report) = match stand(world, free, list, h, memory, weld) {
                 Some(held) => {
                     each.leave(list.len());
                     held
@@ -112,109 +98,59 @@ impl Contacts {
                 }
             };
             world.check_energy(&report)?;
-            outcome.set(free, &response); // (12)
-            self.solved += 1;
-            self.warm += u64::from(report.warm);
+            outcome.set(free, &response, report); // (12)
             if !overlooked(&world.model, free.pose, world.settings.law, *horizon, &outcome.rate, list) {
                 break;
             }
         }
-        Ok(outcome.contact(list, report))
+        Ok(outcome.contact(list))
     }
 }
 
-/// The velocity or acceleration with contact, and what made it.
+/// The last [`Contact`], and how many there were.
 pub(super) struct Outcome {
     rate: Vec<f64>,
     change: Vec<f64>,
     impulses: Vec<Vector3<f64>>,
+    report: Report,
+    /// Problems solved so far …
+    pub solved: u64,
+    /// … and those whose remembered basis was right.
+    pub warm: u64,
 }
 
 impl Outcome {
+    fn new(model: &Model) -> Outcome {
+        let (rate, change) = (vec![0.0; model.dofs()], vec![0.0; model.dofs()]);
+        let impulses = Vec::with_capacity(model.corners.len());
+        Outcome { rate, change, impulses, report: Report::default(), solved: 0, warm: 0 }
+    }
+
     /// As if nothing touched.
     pub fn begin(&mut self, free: &Free) {
         self.rate.copy_from_slice(free.rate);
         self.change.fill(0.0);
         self.impulses.clear();
+        self.report = Report::default();
     }
 
     /// With these impulses.
-    pub fn set(&mut self, free: &Free, response: &Response) {
+    pub fn set(&mut self, free: &Free, response: &Response, report: Report) {
+        for ((rate, free), change) in self.rate.iter_mut().zip(free.rate).zip(response.change) {
+            *rate = free + change;
+        }
         self.change.copy_from_slice(response.change);
-        self.rate.iter_mut().zip(free.rate).zip(&self.change).for_each(|((rate, free), change)| *rate = free + change);
         self.impulses.clear();
         self.impulses.extend_from_slice(response.impulses);
+        self.report = report;
+        self.solved += 1;
+        self.warm += u64::from(report.warm);
     }
 
-    pub fn contact<'a>(&'a self, touches: &'a [Touch], report: Report) -> Contact<'a> {
-        let Outcome { rate, change, impulses } = self;
-        Contact { rate, change, touches, impulses, report }
-    }
-}
-
-/// Every contact by itself: its problem, and its solver.
-pub(super) struct Each {
-    pub map: ContactMap,
-    pub solver: Solver,
-}
-
-impl Each {
-    fn new(model: &Model, law: Law) -> Each {
-        let mut solver = Solver::default();
-        solver.rehearse(model.corners.len(), tangents(law).min(model.directions), law);
-        Each { map: ContactMap::new(model), solver }
-    }
-
-    /// Of so many contacts there is no problem, for they are solved otherwise.
-    fn leave(&mut self, contacts: usize) {
-        self.map.problem.reset_rows(0, 0);
-        (self.map.problem.contacts, self.map.problem.tangents) = (contacts, 2);
-    }
-
-    /// The problem (14) of the touching points, A apart.
-    fn pose(&mut self, world: &World, free: &Free, touches: &[Touch], h: f64) {
-        let Settings { law, friction, restitution, spring, .. } = world.settings;
-        let problem = self.map.drift(&world.model, free, touches, law, |_, drift| drift);
-        let before = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
-        problem.friction.fill(friction);
-        for (approach, touch) in problem.approach.iter_mut().zip(touches) {
-            *approach = touch.gap.max(0.0) / h;
-        }
-        if law == Law::SpringDamper {
-            problem.spring = spring;
-            problem.gap.iter_mut().zip(touches).for_each(|(gap, touch)| *gap = touch.gap);
-            for (rows, touch) in problem.before.chunks_exact_mut(3).zip(touches) {
-                let v = before(touch);
-                rows.copy_from_slice(&[v.z, v.x, v.y]);
-            }
-        }
-        if restitution > 0.0 {
-            // Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more. What two steps of free fall made
-            // as fast stays down, or the last of its bounces would never come
-            let slow = if h.is_finite() { 2.0 * world.model.gravity.norm() * h } else { 0.0 };
-            let normals = problem.drift.iter().step_by(1 + problem.tangents);
-            for ((approach, free), touch) in problem.approach.iter_mut().zip(normals).zip(touches) {
-                let before = before(touch).z;
-                if before < -slow && free + *approach < 0.0 {
-                    *approach = restitution * before;
-                }
-            }
-        }
-    }
-
-    /// The solution of the problem (14), (15)-(22).
-    pub fn solve(
-        &mut self,
-        world: &World,
-        free: &Free,
-        touches: &[Touch],
-        memory: &mut Memory,
-    ) -> Result<(Response<'_>, Report), PlantError> {
-        let Each { map, solver } = self;
-        let problem = map.assemble(&world.model, free, touches);
-        let report = solver.solve(problem, world.settings.law, memory);
-        world.check(&report, problem)?;
-        Ok((map.respond(&world.model, free.factor, &solver.impulse), report))
+    /// What came of these contacts.
+    pub fn contact<'a>(&'a self, touches: &'a [Touch]) -> Contact<'a> {
+        let Outcome { rate, change, impulses, report, .. } = self;
+        Contact { rate, change, touches, impulses, report: *report }
     }
 }
 

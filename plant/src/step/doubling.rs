@@ -33,6 +33,7 @@ impl Plant {
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
     pub(super) fn step_doubling(&mut self, h: f64) -> Result<(), PlantError> {
+        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * SHORTEST);
         let (mut done, mut step) = (0.0, self.stride.min(h));
         while done < h {
             // a sliver at the end would cost a step of its own
@@ -46,10 +47,8 @@ impl Plant {
             self.go_back(record);
             self.midpoint_moreau(0.5 * part)?;
             self.midpoint_moreau(0.5 * part)?;
-            let (error, tolerance) =
-                (distance(&self.work.doubling.coarse, &self.now.state) / 3.0, self.world.settings.tolerance_step);
+            let error = distance(&self.work.doubling.coarse, &self.now.state) / 3.0;
             let factor = (0.9 * (tolerance / error).cbrt()).clamp(0.2, 4.0);
-            let shortest = h * SHORTEST;
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);

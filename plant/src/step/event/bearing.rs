@@ -1,7 +1,7 @@
 //! What bears between events: found at the beginning of a step, after the impact of what comes down, and its forces in every stage.
 
 use crate::composite::Composite;
-use crate::contact::{Memory, Report};
+use crate::contact::Memory;
 use crate::delassus::Free;
 use crate::detect::Touch;
 use crate::error::PlantError;
@@ -122,10 +122,10 @@ impl Contacts {
         bearings: &mut [Bearing],
         memory: &mut Memory,
     ) -> Result<Contact<'a>, PlantError> {
-        let (touches, Contacts { each, outcome, solved, warm, .. }) = (&touches.list, self);
+        let (touches, Contacts { each, outcome, .. }) = (&touches.list, self);
         outcome.begin(free);
         if touches.is_empty() {
-            return Ok(outcome.contact(touches, Report::default()));
+            return Ok(outcome.contact(touches));
         }
         let (model, law, length) = (&world.model, world.settings.law, world.model.length);
         let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
@@ -157,10 +157,8 @@ impl Contacts {
         }
         let rows = 1 + problem.tangents;
         let (response, report) = each.solve(world, free, touches, memory)?;
-        outcome.set(free, &response);
-        *solved += 1;
-        *warm += u64::from(report.warm);
-        let contact = outcome.contact(touches, report);
+        outcome.set(free, &response, report);
+        let contact = outcome.contact(touches);
         let parts = touches.iter().zip(contact.impulses).zip(each.solver.velocity.chunks_exact(rows));
         for ((touch, force), acceleration) in parts {
             let bearing = &mut bearings[touch.id];
