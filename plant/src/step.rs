@@ -24,7 +24,7 @@ mod event;
 mod free;
 mod midpoint;
 mod moreau;
-mod motion;
+mod now;
 mod runge_kutta;
 mod settings;
 
@@ -33,7 +33,7 @@ use doubling::Doubling;
 use event::Bearing;
 use free::{Dynamics, FreeMotion};
 use moreau::Means;
-use motion::Motion;
+use now::Now;
 use runge_kutta::Stages;
 use settings::{Push, World};
 
@@ -48,12 +48,12 @@ use messages::wire::{Encoders, Torques, Truth};
 
 /// A robot, its ground and its drives.
 ///
-/// The motion, with the memories of contacts and drives, is all that the future depends on beside the world; the workspace may be
-/// dropped without changing a result.
+/// The world stays as it is during a step. The state, with the memories of contacts and drives, is all that the future depends on; the
+/// workspace may be dropped without changing a result.
 pub struct Plant {
     world: World,
     drives: Drives,
-    now: Motion,
+    now: Now,
     memory: Memory,
     /// What every corner does between events.
     bearings: Vec<Bearing>,
@@ -106,7 +106,7 @@ impl Plant {
         let model = &world.model;
         Ok(Plant {
             drives: Drives::new(&scene.plant),
-            now: Motion::new(model, State::initial(model, &scene.initial)?),
+            now: Now::new(model, State::initial(model, &scene.initial)?),
             memory: Memory::default(),
             bearings: vec![Bearing::default(); model.corners.len()],
             stride: scene.plant.dt,

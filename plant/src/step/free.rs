@@ -1,6 +1,6 @@
 //! The stages of a step before contact: H, b, and the motion that there would be if nothing touched.
 
-use super::motion::Motion;
+use super::now::Now;
 use super::settings::World;
 use crate::composite::Composite;
 use crate::delassus::Free;
@@ -39,7 +39,7 @@ impl Dynamics {
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find(&mut self, model: &Model, now: &Motion, grip: f64, ahead: f64) -> Result<&Dynamics, PlantError> {
+    pub fn find(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) -> Result<&Dynamics, PlantError> {
         if !std::mem::take(&mut self.ready) {
             self.evaluations += 1;
             self.composite.inertia(model, &now.pose, &mut self.inertia);
@@ -52,12 +52,12 @@ impl Dynamics {
     }
 
     /// The same ahead of the step that asks for it.
-    pub fn get_ready(&mut self, model: &Model, now: &Motion, grip: f64, ahead: f64) {
+    pub fn get_ready(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) {
         self.ready = self.find(model, now, grip, ahead).is_ok(); // the step finds the error again
     }
 
     /// The same H with b at the velocity `mean`, which the pose has; the state has that before the step.
-    pub fn with_bias_at(&mut self, model: &Model, now: &Motion, mean: &[f64]) -> &Dynamics {
+    pub fn with_bias_at(&mut self, model: &Model, now: &Now, mean: &[f64]) -> &Dynamics {
         let Dynamics { composite, bias, .. } = self;
         composite.bias(model, &now.pose, mean, bias);
         springs::pull(model, &now.state, 0.0, bias);
@@ -84,13 +84,13 @@ impl FreeMotion {
     }
 
     /// The motion at the end of a step of `h` if nothing touched. (12)
-    pub fn motion<'a>(&'a mut self, world: &World, now: &'a Motion, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
+    pub fn motion<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
         let rate = self.velocity(world, now, dynamics, h);
         Free { pose: &now.pose, factor: &dynamics.factor, rate }
     }
 
     /// Its velocity, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
-    pub fn velocity(&mut self, world: &World, now: &Motion, dynamics: &Dynamics, h: f64) -> &[f64] {
+    pub fn velocity(&mut self, world: &World, now: &Now, dynamics: &Dynamics, h: f64) -> &[f64] {
         let FreeMotion { efforts, column, velocity, .. } = self;
         let efforts = sum_efforts(world, &now.pose, &dynamics.bias, column, efforts);
         velocity.iter_mut().zip(efforts).for_each(|(free, effort)| *free = effort * h); // Δf_b
@@ -100,7 +100,7 @@ impl FreeMotion {
     }
 
     /// The present acceleration if nothing touched, H⁻¹(u − b).
-    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a Motion, dynamics: &'a Dynamics) -> Free<'a> {
+    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
         let FreeMotion { efforts, column, acceleration, .. } = self;
         acceleration.copy_from_slice(sum_efforts(world, &now.pose, &dynamics.bias, column, efforts));
         dynamics.factor.solve(&world.model, acceleration);

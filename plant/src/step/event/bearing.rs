@@ -9,7 +9,7 @@ use crate::kinematics::{self, Pose};
 use crate::model::Corner;
 use crate::step::Plant;
 use crate::step::contact::{Contact, Contacts, Touches};
-use crate::step::motion::Motion;
+use crate::step::now::Now;
 use crate::step::settings::World;
 use messages::scene::Law;
 use nalgebra::Vector3;
@@ -55,7 +55,7 @@ pub(in crate::step) struct Bearing {
 impl Plant {
     /// What bears and what sticks now, after the impact of whatever comes down.
     pub(super) fn land(&mut self) -> Result<(), PlantError> {
-        let Plant { world, now: Motion { pose, .. }, bearings, .. } = self;
+        let Plant { world, now: Now { pose, .. }, bearings, .. } = self;
         let (length, mut hits) = (world.model.length, false);
         for (corner, bearing) in world.model.corners.iter().zip(bearings) {
             let arm = pose.lowest(corner);
@@ -68,7 +68,7 @@ impl Plant {
         if hits {
             self.hit()?;
         }
-        let Plant { world, now: Motion { pose, .. }, bearings, .. } = self;
+        let Plant { world, now: Now { pose, .. }, bearings, .. } = self;
         for (corner, bearing) in world.model.corners.iter().zip(bearings) {
             // what the impact throws off does not bear, though it has no gap yet; what drifts off does
             let rises = pose.links[corner.link].velocity.at(&pose.lowest(corner)).z > HITS * length;

@@ -14,22 +14,22 @@ const PITCH: usize = 4;
 const GIMBAL: f64 = 1e-8;
 
 /// A state and its pose.
-pub(super) struct Motion {
+pub(super) struct Now {
     pub state: State,
     pub pose: Pose,
 }
 
-impl Motion {
-    pub fn new(model: &Model, state: State) -> Motion {
+impl Now {
+    pub fn new(model: &Model, state: State) -> Now {
         let mut pose = Pose::new(model);
         kinematics::pose(model, &state, &mut pose);
-        Motion { state, pose }
+        Now { state, pose }
     }
 
     /// x₊ = x + time ẋ.
     ///
     /// # Errors
-    /// As [`Motion::find_pose`], and so the following.
+    /// As [`Now::find_pose`], and so the following.
     pub fn travel(&mut self, world: &World, time: f64) -> Result<(), PlantError> {
         self.state.advance(&world.model, time);
         self.find_pose(world)
@@ -54,7 +54,7 @@ impl Motion {
     /// # Errors
     /// If the state is not finite, or the virtual joints stand at their pole.
     pub fn find_pose(&mut self, world: &World) -> Result<(), PlantError> {
-        let Motion { state, pose } = self;
+        let Now { state, pose } = self;
         let time = (world.steps + 1) as f64 * world.settings.h;
         if !state.x.iter().chain(&state.xdot).all(|number| number.is_finite()) {
             return Err(PlantError::NotFinite { time });
