@@ -211,13 +211,13 @@ impl Plant {
 
     /// What the run has cost so far.
     pub fn counts(&self) -> Counts {
-        let (dynamics, outcome) = (&self.work.dynamics, &self.work.contacts.outcome);
+        let Plant { events, rejected, work: Workspace { dynamics, contacts, .. }, .. } = self;
         Counts {
             evaluations: dynamics.evaluations,
-            contacts: outcome.solved,
-            warm: outcome.warm,
-            events: self.events,
-            rejected: self.rejected,
+            contacts: contacts.solved,
+            warm: contacts.warm,
+            events: *events,
+            rejected: *rejected,
         }
     }
 

@@ -31,42 +31,81 @@ impl Touches {
         self.horizon = h;
         self
     }
+
+    /// Adds what the velocity `after` the step takes into the ground though it was not listed; whether there is any.
+    fn add_overlooked(&mut self, world: &World, pose: &Pose, after: &[f64]) -> bool {
+        overlooked(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list)
+    }
 }
 
 /// What contact makes of the free motion.
-pub(super) struct Contact<'a> {
+pub(super) struct Contact {
     /// ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf); between events the acceleration. (12)
-    pub rate: &'a [f64],
+    pub rate: Vec<f64>,
     /// H⁻¹KΔf.
-    pub change: &'a [f64],
-    pub touches: &'a [Touch],
-    /// Δf on each of them, in W [N·s]; between events the force [N].
-    pub impulses: &'a [Vector3<f64>],
+    pub change: Vec<f64>,
+    /// Contact points and Δf on each, in W [N·s]; between events the force [N].
+    pub impulses: Vec<(usize, Vector3<f64>)>,
     pub report: Report,
+}
+
+impl Contact {
+    fn new(model: &Model) -> Contact {
+        let (rate, change) = (vec![0.0; model.dofs()], vec![0.0; model.dofs()]);
+        Contact { rate, change, impulses: Vec::with_capacity(model.corners.len()), report: Report::default() }
+    }
+
+    /// As if nothing touched.
+    pub fn clear(&mut self, free: &Free) {
+        self.rate.copy_from_slice(free.rate);
+        self.change.fill(0.0);
+        self.impulses.clear();
+    }
+
+    /// With impulses on what touches.
+    pub fn set(&mut self, free: &Free, touches: &[Touch], response: &Response, report: Report) {
+        for ((rate, free), change) in self.rate.iter_mut().zip(free.rate).zip(response.change) {
+            *rate = free + change;
+        }
+        self.change.copy_from_slice(response.change);
+        self.impulses.clear();
+        self.impulses.extend(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
+        self.report = report;
+    }
 }
 
 impl Record {
     /// Takes impulses, or forces that act for a time.
     pub(super) fn take(&mut self, contact: &Contact, time: f64) {
-        if !contact.touches.is_empty() {
+        if !contact.impulses.is_empty() {
             self.note(&contact.report);
         }
-        for (touch, impulse) in contact.touches.iter().zip(contact.impulses) {
-            self.push(touch.id, (impulse * time).into());
+        for (id, impulse) in &contact.impulses {
+            self.push(*id, (impulse * time).into());
         }
     }
 }
 
-/// The ways to the impulses, and the outcome.
+/// The ways to the impulses.
 pub(super) struct Contacts {
     pub each: Each,
     weld: Weld,
-    pub outcome: Outcome,
+    pub contact: Contact,
+    /// Problems solved so far …
+    pub solved: u64,
+    /// … and those whose remembered basis was right.
+    pub warm: u64,
 }
 
 impl Contacts {
     pub fn new(model: &Model, law: Law) -> Contacts {
-        Contacts { each: Each::new(model, law), weld: Weld::new(model), outcome: Outcome::new(model) }
+        Contacts {
+            each: Each::new(model, law),
+            weld: Weld::new(model),
+            contact: Contact::new(model),
+            solved: 0,
+            warm: 0,
+        }
     }
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
@@ -76,81 +115,35 @@ impl Contacts {
     ///
     /// # Errors
     /// If a problem was not solved as well as the scene asks, or the energy rises.
-    pub fn solve<'a>(
-        &'a mut self,
+    pub fn solve(
+        &mut self,
         world: &World,
         free: &Free,
-        touches: &'a mut Touches,
+        touches: &mut Touches,
         h: f64,
         memory: &mut Memory,
-    ) -> Result<Contact<'a>, PlantError> {
-        let (Contacts { each, weld, outcome }, Touches { list, horizon }) = (self, touches);
-        outcome.begin(free);
-        while !list.is_empty() {
-            let (response, report) = match stand(world, free, list, h, memory, weld) {
+    ) -> Result<&Contact, PlantError> {
+        let Contacts { each, weld, contact, solved, warm } = self;
+        contact.clear(free);
+        while !touches.list.is_empty() {
+            let (response, report) = match stand(world, free, &touches.list, h, memory, weld) {
                 Some(held) => {
-                    each.leave(list.len());
+                    each.leave(touches.list.len());
                     held
                 }
                 None => {
-                    each.pose(world, free, list, h); // (14)
-                    each.solve(world, free, list, memory)? // (15)-(22)
+                    each.pose(world, free, &touches.list, h); // (14)
+                    each.solve(world, free, &touches.list, memory)? // (15)-(22)
                 }
             };
             world.check_energy(&report)?;
-            outcome.set(free, &response, report); // (12)
-            if !overlooked(&world.model, free.pose, world.settings.law, *horizon, &outcome.rate, list) {
+            contact.set(free, &touches.list, &response, report); // (12)
+            (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
+            if !touches.add_overlooked(world, free.pose, &contact.rate) {
                 break;
             }
         }
-        Ok(outcome.contact(list))
-    }
-}
-
-/// The last [`Contact`], and how many there were.
-pub(super) struct Outcome {
-    rate: Vec<f64>,
-    change: Vec<f64>,
-    impulses: Vec<Vector3<f64>>,
-    report: Report,
-    /// Problems solved so far …
-    pub solved: u64,
-    /// … and those whose remembered basis was right.
-    pub warm: u64,
-}
-
-impl Outcome {
-    fn new(model: &Model) -> Outcome {
-        let (rate, change) = (vec![0.0; model.dofs()], vec![0.0; model.dofs()]);
-        let impulses = Vec::with_capacity(model.corners.len());
-        Outcome { rate, change, impulses, report: Report::default(), solved: 0, warm: 0 }
-    }
-
-    /// As if nothing touched.
-    pub fn begin(&mut self, free: &Free) {
-        self.rate.copy_from_slice(free.rate);
-        self.change.fill(0.0);
-        self.impulses.clear();
-        self.report = Report::default();
-    }
-
-    /// With these impulses.
-    pub fn set(&mut self, free: &Free, response: &Response, report: Report) {
-        for ((rate, free), change) in self.rate.iter_mut().zip(free.rate).zip(response.change) {
-            *rate = free + change;
-        }
-        self.change.copy_from_slice(response.change);
-        self.impulses.clear();
-        self.impulses.extend_from_slice(response.impulses);
-        self.report = report;
-        self.solved += 1;
-        self.warm += u64::from(report.warm);
-    }
-
-    /// What came of these contacts.
-    pub fn contact<'a>(&'a self, touches: &'a [Touch]) -> Contact<'a> {
-        let Outcome { rate, change, impulses, report, .. } = self;
-        Contact { rate, change, touches, impulses, report: *report }
+        Ok(contact)
     }
 }
 

@@ -14,8 +14,8 @@ impl Plant {
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, h, memory)?; // (12)-(22)
-        record.take(&contact, 1.0);
-        now.state.xdot.copy_from_slice(contact.rate);
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
         now.travel(world, h)
     }
 
@@ -27,9 +27,9 @@ impl Plant {
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, h, memory)?; // (12)-(22)
-        record.take(&contact, 1.0);
+        record.take(contact, 1.0);
         now.state.advance(&world.model, h);
-        now.state.xdot.copy_from_slice(contact.rate);
+        now.state.xdot.copy_from_slice(&contact.rate);
         now.find_pose(world)
     }
 }

@@ -30,8 +30,8 @@ impl Plant {
         let free = work.free.motion(world, now, dynamics, h);
         let touches = work.touches.find(world, free.pose, free.rate, 0.5 * h);
         let contact = work.contacts.solve(world, &free, touches, 0.5 * h, memory)?;
-        record.take(&contact, 1.0);
-        now.state.xdot.copy_from_slice(contact.rate);
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
         now.travel(world, 0.5 * h)
     }
 
@@ -60,7 +60,7 @@ impl Plant {
             let free = free.motion(world, now, dynamics, h);
             let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
             let contact = contacts.solve(world, &free, touches, 0.5 * h, memory)?;
-            let change = improve(mean, &start.xdot, contact.rate);
+            let change = improve(mean, &start.xdot, &contact.rate);
             rounds += 1;
             if change <= ROUNDING || rounds == ROUNDS {
                 break (contact, change);
@@ -71,8 +71,8 @@ impl Plant {
                 format!("its velocity still changes by {change:.1e} after {ROUNDS} rounds; plant.dt is too long");
             return Err(PlantError::Unsettled { time: world.time(), reason });
         }
-        record.take(&contact, 1.0);
-        now.place(world, start, |i| h * mean[i], contact.rate)
+        record.take(contact, 1.0);
+        now.place(world, start, |i| h * mean[i], &contact.rate)
     }
 }
 

@@ -38,7 +38,7 @@ impl Plant {
         }
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, h, memory)?;
-        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), contact.rate)?; // (x*, ẋ*)
+        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
         let ends = free.rate.iter().zip(&now.state.xdot).map(|(free, end)| free - end); // h a(x*, ẋ*)
@@ -48,7 +48,7 @@ impl Plant {
         let free = Free { rate: velocity, ..free };
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, h, memory)?;
-        record.take(&contact, 1.0);
-        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), contact.rate)
+        record.take(contact, 1.0);
+        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
     }
 }

@@ -126,8 +126,8 @@ impl Plant {
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
         let contact = work.contacts.solve(world, &free, touches, h, memory)?;
-        record.take(&contact, 1.0);
-        now.state.xdot.copy_from_slice(contact.rate);
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
         now.state.displace(&world.model, |i| 0.5 * h * contact.change[i]);
         now.find_pose(world)
     }
@@ -149,8 +149,8 @@ impl Plant {
             let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
             let touches = touches.bearing(world, &now.pose, bearings);
             let contact = contacts.forces(world, &free, &dynamics.composite, touches, bearings, memory)?;
-            record.take(&contact, weight * h);
-            stages.take(stage, &world.model, &now.state, contact.rate);
+            record.take(contact, weight * h);
+            stages.take(stage, &world.model, &now.state, &contact.rate);
         }
         let (way, velocity) = stages.reach(start, tableau.b, h);
         now.place(world, start, |i| way[i], velocity)

@@ -90,8 +90,8 @@ impl Plant {
         let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
         let touches = work.touches.bearing(world, &now.pose, bearings);
         let contact = work.contacts.solve(world, &free, touches, f64::INFINITY, memory)?; // no time to approach in
-        record.take(&contact, 1.0);
-        now.state.xdot.copy_from_slice(contact.rate);
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
         kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
         Ok(())
     }
@@ -113,19 +113,19 @@ impl Touches {
 
 impl Contacts {
     /// The forces of all that bears, and the acceleration with them; `free` is that without. What bears is told what its force does.
-    pub(in crate::step) fn forces<'a>(
-        &'a mut self,
+    pub(in crate::step) fn forces(
+        &mut self,
         world: &World,
         free: &Free,
         composite: &Composite,
-        touches: &'a Touches,
+        touches: &Touches,
         bearings: &mut [Bearing],
         memory: &mut Memory,
-    ) -> Result<Contact<'a>, PlantError> {
-        let (touches, Contacts { each, outcome, .. }) = (&touches.list, self);
-        outcome.begin(free);
+    ) -> Result<&Contact, PlantError> {
+        let (touches, Contacts { each, contact, solved, warm, .. }) = (&touches.list, self);
+        contact.clear(free);
         if touches.is_empty() {
-            return Ok(outcome.contact(touches));
+            return Ok(contact);
         }
         let (model, law, length) = (&world.model, world.settings.law, world.model.length);
         let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
@@ -157,11 +157,10 @@ impl Contacts {
         }
         let rows = 1 + problem.tangents;
         let (response, report) = each.solve(world, free, touches, memory)?;
-        outcome.set(free, &response, report);
-        let contact = outcome.contact(touches);
-        let parts = touches.iter().zip(contact.impulses).zip(each.solver.velocity.chunks_exact(rows));
-        for ((touch, force), acceleration) in parts {
-            let bearing = &mut bearings[touch.id];
+        contact.set(free, touches, &response, report);
+        (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
+        for ((id, force), acceleration) in contact.impulses.iter().zip(each.solver.velocity.chunks_exact(rows)) {
+            let bearing = &mut bearings[*id];
             bearing.pressed = force.z > 0.0;
             bearing.held = acceleration[1..].iter().all(|a| a.abs() <= HELD * length);
         }
