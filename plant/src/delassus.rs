@@ -19,9 +19,31 @@ const PANEL: usize = 12;
 /// Rows of their products that are.
 const ROWS: usize = 4;
 
-/// Y = √D⁻¹L⁻ᵀK of the touching contacts, link by link.
+/// The motion without contact, and what turns forces into motion.
+#[derive(Clone, Copy, Debug)]
+pub struct Free<'a> {
+    /// Where the robot is.
+    pub pose: &'a Pose,
+    /// L and D of H there.
+    pub factor: &'a Factor,
+    /// The velocity that the step would end with if nothing touched, ẋ₋ + H⁻¹Δf_b; between events the acceleration.
+    pub rate: &'a [f64],
+}
+
+/// Impulses, and what they do.
+#[derive(Clone, Copy, Debug)]
+pub struct Response<'a> {
+    /// H⁻¹KΔf.
+    pub change: &'a [f64],
+    /// Impulse on each contact, in W [N·s].
+    pub impulses: &'a [Vector3<f64>],
+}
+
+/// The problem of the touching contacts, and Y = √D⁻¹L⁻ᵀK, link by link.
 #[derive(Clone, Debug)]
 pub struct ContactMap {
+    /// (14).
+    pub problem: Problem,
     groups: Vec<Group>,
     /// Y of each group, [`PANEL`] columns at a time; what fills up the last is zero.
     blocks: Vec<[f64; PANEL]>,
@@ -29,6 +51,9 @@ pub struct ContactMap {
     wrenches: Vec<[[f64; PANEL]; 6]>,
     /// Unit tangents of each contact.
     tangents: Vec<[Vector3<f64>; 2]>,
+    /// The last response.
+    change: Vec<f64>,
+    impulses: Vec<Vector3<f64>>,
 }
 
 /// The contacts of one link.
@@ -48,36 +73,36 @@ impl ContactMap {
     pub fn new(model: &Model) -> Self {
         let corners = model.corners.len();
         ContactMap {
+            problem: Problem::default(),
             groups: Vec::with_capacity(corners),
             blocks: Vec::with_capacity(corners * model.dofs()),
             wrenches: Vec::with_capacity(corners),
             tangents: Vec::with_capacity(corners),
+            change: vec![0.0; model.dofs()],
+            impulses: Vec::with_capacity(corners),
         }
     }
 
-    /// Writes what the problem of the touching contacts has beside A: who they are and b = Kᵀfree. `free` is the velocity that
-    /// the step would end with if nothing touched, ẋ₋ + H⁻¹Δf_b. What it makes of contact i is replaced by
+    /// What the problem of the touching contacts has beside A: who they are and b = Kᵀfree. What it makes of contact i is replaced by
     /// `replaced(i, Kᵀfree)`.
     ///
     /// The first tangent of a contact is its direction of free slip, so that friction can oppose it exactly. The paper
     /// takes the velocity before the step; a contact at rest has none, and would creep down any slope.
-    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model and pose are its tools")]
     pub fn drift(
         &mut self,
         model: &Model,
-        pose: &Pose,
+        free: &Free,
         touches: &[Touch],
-        free: &[f64],
         law: Law,
-        problem: &mut Problem,
         replaced: impl Fn(usize, Vector3<f64>) -> Vector3<f64>,
-    ) {
+    ) -> &mut Problem {
+        let problem = &mut self.problem;
         let tangents = tangents(law).min(model.directions);
         let rows = 1 + tangents;
         problem.reset_rows(touches.len(), tangents);
         self.tangents.clear();
         for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let twist = pose.twist(model, touches[0].link, free);
+            let twist = free.pose.twist(model, touches[0].link, free.rate);
             let first = self.tangents.len();
             for (i, touch) in touches.iter().enumerate() {
                 problem.id[first + i] = touch.id;
@@ -90,12 +115,13 @@ impl ContactMap {
                 problem.drift[at..at + rows].copy_from_slice(&drift[..rows]);
             }
         }
+        problem
     }
 
-    /// Writes A of the same contacts.
-    pub fn assemble(&mut self, model: &Model, pose: &Pose, factor: &Factor, touches: &[Touch], problem: &mut Problem) {
+    /// The same problem with A.
+    pub fn assemble(&mut self, model: &Model, free: &Free, touches: &[Touch]) -> &Problem {
+        let ContactMap { problem, groups, blocks, wrenches, tangents, .. } = self;
         let rows = 1 + problem.tangents;
-        let ContactMap { groups, blocks, wrenches, tangents } = self;
         groups.clear();
         blocks.clear();
         let mut first = 0;
@@ -116,7 +142,7 @@ impl ContactMap {
             }
             let y = &mut blocks[start..];
             for (depth, &dof) in path.iter().enumerate() {
-                let Spatial { linear, angular } = pose.links[dof + 1].column;
+                let Spatial { linear, angular } = free.pose.links[dof + 1].column;
                 let [a, b, c, d, e, f] = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
                 for (y, [w0, w1, w2, w3, w4, w5]) in y[depth..].iter_mut().step_by(height).zip(&*wrenches) {
                     // its power per unit rate: by virtual work, K's entries
@@ -126,44 +152,21 @@ impl ContactMap {
                     });
                 }
             }
-            factor.half_solve(model, link, y);
+            free.factor.half_solve(model, link, y);
             groups.push(Group { link, columns, start, height });
         }
         let size = problem.rows();
         problem.delassus.resize(size * size, 0.0);
-        self.multiply(model, size, &mut problem.delassus);
+        multiply(model, groups, blocks, size, &mut problem.delassus);
+        problem
     }
 
-    /// A = YᵀY: two links meet in the degrees of freedom that they share.
-    fn multiply(&self, model: &Model, size: usize, product: &mut [f64]) {
-        for (i, a) in self.groups.iter().enumerate() {
-            for b in &self.groups[..=i] {
-                let shared = model.shared(a.link, b.link);
-                for (row, y_a) in self.columns(a) {
-                    for (column, y_b) in self.columns(b).take_while(|(column, _)| *column <= row) {
-                        for first in (0..a.columns.end - row).step_by(ROWS).take(PANEL / ROWS) {
-                            let tile = tile(&y_a[..shared], first, &y_b[..shared]);
-                            let place = (row + first..a.columns.end, column..b.columns.end);
-                            write(&tile, place, column < row, size, product);
-                        }
-                    }
-                }
-            }
-        }
-    }
-
-    /// Y of a group, [`PANEL`] columns at a time: the first of them, and their blocks, base first.
-    fn columns(&self, group: &Group) -> impl Iterator<Item = (usize, &[[f64; PANEL]])> {
-        let count = group.columns.len().div_ceil(PANEL);
-        let blocks = self.blocks[group.start..].chunks_exact(group.height).take(count);
-        group.columns.clone().step_by(PANEL).zip(blocks)
-    }
-
-    /// H⁻¹KΔf: the change of velocity that the contact impulses make.
-    pub fn respond(&self, model: &Model, factor: &Factor, impulse: &[f64], change: &mut [f64]) {
+    /// What the impulses of a solution do, as rows of the problem.
+    pub fn respond(&mut self, model: &Model, factor: &Factor, impulse: &[f64]) -> Response<'_> {
+        let ContactMap { problem, groups, blocks, tangents, change, impulses, .. } = self;
         change.fill(0.0);
-        for group in &self.groups {
-            for (column, blocks) in self.columns(group) {
+        for group in &*groups {
+            for (column, blocks) in group.columns(blocks) {
                 let impulse = &impulse[column..group.columns.end];
                 for (y, &dof) in blocks.iter().zip(model.path(group.link)) {
                     change[dof] += y.iter().zip(impulse).map(|(y, f)| y * f).sum::<f64>();
@@ -171,13 +174,38 @@ impl ContactMap {
             }
         }
         factor.second_half_solve(model, change);
+        impulses.clear();
+        impulses.extend(impulse.chunks_exact(1 + problem.tangents).zip(&*tangents).map(|(parts, tangents)| {
+            parts[1..].iter().zip(tangents).fold(Vector3::z() * parts[0], |sum, (f, t)| sum + t * *f)
+        }));
+        Response { change, impulses }
     }
+}
 
-    /// Impulse on the i-th of `contacts` contacts as a vector in W [N·s].
-    pub fn force(&self, i: usize, impulse: &[f64], contacts: usize) -> Vector3<f64> {
-        let rows = impulse.len() / contacts;
-        let parts = &impulse[i * rows..(i + 1) * rows];
-        parts[1..].iter().zip(&self.tangents[i]).fold(Vector3::z() * parts[0], |sum, (f, t)| sum + t * *f)
+impl Group {
+    /// Its Y, [`PANEL`] columns at a time: the first of them, and their blocks, base first.
+    fn columns<'a>(&self, blocks: &'a [[f64; PANEL]]) -> impl Iterator<Item = (usize, &'a [[f64; PANEL]])> + use<'a> {
+        let count = self.columns.len().div_ceil(PANEL);
+        let blocks = blocks[self.start..].chunks_exact(self.height).take(count);
+        self.columns.clone().step_by(PANEL).zip(blocks)
+    }
+}
+
+/// A = YᵀY: two links meet in the degrees of freedom that they share.
+fn multiply(model: &Model, groups: &[Group], blocks: &[[f64; PANEL]], size: usize, product: &mut [f64]) {
+    for (i, a) in groups.iter().enumerate() {
+        for b in &groups[..=i] {
+            let shared = model.shared(a.link, b.link);
+            for (row, y_a) in a.columns(blocks) {
+                for (column, y_b) in b.columns(blocks).take_while(|(column, _)| *column <= row) {
+                    for first in (0..a.columns.end - row).step_by(ROWS).take(PANEL / ROWS) {
+                        let tile = tile(&y_a[..shared], first, &y_b[..shared]);
+                        let place = (row + first..a.columns.end, column..b.columns.end);
+                        write(&tile, place, column < row, size, product);
+                    }
+                }
+            }
+        }
     }
 }
 

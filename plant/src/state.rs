@@ -139,19 +139,17 @@ impl State {
         }
     }
 
-    /// x = x0 ⊕ d: coordinates move by d, a quaternion turns by the rotation vector in it.
-    pub fn displace(&mut self, model: &Model, origin: &State, by: &[f64]) {
+    /// x ⊕ d: coordinates move by d, a quaternion turns by the rotation vector in it.
+    pub fn displace(&mut self, model: &Model, by: impl Fn(usize) -> f64) {
         let mut joints = 0;
         if model.base == Base::Quaternion {
             joints = 6;
-            let moved = origin.x[..3].iter().zip(&by[..3]);
-            self.x[..3].iter_mut().zip(moved).for_each(|(x, (x0, d))| *x = x0 + d);
-            let turned = turn(&origin.x[3..7], &by[3..6], 1.0);
+            self.x[..3].iter_mut().enumerate().for_each(|(i, x)| *x += by(i));
+            let turned = turn(&self.x[3..7], &[by(3), by(4), by(5)], 1.0);
             self.x[3..7].copy_from_slice(&turned);
         }
         let offset = self.x.len() - self.xdot.len();
-        let moved = origin.x[joints + offset..].iter().zip(&by[joints..]);
-        self.x[joints + offset..].iter_mut().zip(moved).for_each(|(x, (x0, d))| *x = x0 + d);
+        self.x[joints + offset..].iter_mut().zip(joints..).for_each(|(x, i)| *x += by(i));
     }
 
     /// The rate of the displacement `by` that [`State::displace`] takes: xdot, but for a rotation vector d,

@@ -4,7 +4,8 @@
 //!   pose → H, b → free motion (12) → touching → problem (14) → impulse (15)-(22) → velocity (12) → position
 //! ```
 //!
-//! The stages are in `step/free.rs` and `step/contact.rs`; each integration method has them in an order of its own:
+//! The stages are in `step/free.rs`, `step/contact.rs` and `step/each.rs`: each reads what it is given and returns what it makes, in room
+//! of its own. An integration method has them in its order:
 //!
 //! | method | where |
 //! |---|---|
@@ -17,60 +18,51 @@
 
 mod contact;
 mod doubling;
+mod each;
 mod euler;
 mod event;
 mod free;
 mod midpoint;
 mod moreau;
+mod now;
 mod runge_kutta;
 mod settings;
 
+use contact::{Contacts, Touches};
+use doubling::Doubling;
 use event::Bearing;
+use free::{Dynamics, FreeMotion};
+use moreau::Means;
+use now::Now;
 use runge_kutta::Stages;
-use settings::{Push, Settings};
+use settings::{Push, World};
 
-use crate::composite::Composite;
-use crate::contact::{Memory, Problem, Report, Solver, tangents};
-use crate::delassus::ContactMap;
-use crate::detect::Touch;
+use crate::contact::{Memory, Problem};
 use crate::drive::Drives;
 use crate::error::PlantError;
-use crate::factor::{Factor, PathMatrix};
-use crate::kinematics::{self, Pose};
 use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
-use crate::weld::Weld;
-use messages::scene::{Base, Law, Method, Scene};
-use messages::turn::sin_cos;
+use messages::scene::{Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
-
-/// Coordinate of the pitch of virtual joints.
-const PITCH: usize = 4;
-/// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
-const GIMBAL: f64 = 1e-8;
 
 /// A robot, its ground and its drives.
 ///
-/// The model never changes; the state, with the memories of contacts and drives, is all that the future depends on; the
+/// The world stays as it is during a step. The state, with the memories of contacts and drives, is all that the future depends on; the
 /// workspace may be dropped without changing a result.
 pub struct Plant {
-    model: Model,
-    settings: Settings,
-    state: State,
+    world: World,
+    drives: Drives,
+    now: Now,
     memory: Memory,
     /// What every corner does between events.
     bearings: Vec<Bearing>,
-    drives: Drives,
-    steps: u64,
-    /// Whether H, b and the factor of H are there already for the step to come.
-    ready: bool,
-    applied: Torques,
-    record: Record,
-    report: Report,
-    counts: Counts,
     /// Length that the step control would take next [s].
     stride: f64,
+    record: Record,
+    /// As in [`Counts`].
+    events: u64,
+    rejected: u64,
     work: Workspace,
 }
 
@@ -89,38 +81,19 @@ pub struct Counts {
     pub rejected: u64,
 }
 
-impl Counts {
-    fn note(&mut self, report: &Report) {
-        self.contacts += 1;
-        self.warm += u64::from(report.warm);
-    }
-}
-
-/// Scratch of one step. `pose` belongs to the state at all times.
+/// Room for what the stages make.
 struct Workspace {
-    pose: Pose,
-    composite: Composite,
-    inertia: PathMatrix,
-    factor: Factor,
-    /// b, then Δf_b, then H⁻¹Δf_b, then ẋ₋ + H⁻¹Δf_b.
-    free: Vec<f64>,
-    /// H⁻¹KΔf.
-    change: Vec<f64>,
-    /// Mean velocity of a step.
-    mean: Vec<f64>,
-    /// Stages of a Runge-Kutta step, and where it began.
+    dynamics: Dynamics,
+    free: FreeMotion,
+    touches: Touches,
+    contacts: Contacts,
+    /// Where a step began, or a part of it.
+    start: State,
     stages: Stages,
-    /// End of the step that step doubling compares with, and memory at its beginning.
-    coarse: State,
-    memory: Memory,
-    column: Vec<f64>,
-    touches: Vec<Touch>,
-    /// Time within which they may touch [s].
-    horizon: f64,
-    map: ContactMap,
-    problem: Problem,
-    solver: Solver,
-    weld: Weld,
+    means: Means,
+    /// Mean velocity of an implicit step.
+    mean: Vec<f64>,
+    doubling: Doubling,
 }
 
 impl Plant {
@@ -129,25 +102,19 @@ impl Plant {
     /// # Errors
     /// If the scene's bodies, base or initial state cannot be simulated; see [`PlantError`].
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
-        let model = Model::new(scene)?;
-        let state = State::initial(&model, &scene.initial)?;
-        let mut work = Workspace::new(&model, scene.plant.law);
-        kinematics::pose(&model, &state, &mut work.pose);
+        let world = World::new(scene)?;
+        let model = &world.model;
         Ok(Plant {
-            settings: Settings::new(&scene.plant, scene.rate, &model)?,
             drives: Drives::new(&scene.plant),
+            now: Now::new(model, State::initial(model, &scene.initial)?),
             memory: Memory::default(),
             bearings: vec![Bearing::default(); model.corners.len()],
-            steps: 0,
-            ready: false,
-            applied: Torques::default(),
-            record: Record::default(),
-            report: Report::default(),
-            counts: Counts::default(),
             stride: scene.plant.dt,
-            model,
-            state,
-            work,
+            record: Record::default(),
+            events: 0,
+            rejected: 0,
+            work: Workspace::new(model, scene.plant.law),
+            world,
         })
     }
 
@@ -157,9 +124,9 @@ impl Plant {
     /// If the state is no longer finite or H no longer positive definite: the simulation has blown up. If a contact
     /// problem was not solved as well as `plant.tolerance` asks: [`PlantError::Unsolved`] holds it.
     pub fn advance(&mut self, command: &Torques) -> Result<Encoders, PlantError> {
-        self.applied = self.drives.apply(command);
+        self.world.torques = self.drives.apply(command);
         self.record.begin_period();
-        for _ in 0..self.settings.steps_per_period {
+        for _ in 0..self.world.settings.steps_per_period {
             self.step()?;
         }
         Ok(self.encoders())
@@ -168,9 +135,9 @@ impl Plant {
     /// Finds what the paper's next step needs whatever the torques will be: H, b and the factor of H. Who waits for a command may
     /// call this meanwhile; no result depends on it.
     pub fn get_ready(&mut self) {
-        if !self.ready && self.settings.method == Method::SemiImplicitEuler {
-            let h = self.settings.h;
-            self.ready = self.find_inertia(h, h).is_ok(); // the step finds the error again
+        if self.world.settings.method == Method::SemiImplicitEuler {
+            let h = self.world.settings.h;
+            self.work.dynamics.get_ready(&self.world.model, &self.now, h, h);
         }
     }
 
@@ -179,9 +146,9 @@ impl Plant {
     /// # Errors
     /// As [`Plant::advance`].
     pub fn step(&mut self) -> Result<(), PlantError> {
-        let h = self.settings.h;
-        self.work.problem.reset_rows(0, 0); // of the step before
-        match self.settings.method {
+        let h = self.world.settings.h;
+        self.work.contacts.each.map.problem.reset_rows(0, 0); // of the step before
+        match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),
             Method::MoreauJean => self.moreau_jean(h),
@@ -192,104 +159,86 @@ impl Plant {
             Method::StepDoubling => self.step_doubling(h),
             Method::EventDriven => self.event_driven(h),
         }?;
-        self.steps += 1;
-        self.record.fold(&self.state);
+        self.world.steps += 1;
+        self.record.fold(&self.now.state);
         Ok(())
     }
 
     /// Every contact by itself even where whole links stick: for a comparison, or for [`Plant::problem`].
     pub fn without_welds(mut self) -> Plant {
-        self.settings.welds = false;
+        self.world.settings.welds = false;
         self
-    }
-
-    /// Moves on for a time with the present velocity.
-    fn travel(&mut self, time: f64) -> Result<(), PlantError> {
-        self.state.advance(&self.model, time);
-        self.pose()
-    }
-
-    /// The pose that belongs to the state.
-    fn pose(&mut self) -> Result<(), PlantError> {
-        if !self.state.x.iter().chain(&self.state.xdot).all(|number| number.is_finite()) {
-            return Err(PlantError::NotFinite { time: (self.steps + 1) as f64 * self.settings.h });
-        }
-        if self.model.base == Base::Virtual && sin_cos(self.state.x[PITCH]).1.abs() < GIMBAL {
-            return Err(PlantError::Gimbal { time: (self.steps + 1) as f64 * self.settings.h });
-        }
-        kinematics::pose(&self.model, &self.state, &mut self.work.pose);
-        Ok(())
     }
 
     /// Pushes the centre of mass of a body of the scene, from now on: an impulse in W [N·s], spread over a duration [s].
     /// Returns whether there is such a body.
     pub fn push(&mut self, body: usize, impulse: [f64; 3], duration: f64) -> bool {
-        let Some(&link) = self.model.body_link.get(body) else { return false };
-        self.settings.pushes.retain(|push| push.steps.end > self.steps);
-        self.settings.pushes.push(Push::new(link, impulse, self.steps, duration, self.settings.h));
+        let World { model, settings, pushes, steps, .. } = &mut self.world;
+        let Some(&link) = model.body_link.get(body) else { return false };
+        pushes.retain(|push| push.steps.end > *steps);
+        pushes.push(Push::new(link, impulse, *steps, duration, settings.h));
         true
     }
 
     /// What the joint encoders read now.
     pub fn encoders(&self) -> Encoders {
-        self.drives.read((0..self.model.joint_dof.len()).map(|k| self.state.joint(&self.model, k)))
+        let (model, state) = (self.model(), self.state());
+        self.drives.read((0..model.joint_dof.len()).map(|k| state.joint(model, k)))
     }
 
     /// What only a simulation knows, now and of the control period before. Stamp and timings are the caller's.
     pub fn truth(&self) -> Truth {
-        let period = self.settings.h * self.settings.steps_per_period as f64;
-        self.record.truth(&self.model, &self.state, &self.work.pose, &self.applied, period)
+        let World { model, settings, torques, .. } = &self.world;
+        let period = settings.h * settings.steps_per_period as f64;
+        self.record.truth(model, &self.now.state, &self.now.pose, torques, period)
     }
 
     /// Simulated time [ns].
     pub fn time_ns(&self) -> u64 {
-        (self.steps as f64 * self.settings.h * 1e9).round() as u64
+        (self.world.time() * 1e9).round() as u64
     }
 
     /// The robot as the dynamics see it.
     pub fn model(&self) -> &Model {
-        &self.model
+        &self.world.model
     }
 
     /// The contact problem of the last step; of no contact if nothing touched. Of welded links only their number counts, and there is
     /// no A.
     pub fn problem(&self) -> &Problem {
-        &self.work.problem
+        &self.work.contacts.each.map.problem
     }
 
     /// What the run has cost so far.
     pub fn counts(&self) -> Counts {
-        self.counts
+        let Plant { events, rejected, work: Workspace { dynamics, contacts, .. }, .. } = self;
+        Counts {
+            evaluations: dynamics.evaluations,
+            contacts: contacts.solved,
+            warm: contacts.warm,
+            events: *events,
+            rejected: *rejected,
+        }
     }
 
     /// The present state.
     pub fn state(&self) -> &State {
-        &self.state
+        &self.now.state
     }
 }
 
 impl Workspace {
     fn new(model: &Model, law: Law) -> Self {
-        let mut solver = Solver::default();
-        solver.rehearse(model.corners.len(), tangents(law).min(model.directions), law);
         Workspace {
-            pose: Pose::new(model),
-            composite: Composite::new(model),
-            inertia: PathMatrix::new(model),
-            factor: Factor::new(model),
-            free: vec![0.0; model.dofs()],
-            change: vec![0.0; model.dofs()],
-            mean: vec![0.0; model.dofs()],
+            dynamics: Dynamics::new(model),
+            free: FreeMotion::new(model),
+            touches: Touches::new(model),
+            contacts: Contacts::new(model, law),
+            start: State::zero(model),
             stages: Stages::new(model),
-            coarse: State::zero(model),
-            memory: Memory::default(),
-            column: vec![0.0; model.dofs()],
-            touches: Vec::with_capacity(model.corners.len()),
-            horizon: 0.0,
-            map: ContactMap::new(model),
-            problem: Problem::default(),
-            solver,
-            weld: Weld::new(model),
+            means: Means::new(model),
+            mean: vec![0.0; model.dofs()],
+            doubling: Doubling::new(model),
         }
     }
 }

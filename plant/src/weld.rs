@@ -25,11 +25,12 @@ mod foot;
 mod sole;
 
 use crate::contact::{COMPLIANCE, Report, SOLVED};
+use crate::delassus::{Free, Response};
 use crate::detect::Touch;
 use crate::factor::Factor;
-use crate::kinematics::Pose;
 use crate::model::Model;
 use blocks::{Blocks, Factored};
+use certificate::{report, speed};
 use foot::Foot;
 use nalgebra::Vector3;
 
@@ -51,20 +52,17 @@ type Pair = [Vector3<f64>; 2];
 /// The same in a row, filled up so that it is worked on four at a time.
 type Six = [f64; 8];
 
-/// The welded links of a step; workspace and last solution.
+/// Room for the welded links of a step.
 #[derive(Clone, Debug)]
 pub struct Weld {
-    /// Radius of the disc within the cone of friction, however that is turned, as a part of μ [-].
-    pub disc: f64,
     feet: [Foot; FEET],
-    count: usize,
     hovering: [Foot; FEET],
-    hovers: usize,
     /// Λ.
     mobility: Blocks,
     factored: Factored,
-    /// Impulse on each contact, in W [N·s].
-    pub impulse: Vec<Vector3<f64>>,
+    /// The last solution.
+    change: Vec<f64>,
+    impulses: Vec<Vector3<f64>>,
 }
 
 impl Weld {
@@ -72,131 +70,120 @@ impl Weld {
     pub fn new(model: &Model) -> Weld {
         let feet = || std::array::from_fn(|_| Foot::new(model));
         Weld {
-            disc: 1.0,
             feet: feet(),
-            count: 0,
             hovering: feet(),
-            hovers: 0,
             mobility: Blocks::default(),
             factored: Factored::default(),
-            impulse: Vec::with_capacity(model.corners.len()),
+            change: vec![0.0; model.dofs()],
+            impulses: Vec::with_capacity(model.corners.len()),
         }
     }
 
-    /// Finds the feet, if all can be welded, by which contacts pushed in the step before: where they are, their free motion and what is
-    /// wanted of it, and Y of those that do not hover.
-    #[expect(clippy::too_many_arguments, reason = "one stage of the step: model, pose and factor are its tools")]
-    pub fn stand(
-        &mut self,
-        model: &Model,
-        pose: &Pose,
-        factor: &Factor,
-        touches: &[Touch],
-        free: &[f64],
-        h: f64,
-        pushed: impl Fn(usize) -> bool,
-    ) -> Option<()> {
-        (self.count, self.hovers) = (0, 0);
-        let mut first = 0;
-        for touches in touches.chunk_by(|a, b| a.link == b.link) {
-            let foot = self.feet.get_mut(self.count)?;
-            foot.set(model, pose, first, touches, free);
-            first += touches.len();
-            if foot.stays_above(&foot.free, touches, h) {
-                std::mem::swap(foot, self.hovering.get_mut(self.hovers)?);
-                self.hovers += 1;
-                continue;
-            }
-            if touches.iter().filter(|touch| pushed(touch.id)).count() < touches.len().min(FACE) {
-                return None;
-            }
-            self.count += 1;
-        }
-        for foot in &mut self.feet[..self.count] {
-            foot.land(&touches[foot.first..], h)?;
-            factor.half_solve(model, foot.link, &mut foot.rows);
-        }
-        Some(())
-    }
-
-    /// Impulses under which they do not move, if Coulomb's law allows them, and `change`, H⁻¹KΔf.
+    /// Impulses under which no foot moves, if all can be welded, by which contacts pushed in the step before, and Coulomb's law allows it.
+    /// `friction` is μ, and the radius of the disc within the cone of the law, however that is turned [-].
     pub fn hold(
         &mut self,
         model: &Model,
-        factor: &Factor,
+        free: &Free,
         touches: &[Touch],
-        friction: f64,
+        [friction, disc]: [f64; 2],
         h: f64,
-        change: &mut [f64],
-    ) -> Option<Report> {
-        self.resolve(model, touches, friction, h)?;
-        self.impulse.clear();
-        self.impulse.resize(touches.len(), Vector3::zeros());
-        for foot in &mut self.feet[..self.count] {
-            let impulses = &mut self.impulse[foot.first..][..foot.sole.arms.len()];
-            foot.sole.spread(&foot.wrench, self.disc * friction, impulses)?;
+        pushed: impl Fn(usize) -> bool,
+    ) -> Option<(Response<'_>, Report)> {
+        let Weld { feet, hovering, mobility, factored, change, impulses } = self;
+        let (feet, hovering) = stand(model, free, touches, h, pushed, feet, hovering)?;
+        let speed = speed(feet, touches, h);
+        let mobility = mobility.fill(model, feet);
+        let factored = mobility.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
+        resolve(mobility, factored, feet, friction, speed);
+        impulses.clear();
+        impulses.resize(touches.len(), Vector3::zeros());
+        for foot in &mut *feet {
+            foot.sole.spread(&foot.wrench, disc, &mut impulses[foot.first..][..foot.sole.arms.len()])?;
         }
-        self.respond(model, factor, change);
-        let mut hovering = self.hovering[..self.hovers].iter();
-        let hover = hovering.all(|foot| foot.goes_on(model, touches, change, h));
-        Some(self.report(touches, friction, h)).filter(|report| hover && report.natural_map <= HELD)
+        let change = respond(model, free.factor, feet, change);
+        let hover = hovering.iter().all(|foot| foot.goes_on(model, touches, change, h));
+        let report = report(feet, touches, friction, h, speed);
+        (hover && report.natural_map <= HELD).then_some((Response { change, impulses }, report))
     }
+}
 
-    /// w for t = t_wanted, and t; none if Λ is not that of a body.
-    fn resolve(&mut self, model: &Model, touches: &[Touch], friction: f64, h: f64) -> Option<()> {
-        let speed = self.speed(touches, h);
-        let Weld { feet, count, mobility, factored, .. } = self;
-        let feet = &mut feet[..*count];
-        for (i, a) in feet.iter().enumerate() {
-            for (j, b) in feet[..=i].iter().enumerate() {
-                let shared = if i == j { a.rows.len() } else { model.shared(a.link, b.link) };
-                mobility.put(i, j, &a.rows[..shared], &b.rows[..shared]);
-            }
+/// The feet that are welded, if all can be: where they are, their free motion and what is wanted of it, and Y. And those that hover.
+fn stand<'a>(
+    model: &Model,
+    free: &Free,
+    touches: &[Touch],
+    h: f64,
+    pushed: impl Fn(usize) -> bool,
+    feet: &'a mut [Foot],
+    hovering: &'a mut [Foot],
+) -> Option<(&'a mut [Foot], &'a [Foot])> {
+    let (mut count, mut hovers, mut first) = (0, 0, 0);
+    for touches in touches.chunk_by(|a, b| a.link == b.link) {
+        let foot = feet.get_mut(count)?;
+        foot.set(model, free, first, touches);
+        first += touches.len();
+        if foot.stays_above(&foot.free, touches, h) {
+            std::mem::swap(foot, hovering.get_mut(hovers)?);
+            hovers += 1;
+            continue;
         }
-        mobility.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
-        feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Pair::default()));
-        let mut before = f64::INFINITY;
-        let mut kept = [(Pair::default(), Pair::default()); FEET];
-        for pass in 0..REFINEMENTS {
-            let mut change = [Pair::default(); FEET];
-            change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.lacks());
-            factored.solve(feet.len(), &mut change);
-            for (foot, change) in feet.iter_mut().zip(&change) {
-                foot.wrench.iter_mut().zip(change).for_each(|(wrench, change)| *wrench += change);
-            }
-            for i in 0..feet.len() {
-                feet[i].motion = mobility.times(i, feet);
-            }
-            let left = feet.iter().map(Foot::left).fold(0.0, f64::max);
-            if left > SHRINKS * before {
-                // it pushes the feet against each other and changes nothing, nor did the solutions before, each by as much
-                for (foot, (wrench, motion)) in feet.iter_mut().zip(kept) {
-                    for (now, kept) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
-                        *now = kept - (*now - kept) * pass as f64;
-                    }
+        if touches.iter().filter(|touch| pushed(touch.id)).count() < touches.len().min(FACE) {
+            return None;
+        }
+        count += 1;
+    }
+    for foot in &mut feet[..count] {
+        foot.land(&touches[foot.first..], h)?;
+        free.factor.half_solve(model, foot.link, &mut foot.rows);
+    }
+    Some((&mut feet[..count], &hovering[..hovers]))
+}
+
+/// w for t = t_wanted, and t.
+fn resolve(mobility: &Blocks, factored: &Factored, feet: &mut [Foot], friction: f64, speed: f64) {
+    feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, Pair::default()));
+    let mut before = f64::INFINITY;
+    let mut kept = [(Pair::default(), Pair::default()); FEET];
+    for pass in 0..REFINEMENTS {
+        let mut change = [Pair::default(); FEET];
+        change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.lacks());
+        factored.solve(feet.len(), &mut change);
+        for (foot, change) in feet.iter_mut().zip(&change) {
+            foot.wrench.iter_mut().zip(change).for_each(|(wrench, change)| *wrench += change);
+        }
+        for i in 0..feet.len() {
+            feet[i].motion = mobility.times(i, feet);
+        }
+        let left = feet.iter().map(Foot::left).fold(0.0, f64::max);
+        if left > SHRINKS * before {
+            // it pushes the feet against each other and changes nothing, nor did the solutions before, each by as much
+            for (foot, (wrench, motion)) in feet.iter_mut().zip(kept) {
+                for (now, kept) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
+                    *now = kept - (*now - kept) * pass as f64;
                 }
-                break;
             }
-            if (1.0 + friction) * left <= ENOUGH * speed {
-                break;
-            }
-            before = left;
-            kept.iter_mut().zip(&*feet).for_each(|(kept, foot)| *kept = (foot.wrench, foot.motion));
+            break;
         }
-        Some(())
+        if (1.0 + friction) * left <= ENOUGH * speed {
+            break;
+        }
+        before = left;
+        kept.iter_mut().zip(&*feet).for_each(|(kept, foot)| *kept = (foot.wrench, foot.motion));
     }
+}
 
-    /// H⁻¹KΔf: the change of velocity that the impulses make.
-    fn respond(&self, model: &Model, factor: &Factor, change: &mut [f64]) {
-        change.fill(0.0);
-        for foot in &self.feet[..self.count] {
-            let wrench = six(&foot.wrench);
-            for (row, &dof) in foot.rows.iter().zip(model.path(foot.link)) {
-                change[dof] += row.iter().zip(&wrench).map(|(y, w)| y * w).sum::<f64>();
-            }
+/// H⁻¹KΔf: the change of velocity that the impulses make.
+fn respond<'a>(model: &Model, factor: &Factor, feet: &[Foot], change: &'a mut [f64]) -> &'a [f64] {
+    change.fill(0.0);
+    for foot in feet {
+        let wrench = six(&foot.wrench);
+        for (row, &dof) in foot.rows.iter().zip(model.path(foot.link)) {
+            change[dof] += row.iter().zip(&wrench).map(|(y, w)| y * w).sum::<f64>();
         }
-        factor.second_half_solve(model, change);
     }
+    factor.second_half_solve(model, change);
+    change
 }
 
 fn six([straight, round]: &Pair) -> Six {

@@ -4,8 +4,7 @@ use crate::robot::{Doing, Recording};
 use divan::{Bencher, black_box};
 use messages::scene::Law;
 use plant::composite::Composite;
-use plant::contact::Problem;
-use plant::delassus::ContactMap;
+use plant::delassus::{ContactMap, Free};
 use plant::detect::{Touch, touching};
 use plant::dynamics;
 use plant::factor::{Factor, PathMatrix};
@@ -24,7 +23,6 @@ struct Stage {
     factor: Factor,
     touches: Vec<Touch>,
     map: ContactMap,
-    problem: Problem,
 }
 
 impl Stage {
@@ -42,8 +40,8 @@ impl Stage {
         factor.factorize(&model, &h).expect("H is positive definite");
         let mut touches = vec![];
         touching(&model, &pose, Law::Cone, 1e-3, &state.xdot, &mut touches);
-        let (map, problem) = (ContactMap::new(&model), Problem::default());
-        Stage { model, state, pose, composite, h, b, factor, touches, map, problem }
+        let map = ContactMap::new(&model);
+        Stage { model, state, pose, composite, h, b, factor, touches, map }
     }
 }
 
@@ -95,10 +93,10 @@ fn solve(bencher: Bencher, doing: Doing) {
 /// Eight contacts of a quaternion base, four of a virtual one.
 #[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
 fn k_and_delassus(bencher: Bencher, doing: Doing) {
-    let Stage { model, state, pose, factor, touches, mut map, mut problem, .. } = Stage::of(doing);
+    let Stage { model, state, pose, factor, touches, mut map, .. } = Stage::of(doing);
     bencher.bench_local(|| {
-        let pose = black_box(&pose);
-        map.drift(&model, pose, &touches, &state.xdot, Law::Cone, &mut problem, |_, drift| drift);
-        map.assemble(&model, pose, &factor, &touches, &mut problem);
+        let free = Free { pose: black_box(&pose), factor: &factor, rate: &state.xdot };
+        map.drift(&model, &free, &touches, Law::Cone, |_, drift| drift);
+        black_box(map.assemble(&model, &free, &touches));
     });
 }

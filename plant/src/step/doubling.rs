@@ -1,13 +1,27 @@
 //! Step doubling: a method watches its own error.
 
 use super::{Plant, Workspace};
-use crate::contact::Report;
+use crate::contact::Memory;
 use crate::error::PlantError;
+use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
 
 /// Shortest step, as a part of dt: at an impact no step is short enough.
 const SHORTEST: f64 = 1.0 / 256.0;
+
+/// What a step begins with beside its state, and what it is compared with.
+pub(super) struct Doubling {
+    memory: Memory,
+    /// The end of one step over both halves.
+    coarse: State,
+}
+
+impl Doubling {
+    pub fn new(model: &Model) -> Doubling {
+        Doubling { memory: Memory::default(), coarse: State::zero(model) }
+    }
+}
 
 impl Plant {
     /// Goes over `h` in steps of [`Plant::midpoint_moreau`] whose error stays below the tolerance.
@@ -19,41 +33,41 @@ impl Plant {
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
     pub(super) fn step_doubling(&mut self, h: f64) -> Result<(), PlantError> {
+        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * SHORTEST);
         let (mut done, mut step) = (0.0, self.stride.min(h));
         while done < h {
             // a sliver at the end would cost a step of its own
             let last = done + 1.01 * step >= h;
             let part = if last { h - done } else { step };
-            let (record, report) = (self.record, self.report);
-            self.begin();
-            self.work.memory.copy(&self.memory);
+            let record = self.record;
+            self.work.start.copy(&self.now.state);
+            self.work.doubling.memory.copy(&self.memory);
             self.midpoint_moreau(part)?;
-            self.work.coarse.copy(&self.state);
-            self.go_back(record, report);
+            self.work.doubling.coarse.copy(&self.now.state);
+            self.go_back(record);
             self.midpoint_moreau(0.5 * part)?;
             self.midpoint_moreau(0.5 * part)?;
-            let error = distance(&self.work.coarse, &self.state) / 3.0;
-            let factor = (0.9 * (self.settings.tolerance_step / error).cbrt()).clamp(0.2, 4.0);
-            let shortest = h * SHORTEST;
-            if error <= self.settings.tolerance_step || step <= shortest {
+            let error = distance(&self.work.doubling.coarse, &self.now.state) / 3.0;
+            let factor = (0.9 * (tolerance / error).cbrt()).clamp(0.2, 4.0);
+            if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);
                 self.stride = step;
             } else {
-                self.counts.rejected += 1;
+                self.rejected += 1;
                 step = (part * factor).max(shortest);
-                self.go_back(record, report);
+                self.go_back(record);
             }
         }
         Ok(())
     }
 
     /// Back to the beginning of the step.
-    fn go_back(&mut self, record: Record, report: Report) {
-        let Workspace { stages, memory, .. } = &self.work;
-        self.state.copy(&stages.start);
-        self.memory.copy(memory);
-        (self.record, self.report) = (record, report);
+    fn go_back(&mut self, record: Record) {
+        let Workspace { start, doubling, .. } = &self.work;
+        self.now.state.copy(start);
+        self.memory.copy(&doubling.memory);
+        self.record = record;
     }
 }
 

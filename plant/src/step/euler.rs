@@ -9,25 +9,27 @@ impl Plant {
     /// # Source
     /// (12)-(22). Symplectic where H is constant: Hairer, Lubich & Wanner, *Geometric Numerical Integration*, I.1.
     pub(super) fn semi_implicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
-        if !std::mem::take(&mut self.ready) {
-            self.find_inertia(h, h)?;
-        }
-        self.predict_free_motion(h);
-        self.find_touches(h);
-        self.solve_contacts(h)?;
-        self.record_contacts();
-        self.travel(h)
+        let Plant { world, now, memory, record, work, .. } = self;
+        let dynamics = work.dynamics.find(&world.model, now, h, h)?; // (1)-(11)
+        let free = work.free.motion(world, now, dynamics, h); // (12)
+        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let contact = work.contacts.solve(world, &free, touches, h, memory)?; // (12)-(22)
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        now.travel(world, h)
     }
 
     /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) a step, and what lands is stopped one step
     /// late.
     pub(super) fn explicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
-        self.find_inertia(0.0, 0.0)?;
-        self.predict_free_motion(h);
-        self.find_touches(h);
-        self.state.advance(&self.model, h); // the contact impulses keep to the pose before
-        self.solve_contacts(h)?;
-        self.record_contacts();
-        self.pose()
+        let Plant { world, now, memory, record, work, .. } = self;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?; // (1)-(11)
+        let free = work.free.motion(world, now, dynamics, h); // (12)
+        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let contact = work.contacts.solve(world, &free, touches, h, memory)?; // (12)-(22)
+        record.take(contact, 1.0);
+        now.state.advance(&world.model, h);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        now.find_pose(world)
     }
 }

@@ -23,6 +23,7 @@ mod bearing;
 
 use super::Plant;
 use super::runge_kutta::{DOP853, DOP853_ERRORS, RK4, Tableau};
+use super::settings::Settings;
 use crate::error::PlantError;
 use crate::model::Corner;
 use crate::truth::Record;
@@ -56,7 +57,7 @@ impl Plant {
         let (mut done, mut events, mut parts) = (0.0, 0, 0);
         while done < h {
             if parts == PARTS {
-                let (time, law) = (self.steps as f64 * self.settings.h, self.settings.law);
+                let (time, law) = (self.world.time(), self.world.settings.law);
                 let reason = format!(
                     "after {PARTS} parts it is not done; the forces of {law} jump too much for its error control"
                 );
@@ -67,13 +68,13 @@ impl Plant {
                 return self.midpoint_moreau(h - done);
             }
             self.land()?;
-            self.begin();
+            self.work.start.copy(&self.now.state);
             let (rest, record) = (h - done, self.record);
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
             let mut reached = part;
             if self.margin() < 0.0 {
                 reached = self.locate(tableau, part, record)?;
-                self.counts.events += 1;
+                self.events += 1;
                 events += 1;
             }
             // the last part may fall short of h by rounding
@@ -84,17 +85,18 @@ impl Plant {
 
     /// One step over `part`.
     fn uncontrolled(&mut self, tableau: &Tableau, part: f64) -> Result<f64, PlantError> {
-        self.integrate(tableau, part, Plant::accelerate_on_ground)?;
+        self.integrate(tableau, part)?;
         Ok(part)
     }
 
     /// One step with an error within the tolerance, over `rest` or less; its length.
     fn controlled(&mut self, tableau: &Tableau, rest: f64) -> Result<f64, PlantError> {
-        let (h, tolerance, record) = (self.settings.h, self.settings.tolerance_step, self.record);
+        let Settings { h, tolerance_step: tolerance, .. } = self.world.settings;
+        let record = self.record;
         let mut part = self.stride.min(rest);
         loop {
-            self.integrate(tableau, part, Plant::accelerate_on_ground)?;
-            let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(weights, part));
+            self.integrate(tableau, part)?;
+            let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
             let error = if fifth > 0.0 { fifth * fifth / (fifth * fifth + 0.01 * third * third).sqrt() } else { 0.0 };
             let best = part * (0.9 * (tolerance / error).powf(0.125)).clamp(0.2, 5.0);
             // a step cut short by `rest` says little about the next one
@@ -103,7 +105,7 @@ impl Plant {
             if error <= tolerance || part <= SHORTEST * h {
                 return Ok(part);
             }
-            self.counts.rejected += 1;
+            self.rejected += 1;
             self.record = record;
             part = self.stride;
         }
@@ -112,7 +114,7 @@ impl Plant {
     /// How far the present state is from the next event: the least of every open gap and every slip, each as a part of
     /// what it was when the step began. Negative beyond the event.
     fn margin(&self) -> f64 {
-        let pose = &self.work.pose;
+        let pose = &self.now.pose;
         let margin = |(corner, bearing): (&Corner, &Bearing)| match (bearing.bears, bearing.sticks) {
             (true, true) => 1.0,
             (true, false) => slip(pose, corner).dot(&bearing.along) / bearing.speed,
@@ -121,7 +123,7 @@ impl Plant {
                 if bearing.gap.is_finite() && corner.has_ground(at.x) { at.z / bearing.gap } else { 1.0 }
             }
         };
-        self.model.corners.iter().zip(&self.bearings).map(margin).fold(1.0, f64::min)
+        self.world.model.corners.iter().zip(&self.bearings).map(margin).fold(1.0, f64::min)
     }
 
     /// Takes the step again as far as its first event; the way there. Its margin over `part` is negative.
@@ -134,7 +136,7 @@ impl Plant {
         for _ in 0..TRIALS {
             time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
             self.record = record;
-            self.integrate(tableau, time, Plant::accelerate_on_ground)?;
+            self.integrate(tableau, time)?;
             let margin = self.margin();
             if margin.abs() <= LOCATED || ahead.0 - before.0 <= 4.0 * f64::EPSILON * part {
                 break;

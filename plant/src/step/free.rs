@@ -1,51 +1,125 @@
 //! The stages of a step before contact: H, b, and the motion that there would be if nothing touched.
 
-use super::{Plant, Workspace};
+use super::now::Now;
+use super::settings::World;
+use crate::composite::Composite;
+use crate::delassus::Free;
 use crate::error::PlantError;
-use crate::kinematics::contact_column;
+use crate::factor::{Factor, PathMatrix};
+use crate::kinematics::{Pose, contact_column};
+use crate::model::Model;
 use crate::springs;
 
-impl Plant {
-    /// H, b and H = LᵀDL at the present pose and velocity. Springs and dampers of the joints act as they will after the
-    /// time `ahead`, their forces changing with those of the step over the time `grip`; see [`springs`].
-    pub(super) fn find_inertia(&mut self, grip: f64, ahead: f64) -> Result<(), PlantError> {
-        self.counts.evaluations += 1;
-        let Workspace { pose, composite, inertia, factor, free, .. } = &mut self.work;
-        composite.inertia(&self.model, pose, inertia);
-        composite.bias(&self.model, pose, &self.state.xdot, free);
-        springs::stiffen(&self.model, grip, inertia);
-        springs::pull(&self.model, &self.state, ahead, free);
-        factor.factorize(&self.model, inertia)
-    }
+/// H and b of (1), with springs and dampers of the joints, and H = LᵀDL.
+pub(super) struct Dynamics {
+    pub composite: Composite,
+    inertia: PathMatrix,
+    pub bias: Vec<f64>,
+    pub factor: Factor,
+    /// They are known already for the step to come.
+    ready: bool,
+    /// Evaluations so far.
+    pub evaluations: u64,
+}
 
-    /// The velocity that a step of `h` would end with if nothing touched: ẋ₋ + H⁻¹Δf_b, Δf_b = (u − b)h. (12)
-    pub(super) fn predict_free_motion(&mut self, h: f64) {
-        self.find_efforts();
-        let Workspace { factor, free, .. } = &mut self.work;
-        for effort in free.iter_mut() {
-            *effort *= h; // Δf_b
-        }
-        factor.solve(&self.model, free);
-        for (free, before) in free.iter_mut().zip(&self.state.xdot) {
-            *free += before;
+impl Dynamics {
+    pub fn new(model: &Model) -> Dynamics {
+        Dynamics {
+            composite: Composite::new(model),
+            inertia: PathMatrix::new(model),
+            bias: vec![0.0; model.dofs()],
+            factor: Factor::new(model),
+            ready: false,
+            evaluations: 0,
         }
     }
 
-    /// u − b, with the push: all efforts but those of contact.
-    pub(super) fn find_efforts(&mut self) {
-        let Workspace { pose, free, column, .. } = &mut self.work;
-        for bias in free.iter_mut() {
-            *bias = -*bias;
+    /// H, b and the factor of H at the present pose and velocity. Springs and dampers act as they will after the time `ahead`,
+    /// their forces changing with those of the step over the time `grip`; see [`springs`].
+    ///
+    /// # Errors
+    /// If H is not positive definite.
+    pub fn find(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) -> Result<&Dynamics, PlantError> {
+        if !std::mem::take(&mut self.ready) {
+            self.evaluations += 1;
+            self.composite.inertia(model, &now.pose, &mut self.inertia);
+            self.composite.bias(model, &now.pose, &now.state.xdot, &mut self.bias);
+            springs::stiffen(model, grip, &mut self.inertia);
+            springs::pull(model, &now.state, ahead, &mut self.bias);
+            self.factor.factorize(model, &self.inertia)?;
         }
-        for (&dof, torque) in self.model.joint_dof.iter().zip(self.applied.torque) {
-            free[dof] += torque;
+        Ok(self)
+    }
+
+    /// The same ahead of the step that asks for it.
+    pub fn get_ready(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) {
+        self.ready = self.find(model, now, grip, ahead).is_ok(); // the step finds the error again
+    }
+
+    /// The same H with b at the velocity `mean`, which the pose has; the state has that before the step.
+    pub fn with_bias_at(&mut self, model: &Model, now: &Now, mean: &[f64]) -> &Dynamics {
+        let Dynamics { composite, bias, .. } = self;
+        composite.bias(model, &now.pose, mean, bias);
+        springs::pull(model, &now.state, 0.0, bias);
+        for spring in &model.springs {
+            bias[spring.dof] -= spring.damping * (mean[spring.dof] - now.state.xdot[spring.dof]); // H has it already
         }
-        for push in self.settings.pushes.iter().filter(|push| push.steps.contains(&self.steps)) {
-            let arm = pose.links[push.link].com;
-            contact_column(&self.model, pose, push.link, &arm, &push.force, column);
-            for (k, &dof) in column.iter().zip(self.model.path(push.link)) {
-                free[dof] += k;
-            }
+        self
+    }
+}
+
+/// Room for the motion without contact.
+pub(super) struct FreeMotion {
+    efforts: Vec<f64>,
+    /// K of a push.
+    column: Vec<f64>,
+    velocity: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl FreeMotion {
+    pub fn new(model: &Model) -> FreeMotion {
+        let zeros = || vec![0.0; model.dofs()];
+        FreeMotion { efforts: zeros(), column: zeros(), velocity: zeros(), acceleration: zeros() }
+    }
+
+    /// The motion at the end of a step of `h` if nothing touched. (12)
+    pub fn motion<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
+        let rate = self.velocity(world, now, dynamics, h);
+        Free { pose: &now.pose, factor: &dynamics.factor, rate }
+    }
+
+    /// Its velocity, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
+    pub fn velocity(&mut self, world: &World, now: &Now, dynamics: &Dynamics, h: f64) -> &[f64] {
+        let FreeMotion { efforts, column, velocity, .. } = self;
+        let efforts = sum_efforts(world, &now.pose, &dynamics.bias, column, efforts);
+        velocity.iter_mut().zip(efforts).for_each(|(free, effort)| *free = effort * h); // Δf_b
+        dynamics.factor.solve(&world.model, velocity);
+        velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
+        velocity
+    }
+
+    /// The present acceleration if nothing touched, H⁻¹(u − b).
+    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
+        let FreeMotion { efforts, column, acceleration, .. } = self;
+        acceleration.copy_from_slice(sum_efforts(world, &now.pose, &dynamics.bias, column, efforts));
+        dynamics.factor.solve(&world.model, acceleration);
+        Free { pose: &now.pose, factor: &dynamics.factor, rate: acceleration }
+    }
+}
+
+/// u − b, with the pushes: all efforts but those of contact.
+fn sum_efforts<'a>(world: &World, pose: &Pose, bias: &[f64], column: &mut [f64], efforts: &'a mut [f64]) -> &'a [f64] {
+    efforts.iter_mut().zip(bias).for_each(|(effort, bias)| *effort = -bias);
+    for (&dof, torque) in world.model.joint_dof.iter().zip(world.torques.torque) {
+        efforts[dof] += torque;
+    }
+    for push in world.pushes.iter().filter(|push| push.steps.contains(&world.steps)) {
+        let arm = pose.links[push.link].com;
+        contact_column(&world.model, pose, push.link, &arm, &push.force, column);
+        for (k, &dof) in column.iter().zip(world.model.path(push.link)) {
+            efforts[dof] += k;
         }
     }
+    efforts
 }

@@ -2,7 +2,7 @@
 
 use super::{Plant, Workspace};
 use crate::error::PlantError;
-use crate::{kinematics, springs};
+use crate::kinematics;
 
 /// Rounds of the implicit rule at most; it takes three or four where dt is short enough to be of use.
 const ROUNDS: usize = 60;
@@ -21,22 +21,18 @@ impl Plant {
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Acary & Brogliato (2008), 10.1.
     pub(super) fn midpoint_moreau(&mut self, h: f64) -> Result<(), PlantError> {
-        self.travel(0.5 * h)?;
-        self.find_inertia(0.5 * h, 0.0)?;
-        self.predict_free_motion(0.5 * h);
-        let Workspace { pose, composite, free, mean, .. } = &mut self.work;
-        mean.copy_from_slice(free);
-        kinematics::velocities(&self.model, mean, pose);
-        composite.bias(&self.model, pose, mean, free);
-        springs::pull(&self.model, &self.state, 0.0, free);
-        for spring in &self.model.springs {
-            free[spring.dof] -= spring.damping * (mean[spring.dof] - self.state.xdot[spring.dof]); // H has it already
-        }
-        self.predict_free_motion(h);
-        self.find_touches(0.5 * h);
-        self.solve_contacts(0.5 * h)?;
-        self.record_contacts();
-        self.travel(0.5 * h)
+        let Plant { world, now, memory, record, work, .. } = self;
+        now.travel(world, 0.5 * h)?;
+        let dynamics = work.dynamics.find(&world.model, now, 0.5 * h, 0.0)?;
+        let mean = work.free.velocity(world, now, dynamics, 0.5 * h);
+        kinematics::velocities(&world.model, mean, &mut now.pose);
+        let dynamics = work.dynamics.with_bias_at(&world.model, now, mean);
+        let free = work.free.motion(world, now, dynamics, h);
+        let touches = work.touches.find(world, free.pose, free.rate, 0.5 * h);
+        let contact = work.contacts.solve(world, &free, touches, 0.5 * h, memory)?;
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        now.travel(world, 0.5 * h)
     }
 
     /// ẋ_m = ½(ẋ₋ + ẋ₊), x_m = x + ½h ẋ_m, x₊ = x + h ẋ_m; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with all of H, b, K at (x_m, ẋ_m).
@@ -50,39 +46,43 @@ impl Plant {
     /// # Source
     /// Hairer, Lubich & Wanner, *Geometric Numerical Integration*, II.1 and VIII.6.
     pub(super) fn implicit_midpoint(&mut self, h: f64) -> Result<(), PlantError> {
-        self.begin();
-        self.work.mean.copy_from_slice(&self.state.xdot);
-        let mut change = f64::INFINITY;
-        for _ in 0..ROUNDS {
-            let Workspace { stages, mean, .. } = &self.work;
-            self.state.copy(&stages.start);
-            self.state.xdot.copy_from_slice(mean);
-            self.travel(0.5 * h)?;
-            self.find_inertia(0.0, 0.0)?;
-            self.state.xdot.copy_from_slice(&self.work.stages.start.xdot);
-            self.predict_free_motion(h);
-            self.find_touches(0.5 * h);
-            self.solve_contacts(0.5 * h)?;
-            let Workspace { stages, mean, .. } = &mut self.work;
-            change = 0.0;
-            for ((mean, after), before) in mean.iter_mut().zip(&self.state.xdot).zip(&stages.start.xdot) {
-                let better = 0.5 * (before + after);
-                change = f64::max(change, (better - *mean).abs() / (1.0 + better.abs()));
-                *mean = better;
+        let Plant { world, now, memory, record, work, .. } = self;
+        let Workspace { start, mean, dynamics, free, touches, contacts, .. } = work;
+        start.copy(&now.state);
+        mean.copy_from_slice(&start.xdot);
+        let mut rounds = 0;
+        let (contact, change) = loop {
+            now.state.x.copy_from_slice(&start.x);
+            now.state.xdot.copy_from_slice(mean);
+            now.travel(world, 0.5 * h)?; // (x_m, ẋ_m)
+            let dynamics = dynamics.find(&world.model, now, 0.0, 0.0)?;
+            now.state.xdot.copy_from_slice(&start.xdot);
+            let free = free.motion(world, now, dynamics, h);
+            let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
+            let contact = contacts.solve(world, &free, touches, 0.5 * h, memory)?;
+            let change = improve(mean, &start.xdot, &contact.rate);
+            rounds += 1;
+            if change <= ROUNDING || rounds == ROUNDS {
+                break (contact, change);
             }
-            if change <= ROUNDING {
-                break;
-            }
-        }
+        };
         if change > ENOUGH {
             let reason =
                 format!("its velocity still changes by {change:.1e} after {ROUNDS} rounds; plant.dt is too long");
-            return Err(PlantError::Unsettled { time: self.steps as f64 * self.settings.h, reason });
+            return Err(PlantError::Unsettled { time: world.time(), reason });
         }
-        self.record_contacts();
-        let Workspace { stages, mean, change, .. } = &mut self.work;
-        change.iter_mut().zip(mean.iter()).for_each(|(d, v)| *d = h * v);
-        self.state.displace(&self.model, &stages.start, change);
-        self.pose()
+        record.take(contact, 1.0);
+        now.place(world, start, |i| h * mean[i], &contact.rate)
     }
+}
+
+/// Sets the mean to ½(ẋ₋ + ẋ₊); its greatest change, relative to 1 + |ẋ|.
+fn improve(mean: &mut [f64], before: &[f64], after: &[f64]) -> f64 {
+    let mut change = 0.0;
+    for ((mean, after), before) in mean.iter_mut().zip(after).zip(before) {
+        let better = 0.5 * (before + after);
+        change = f64::max(change, (better - *mean).abs() / (1.0 + better.abs()));
+        *mean = better;
+    }
+    change
 }

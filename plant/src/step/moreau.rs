@@ -1,7 +1,23 @@
 //! The method of Moreau and Jean with θ = ½: means over the step, second order.
 
-use super::{Plant, Workspace};
+use super::Plant;
+use crate::delassus::Free;
 use crate::error::PlantError;
+use crate::model::Model;
+
+/// Room for the means of a step.
+pub(super) struct Means {
+    /// h a(x, ẋ₋).
+    rise: Vec<f64>,
+    /// ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)).
+    velocity: Vec<f64>,
+}
+
+impl Means {
+    pub fn new(model: &Model) -> Means {
+        Means { rise: vec![0.0; model.dofs()], velocity: vec![0.0; model.dofs()] }
+    }
+}
 
 impl Plant {
     /// ẋ₊ = ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)) + H⁻¹KΔf, x₊ = x + ½h(ẋ₋ + ẋ₊), with the law at the end of the step.
@@ -12,34 +28,27 @@ impl Plant {
     /// # Source
     /// Moreau (1988); Jean (1999); Acary & Brogliato, *Numerical Methods for Nonsmooth Dynamical Systems* (2008), 10.1.
     pub(super) fn moreau_jean(&mut self, h: f64) -> Result<(), PlantError> {
-        self.begin();
-        self.find_inertia(0.0, 0.0)?;
-        self.predict_free_motion(h);
-        let Workspace { free, mean, stages, .. } = &mut self.work;
-        let begin = &stages.start.xdot;
-        mean.iter_mut().zip(free.iter().zip(begin)).for_each(|(a, (free, v))| *a = free - v); // h a(x, ẋ₋)
-        self.find_touches(h);
-        self.solve_contacts(h)?;
-        self.arrive(h)?;
-        self.find_inertia(0.0, 0.0)?;
-        self.predict_free_motion(h);
-        let Workspace { free, mean, stages, .. } = &mut self.work;
-        for (((free, end), a), begin) in free.iter_mut().zip(&self.state.xdot).zip(mean.iter()).zip(&stages.start.xdot)
-        {
-            *free = begin + 0.5 * (a + (*free - end));
+        let Plant { world, now, memory, record, work, .. } = self;
+        work.start.copy(&now.state);
+        let (start, Means { rise, velocity }) = (&work.start, &mut work.means);
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let free = work.free.motion(world, now, dynamics, h);
+        for ((rise, free), before) in rise.iter_mut().zip(free.rate).zip(&start.xdot) {
+            *rise = free - before; // h a(x, ẋ₋)
         }
-        self.find_touches(h);
-        self.solve_contacts(h)?;
-        self.record_contacts();
-        self.arrive(h)
-    }
-
-    /// x = x0 ⊕ ½h(ẋ0 + ẋ).
-    fn arrive(&mut self, h: f64) -> Result<(), PlantError> {
-        let Workspace { stages, change, .. } = &mut self.work;
-        let both = stages.start.xdot.iter().zip(&self.state.xdot);
-        change.iter_mut().zip(both).for_each(|(d, (before, after))| *d = 0.5 * h * (before + after));
-        self.state.displace(&self.model, &stages.start, change);
-        self.pose()
+        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let contact = work.contacts.solve(world, &free, touches, h, memory)?;
+        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let free = work.free.motion(world, now, dynamics, h);
+        let ends = free.rate.iter().zip(&now.state.xdot).map(|(free, end)| free - end); // h a(x*, ẋ*)
+        for (((velocity, before), rise), end) in velocity.iter_mut().zip(&start.xdot).zip(&*rise).zip(ends) {
+            *velocity = before + 0.5 * (rise + end);
+        }
+        let free = Free { rate: velocity, ..free };
+        let touches = work.touches.find(world, free.pose, free.rate, h);
+        let contact = work.contacts.solve(world, &free, touches, h, memory)?;
+        record.take(contact, 1.0);
+        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
     }
 }

@@ -9,6 +9,7 @@
 //! Ordinary Differential Equations I*, II.1 and II.5.
 
 use super::{Plant, Workspace};
+use crate::delassus::Free;
 use crate::error::PlantError;
 use crate::model::Model;
 use crate::state::State;
@@ -55,44 +56,54 @@ pub(super) const DOP853_ERRORS: [&[f64]; 2] = [
     &[-0.18980075407240762, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, -0.4226823213237919, -0.1521609496625161, 0.20136540080403034, 0.02265179219836082],
 ];
 
-/// Where a step began, and the rates of its stages.
+/// The stages of a step.
 #[derive(Debug)]
 pub(super) struct Stages {
-    pub start: State,
     /// Rate of the displacement in each stage.
     travel: Vec<Vec<f64>>,
     /// Acceleration in each stage.
     pull: Vec<Vec<f64>>,
+    /// d and ẋ of the present stage.
     displacement: Vec<f64>,
+    velocity: Vec<f64>,
 }
 
 impl Stages {
     pub fn new(model: &Model) -> Self {
-        let room = || vec![vec![0.0; model.dofs()]; DOP853.b.len()];
-        let (travel, pull) = (room(), room());
-        Stages { start: State::zero(model), travel, pull, displacement: vec![0.0; model.dofs()] }
+        let zeros = || vec![0.0; model.dofs()];
+        let room = || vec![zeros(); DOP853.b.len()];
+        Stages { travel: room(), pull: room(), displacement: zeros(), velocity: zeros() }
     }
 
-    /// Greatest entry that h times the weighted stages have, in proportion to 1 + |ẋ|.
-    pub fn sum(&self, weights: &[f64], h: f64) -> f64 {
+    /// Greatest entry that h times the weighted stages have, in proportion to 1 + |ẋ0|.
+    pub fn sum(&self, start: &State, weights: &[f64], h: f64) -> f64 {
         let entry =
             |stages: &[Vec<f64>], i: usize| weights.iter().zip(stages).map(|(w, k)| w * k[i]).sum::<f64>().abs();
         let both = |(i, rate): (usize, &f64)| entry(&self.travel, i).max(entry(&self.pull, i)) / (1.0 + rate.abs());
-        h.abs() * self.start.xdot.iter().enumerate().map(both).fold(0.0, f64::max)
+        h.abs() * start.xdot.iter().enumerate().map(both).fold(0.0, f64::max)
     }
 
-    /// x0 ⊕ d and ẋ0 + Δẋ for h times the weighted stages.
-    fn reach(&mut self, model: &Model, weights: &[f64], h: f64, state: &mut State) {
-        let Stages { start, travel, pull, displacement } = self;
-        state.xdot.copy_from_slice(&start.xdot);
+    /// d and ẋ0 + Δẋ for h times the weighted stages.
+    fn reach(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
+        let Stages { travel, pull, displacement, velocity } = self;
+        velocity.copy_from_slice(&start.xdot);
         displacement.fill(0.0);
         for ((weight, travel), pull) in weights.iter().zip(travel).zip(pull).filter(|((weight, _), _)| **weight != 0.0)
         {
             let step = h * weight;
             displacement.iter_mut().zip(travel).for_each(|(d, rate)| *d += step * *rate);
-            state.xdot.iter_mut().zip(pull).for_each(|(v, rate)| *v += step * *rate);
+            velocity.iter_mut().zip(pull).for_each(|(v, rate)| *v += step * *rate);
         }
-        state.displace(model, start, displacement);
+        (displacement, velocity)
+    }
+
+    /// Takes the rates of a stage.
+    fn take(&mut self, stage: usize, model: &Model, state: &State, acceleration: &[f64]) {
+        self.pull[stage].copy_from_slice(acceleration);
+        match stage {
+            0 => self.travel[stage].copy_from_slice(&state.xdot), // d = 0
+            _ => state.displacement_rate(model, &self.displacement, &mut self.travel[stage]),
+        }
     }
 }
 
@@ -105,63 +116,43 @@ impl Plant {
     /// neither sinks nor creeps. What lands is stopped up to ½h|ẋ| too deep or too high, and motion with lasting contact is
     /// of first order, for its stages do not know of the ground.
     pub(super) fn rk4(&mut self, h: f64) -> Result<(), PlantError> {
-        self.begin();
-        self.integrate(&RK4, h, |plant, _| plant.accelerate_freely())?;
-        self.find_touches(0.0);
-        if self.work.touches.is_empty() {
+        self.work.start.copy(&self.now.state);
+        self.integrate(&RK4, h)?; // nothing bears
+        let Plant { world, now, memory, record, work, .. } = self;
+        let touches = work.touches.find(world, &now.pose, &now.state.xdot, 0.0);
+        if touches.list.is_empty() {
             return Ok(());
         }
-        self.find_inertia(0.0, 0.0)?;
-        self.work.free.copy_from_slice(&self.state.xdot);
-        self.solve_contacts(h)?;
-        self.record_contacts();
-        let Workspace { stages, change, .. } = &mut self.work;
-        stages.start.copy(&self.state);
-        stages.displacement.iter_mut().zip(change.iter()).for_each(|(d, change)| *d = 0.5 * h * change);
-        self.state.displace(&self.model, &stages.start, &stages.displacement);
-        self.pose()
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
+        let contact = work.contacts.solve(world, &free, touches, h, memory)?;
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        now.state.displace(&world.model, |i| 0.5 * h * contact.change[i]);
+        now.find_pose(world)
     }
 
-    /// Makes the present state the one that [`Plant::integrate`] starts from.
-    pub(super) fn begin(&mut self) {
-        self.work.stages.start.copy(&self.state);
-    }
-
-    /// Goes from the start of the step to its end, leaving state and pose there. `accelerate(plant, weight)` leaves the
-    /// acceleration in `free`; `weight` is the time for which its forces count.
-    pub(super) fn integrate(
-        &mut self,
-        tableau: &Tableau,
-        h: f64,
-        mut accelerate: impl FnMut(&mut Plant, f64) -> Result<(), PlantError>,
-    ) -> Result<(), PlantError> {
-        if self.state != self.work.stages.start {
-            self.state.copy(&self.work.stages.start);
-            self.pose()?;
+    /// Goes from the start of the step to its end, under the forces of what bears.
+    pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<(), PlantError> {
+        let Plant { world, now, memory, bearings, record, work, .. } = self;
+        let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;
+        if now.state != *start {
+            now.state.copy(start);
+            now.find_pose(world)?;
         }
         for (stage, weight) in tableau.b.iter().enumerate() {
             if stage > 0 {
-                self.work.stages.reach(&self.model, tableau.a[stage - 1], h, &mut self.state);
-                self.pose()?;
+                let (way, velocity) = stages.reach(start, tableau.a[stage - 1], h);
+                now.place(world, start, |i| way[i], velocity)?;
             }
-            accelerate(self, weight * h)?;
-            let Workspace { stages, free, .. } = &mut self.work;
-            stages.pull[stage].copy_from_slice(free);
-            stages.travel[stage].copy_from_slice(&self.state.xdot);
-            if stage > 0 {
-                let Stages { travel, displacement, .. } = stages;
-                self.state.displacement_rate(&self.model, displacement, &mut travel[stage]);
-            }
+            let dynamics = dynamics.find(&world.model, now, 0.0, 0.0)?;
+            let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
+            let touches = touches.bearing(world, &now.pose, bearings);
+            let contact = contacts.forces(world, &free, &dynamics.composite, touches, bearings, memory)?;
+            record.take(contact, weight * h);
+            stages.take(stage, &world.model, &now.state, &contact.rate);
         }
-        self.work.stages.reach(&self.model, tableau.b, h, &mut self.state);
-        self.pose()
-    }
-
-    /// The acceleration without contact, H⁻¹(u − b).
-    pub(super) fn accelerate_freely(&mut self) -> Result<(), PlantError> {
-        self.find_inertia(0.0, 0.0)?;
-        self.find_efforts();
-        self.work.factor.solve(&self.model, &mut self.work.free);
-        Ok(())
+        let (way, velocity) = stages.reach(start, tableau.b, h);
+        now.place(world, start, |i| way[i], velocity)
     }
 }

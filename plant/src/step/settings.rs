@@ -1,16 +1,29 @@
-//! What a scene asks of the step, in the units and counts of the step.
+//! What a step is given: the robot, what the scene asks, and what acts.
 
 use crate::contact::{Problem, Report, Spring, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
 use crate::model::Model;
-use messages::scene::{Law, Method, PlantScene};
+use messages::scene::{Law, Method, PlantScene, Scene};
+use messages::wire::Torques;
 use nalgebra::Vector3;
 
 /// Energy that plastic contact may gain, as a part of the work of its impulses [-]: what residuals of 1e-10 at many contacts make of it.
 const GAIN: f64 = 1e-8;
 
+/// What a step is given, and leaves as it is.
+pub(super) struct World {
+    pub model: Model,
+    pub settings: Settings,
+    /// Torques of the drives.
+    pub torques: Torques,
+    /// The scene's, and those that somebody asked for on the way.
+    pub pushes: Vec<Push>,
+    /// Number of the step.
+    pub steps: u64,
+}
+
 /// How to integrate.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Settings {
     pub h: f64,
     pub steps_per_period: u64,
@@ -22,13 +35,11 @@ pub(super) struct Settings {
     pub spring: Spring,
     /// Whether links that stick are welded.
     pub welds: bool,
-    /// The scene's, and those that somebody asked for on the way.
-    pub pushes: Vec<Push>,
     pub tolerance_step: f64,
 }
 
 /// A force on a body's centre of mass for a while.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Push {
     pub link: usize,
     pub force: Vector3<f64>,
@@ -43,15 +54,55 @@ impl Push {
     }
 }
 
-impl Settings {
-    /// The settings of a scene for a model.
+impl World {
+    /// The world of a scene at time zero.
     ///
     /// # Errors
-    /// If the pushed body is unknown, or the method cannot have the law.
-    pub fn new(plant: &PlantScene, rate: f64, model: &Model) -> Result<Self, PlantError> {
-        let step = |time: f64| (time / plant.dt).round() as u64;
+    /// As [`Model::new`] and [`Settings::new`]; or if the pushed body is unknown.
+    pub fn new(scene: &Scene) -> Result<World, PlantError> {
+        let (model, plant) = (Model::new(scene)?, &scene.plant);
         let link = model.link_of(&plant.push_body, "plant.push_body")?;
-        let push = Push::new(link, plant.push_impulse, step(plant.push_time), plant.push_duration, plant.dt);
+        let from = (plant.push_time / plant.dt).round() as u64;
+        let push = Push::new(link, plant.push_impulse, from, plant.push_duration, plant.dt);
+        let pushes = if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] };
+        let settings = Settings::new(plant, scene.rate)?;
+        Ok(World { model, settings, torques: Torques::default(), pushes, steps: 0 })
+    }
+
+    /// Simulated time at the beginning of the step [s].
+    pub fn time(&self) -> f64 {
+        self.steps as f64 * self.settings.h
+    }
+
+    /// That plastic contact has not raised the energy: f·v − f·A f/2 is never positive, whatever slides or lands. What rounding makes of it
+    /// goes with the work of the impulses.
+    pub fn check_energy(&self, report: &Report) -> Result<(), PlantError> {
+        let Settings { law, restitution, .. } = self.settings;
+        let plastic = is_plastic(law) && restitution == 0.0;
+        if plastic && report.energy_gain > GAIN * report.work {
+            let (time, gain) = (self.time(), report.energy_gain);
+            return Err(PlantError::GainsEnergy { time, law, gain, residual: report.own });
+        }
+        Ok(())
+    }
+
+    /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
+    pub fn check(&self, report: &Report, problem: &Problem) -> Result<(), PlantError> {
+        let Settings { law, tolerance, .. } = self.settings;
+        if report.own <= tolerance || !has_basis(law) || problem.check().is_err() {
+            return Ok(());
+        }
+        let (step, time, problem) = (self.steps, self.time(), Box::new(problem.clone()));
+        Err(PlantError::Unsolved { step, time, law, residual: report.own, tolerance, problem })
+    }
+}
+
+impl Settings {
+    /// The settings of a scene.
+    ///
+    /// # Errors
+    /// If the method cannot have the law.
+    pub fn new(plant: &PlantScene, rate: f64) -> Result<Self, PlantError> {
         let (law, events) = (plant.law, [Method::Rk4Impact, Method::EventDriven].contains(&plant.method));
         if events && !is_coulomb(law) {
             let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
@@ -59,7 +110,7 @@ impl Settings {
         }
         Ok(Settings {
             h: plant.dt,
-            steps_per_period: step(1.0 / rate).max(1),
+            steps_per_period: ((1.0 / rate / plant.dt).round() as u64).max(1),
             law: plant.law,
             tolerance: plant.tolerance,
             method: plant.method,
@@ -72,28 +123,6 @@ impl Settings {
             },
             welds: true,
             tolerance_step: plant.tolerance_step,
-            pushes: if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] },
         })
-    }
-
-    /// That plastic contact has not raised the energy: f·v − f·A f/2 is never positive, whatever slides or lands. What rounding makes of it
-    /// goes with the work of the impulses.
-    pub fn check_energy(&self, report: &Report, step: u64) -> Result<(), PlantError> {
-        let plastic = is_plastic(self.law) && self.restitution == 0.0;
-        if plastic && report.energy_gain > GAIN * report.work {
-            let (time, gain) = (step as f64 * self.h, report.energy_gain);
-            return Err(PlantError::GainsEnergy { time, law: self.law, gain, residual: report.own });
-        }
-        Ok(())
-    }
-
-    /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
-    pub fn check(&self, report: &Report, step: u64, problem: &Problem) -> Result<(), PlantError> {
-        let Settings { law, tolerance, h, .. } = *self;
-        if report.own <= tolerance || !has_basis(law) || problem.check().is_err() {
-            return Ok(());
-        }
-        let (time, problem) = (step as f64 * h, Box::new(problem.clone()));
-        Err(PlantError::Unsolved { step, time, law, residual: report.own, tolerance, problem })
     }
 }

@@ -5,6 +5,7 @@
 
 use super::foot::Foot;
 use super::{FEET, Pair, Six};
+use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 
 /// Blocks of a row.
@@ -33,8 +34,19 @@ struct Diagonal {
 }
 
 impl Blocks {
+    /// Λ = YᵀY of the feet.
+    pub fn fill(&mut self, model: &Model, feet: &[Foot]) -> &Blocks {
+        for (i, a) in feet.iter().enumerate() {
+            for (j, b) in feet[..=i].iter().enumerate() {
+                let shared = if i == j { a.rows.len() } else { model.shared(a.link, b.link) };
+                self.put(i, j, &a.rows[..shared], &b.rows[..shared]);
+            }
+        }
+        self
+    }
+
     /// Sets the six rows and columns where foot i meets foot j <= i: the product of what their rows of Y share.
-    pub fn put(&mut self, i: usize, j: usize, a: &[Six], b: &[Six]) {
+    fn put(&mut self, i: usize, j: usize, a: &[Six], b: &[Six]) {
         let mut product = [Six::default(); 6];
         for (a, b) in a.iter().zip(b) {
             for (sum, a) in product.iter_mut().zip(a) {
@@ -53,7 +65,7 @@ impl Blocks {
     }
 
     /// The factor, with every contact yielding by this part of what the first foot does; none unless positive definite.
-    pub fn factorize(&self, feet: &[Foot], give: f64, factored: &mut Factored) -> Option<()> {
+    pub fn factorize<'a>(&self, feet: &[Foot], give: f64, factored: &'a mut Factored) -> Option<&'a Factored> {
         let give = give * self.0[0][0].trace() / 3.0;
         for (i, yielding) in feet.iter().flat_map(|foot| foot.sole.yields(give)).enumerate() {
             let Factored { scaled, below, diagonal } = factored;
@@ -67,7 +79,7 @@ impl Blocks {
             }
             diagonal[i] = Diagonal::of(&own)?;
         }
-        Some(())
+        Some(factored)
     }
 
     /// Velocity t of foot i.

@@ -4,50 +4,38 @@
 //! a cone moves two points further apart. V is the greatest speed of a contact without impulse, as in the certificate of the full problem.
 
 use super::foot::Foot;
-use super::{Weld, velocity};
+use super::velocity;
 use crate::contact::{Report, relative};
 use crate::detect::Touch;
 
-impl Weld {
-    /// The residuals of the last solution.
-    pub(super) fn report(&self, touches: &[Touch], friction: f64, h: f64) -> Report {
-        let (speed, mut left) = (self.speed(touches, h), 0.0_f64);
-        for foot in &self.feet[..self.count] {
-            for (touch, d) in touches[foot.first..].iter().zip(&foot.sole.arms) {
-                let v = velocity(&foot.motion, d);
-                let (rise, slip) = ((v.z + touch.gap.max(0.0) / h).abs(), v.xy().norm());
-                left = left.max((rise + friction * slip).hypot(slip));
-            }
-        }
-        let natural_map = relative(left, speed);
-        let work = |foot: &Foot| -> f64 {
-            let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
-            pairs.map(|((t, free), w)| 0.5 * w.dot(&(t + free))).sum()
-        };
-        let (energy_gain, work) = self.feet[..self.count]
-            .iter()
-            .map(work)
-            .fold((0.0, 0.0), |(gain, all), work| (gain + work, all + work.abs()));
-        Report {
-            natural_map,
-            own: natural_map,
-            signorini: natural_map,
-            energy_gain,
-            work,
-            warm: true,
-            ..Report::default()
+/// The residuals of a solution; V is `speed`.
+pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, h: f64, speed: f64) -> Report {
+    let mut left = 0.0_f64;
+    for foot in feet {
+        for (touch, d) in touches[foot.first..].iter().zip(&foot.sole.arms) {
+            let v = velocity(&foot.motion, d);
+            let (rise, slip) = ((v.z + touch.gap.max(0.0) / h).abs(), v.xy().norm());
+            left = left.max((rise + friction * slip).hypot(slip));
         }
     }
+    let natural_map = relative(left, speed);
+    let work = |foot: &Foot| -> f64 {
+        let pairs = foot.motion.iter().zip(&foot.free).zip(&foot.wrench);
+        pairs.map(|((t, free), w)| 0.5 * w.dot(&(t + free))).sum()
+    };
+    let (energy_gain, work) =
+        feet.iter().map(work).fold((0.0, 0.0), |(gain, all), work| (gain + work, all + work.abs()));
+    Report { natural_map, own: natural_map, signorini: natural_map, energy_gain, work, warm: true, ..Report::default() }
+}
 
-    /// V: the greatest speed of a contact without impulse, downwards where it closes its gap within the step of `h` and along the ground.
-    pub(super) fn speed(&self, touches: &[Touch], h: f64) -> f64 {
-        let mut speed = 0.0_f64;
-        for foot in &self.feet[..self.count] {
-            for (touch, d) in touches[foot.first..].iter().zip(&foot.sole.arms) {
-                let v = velocity(&foot.free, d);
-                speed = speed.max(v.xy().norm_squared() + (v.z + touch.gap.max(0.0) / h).min(0.0).powi(2));
-            }
+/// V: the greatest speed of a contact without impulse, downwards where it closes its gap within the step of `h` and along the ground.
+pub(super) fn speed(feet: &[Foot], touches: &[Touch], h: f64) -> f64 {
+    let mut speed = 0.0_f64;
+    for foot in feet {
+        for (touch, d) in touches[foot.first..].iter().zip(&foot.sole.arms) {
+            let v = velocity(&foot.free, d);
+            speed = speed.max(v.xy().norm_squared() + (v.z + touch.gap.max(0.0) / h).min(0.0).powi(2));
         }
-        speed.sqrt()
     }
+    speed.sqrt()
 }

@@ -2,8 +2,8 @@
 
 use super::sole::Sole;
 use super::{Pair, Six, pair, six, velocity};
+use crate::delassus::Free;
 use crate::detect::Touch;
-use crate::kinematics::Pose;
 use crate::model::Model;
 
 /// A link on its contacts.
@@ -31,15 +31,15 @@ impl Foot {
 
     /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion, but for turning where they do not hold
     /// it.
-    pub fn set(&mut self, model: &Model, pose: &Pose, first: usize, touches: &[Touch], free: &[f64]) {
+    pub fn set(&mut self, model: &Model, free: &Free, first: usize, touches: &[Touch]) {
         (self.link, self.first) = (touches[0].link, first);
         self.sole.place(touches);
         let mut t = Six::default();
         self.rows.clear();
         for &dof in model.path(self.link) {
-            let column = &pose.links[dof + 1].column;
+            let column = &free.pose.links[dof + 1].column;
             let row = six(&[column.at(&self.sole.centre), column.angular - self.sole.loose * column.angular]);
-            t = std::array::from_fn(|k| row[k].mul_add(free[dof], t[k]));
+            t = std::array::from_fn(|k| row[k].mul_add(free.rate[dof], t[k]));
             self.rows.push(row);
         }
         self.free = pair(&t);

@@ -104,66 +104,79 @@ impl Sole {
 
     /// The impulses that make up the wrench; none if some contact would have to pull, or slip.
     pub fn spread(&mut self, wrench: &Pair, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
+        let Sole { arms, spread, pressure, grip, shear, .. } = self;
         let [force, moment] = wrench;
-        self.press(&Vector3::new(force.z, -moment.y, moment.x))?;
-        self.rub(&force.xy(), moment.z, friction)?;
-        for ((impulse, f), &n) in impulses.iter_mut().zip(&self.shear).zip(&self.pressure) {
+        let pressure = press(arms, spread, &Vector3::new(force.z, -moment.y, moment.x), pressure)?;
+        let shear = rub(arms, pressure, &force.xy(), moment.z, friction, grip, shear)?;
+        for ((impulse, f), &n) in impulses.iter_mut().zip(shear).zip(pressure) {
             *impulse = Vector3::new(f.x, f.y, n);
         }
         Some(())
     }
+}
 
-    /// Friction that makes up a force and a moment: in proportion to the pressure, less where that would slip.
-    fn rub(&mut self, force: &Vector2<f64>, moment: f64, friction: f64) -> Option<()> {
-        let Sole { arms, pressure, grip, shear, .. } = self;
-        grip.clone_from(pressure);
-        for _ in 0..TRIALS {
-            let total: f64 = grip.iter().sum();
-            let centre: Vector2<f64> = arms.iter().zip(&*grip).map(|(d, g)| d.xy() * *g).sum::<Vector2<f64>>() / total;
-            let inertia: f64 = arms.iter().zip(&*grip).map(|(d, g)| g * (d.xy() - centre).norm_squared()).sum();
-            let twist = if inertia > 0.0 { (moment - centre.perp(force)) / inertia } else { 0.0 };
-            let mean = force / total;
-            shear.clear();
-            let mut slips = false;
-            for ((d, g), n) in arms.iter().zip(grip.iter_mut()).zip(&*pressure) {
-                let from = d.xy() - centre;
-                let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
-                let excess = f.norm() / (friction * n);
-                if excess > 1.0 {
-                    *g /= EASE * excess * excess;
-                    slips = true;
-                }
-                shear.push(f);
+/// Pressures of least norm for a load (F_z, -m_y, m_x) [N·s, N·m·s], none of which pulls; `all` is N⁻¹ of all contacts.
+fn press<'a>(
+    arms: &[Vector3<f64>],
+    all: &Matrix3<f64>,
+    load: &Vector3<f64>,
+    pressure: &'a mut Vec<f64>,
+) -> Option<&'a [f64]> {
+    pressure.clear();
+    pressure.resize(arms.len(), 1.0);
+    let mut fit = all * load;
+    loop {
+        let mut least = -ROUNDING * load.x; // less than this is no pull
+        let mut worst = None;
+        for (i, (n, d)) in pressure.iter_mut().zip(arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
+            *n = place(d).dot(&fit);
+            if *n < least {
+                (least, worst) = (*n, Some(i));
             }
-            if !slips {
-                return Some(());
-            }
+            *n = n.max(0.0);
         }
-        None
+        let Some(worst) = worst else { return Some(pressure) };
+        pressure[worst] = 0.0;
+        let rest = arms.iter().zip(&*pressure).filter(|(_, n)| **n != 0.0).map(|(d, _)| d);
+        fit = spread(rest)? * load;
     }
+}
 
-    /// Pressures of least norm for a load (F_z, -m_y, m_x) [N·s, N·m·s], none of which pulls.
-    fn press(&mut self, load: &Vector3<f64>) -> Option<()> {
-        let Sole { arms, pressure, spread: all, .. } = self;
-        pressure.clear();
-        pressure.resize(arms.len(), 1.0);
-        let mut fit = *all * load;
-        loop {
-            let mut least = -ROUNDING * load.x; // less than this is no pull
-            let mut worst = None;
-            for (i, (n, d)) in pressure.iter_mut().zip(&*arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
-                *n = place(d).dot(&fit);
-                if *n < least {
-                    (least, worst) = (*n, Some(i));
-                }
-                *n = n.max(0.0);
+/// Friction that makes up a force and a moment: in proportion to the pressure, less where that would slip.
+fn rub<'a>(
+    arms: &[Vector3<f64>],
+    pressure: &[f64],
+    force: &Vector2<f64>,
+    moment: f64,
+    friction: f64,
+    grip: &mut Vec<f64>,
+    shear: &'a mut Vec<Vector2<f64>>,
+) -> Option<&'a [Vector2<f64>]> {
+    grip.clear();
+    grip.extend_from_slice(pressure);
+    for _ in 0..TRIALS {
+        let total: f64 = grip.iter().sum();
+        let centre: Vector2<f64> = arms.iter().zip(&*grip).map(|(d, g)| d.xy() * *g).sum::<Vector2<f64>>() / total;
+        let inertia: f64 = arms.iter().zip(&*grip).map(|(d, g)| g * (d.xy() - centre).norm_squared()).sum();
+        let twist = if inertia > 0.0 { (moment - centre.perp(force)) / inertia } else { 0.0 };
+        let mean = force / total;
+        shear.clear();
+        let mut slips = false;
+        for ((d, g), n) in arms.iter().zip(grip.iter_mut()).zip(pressure) {
+            let from = d.xy() - centre;
+            let f = (mean + Vector2::new(-from.y, from.x) * twist) * *g;
+            let excess = f.norm() / (friction * n);
+            if excess > 1.0 {
+                *g /= EASE * excess * excess;
+                slips = true;
             }
-            let Some(worst) = worst else { return Some(()) };
-            pressure[worst] = 0.0;
-            let rest = arms.iter().zip(&*pressure).filter(|(_, n)| **n != 0.0).map(|(d, _)| d);
-            fit = spread(rest)? * load;
+            shear.push(f);
+        }
+        if !slips {
+            return Some(shear);
         }
     }
+    None
 }
 
 /// q_i.

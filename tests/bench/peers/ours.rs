@@ -6,7 +6,7 @@ use controller::rate::resolve_bounded;
 use messages::scene::Law;
 use plant::composite::Composite;
 use plant::contact::{Memory, Problem, Solver};
-use plant::delassus::ContactMap;
+use plant::delassus::{ContactMap, Free};
 use plant::detect::touching;
 use plant::factor::{Factor, PathMatrix};
 use plant::kinematics::{self, Pose};
@@ -73,7 +73,7 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
     let model = Model::new(scene).expect("a good scene");
     let (mut composite, mut pose, mut factor) = (Composite::new(&model), Pose::new(&model), Factor::new(&model));
     let (mut h, mut b) = (PathMatrix::new(&model), vec![0.0; model.dofs()]);
-    let (mut map, mut problem, mut touches) = (ContactMap::new(&model), Problem::default(), vec![]);
+    let (mut map, mut touches) = (ContactMap::new(&model), vec![]);
     let mut lists: [Vec<f64>; 6] = Default::default();
     for state in states {
         let xdot = &state.xdot;
@@ -83,8 +83,9 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
         lists[3].push(time(REPEATS, || factor.factorize(&model, black_box(&h)).expect("positive definite")));
         lists[4].push(time(REPEATS, || {
             touching(&model, black_box(&pose), Law::Cone, 1e-3, xdot, &mut touches);
-            map.drift(&model, &pose, &touches, xdot, Law::Cone, &mut problem, |_, drift| drift);
-            map.assemble(&model, &pose, &factor, &touches, &mut problem);
+            let free = Free { pose: &pose, factor: &factor, rate: xdot };
+            map.drift(&model, &free, &touches, Law::Cone, |_, drift| drift);
+            map.assemble(&model, &free, &touches);
         }));
         lists[5].push(time(REPEATS, || {
             kinematics::pose(&model, black_box(state), &mut pose);

@@ -1,10 +1,16 @@
 //! What bears between events: found at the beginning of a step, after the impact of what comes down, and its forces in every stage.
 
+use crate::composite::Composite;
+use crate::contact::Memory;
+use crate::delassus::Free;
 use crate::detect::Touch;
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::Corner;
-use crate::step::{Plant, Workspace};
+use crate::step::Plant;
+use crate::step::contact::{Contact, Contacts, Touches};
+use crate::step::now::Now;
+use crate::step::settings::World;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
@@ -49,8 +55,9 @@ pub(in crate::step) struct Bearing {
 impl Plant {
     /// What bears and what sticks now, after the impact of whatever comes down.
     pub(super) fn land(&mut self) -> Result<(), PlantError> {
-        let (pose, length, mut hits) = (&self.work.pose, self.model.length, false);
-        for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
+        let Plant { world, now: Now { pose, .. }, bearings, .. } = self;
+        let (length, mut hits) = (world.model.length, false);
+        for (corner, bearing) in world.model.corners.iter().zip(bearings) {
             let arm = pose.lowest(corner);
             let at = pose.reference + arm;
             bearing.gap = if corner.has_ground(at.x) { at.z } else { f64::INFINITY };
@@ -61,8 +68,8 @@ impl Plant {
         if hits {
             self.hit()?;
         }
-        let pose = &self.work.pose;
-        for (corner, bearing) in self.model.corners.iter().zip(&mut self.bearings) {
+        let Plant { world, now: Now { pose, .. }, bearings, .. } = self;
+        for (corner, bearing) in world.model.corners.iter().zip(bearings) {
             // what the impact throws off does not bear, though it has no gap yet; what drifts off does
             let rises = pose.links[corner.link].velocity.at(&pose.lowest(corner)).z > HITS * length;
             if bearing.bears && rises && (hits || !bearing.pressed) {
@@ -78,38 +85,50 @@ impl Plant {
 
     /// Impact: the contact law on the velocities of all that bears, in no time.
     fn hit(&mut self) -> Result<(), PlantError> {
-        self.find_inertia(0.0, 0.0)?;
-        self.work.free.copy_from_slice(&self.state.xdot);
-        self.touch_bearings();
-        self.work.horizon = 0.0;
-        self.solve_contacts(f64::INFINITY)?; // no time to approach in
-        self.record_contacts();
-        kinematics::velocities(&self.model, &self.state.xdot, &mut self.work.pose);
+        let Plant { world, now, memory, bearings, record, work, .. } = self;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
+        let touches = work.touches.bearing(world, &now.pose, bearings);
+        let contact = work.contacts.solve(world, &free, touches, f64::INFINITY, memory)?; // no time to approach in
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
         Ok(())
     }
+}
 
+impl Touches {
     /// Lists what bears.
-    fn touch_bearings(&mut self) {
-        let Workspace { pose, touches, .. } = &mut self.work;
-        let corners = self.model.corners.iter().zip(&self.bearings).enumerate();
-        touches.clear();
-        touches.extend(corners.filter(|(_, (_, bearing))| bearing.bears).map(|(id, (corner, _))| {
+    pub(in crate::step) fn bearing(&mut self, world: &World, pose: &Pose, bearings: &[Bearing]) -> &mut Touches {
+        let corners = world.model.corners.iter().zip(bearings).enumerate();
+        self.horizon = 0.0;
+        self.list.clear();
+        self.list.extend(corners.filter(|(_, (_, bearing))| bearing.bears).map(|(id, (corner, _))| {
             let arm = pose.lowest(corner);
             Touch { id, link: corner.link, arm, gap: pose.reference.z + arm.z }
         }));
+        self
     }
+}
 
-    /// The acceleration with the forces of all that bears, in `free`; the forces count for the time `weight` in the record.
-    pub(super) fn accelerate_on_ground(&mut self, weight: f64) -> Result<(), PlantError> {
-        self.accelerate_freely()?;
-        self.touch_bearings();
-        if self.work.touches.is_empty() {
-            return Ok(());
+impl Contacts {
+    /// The forces of all that bears, and the acceleration with them; `free` is that without. What bears is told what its force does.
+    pub(in crate::step) fn forces(
+        &mut self,
+        world: &World,
+        free: &Free,
+        composite: &Composite,
+        touches: &Touches,
+        bearings: &mut [Bearing],
+        memory: &mut Memory,
+    ) -> Result<&Contact, PlantError> {
+        let (touches, Contacts { each, contact, solved, warm, .. }) = (&touches.list, self);
+        contact.clear(free);
+        if touches.is_empty() {
+            return Ok(contact);
         }
-        let (law, length) = (self.settings.law, self.model.length);
-        let Workspace { pose, composite, factor, free, change, touches, map, problem, solver, .. } = &mut self.work;
-        let bearings = &self.bearings;
-        let velocity = |touch: &Touch| pose.links[touch.link].velocity.at(&touch.arm);
+        let (model, law, length) = (&world.model, world.settings.law, world.model.length);
+        let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
         // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
         let along = |touch: &Touch| {
             let (bearing, velocity) = (&bearings[touch.id], velocity(touch));
@@ -120,7 +139,7 @@ impl Plant {
         let pull = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
-            let swept = composite.swept(&self.model, pose, &self.model.corners[touch.id]);
+            let swept = composite.swept(model, free.pose, &model.corners[touch.id]);
             let mut pull = own + swept + velocity * SETTLES;
             pull.z += (velocity.z + touch.gap * SETTLES) * SETTLES;
             if !bearings[touch.id].sticks && law != Law::Cone {
@@ -129,29 +148,23 @@ impl Plant {
             }
             pull
         };
-        map.drift(&self.model, pose, touches, free, law, problem, pull);
+        let problem = each.map.drift(model, free, touches, law, pull);
+        problem.friction.fill(world.settings.friction);
         if law == Law::Cone {
             // the round cone is told the direction itself, for it would turn friction against any acceleration
             let given = |touch: &Touch| if bearings[touch.id].sticks { Vector3::zeros() } else { along(touch) };
             problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         }
-        map.assemble(&self.model, pose, factor, touches, problem);
-        problem.friction.fill(self.settings.friction);
-        let report = solver.solve(problem, law, &mut self.memory);
-        self.counts.note(&report);
-        self.record.note(&report);
-        self.settings.check(&report, self.steps, problem)?;
-        map.respond(&self.model, factor, &solver.impulse, change);
         let rows = 1 + problem.tangents;
-        for (i, (touch, velocity)) in touches.iter().zip(solver.velocity.chunks_exact(rows)).enumerate() {
-            let force = map.force(i, &solver.impulse, touches.len());
-            self.record.push(touch.id, (force * weight).into());
-            let bearing = &mut self.bearings[touch.id];
+        let (response, report) = each.solve(world, free, touches, memory)?;
+        contact.set(free, touches, &response, report);
+        (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
+        for ((id, force), acceleration) in contact.impulses.iter().zip(each.solver.velocity.chunks_exact(rows)) {
+            let bearing = &mut bearings[*id];
             bearing.pressed = force.z > 0.0;
-            bearing.held = velocity[1..].iter().all(|a| a.abs() <= HELD * length);
+            bearing.held = acceleration[1..].iter().all(|a| a.abs() <= HELD * length);
         }
-        free.iter_mut().zip(change.iter()).for_each(|(acceleration, change)| *acceleration += change);
-        Ok(())
+        Ok(contact)
     }
 }
 

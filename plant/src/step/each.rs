@@ -1,0 +1,75 @@
+//! Every contact by itself: the problem (14), and its solution (15)-(22).
+
+use super::settings::{Settings, World};
+use crate::contact::{Memory, Report, Solver, tangents};
+use crate::delassus::{ContactMap, Free, Response};
+use crate::detect::Touch;
+use crate::error::PlantError;
+use crate::model::Model;
+use messages::scene::Law;
+
+/// The problem, and its solver.
+pub(super) struct Each {
+    pub map: ContactMap,
+    pub solver: Solver,
+}
+
+impl Each {
+    pub fn new(model: &Model, law: Law) -> Each {
+        let mut solver = Solver::default();
+        solver.rehearse(model.corners.len(), tangents(law).min(model.directions), law);
+        Each { map: ContactMap::new(model), solver }
+    }
+
+    /// Of so many contacts there is no problem, for they are solved otherwise.
+    pub fn leave(&mut self, contacts: usize) {
+        self.map.problem.reset_rows(0, 0);
+        (self.map.problem.contacts, self.map.problem.tangents) = (contacts, 2);
+    }
+
+    /// The problem (14) of the touching points, A apart.
+    pub fn pose(&mut self, world: &World, free: &Free, touches: &[Touch], h: f64) {
+        let Settings { law, friction, restitution, spring, .. } = world.settings;
+        let problem = self.map.drift(&world.model, free, touches, law, |_, drift| drift);
+        let before = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
+        problem.friction.fill(friction);
+        for (approach, touch) in problem.approach.iter_mut().zip(touches) {
+            *approach = touch.gap.max(0.0) / h;
+        }
+        if law == Law::SpringDamper {
+            problem.spring = spring;
+            problem.gap.iter_mut().zip(touches).for_each(|(gap, touch)| *gap = touch.gap);
+            for (rows, touch) in problem.before.chunks_exact_mut(3).zip(touches) {
+                let v = before(touch);
+                rows.copy_from_slice(&[v.z, v.x, v.y]);
+            }
+        }
+        if restitution > 0.0 {
+            // Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more. What two steps of free fall made
+            // as fast stays down, or the last of its bounces would never come
+            let slow = if h.is_finite() { 2.0 * world.model.gravity.norm() * h } else { 0.0 };
+            let normals = problem.drift.iter().step_by(1 + problem.tangents);
+            for ((approach, free), touch) in problem.approach.iter_mut().zip(normals).zip(touches) {
+                let before = before(touch).z;
+                if before < -slow && free + *approach < 0.0 {
+                    *approach = restitution * before;
+                }
+            }
+        }
+    }
+
+    /// The solution of the problem (14), (15)-(22).
+    pub fn solve(
+        &mut self,
+        world: &World,
+        free: &Free,
+        touches: &[Touch],
+        memory: &mut Memory,
+    ) -> Result<(Response<'_>, Report), PlantError> {
+        let Each { map, solver } = self;
+        let problem = map.assemble(&world.model, free, touches);
+        let report = solver.solve(problem, world.settings.law, memory);
+        world.check(&report, problem)?;
+        Ok((map.respond(&world.model, free.factor, &solver.impulse), report))
+    }
+}

@@ -1,0 +1,68 @@
+//! Where the robot is and how it moves: a state, and the pose that belongs to it.
+
+use super::settings::World;
+use crate::error::PlantError;
+use crate::kinematics::{self, Pose};
+use crate::model::Model;
+use crate::state::State;
+use messages::scene::Base;
+use messages::turn::sin_cos;
+
+/// Coordinate of the pitch of virtual joints.
+const PITCH: usize = 4;
+/// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
+const GIMBAL: f64 = 1e-8;
+
+/// A state and its pose.
+pub(super) struct Now {
+    pub state: State,
+    pub pose: Pose,
+}
+
+impl Now {
+    pub fn new(model: &Model, state: State) -> Now {
+        let mut pose = Pose::new(model);
+        kinematics::pose(model, &state, &mut pose);
+        Now { state, pose }
+    }
+
+    /// x₊ = x + time ẋ.
+    ///
+    /// # Errors
+    /// As [`Now::find_pose`], and so the following.
+    pub fn travel(&mut self, world: &World, time: f64) -> Result<(), PlantError> {
+        self.state.advance(&world.model, time);
+        self.find_pose(world)
+    }
+
+    /// x = x0 ⊕ d, and ẋ as given.
+    pub fn place(
+        &mut self,
+        world: &World,
+        start: &State,
+        way: impl Fn(usize) -> f64,
+        xdot: &[f64],
+    ) -> Result<(), PlantError> {
+        self.state.x.copy_from_slice(&start.x);
+        self.state.xdot.copy_from_slice(xdot);
+        self.state.displace(&world.model, way);
+        self.find_pose(world)
+    }
+
+    /// The pose that belongs to the state.
+    ///
+    /// # Errors
+    /// If the state is not finite, or the virtual joints stand at their pole.
+    pub fn find_pose(&mut self, world: &World) -> Result<(), PlantError> {
+        let Now { state, pose } = self;
+        let time = (world.steps + 1) as f64 * world.settings.h;
+        if !state.x.iter().chain(&state.xdot).all(|number| number.is_finite()) {
+            return Err(PlantError::NotFinite { time });
+        }
+        if world.model.base == Base::Virtual && sin_cos(state.x[PITCH]).1.abs() < GIMBAL {
+            return Err(PlantError::Gimbal { time });
+        }
+        kinematics::pose(&world.model, state, pose);
+        Ok(())
+    }
+}
