@@ -22,6 +22,8 @@ pub const SCENES: &[BuiltIn] = &[
     ("stand10", include_str!("scenes/stand10.toml")),
     ("rock", include_str!("scenes/rock.toml")),
     ("wheel", include_str!("scenes/wheel.toml")),
+    ("turn", include_str!("scenes/turn.toml")),
+    ("ball", include_str!("scenes/ball.toml")),
     // with known answers
     ("sliding-block", include_str!("scenes/known/sliding-block.toml")),
     ("fast-cube", include_str!("scenes/known/fast-cube.toml")),

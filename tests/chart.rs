@@ -62,6 +62,31 @@ fn every_view_is_drawn_and_measured_the_same_twice() {
     assert!(first.len() == second.len() && changed.is_empty(), "{changed:?}");
 }
 
+/// Under the default law what turns and what rolls is as far off as the step, or far less; facets fixed in the world let it turn freely.
+#[test]
+fn what_slides_and_turns_and_what_rolls_is_held_to_its_equation() {
+    let folder = fresh_path("chart");
+    let output = chart(&["--scenes", "turn,ball"], &folder);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let table = std::fs::read_to_string(folder.join("chart.csv")).expect("a table");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    let error = |scene: &str, method: &str, step: &str, metric: &str| -> f64 {
+        let start = format!("precision,{scene},biped,{method},{step},{metric},");
+        let row = table.lines().find_map(|line| line.strip_prefix(&start)).expect(&start);
+        row.split(',').next().and_then(|error| error.parse().ok()).expect("a number")
+    };
+    for (scene, metric) in [("turn", "yaw"), ("turn", "way"), ("ball", "angle"), ("ball", "way")] {
+        for method in ["Cone/SemiImplicitEuler", "Cone/MidpointMoreau", "Cone/Rk4Impact", "Aligned/MoreauJean"] {
+            let [coarse, fine] = ["0.005", "0.001"].map(|step| error(scene, method, step, metric));
+            assert!(fine < 0.3 * coarse, "{scene} {method} {metric}: {coarse:e}, {fine:e}");
+        }
+        let fine = error(scene, "Cone/Rk4Impact", "0.001", metric);
+        assert!(fine < 1e-8, "{scene} {metric}: {fine:e}");
+    }
+    let [coarse, fine] = ["0.005", "0.001"].map(|step| error("turn", "Facets(8)/MoreauJean", step, "yaw"));
+    assert!(coarse > 0.15 && (coarse - fine).abs() < 1e-9, "{coarse} {fine}");
+}
+
 #[test]
 fn growth_is_drawn_with_its_exponents_and_a_chain_of_64_links_costs_more_than_one_of_3() {
     let folder = fresh_path("growth");

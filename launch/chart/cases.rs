@@ -41,6 +41,10 @@ pub enum Question {
     Rock,
     /// How fast does the wheel roll?
     Wheel,
+    /// How far does what slides and turns get, and turn?
+    Turn,
+    /// Where is the ball that rolls, and how has it turned?
+    Roll,
 }
 
 impl Question {
@@ -54,11 +58,18 @@ impl Question {
             Question::Drop => &[PENETRATION, HOP],
             Question::Rock => &["apex"],
             Question::Wheel => &["speed"],
+            Question::Turn => &["yaw", "way"],
+            Question::Roll => &["angle", "way"],
         }
     }
 
-    /// Whether the body lies flat on the ground, and its centre of mass moves by a formula.
+    /// Whether the body lies flat on the ground.
     pub fn is_flat(self) -> bool {
+        self.has_formula() || self == Question::Turn
+    }
+
+    /// Whether its centre of mass moves by a formula besides.
+    pub fn has_formula(self) -> bool {
         matches!(self, Question::Slide | Question::Descend | Question::Stick | Question::Drop)
     }
 }
@@ -67,8 +78,8 @@ const fn case(name: &'static str, title: &'static str, words: &'static str, ques
     Case { name, title, words, question, bound }
 }
 
-/// The ten comparison scenes.
-pub const CASES: [Case; 10] = [
+/// The twelve comparison scenes.
+pub const CASES: [Case; 12] = [
     case("free", "free: a biped in flight", "drift of the kinetic energy [-]", Question::Flight, 1.5e-12),
     case("slide", "slide: along x", "error of the stopping point [-]", Question::Slide, 1e-5),
     case("slide30", "slide30: across the axes", "error of the stopping point [-]", Question::Slide, 1e-5),
@@ -79,6 +90,8 @@ pub const CASES: [Case; 10] = [
     case("stand10", "stand10: a biped on 10°", "creep of the feet [m/s]", Question::Stand, 1e-12),
     case("rock", "rock: a block on its edges", "error of the apex [-]", Question::Rock, 1e-3),
     case("wheel", "wheel: without a rim, down 8°", "error of the speed [-]", Question::Wheel, 1e-4),
+    case("turn", "turn: a puck slides and turns", "error of the turn, or of the way [-]", Question::Turn, 1e-4),
+    case("ball", "ball: a loaded ball rolls", "error of the angle, or of the way [-]", Question::Roll, 1e-3),
 ];
 
 /// Steps that the finest run may take.
@@ -94,12 +107,12 @@ pub struct Way {
 }
 
 /// The law under which integrators are compared.
-pub const LAW: Law = Law::Aligned;
+pub const LAW: Law = Law::DEFAULT;
 /// The integrator with which laws are compared.
 pub const METHOD: Method = Method::MoreauJean;
 
 impl Way {
-    /// As tables have it: `Aligned/MoreauJean`.
+    /// As tables have it: `Cone/MoreauJean`.
     pub fn name(self) -> String {
         format!("{}/{}", word(&self.law), word(&self.method))
     }

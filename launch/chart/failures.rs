@@ -164,8 +164,8 @@ fn causes(trial: &Trial) -> Causes {
     // A thousandth of the energy counts as much as a hundredth of a distance.
     let drift = match trial.case.question {
         Question::Flight => 10.0 * wrong,
-        Question::Slide | Question::Descend | Question::Rock | Question::Wheel => wrong,
         Question::Stick | Question::Stand | Question::Drop => 0.0,
+        _ => wrong,
     };
     let found = [
         (Cause::BlowUp, if wrong < 1e3 { 0.0 } else { wrong }),

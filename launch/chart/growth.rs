@@ -197,9 +197,13 @@ mod tests {
             }
             println!("{points} corners: states differ by {worst:.1e}, {welded} of 300 steps welded");
             assert!(worst < 1e-9, "{points} corners: {worst}");
-            // on one corner it tips; of three and of five, one carries nothing
-            let stands = ![0.0, 1.0, 3.0, 5.0].contains(&points);
-            assert!(if stands { welded > 290 } else { welded < 20 }, "{points} corners: {welded} steps welded");
+            // of three and of five corners, one carries nothing; on one it tips, and is welded while that one stands still
+            let held = match points {
+                0.0 | 3.0 | 5.0 => 0..=0,
+                1.0 => 1..=60,
+                _ => 291..=300,
+            };
+            assert!(held.contains(&welded), "{points} corners: {welded} steps welded");
         }
     }
 }

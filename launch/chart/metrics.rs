@@ -1,7 +1,7 @@
 //! How far a run is from the truth: first the error that the scene is about, then what every run reports.
 
 use super::cases::Question;
-use super::exact::{Wheel, gravity, landing, rocking_ratio, sliding};
+use super::exact::{Ball, Puck, Wheel, gravity, landing, rocking_ratio, sliding};
 use super::trial::{Log, Sight};
 use messages::scene::Scene;
 use nalgebra::Vector3;
@@ -22,7 +22,7 @@ pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
         Question::Wheel => list.push(("ratio", spin_ratio(scene, &log.sights))),
         _ => {}
     }
-    if question.is_flat() {
+    if question.has_formula() {
         list.push(("mean_m", mean_error(scene, &log.sights)));
         list.push(("impulse", impulse_error(scene, &log.sights)));
     }
@@ -64,6 +64,19 @@ fn own(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
         }
         Question::Rock => [rocking_error(scene, sights), 0.0],
         Question::Wheel => [(wheel_speed(sights) / Wheel::of(scene).speed() - 1.0).abs(), 0.0],
+        Question::Turn => {
+            let end = Puck::of(scene).at(scene.duration);
+            let yaw = sights.last().map_or(f64::NAN, |sight| sight.yaw);
+            let off = across(&travel(sights)) - end.travel;
+            [(yaw / end.yaw - 1.0).abs(), off.norm() / end.travel.norm()]
+        }
+        Question::Roll => {
+            let (ball, [first, last]) = (Ball::of(scene), [sights.first(), sights.last()]);
+            let angle = ball.at(scene.duration);
+            let [start, end] = [first, last].map(|sight| sight.map_or(f64::NAN, |sight| sight.tilt));
+            let way = ball.way(angle);
+            [((end - angle) / start).abs(), ((travel(sights).x - way) / (ball.radius * start)).abs()]
+        }
     }
 }
 

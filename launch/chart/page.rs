@@ -1,6 +1,6 @@
 //! The page: every drawing, with what to read in it, complete in itself.
 
-use super::cases::Case;
+use super::cases::{Case, LAW, word};
 use super::csv::{OURS, Row, View};
 use super::failures::{Cause, columns};
 use super::models::GROUPS;
@@ -28,6 +28,7 @@ pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::
     let page = include_str!("page.html")
         .replace("{{style}}", STYLE)
         .replace("{{remark}}", &escaped(remark))
+        .replace("{{law}}", &word(&LAW))
         .replace("{{precision}}", &precision)
         .replace("{{bounds}}", &bounds(chosen, rows))
         .replace("{{steps}}", &steps)

@@ -162,7 +162,7 @@ fn sticking() -> Found {
 /// μ* above which a sliding rod jams, (t² + 4)/(3t) with t = tan θ = 2.
 fn painleve() -> Found {
     let mut found = Vec::new();
-    for law in [LAW, Law::Cone] {
+    for law in [Law::Aligned, LAW] {
         let jams = |friction: f64| -> Result<bool, Failure> {
             let mut scene = parse(&ROD.replace("FOOT", "0.4472135954999579"), "rod")?;
             (scene.plant.law, scene.plant.method, scene.plant.friction) = (law, Method::SemiImplicitEuler, friction);

@@ -25,6 +25,8 @@ pub struct Sight {
     pub slip: f64,
     /// Angle about y between the base's axis z and that of W [rad].
     pub tilt: f64,
+    /// Angle about z between the base's axis x and that of W [rad].
+    pub yaw: f64,
     /// Rate about y of the base [rad/s].
     pub spin: f64,
     /// Normal impulse of the ground since the start [N·s].
@@ -156,7 +158,7 @@ fn cpu_seconds() -> f64 {
 
 /// The contact points [m].
 fn points(plant: &Plant, pose: &Pose) -> Vec<Vector3<f64>> {
-    plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect()
+    plant.model().corners.iter().map(|corner| pose.reference + pose.lowest(corner)).collect()
 }
 
 impl Log {
@@ -169,21 +171,23 @@ impl Log {
         let (model, truth) = (plant.model(), plant.truth());
         kinematics::pose(model, plant.state(), pose);
         let base = &pose.links[model.base_link];
-        let axis = base.rotation.column(2).into_owned();
+        let (ahead, axis) = (base.rotation.column(0), base.rotation.column(2));
         let mut sight = Sight {
             time: plant.time_ns() as f64 * 1e-9,
             totals: kinematics::totals(model, plant.state(), pose),
             low: f64::INFINITY,
             high: f64::NEG_INFINITY,
             tilt: axis.x.atan2(axis.z),
+            yaw: ahead.y.atan2(ahead.x),
             spin: base.velocity.angular.y,
             load: self.sights.last().map_or(0.0, |last| last.load),
             ..Sight::default()
         };
         for corner in &model.corners {
-            let point = pose.point(corner.link, &corner.at);
+            let arm = pose.lowest(corner);
+            let point = pose.reference + arm;
             if point.z < sight.low {
-                let velocity = pose.links[corner.link].velocity.at(&pose.arm(corner.link, &corner.at));
+                let velocity = pose.links[corner.link].velocity.at(&arm);
                 (sight.low, sight.ahead) = (point.z, point.x - truth.base_position[0]);
                 sight.slip = velocity.x.hypot(velocity.y);
             }

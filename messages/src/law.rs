@@ -22,11 +22,11 @@ pub enum Law {
     Lagged,
     /// The conditions (17)-(22) with the paper's one slip direction.
     Complementarity,
-    /// (17)-(22) with both tangents resisted, the first along the slip; the default.
+    /// (17)-(22) with both tangents resisted, the first along the slip.
     Aligned,
     /// (17)-(22) with this many directions of friction, fixed in the world.
     Facets(u8),
-    /// Coulomb's law with a round cone.
+    /// Coulomb's law with a round cone; the default.
     Cone,
     /// The energy minimum over round cones, by an interior-point method of others.
     ConeQp,
@@ -46,6 +46,8 @@ pub enum Iteration {
 }
 
 impl Law {
+    /// That of a scene that names none.
+    pub const DEFAULT: Law = Law::Cone;
     /// Every law, in the order of the paper's story; of those with a number the usual ones.
     pub const ALL: [Law; 14] = [
         Law::SpringDamper,

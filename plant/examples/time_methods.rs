@@ -1,4 +1,4 @@
-//! Error and cost of every method on the ten comparison scenes: `cargo run --release -p plant --example time_methods [SCENE [METHOD [TOLERANCE]]]`.
+//! Error and cost of every method on the twelve comparison scenes: `cargo run --release -p plant --example time_methods [SCENE [METHOD [TOLERANCE]]]`.
 
 #![expect(clippy::unwrap_used, clippy::expect_used, clippy::panic, reason = "an example")]
 
@@ -9,8 +9,8 @@ use plant::Plant;
 use plant::kinematics::{self, Pose, Totals};
 use std::time::Instant;
 
-const SCENES: [&str; 10] =
-    ["free", "slide", "slide30", "incline", "stick", "drop", "stand0", "stand10", "rock", "wheel"];
+const SCENES: [&str; 12] =
+    ["free", "slide", "slide30", "incline", "stick", "drop", "stand0", "stand10", "rock", "wheel", "turn", "ball"];
 const STEPS: [f64; 5] = [0.02, 0.01, 0.005, 0.002, 0.001];
 
 /// What a scene is scored by, over its run.
@@ -68,6 +68,14 @@ impl Watch {
                 (ratio.sqrt() / 0.911_764_705_882_352_9 - 1.0).abs()
             }
             "wheel" => (way / 4.0 / 0.784_571 - 1.0).abs(),
+            "turn" => {
+                let ahead = self.pose.links[plant.model().base_link].rotation.column(0).into_owned();
+                (ahead.y.atan2(ahead.x) / 0.431_227_433_721 - 1.0).abs()
+            }
+            "ball" => {
+                let axis = self.pose.links[plant.model().base_link].rotation.column(2).into_owned();
+                ((axis.x.atan2(axis.z) + 0.070_267_594_408) / 1.2).abs()
+            }
             _ => panic!("{name}"),
         }
     }

@@ -10,6 +10,7 @@ mod joints;
 mod laws;
 mod rolling;
 mod sliding;
+mod smooth;
 mod springs;
 mod standing;
 mod steps;

@@ -1,14 +1,14 @@
 //! What grows: a table on four sprung feet gets contact points, a chain gets links, a standing biped gets longer steps.
 
-use crate::chart::cases::{Way, scene};
+use crate::chart::cases::{LAW, Way, scene};
 use crate::exit::Failure;
 use messages::robot::{Body, Joint};
-use messages::scene::{Base, Law, Method, Scene};
+use messages::scene::{Base, Method, Scene};
 
 /// Steps of a run.
 const STEPS: f64 = 100.0;
 /// How all of it is simulated, as MuJoCo's Euler is.
-const WAY: Way = Way { law: Law::Aligned, method: Method::SemiImplicitEuler };
+const WAY: Way = Way { law: LAW, method: Method::SemiImplicitEuler };
 
 /// What grows, and the exponent from where on.
 pub struct Curve {

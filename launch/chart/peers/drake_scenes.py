@@ -52,10 +52,10 @@ class Simulation(Traced):
             touching = [(plant.GetBodyByName("body"), point) for point in scene.body.points]
         friction = CoulombFriction(scene.friction, scene.friction)
         if scene.contact:
-            ground = plant.world_body()
+            ground, radius = plant.world_body(), (scene.body and scene.body.radius) or s.TIP
             plant.RegisterCollisionGeometry(ground, RigidTransform(), HalfSpace(), "ground", friction)
             for i, (body, point) in enumerate(touching):
-                plant.RegisterCollisionGeometry(body, RigidTransform(point), Sphere(s.TIP), f"corner {i}", friction)
+                plant.RegisterCollisionGeometry(body, RigidTransform(point), Sphere(radius), f"corner {i}", friction)
         plant.Finalize()
         self.simulator = Simulator(builder.Build())
         self.root = self.simulator.get_mutable_context()

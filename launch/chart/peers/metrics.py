@@ -15,6 +15,8 @@ NEAR_IMPACT = radians(5)  # the wheel's spin is read this far from an impact and
 
 def stride(scene, steps):
     """Steps between two rows of the trace that `measure` asks for."""
+    if scene.name in ("turn", "ball"):
+        return steps
     if scene.name == "free":
         return max(steps // 100, 1)
     return 1 if scene.name in ("drop", "rock", "wheel") else steps // 2
@@ -84,6 +86,20 @@ def _wheel(scene, trace, dt):
     return {"speed": abs(speed / s.WHEEL_SPEED - 1), "ratio": abs(ratio / s.WHEEL_RATIO - 1)}
 
 
+def _turn(scene, trace, dt):
+    """How far it turned, and where it got."""
+    rotation, way = _rotations(trace)[-1], trace[-1, :2] - trace[0, :2]
+    yaw = np.arctan2(rotation[1, 0], rotation[0, 0])
+    return {"yaw": abs(yaw / s.TURN_YAW - 1), "way": np.linalg.norm(way - s.TURN_WAY) / np.linalg.norm(s.TURN_WAY)}
+
+
+def _ball(scene, trace, dt):
+    """Its angle, as a share of that at the start, and where it got, as a share of what it rolls in the quarter of a period."""
+    angle, way = _pitch(trace)[-1], trace[-1, 0] - trace[0, 0]
+    rolled = scene.body.radius * scene.pitch
+    return {"angle": abs((angle - s.BALL_ANGLE) / scene.pitch), "way": abs((way - s.BALL_WAY) / rolled)}
+
+
 def _crossings(angle, first, last, offset):
     """(time, rate), in steps, at which `angle` passes offset + k spokes between `first` and `last`, by a cubic."""
     found = []
@@ -122,4 +138,6 @@ _MEASURES = {
     "stand10": _creep,
     "rock": _rock,
     "wheel": _wheel,
+    "turn": _turn,
+    "ball": _ball,
 }

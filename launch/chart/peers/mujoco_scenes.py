@@ -101,7 +101,7 @@ def _body(scene):
     if scene.body.box:
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[a / 2 for a in scene.body.box], **touching)
     for tip in scene.body.tips:
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[s.TIP, 0, 0], pos=tip, **touching)
+        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[scene.body.radius or s.TIP, 0, 0], pos=tip, **touching)
     _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEPOS, "body")
     _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEQUAT, "body")
     return spec

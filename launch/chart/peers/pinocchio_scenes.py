@@ -64,14 +64,17 @@ class Simulation(Timed):
     def step(self):
         """One step; the seconds it took in Pinocchio."""
         model, data, dt, q, v, clock = self.model, self.data, self.dt, self.q, self.v, time.perf_counter_ns
+        scene = self.scene
         torque = np.zeros(model.nv)
-        torque[6:] = self.scene.stiffness * (self.rest - q[7:] - dt * v[6:]) - self.scene.damping * v[6:]
+        torque[6:] = scene.stiffness * (self.rest - q[7:] - dt * v[6:]) - scene.damping * v[6:]
         start = clock()
         free = v + dt * pin.aba(model, data, q, v, torque, pin.Convention.WORLD)
         places = data.oMi
         native = clock() - start
         free[:3] += dt * np.cross(v[3:6], v[:3])  # of the base's origin in W, in axes of the base as they are now
-        gaps = [places[joint].act(point)[2] for joint, point in self.points]
+        if radius := scene.body.radius if scene.body else 0.0:
+            self._follow_balls(places, radius)
+        gaps = [places[joint].act(point)[2] - radius for joint, point in self.points]
         active = tuple(i for i, gap in enumerate(gaps) if gap <= NEAR)
         if active:
             constraints, values, cholesky, solver, result = self._solver(active)
@@ -97,6 +100,14 @@ class Simulation(Timed):
         self.v = free
         self.v[:3] = pin.Quaternion(self.q[3:7]).matrix().T @ way
         return native * 1e-9
+
+    def _follow_balls(self, places, radius):
+        """Contacts at the lowest points of balls, wherever on the balls these are now."""
+        down = np.array((0.0, 0.0, -radius))
+        touching = [(joint, point + places[joint].rotation.T @ down) for joint, point in self.points]
+        self.ground = [_contact(self.model, joint, point, self.scene.friction) for joint, point in touching]
+        self.solvers.clear()
+        self.active = None
 
     def _solver(self, active):
         """Constraints, decomposition, solver and result of a set of points; begun anew when the set changes."""

@@ -30,7 +30,7 @@ class Simulation:
         watch = [0] if scene.body else feet if scene.contact else []
         keys = ("friction", "contact", "stiffness", "damping")
         problem = {key: getattr(scene, key) for key in keys}
-        problem |= {"gravity": list(scene.gravity_vector), "tip": s.TIP}
+        problem |= {"gravity": list(scene.gravity_vector), "tip": (scene.body and scene.body.radius) or s.TIP}
         self.problem = json.dumps(problem | {"links": links, "watch": watch})
         self.places = slice(None) if len(watch) < 2 else [0, 1, 2, 7, 8, 9]
 
@@ -60,8 +60,10 @@ def _link(mass, inertia, position, quaternion, velocity, spin, **more):
 
 
 def _body(scene):
-    body = scene.body
-    state = (scene.position, scene.quaternion, scene.velocity, scene.spin)
+    body, (x, y, z) = scene.body, scene.position
+    if body.tips and not body.radius:
+        z += s.TIP  # a sphere with its middle in the plane would be pushed down
+    state = ((x, y, z), scene.quaternion, scene.velocity, scene.spin)
     return _link(body.mass, body.inertia, *state, box_size=body.box or None, tips=body.tips)
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs other engines on the ten comparison scenes and writes what they err by and what they cost.
+"""Runs other engines on the twelve comparison scenes and writes what they err by and what they cost.
 
     python3 run.py --out FILE [--quick] [--scenes slide rock] [--engines mujoco drake] [--dated] [--venv FOLDER]
 

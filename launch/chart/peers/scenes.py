@@ -1,4 +1,4 @@
-"""The ten comparison scenes: bodies, initial states and exact answers, the same for every engine.
+"""The twelve comparison scenes: bodies, initial states and exact answers, the same for every engine.
 
 World frame: x forward (downhill), y left, z up; the ground is the plane z = 0 and a slope is a tilt of gravity. Nothing
 is in flight or in the ground at the start, except the foot that drops. Units are SI. The biped is `biped8.xml` or
@@ -12,6 +12,8 @@ from pathlib import Path
 
 import numpy as np
 
+import motion
+
 HERE = Path(__file__).parent
 BIPED_MJCF = HERE / "biped8.xml"
 BIPED_URDF = HERE / "biped8.urdf"
@@ -23,21 +25,23 @@ G = 9.81
 
 @dataclass(frozen=True)
 class Body:
-    """A free body with its centre of mass at its origin: a box, or point tips."""
+    """A free body with its centre of mass at its origin: a box, point tips, or balls about them."""
 
     mass: float
     inertia: tuple  # principal moments about the centre of mass
     box: tuple = ()  # side lengths
     tips: tuple = ()  # points that may touch; spheres of radius TIP in engines that know no points
+    radius: float = 0.0  # of balls about the tips
 
     @property
     def points(self):
-        """Points of the body that may touch the ground."""
+        """Points of the body, or middles of its balls, that may touch the ground."""
         return list(self.tips) or [tuple(s * a / 2 for s, a in zip(signs, self.box)) for signs in CORNERS]
 
     def urdf(self):
         """The body as a one-link URDF."""
-        sphere = '<collision><origin xyz="{} {} {}"/><geometry><sphere radius="%r"/></geometry></collision>' % TIP
+        sphere = '<collision><origin xyz="{} {} {}"/><geometry><sphere radius="%r"/></geometry></collision>'
+        sphere %= self.radius or TIP
         collisions = "".join(sphere.format(*tip) for tip in self.tips)
         if self.box:
             size = "{} {} {}".format(*self.box)
@@ -103,6 +107,8 @@ BLOCK = _box(1.0, (0.1, 0.1, 0.4))
 SPOKE, SPOKES, SPOKE_ANGLE = 0.3, 8, pi / 4
 _EIGHTHS = [SPOKE_ANGLE * (i + 0.5) for i in range(SPOKES)]
 WHEEL = Body(10.0, (0.1,) * 3, tips=tuple((SPOKE * sin(a), y, SPOKE * cos(a)) for a in _EIGHTHS for y in (0.1, -0.1)))
+PUCK = Body(1.0, (0.005, 0.005, 0.01), tips=((0.1, 0, 0), (-0.05, 0.0075**0.5, 0), (-0.05, -(0.0075**0.5), 0)))
+BALL = Body(1.0, (0.002,) * 3, tips=((0, 0, 0.04),), radius=0.1)
 
 # Rocking block: Housner's ratio of spins at the impact, and how far it then rises on its other edge.
 TIPPING = atan(0.1 / 0.4)
@@ -142,8 +148,12 @@ SCENES = {
               position=(0, 0, 0.05 * sin(TIPPING / 2) + 0.2 * cos(TIPPING / 2))),
         Scene("wheel", 4.0, WHEEL, (0, 0, _WHEEL_TOP), slope=WHEEL_SLOPE, friction=1.0, spin=(0, WHEEL_SPIN, 0),
               velocity=(WHEEL_SPIN * _WHEEL_ARM[1], 0, -WHEEL_SPIN * _WHEEL_ARM[0])),
+        Scene("turn", 0.5, PUCK, velocity=(2, 0, 0), spin=(0, 0, 1), friction=0.2),
+        Scene("ball", 1.75, BALL, (0.04 * sin(1.2), 0, 0.1 - 0.04 * cos(1.2)), pitch=-1.2),
     ]
 }  # fmt: skip
 
 STOP = 2.0**2 / (2 * 0.5 * G)  # v^2 / (2 mu g) = .407747 m
 INCLINE = G * (sin(radians(20)) - 0.3 * cos(radians(20))) * 2.0**2 / 2  # 1.179404 m
+*TURN_WAY, TURN_YAW = motion.puck(SCENES["turn"], G)  # .754942 m, .431227 rad
+BALL_WAY, BALL_ANGLE = motion.ball(SCENES["ball"], G)  # at its lowest place all but -.070268 rad

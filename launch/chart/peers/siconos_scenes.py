@@ -30,7 +30,7 @@ class Simulation(Timed):
 
     def __init__(self, scene, method, dt):
         self.scene, self.dt = scene, dt
-        self.points = np.array(scene.body.points)
+        self.points, self.radius = np.array(scene.body.points), scene.body.radius
         self.inertia = np.array(scene.body.inertia)
         self.options = numerics.SolverOptions(METHODS[method])
         self.options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = 1000
@@ -50,12 +50,12 @@ class Simulation(Timed):
         velocity = self.velocity + h * self.scene.gravity_vector
         gyroscopic = spin + h * np.cross(inertia * spin, spin) / inertia
         turn = _turn(_rotated(self.attitude, 0.5 * h * spin))
-        heights = self.place[2] + 0.5 * h * self.velocity[2] + self.points @ turn[2]
+        heights = self.place[2] + 0.5 * h * self.velocity[2] + self.points @ turn[2] - self.radius
         touching = np.flatnonzero(heights <= NEAR)
         seconds = 0.0
         if touching.size:
-            # Velocity of a point: v + turn (spin x point); rows are normal, then tangents.
-            arms = [-turn @ _cross(point) for point in self.points[touching]]
+            # Velocity of a point of the body, or of the lowest of a ball: v + (turn spin) x arm; rows are normal, then tangents.
+            arms = [-_cross(turn @ point - (0, 0, self.radius)) @ turn for point in self.points[touching]]
             jacobian = np.concatenate([np.hstack([np.eye(3), arm])[[2, 0, 1]] for arm in arms])
             inverse = np.concatenate([np.full(3, 1 / self.scene.body.mass), 1 / inertia])
             delassus = (jacobian * inverse) @ jacobian.T

@@ -32,7 +32,7 @@ impl Default for PlantScene {
         PlantScene {
             dt: 5e-4,
             base: Base::Quaternion,
-            law: Law::Cone,
+            law: Law::DEFAULT,
             tolerance: 1e-9,
             method: Method::SemiImplicitEuler,
             tolerance_step: 1e-10,

@@ -32,8 +32,8 @@ pub fn measure(recordings: &[(Doing, Recording)], times: &mut Times) {
         let contacts: Vec<_> = recording.problems.iter().map(|problem| problem.contacts as f64).collect();
         if !contacts.is_empty() {
             add(&name, "contacts", median(&contacts));
-            add(&name, "Coulomb's law, warm", contact(recording.problems.iter(), Law::Aligned, true));
-            add(&name, "Coulomb's law, cold", contact(given::contacts(recording), Law::Aligned, false));
+            add(&name, "Coulomb's law, warm", contact(recording.problems.iter(), Law::DEFAULT, true));
+            add(&name, "Coulomb's law, cold", contact(given::contacts(recording), Law::DEFAULT, false));
             add(&name, "convex law, cold", contact(given::contacts(recording), Law::EnergyQpGap, false));
         }
     }

@@ -1,0 +1,152 @@
+//! The comparison scenes whose equations have no closed solution, a puck that slides and turns and a ball that rolls, held to a
+//! fine integration of these. Laws and methods differ there by what they do to a velocity that changes its direction, or its place.
+
+use crate::support::{G, assert_near, plant, pose, run, spin, totals};
+use nalgebra::{Rotation2, Vector2};
+use plant::Plant;
+
+/// The paper's method.
+const PAPER: &[&str] = &["plant.method=SemiImplicitEuler", "plant.dt=0.001", "rate=1000"];
+/// As the scenes are.
+const OWN: &[&str] = &[];
+/// From event to event.
+const BEST: &[&str] = &["plant.method=EventDriven"];
+
+/// The state after a time: the classical method of fourth order, in 5000 steps.
+fn integrated<const N: usize>(mut state: [f64; N], time: f64, rate: impl Fn([f64; N]) -> [f64; N]) -> [f64; N] {
+    let h = time / 5000.0;
+    let moved = |state: [f64; N], by: f64, rates: [f64; N]| std::array::from_fn(|i| state[i] + by * rates[i]);
+    for _ in 0..5000 {
+        let a = rate(state);
+        let b = rate(moved(state, 0.5 * h, a));
+        let c = rate(moved(state, 0.5 * h, b));
+        let d = rate(moved(state, h, c));
+        state = std::array::from_fn(|i| state[i] + h / 6.0 * (a[i] + 2.0 * b[i] + 2.0 * c[i] + d[i]));
+    }
+    state
+}
+
+/// Yaw, and angular velocity about the vertical.
+fn turned(plant: &Plant) -> [f64; 2] {
+    let ahead = pose(plant).links[plant.model().base_link].rotation.column(0).into_owned();
+    [ahead.y.atan2(ahead.x), spin(plant).z]
+}
+
+/// Three legs carry m g/3 each, and each is braked against its own velocity: how far off yaw and angular velocity are.
+fn puck(settings: &[&str]) -> [f64; 2] {
+    let legs = [0.0, 120.0, 240.0].map(|degrees: f64| Rotation2::new(degrees.to_radians()) * Vector2::new(0.1, 0.0));
+    let [yaw, .., rate] = integrated([0.0, 2.0, 0.0, 1.0], 0.5, |[yaw, vx, vy, spin]| {
+        let mut sum = [spin, 0.0, 0.0, 0.0];
+        for arm in legs.map(|leg| Rotation2::new(yaw) * leg) {
+            let friction = -0.2 * G / 3.0 * Vector2::new(vx - spin * arm.y, vy + spin * arm.x).normalize();
+            let moment = arm.perp(&friction);
+            sum = [spin, sum[1] + friction.x, sum[2] + friction.y, sum[3] + moment / 0.01];
+        }
+        sum
+    });
+    assert_near("ω", rate, 0.706_702_218, 1e-9);
+    let mut plant = plant("turn", settings);
+    run(&mut plant, 0.5);
+    let found = turned(&plant);
+    [found[0] / yaw - 1.0, found[1] / rate - 1.0]
+}
+
+#[test]
+fn a_puck_slides_and_turns_as_three_points_of_coulomb_do() {
+    for (settings, most) in [(PAPER, 1e-3), (OWN, 1e-10), (BEST, 1e-12)] {
+        let errors = puck(settings);
+        println!("{settings:?}: yaw, rate off by {errors:?}");
+        assert!(errors.iter().all(|error| error.abs() < most), "{settings:?}: {errors:?}");
+    }
+}
+
+/// The error of a step of h and of one of h/2, as the power of h that it goes with.
+fn order(error: impl Fn(&[&str]) -> f64, method: &str, [coarse, fine]: [f64; 2]) -> f64 {
+    let of = |dt: f64| {
+        let settings = [format!("plant.method={method}"), format!("plant.dt={dt}"), format!("rate={}", 1.0 / dt)];
+        error(&settings.iter().map(String::as_str).collect::<Vec<_>>()).abs()
+    };
+    let order = (of(coarse) / of(fine)).log2() / (coarse / fine).log2();
+    println!("{method}: order {order}");
+    order
+}
+
+/// Impulses ask what sticks to stick where a step ends, which costs an order; accelerations do not.
+#[test]
+fn errors_fall_as_the_order_of_each_method_says() {
+    for (method, wanted, steps) in [
+        ("SemiImplicitEuler", 1.0, [2e-3, 1e-3]),
+        ("MidpointMoreau", 1.0, [2e-3, 1e-3]),
+        ("Rk4Impact", 4.0, [0.05, 0.025]),
+    ] {
+        assert_near(method, order(|settings| puck(settings)[0], method, steps), wanted, 0.1 * wanted);
+    }
+    for (method, wanted, steps) in [
+        ("SemiImplicitEuler", 1.0, [2e-4, 1e-4]),
+        ("MidpointMoreau", 1.0, [2e-4, 1e-4]),
+        ("ImplicitMidpoint", 2.0, [2e-3, 1e-3]),
+        ("Rk4Impact", 4.0, [0.001, 0.0005]),
+    ] {
+        assert_near(method, order(ball, method, steps), wanted, 0.1 * wanted);
+    }
+}
+
+/// `Aligned` has the corner of each contact's diamond along its own slip, and comes to the same with smaller steps. Facets fixed in the
+/// world brake all three legs along one of them while the slips differ by less than the facets do: nothing brakes the turn, at any step.
+#[test]
+fn fixed_facets_let_what_slides_turn_freely_and_a_diamond_along_the_slip_does_not() {
+    let error = |law: &str, dt: &str| {
+        let law = format!("plant.law={law}");
+        puck(&[law.as_str(), "plant.method=MoreauJean", &format!("plant.dt={dt}")])[1]
+    };
+    for law in ["Facets(4)", "Facets(8)", "Facets(16)"] {
+        for dt in ["0.005", "0.001"] {
+            let error = error(law, dt);
+            println!("{law}, {dt} s: {error}");
+            assert_near(law, error, 1.0 / 0.706_702_218 - 1.0, 1e-8);
+        }
+    }
+    for law in ["Cone", "Aligned"] {
+        let [coarse, fine] = ["0.005", "0.001"].map(|dt| error(law, dt).abs());
+        println!("{law}: {coarse:e}, {fine:e}");
+        assert!(coarse < 1e-3 && fine < 0.25 * coarse, "{law}: {coarse:e}, {fine:e}");
+    }
+}
+
+/// How far off the angle of the loaded ball is that rolls [rad]: φ' of ½ (k² + r² + d² - 2 r d cos φ) φ'² - g d (1 - cos φ).
+fn ball(settings: &[&str]) -> f64 {
+    let (radius, offset, gyration, start) = (0.1, 0.04, 0.002, -1.2);
+    let [angle, rate] = integrated([start, 0.0], 1.75, |[angle, rate]| {
+        let inertia = gyration + radius * radius + offset * offset - 2.0 * radius * offset * angle.cos();
+        [rate, -offset * angle.sin() * (radius * rate * rate + G) / inertia]
+    });
+    assert!(rate < -9.4, "it passes its lowest place at full speed: {rate} rad/s");
+    let mut plant = plant("ball", settings);
+    run(&mut plant, 1.75);
+    let axis = pose(&plant).links[plant.model().base_link].rotation.column(2).into_owned();
+    axis.x.atan2(axis.z) - angle
+}
+
+#[test]
+fn a_loaded_ball_rolls_to_and_fro_as_lagrange_says() {
+    for (settings, most) in [(PAPER, 0.05), (OWN, 2e-7), (BEST, 1e-11)] {
+        let error = ball(settings);
+        println!("{settings:?}: angle off by {error:e} rad");
+        assert!(error.abs() < most, "{settings:?}: {error:e} rad");
+    }
+}
+
+/// What it rolls is what it turns: its middle gets on by the radius times the angle.
+#[test]
+fn a_ball_that_rolls_does_not_slip() {
+    for (settings, most) in [(OWN, 1e-8), (BEST, 1e-11)] {
+        let mut plant = plant("ball", settings);
+        let middle = |plant: &Plant| pose(plant).point(plant.model().base_link, &nalgebra::Vector3::zeros()).x;
+        let begun = middle(&plant);
+        run(&mut plant, 1.75);
+        let axis = pose(&plant).links[plant.model().base_link].rotation.column(2).into_owned();
+        let slipped = middle(&plant) - begun - 0.1 * (axis.x.atan2(axis.z) + 1.2);
+        println!("{settings:?}: slipped by {slipped:e} m; {:e} m aside", totals(&plant).com.y);
+        assert!(slipped.abs() < most && totals(&plant).com.y.abs() < 1e-12, "{settings:?}: {slipped:e} m");
+    }
+}
