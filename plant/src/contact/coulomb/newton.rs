@@ -30,6 +30,8 @@ use equations::{Equations, Unknown};
 const STEPS: u32 = 12;
 /// Steps in which a patch may be outside its cones before it is given up.
 const PATIENCE: u32 = 4;
+/// A residual up to this is rounding: another step would change nothing [-].
+const EXACT: f64 = 2e-15;
 /// Solutions at most that undo the compliance.
 const REFINEMENTS: u32 = 4;
 
@@ -103,7 +105,8 @@ impl Newton {
             }
             iterate.steps += 1;
             self.failed = 0;
-            if !self.solve(round, false, &mut iterate.f) {
+            let evenly = step == 0 && start.is_some() && self.has_spare_pressure(round);
+            if !self.solve(round, evenly, &mut iterate.f) {
                 return false;
             }
             self.linear.clone_from(&iterate.f);
@@ -122,7 +125,9 @@ impl Newton {
             iterate.error = round.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(round, iterate);
-                self.press_evenly(round, iterate);
+                if !evenly || iterate.error > EXACT {
+                    self.press_evenly(round, iterate);
+                }
                 return true;
             }
             let rigid = iterate.error;

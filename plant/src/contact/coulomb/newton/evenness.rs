@@ -13,19 +13,24 @@ use super::{Newton, REFINEMENTS};
 const STILL: f64 = 1e-14;
 
 impl Newton {
-    /// Takes the solution with the evenest pressure, where one link's contacts push in more ways than it can move, if it obeys the law too.
-    pub(super) fn press_evenly(&mut self, round: &Round, iterate: &mut Iterate) {
+    /// Whether a link's contacts that do not stick together push in more ways than it can move.
+    pub(super) fn has_spare_pressure(&mut self, round: &Round) -> bool {
         let Newton { groups, contacts, patch, .. } = self;
-        let mut unique = true;
+        let mut spare = false;
         for group in groups.iter_mut().filter(|group| !group.sticks) {
             let pushes = |i: usize| contacts[i].kind != Kind::Open;
             let pushing = (group.first..group.end).filter(|&i| pushes(i)).count();
             if pushing > 1 {
                 patch.find_basis(round, group, 1, pushes);
-                unique &= group.rank == pushing;
+                spare |= group.rank < pushing;
             }
         }
-        if unique {
+        spare
+    }
+
+    /// Takes the solution with the evenest pressure, if it obeys the law too.
+    pub(super) fn press_evenly(&mut self, round: &Round, iterate: &mut Iterate) {
+        if !self.has_spare_pressure(round) {
             return;
         }
         self.found.copy(iterate);
