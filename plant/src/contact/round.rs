@@ -17,6 +17,8 @@ pub(super) struct Round {
     pub friction: Vec<f64>,
     /// s of each contact.
     pub scale: Vec<f64>,
+    /// 1/s of each row of the problem, zero where it cannot move.
+    inverse: Vec<f64>,
     /// Link of each contact.
     pub link: Vec<usize>,
     /// Direction of slip of each contact, where it is given; else zero.
@@ -45,18 +47,23 @@ impl Round {
             let own = if diagonal(rows.start) > least { diagonal(rows.start) } else { tangents };
             if own > least || own.is_nan() { own.sqrt() } else { 1.0 }
         }));
+        self.inverse.clear();
+        for (i, scale) in self.scale.iter().enumerate() {
+            let moves = |k: usize| if diagonal(k) <= least { 0.0 } else { 1.0 / scale };
+            self.inverse.extend((i * stride..(i + 1) * stride).map(moves));
+        }
         self.delassus.clear();
         self.delassus.resize(n * n, 0.0);
         self.drift.clear();
         self.drift.resize(n, 0.0);
-        for k in (0..m).filter(|&k| diagonal(k) > least || diagonal(k).is_nan()) {
+        for (k, own) in self.inverse.iter().enumerate() {
             let (i, row) = (k / stride, k / stride * 3 + k % stride);
             let extra = if k % stride == 0 { lift(problem, law, i) } else { 0.0 };
-            self.drift[row] = (problem.drift[k] + extra) / self.scale[i];
-            for l in (0..m).filter(|&l| diagonal(l) > least || diagonal(l).is_nan()) {
-                let column = l / stride * 3 + l % stride;
-                let a = problem.delassus[k * m + l] / (self.scale[i] * self.scale[l / stride]);
-                self.delassus[row * n + column] = a;
+            self.drift[row] = (problem.drift[k] + extra) * own;
+            let scaled = self.delassus[row * n..][..n].chunks_exact_mut(3);
+            let given = problem.delassus[k * m..][..m].chunks_exact(stride).zip(self.inverse.chunks_exact(stride));
+            for (scaled, (a, inverse)) in scaled.zip(given) {
+                scaled.iter_mut().zip(a).zip(inverse).for_each(|((scaled, a), inverse)| *scaled = a * (own * inverse));
             }
         }
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
