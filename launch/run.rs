@@ -10,7 +10,7 @@ use crate::realtime::RealtimeArgs;
 use crate::recording::Tape;
 use crate::summary::Summary;
 use crate::swap::{Succession, Swap};
-use crate::{PaceArgs, SceneArgs, fitted, guarded, report};
+use crate::{PaceArgs, SceneArgs, fitted, guarded, model, report};
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
 use messages::invitation::Invitation;
@@ -76,7 +76,7 @@ impl RunArgs {
     /// What `biped` does without arguments.
     pub fn main_job() -> RunArgs {
         RunArgs {
-            scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![], full: false },
+            scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![] },
             pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
             system: RealtimeArgs::default(),
             session: None,
@@ -99,8 +99,7 @@ impl RunArgs {
 pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.system.suits(args.pace.pace())?;
     let begun = Instant::now() - processor_time(); // so much of it the program took to get here
-    let written = args.scene.written()?;
-    let scene = args.scene.on_model(&written);
+    let scene = args.scene.load()?;
     if scene.controller.is_none() && (args.controller.is_some() || !args.swap.is_empty()) {
         let alone = format!("scene {} has no controller, so --controller and --swap do nothing", args.scene.scene);
         return Err(Failure::new(Exit::Usage, alone));
@@ -130,8 +129,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
     }
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
-    let model = args.scene.model(&written)?;
-    let summary = Summary::new(&args.scene.scene, &watch.recorder, begun.elapsed(), processes).on(model);
+    let summary = Summary::new(&args.scene.scene, &watch.recorder, begun.elapsed(), processes).on(model::size(&scene)?);
     let summary = summary.ended(outcome.as_ref().err());
     say(&summary);
     if let Some(folder) = &args.out {
@@ -240,7 +238,6 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     if args.pace.realtime {
         arguments.extend(["--realtime".into(), "--speed".into(), args.pace.speed.to_string()]);
     }
-    arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments
 }

@@ -3,7 +3,6 @@
 mod table;
 
 use crate::exit::Failure;
-use crate::model::RunModel;
 use crate::record::{Recorder, Row};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
@@ -100,9 +99,9 @@ pub struct Summary {
     pub met: String,
     /// Records left out because their pose was not finite.
     pub dropped: u64,
-    /// What the model has that was simulated, and what the scene's own has if that is larger.
+    /// What the model has that was simulated.
     pub model: String,
-    /// Its time for a step over that of the scene's own model, the median over the first steps of the scene; 1 if it is that one.
+    /// Its time for a step over that of the scene's own model: 1, for it is that one; NaN where no model was simulated.
     pub model_cost_ratio: f64,
     /// What ended the run before its time.
     pub cut_short_by: Option<&'static str>,
@@ -176,8 +175,8 @@ impl Summary {
     }
 
     /// With the model that was simulated.
-    pub fn on(self, model: RunModel) -> Self {
-        Summary { model: model.size, model_cost_ratio: model.cost_ratio, ..self }
+    pub fn on(self, model: String) -> Self {
+        Summary { model, model_cost_ratio: 1.0, ..self }
     }
 
     /// With what ended the run, if it was not the end of the scene.

@@ -20,7 +20,6 @@
 //! | delay, jitter and loss of commands | [`inject`] |
 //! | a run: plant, intake and the count of periods | [`simulation`] |
 //! | the process around it | [`process`], `link`, `desk`, `remarks` |
-//! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 
 pub mod composite;
@@ -42,7 +41,6 @@ pub mod model;
 pub mod process;
 mod remarks;
 pub mod simulation;
-pub mod smallest;
 pub mod spatial;
 pub mod springs;
 pub mod state;
