@@ -1,6 +1,6 @@
 //! Claims about the desk: what is asked of a running session is done, and nothing else.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(clippy::expect_used, clippy::unwrap_used, reason = "a test may panic")]
 
 #[path = "common/live.rs"]
 mod live;
