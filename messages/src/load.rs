@@ -109,9 +109,10 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
     Ok(scene)
 }
 
-/// An error that shows no line in full that nobody would read.
+/// An error that shows no line of a file in full that nobody would read; such a line stands behind its number and a bar.
 fn short(error: &toml::de::Error) -> String {
-    let cut = |line: &str| match line.char_indices().nth(LONGEST) {
+    let is_quoted = |line: &str| line.trim_start_matches(|c: char| c == ' ' || c.is_ascii_digit()).starts_with('|');
+    let cut = |line: &str| match line.char_indices().nth(LONGEST).filter(|_| is_quoted(line)) {
         Some((end, _)) => format!("{}…\n", &line[..end]),
         None => format!("{line}\n"),
     };
