@@ -20,6 +20,7 @@
 //! | delay, jitter and loss of commands | [`inject`] |
 //! | a run: plant, intake and the count of periods | [`simulation`] |
 //! | the process around it | [`process`], `link`, `desk`, `remarks` |
+//! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 
 pub mod composite;
@@ -41,6 +42,7 @@ pub mod model;
 pub mod process;
 mod remarks;
 pub mod simulation;
+pub mod smallest;
 pub mod spatial;
 pub mod springs;
 pub mod state;

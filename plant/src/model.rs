@@ -15,7 +15,7 @@
 
 mod build;
 
-pub(crate) use build::finite;
+pub(crate) use build::{finite, moves_in_plane};
 
 use crate::error::PlantError;
 use messages::robot::Tiles;

@@ -71,7 +71,7 @@ impl Model {
 }
 
 /// Whether nothing in the scene can move along y or turn about x or z.
-fn moves_in_plane(scene: &Scene) -> bool {
+pub(crate) fn moves_in_plane(scene: &Scene) -> bool {
     let [roll, _, yaw] = scene.initial.orientation_deg;
     let base = scene.plant.base == Base::Planar || scene.plant.base == Base::Fixed && roll == 0.0 && yaw == 0.0;
     let joints = scene.bodies.iter().filter_map(|body| body.joint.as_ref());

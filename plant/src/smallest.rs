@@ -1,0 +1,236 @@
+//! Model no more than a scene needs: the same motion with fewer coordinates and fewer contact points.
+//!
+//! | what goes | when |
+//! |---|---|
+//! | contact points that can never touch | the flight of the centre of mass, or the reach from a fixed base, keeps them above the ground |
+//! | y, yaw and roll of the base | the scene is its own mirror image across the plane of x and z, so it stays so |
+//! | contact points of a body that differ in y alone, but for one at their mean y | nothing moves across that plane: they move as one |
+//! | the friction across that plane | likewise; [`Model::directions`](crate::model::Model) |
+//!
+//! Each rule is a proof, so motion, force on each body and zero-moment point are the same but for rounding. Where Coulomb's law has several
+//! answers, as for how hard two feet push against one another sideways, the smaller model may have another one.
+//!
+//! What is not in the scene, say a push at the desk, may go across the plane or bring down what was to fly over. So a run is on this model
+//! only where it is asked for and nobody can push.
+
+use crate::contact::is_coulomb;
+use crate::error::PlantError;
+use crate::kinematics::{self, Pose};
+use crate::model::{Model, moves_in_plane};
+use crate::state::State;
+use messages::robot::{Body, Joint, JointKind, Sphere};
+use messages::scene::{Base, Law, Scene};
+use std::collections::BTreeSet;
+use std::fmt;
+
+/// A scene on its smallest sufficient model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Smallest {
+    /// The scene.
+    pub scene: Scene,
+    /// Degrees of freedom, contact points and directions of friction of the model as the scene asks for it …
+    pub full: Size,
+    /// … and of this one.
+    pub size: Size,
+}
+
+/// How large a model is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Size {
+    /// Coordinates of the base.
+    pub base: Base,
+    /// Degrees of freedom.
+    pub dofs: usize,
+    /// Points and balls that may touch.
+    pub contacts: usize,
+    /// Tangents that friction acts along.
+    pub directions: usize,
+}
+
+/// The smallest model that gives the scene's answer.
+///
+/// # Errors
+/// If the scene cannot be simulated at all; see [`PlantError`].
+pub fn smallest(written: &Scene) -> Result<Smallest, PlantError> {
+    let full = Size::of(written)?;
+    let mut scene = written.clone();
+    if scene.controller.is_some() {
+        return Ok(Smallest { scene, full, size: full }); // what drives it may do anything
+    }
+    drop_untouchable(&mut scene)?;
+    let movable = matches!(scene.plant.base, Base::Virtual | Base::Quaternion);
+    if movable && is_its_mirror_image(&scene) {
+        scene.plant.base = Base::Planar;
+    }
+    if scene.plant.base == Base::Planar && moves_in_plane(&scene) && is_coulomb(scene.plant.law) {
+        scene.bodies.iter_mut().for_each(merge);
+    }
+    let size = Size::of(&scene)?;
+    Ok(Smallest { scene: if size == full { written.clone() } else { scene }, full, size })
+}
+
+impl Smallest {
+    /// Whether it is smaller than the model as the scene asks for it.
+    pub fn is_smaller(&self) -> bool {
+        self.size != self.full
+    }
+}
+
+impl Size {
+    /// That of the model as the scene asks for it.
+    ///
+    /// # Errors
+    /// If the scene cannot be simulated at all; see [`PlantError`].
+    pub fn of(scene: &Scene) -> Result<Size, PlantError> {
+        let model = Model::new(scene)?;
+        let (dofs, contacts) = (model.dofs(), model.corners.len());
+        let directions = crate::contact::tangents(scene.plant.law).min(model.directions);
+        Ok(Size { base: model.base, dofs, contacts, directions })
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let Size { base, dofs, contacts, directions } = self;
+        let base = format!("{base:?}").to_lowercase();
+        write!(f, "{base} base, {dofs} degrees of freedom, {contacts} contact points, friction along {directions}")
+    }
+}
+
+/// Takes away the points that cannot come down to the ground while the scene lasts.
+///
+/// No joint that turns moves a point further from the base than the lengths on the way add up to, and without contact and
+/// push the centre of mass flies a parabola, least high at an end.
+fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
+    let slides = |body: &Body| body.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Prismatic);
+    let plant = &scene.plant;
+    if plant.payload_kg > 0.0 || plant.push_impulse != [0.0; 3] || scene.bodies.iter().any(slides) {
+        return Ok(());
+    }
+    let model = Model::new(scene)?;
+    let state = State::initial(&model, &scene.initial)?;
+    let mut pose = Pose::new(&model);
+    kinematics::pose(&model, &state, &mut pose);
+    let totals = kinematics::totals(&model, &state, &pose);
+    let from_base: Vec<f64> = (0..scene.bodies.len()).map(|i| distance_from_base(&scene.bodies, i)).collect();
+    let least = if model.base == Base::Fixed {
+        pose.reference.z
+    } else {
+        let time = scene.duration;
+        let end = totals.com.z + time * (totals.com_velocity.z + 0.5 * time * model.gravity.z);
+        let far =
+            scene.bodies.iter().zip(&from_base).map(|(body, way)| body.mass * (way + norm(body.com))).sum::<f64>();
+        totals.com.z.min(end) - far / totals.mass
+    };
+    let touches = |i: usize, at: [f64; 3], radius: f64| least <= from_base[i] + norm(at) + radius;
+    let bodies = scene.bodies.iter().enumerate();
+    let some = bodies.map(|(i, body)| body.touchable().any(|touch| touches(i, touch.at, touch.radius)));
+    // once one point has touched, the flight of a free base is another
+    if model.base != Base::Fixed && some.into_iter().any(|some| some) {
+        return Ok(());
+    }
+    if scene.initial.clearance.take().is_some() {
+        scene.initial.position[2] = pose.reference.z; // what the points made of it
+    }
+    for (i, body) in scene.bodies.iter_mut().enumerate() {
+        body.contacts.retain(|&at| touches(i, at, 0.0));
+        body.spheres.retain(|ball| touches(i, ball.at, ball.radius));
+    }
+    Ok(())
+}
+
+/// Greatest distance that a body's origin can have from the base's [m].
+fn distance_from_base(bodies: &[Body], mut i: usize) -> f64 {
+    let mut way = 0.0;
+    while let Some(joint) = &bodies[i].joint {
+        way += norm(joint.at);
+        i = bodies.iter().position(|body| body.name == joint.parent).unwrap_or(i);
+    }
+    way
+}
+
+fn norm(v: [f64; 3]) -> f64 {
+    v.iter().map(|x| x * x).sum::<f64>().sqrt()
+}
+
+/// Whether the scene is its own mirror image across the plane of x and z through the base, at the beginning and by the laws
+/// of its motion, hence for ever.
+fn is_its_mirror_image(scene: &Scene) -> bool {
+    let (plant, initial) = (&scene.plant, &scene.initial);
+    let lawful = !matches!(plant.law, Law::Sweep(_)); // its sweeps have an order
+    let alone = plant.payload_kg == 0.0 && plant.push_impulse == [0.0; 3];
+    let [roll, _, yaw] = initial.orientation_deg;
+    let straight = roll == 0.0 && yaw == 0.0 && initial.velocity[1] == 0.0;
+    let level = initial.angular_velocity[0] == 0.0 && initial.angular_velocity[2] == 0.0;
+    let count = scene.bodies.len();
+    let twins: BTreeSet<usize> = (0..count).filter_map(|i| twin(scene, i, count)).collect();
+    lawful && alone && straight && level && twins.len() == count // each body is the image of one
+}
+
+/// The body that is the mirror image of body i, if there is one. Its parents are looked at up to `depth` steps away.
+fn twin(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
+    let bodies = &scene.bodies;
+    let Some(joint) = &bodies[i].joint else {
+        return alike(&bodies[i], &bodies[i]).then_some(i);
+    };
+    let parent = bodies.iter().position(|body| body.name == joint.parent)?;
+    let parent = twin(scene, parent, depth.checked_sub(1)?)?;
+    let mut candidates = (0..bodies.len()).filter(|&j| {
+        let of_parent = |joint: &&Joint| joint.parent == bodies[parent].name;
+        let Some(other) = bodies[j].joint.as_ref().filter(of_parent) else { return false };
+        let [x, y, z] = joint.axis;
+        // the image of a turn turns the other way about the image of its axis
+        let image = if joint.kind == JointKind::Revolute { [-x, y, -z] } else { [x, -y, z] };
+        let signs = [1.0, -1.0].into_iter().filter(|sign| other.axis == image.map(|part| sign * part));
+        let same = |sign: f64| {
+            let of = |list: &[f64], body: usize| list.get(joint_index(bodies, body)).copied().unwrap_or(0.0);
+            let lists = [&scene.initial.joints, &scene.initial.joint_rates];
+            other.rest == sign * joint.rest && lists.iter().all(|list| of(list, j) == sign * of(list, i))
+        };
+        let joints = other.kind == joint.kind && other.at == mirrored(joint.at);
+        let springs = other.stiffness == joint.stiffness && other.damping == joint.damping;
+        joints && springs && alike(&bodies[i], &bodies[j]) && signs.into_iter().any(same)
+    });
+    candidates.next()
+}
+
+/// Which of the joints a body carries.
+fn joint_index(bodies: &[Body], body: usize) -> usize {
+    bodies[..body].iter().filter(|body| body.joint.is_some()).count()
+}
+
+/// Whether one body is the mirror image of the other, their joints aside.
+fn alike(a: &Body, b: &Body) -> bool {
+    let touches = |body: &Body| body.touchable().collect::<Vec<_>>();
+    let (ours, theirs) = (touches(a), touches(b));
+    let image = |touch: &Sphere| Sphere { at: mirrored(touch.at), radius: touch.radius };
+    let same_touches = ours.len() == theirs.len() && ours.iter().all(|touch| theirs.contains(&image(touch)));
+    let same_mass = a.mass == b.mass && a.moments() == b.moments() && b.com == mirrored(a.com);
+    same_mass && same_touches && a.tiles == b.tiles
+}
+
+fn mirrored([x, y, z]: [f64; 3]) -> [f64; 3] {
+    [x, -y, z]
+}
+
+/// Makes one of the points, and of the balls, that differ in y alone.
+fn merge(body: &mut Body) {
+    let points: Vec<_> = body.contacts.iter().map(|&at| Sphere { at, radius: 0.0 }).collect();
+    body.contacts = merged(&points).iter().map(|point| point.at).collect();
+    body.spheres = merged(&body.spheres);
+}
+
+/// One for those that differ in y alone, at their mean y, where the evenest of their pressures act together.
+fn merged(touches: &[Sphere]) -> Vec<Sphere> {
+    let across = |touch: &Sphere| [touch.at[0], touch.at[2], touch.radius];
+    let mut ones: Vec<Sphere> = vec![];
+    for touch in touches {
+        if ones.iter().any(|one| across(one) == across(touch)) {
+            continue;
+        }
+        let row: Vec<f64> = touches.iter().filter(|other| across(other) == across(touch)).map(|it| it.at[1]).collect();
+        let [x, _, z] = touch.at;
+        ones.push(Sphere { at: [x, row.iter().sum::<f64>() / row.len() as f64, z], radius: touch.radius });
+    }
+    ones
+}
