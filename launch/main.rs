@@ -23,7 +23,7 @@
 //! | faults on purpose, a long time | [`faults`], [`soak`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
-//! | how large a model is | [`model`] |
+//! | how large a model is, and what a smaller one saves | [`model`] |
 //! | recordings and their replay | [`recording`] |
 //! | the run in 3-D, in the terminal | [`view`], [`top`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
@@ -78,7 +78,7 @@ use std::time::Duration;
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// What every run does, on the model that its scene names
+    /// What every run does that is not on the smallest model: keep the model that the scene names
     #[arg(long, global = true, hide = true)]
     full: bool,
 }
@@ -98,6 +98,8 @@ enum Command {
     /// The other process of `latency`
     #[command(hide = true)]
     LatencyPeer(latency::PeerArgs),
+    /// Say how large the model of a scene is, how large the smallest that gives the same answer, and what that costs
+    Model(SceneArgs),
     /// Solve the contact problem that a run could not solve, by every law
     Contact(contact::ContactArgs),
     /// Be the plant of a session
@@ -218,6 +220,7 @@ fn main() -> ExitCode {
         Some(Command::Robustness(args)) => robustness::run(&args, &stop),
         Some(Command::Latency(args)) => latency::run(&args, &stop),
         Some(Command::LatencyPeer(args)) => latency::peer(&args, &stop),
+        Some(Command::Model(args)) => model::run(&args),
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => roles::plant(&args, &stop),
         Some(Command::Controller(args)) => roles::controller(&args, &stop),

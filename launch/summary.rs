@@ -3,6 +3,7 @@
 mod table;
 
 use crate::exit::Failure;
+use crate::model::RunModel;
 use crate::record::{Recorder, Row};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
@@ -99,9 +100,10 @@ pub struct Summary {
     pub met: String,
     /// Records left out because their pose was not finite.
     pub dropped: u64,
-    /// What the model has that was simulated.
+    /// What the model has that was simulated, and what the scene's own has if that is larger.
     pub model: String,
-    /// Its time for a step over that of the scene's own model: 1, for it is that one; NaN where no model was simulated.
+    /// Its time over that of the scene's own model, for the first steps of the scene; 1 if it is that one; NaN
+    /// where nothing was measured.
     pub model_cost_ratio: f64,
     /// What ended the run before its time.
     pub cut_short_by: Option<&'static str>,
@@ -175,8 +177,8 @@ impl Summary {
     }
 
     /// With the model that was simulated.
-    pub fn on(self, model: String) -> Self {
-        Summary { model, model_cost_ratio: 1.0, ..self }
+    pub fn on(self, model: RunModel) -> Self {
+        Summary { model: model.size, model_cost_ratio: model.cost_ratio, ..self }
     }
 
     /// With what ended the run, if it was not the end of the scene.

@@ -92,6 +92,12 @@ fn wrong_usage_is_refused() {
     refused(&["fly"], &["fly"]);
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
     refused(&["run", "walk", "--in-process", "--realtime"], &["--in-process"]);
+    refused(&["run", "slide", "--smallest"], &["required", "--in-process"]);
+    refused(
+        &["run", "slide", "--smallest", "--in-process", "--full"],
+        &["--smallest", "cannot be used with", "--full"],
+    );
+    refused(&["model", "missing.toml"], &["missing.toml", "walk-literal"]);
     refused(&["plant", "walk", "--session", "../x"], &["../x", "letters"]);
     refused(&["faults", "--only", "nosuch"], &["--only"]);
     refused(&["study", "problems", "--count", "0"], &["--count"]);

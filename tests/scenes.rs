@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Summary, fresh_path, run, run_two};
+use common::{Summary, fresh_path, run, run_smallest, run_two};
 use messages::load::load;
 use messages::wire::Torques;
 use plant::Plant;
@@ -154,6 +154,28 @@ fn a_run_says_what_its_model_has() {
     let planar = run("slide", &["plant.base=planar"]);
     planar.says("model", "planar base, 3 degrees of freedom, 4 contact points, friction along 1");
     planar.shows(&[("model_cost_ratio", 1.0..=1.0)]);
+}
+
+/// The smallest model is simulated where it is asked for, and nowhere else: the same answer, fewer coordinates.
+#[test]
+fn the_smallest_model_runs_where_it_is_asked_for() {
+    let [small, full] = [run_smallest("slide", &[]), run("slide", &[])];
+    let own = "quaternion base, 6 degrees of freedom, 4 contact points, friction along 2";
+    full.says("model", own);
+    let ours = "planar base, 3 degrees of freedom, 2 contact points, friction along 1";
+    small.says("model", &format!("{ours}; in full: {own}"));
+    let ratio = small.number("model_cost_ratio");
+    assert!(ratio.is_finite() && ratio > 0.0 && ratio != 1.0, "the ratio is measured: {ratio}");
+    let ways = [&small, &full].map(|summary| summary.number("distance_m"));
+    assert!((ways[0] - ways[1]).abs() < 1e-12, "{ways:?}");
+    assert_ne!(small.hash(), full.hash(), "they are different models");
+    let [small, full] = [run_smallest("stand", &["duration=0.1"]), run("stand", &["duration=0.1"])];
+    assert_eq!(small.hash(), full.hash(), "what a controller drives keeps its model");
+    small.shows(&[("model_cost_ratio", 1.0..=1.0)]);
+    let output =
+        Command::new(env!("CARGO_BIN_EXE_biped")).args(["model", "slide"]).output().expect("the program starts");
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(output.status.success() && [own, ours, "of the time"].iter().all(|part| text.contains(part)), "{text}");
 }
 
 /// Columns of the table of a run in one process, those whose names begin so, row by row.

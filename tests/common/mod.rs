@@ -29,6 +29,11 @@ pub fn run(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &["--in-process"])
 }
 
+/// Runs a scene in one process on the smallest model that gives its answer.
+pub fn run_smallest(scene: &str, settings: &[&str]) -> Summary {
+    run_as(scene, settings, &["--in-process", "--smallest"])
+}
+
 /// Runs a scene in two processes.
 pub fn run_two(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &[])
