@@ -95,7 +95,7 @@ impl Report<'_> {
 /// # Errors
 /// [`Exit::Nonconforming`] if one is broken.
 pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let scene = SceneArgs { scene: args.scene.clone(), robot: None, settings: args.settings.clone(), full: false };
+    let scene = SceneArgs { scene: args.scene.clone(), robot: None, settings: args.settings.clone() };
     let mut report = Report { kept: 0, broken: 0, stop };
     let command = args.controller.as_ref().or(args.plant.as_ref()).cloned().unwrap_or_default();
     let host = Host { command, scene: scene.load()?, patience: Duration::from_secs_f64(args.patience) };

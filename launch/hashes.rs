@@ -23,7 +23,6 @@ pub fn print() -> Result<(), Failure> {
 
 fn row(name: &str) -> Result<String, Failure> {
     let scene = load(name, &[], SCENES)?;
-    let scene = plant::smallest::smallest(&scene)?.scene;
     let (mut first, mut whole, mut end) = (0, 0, 0);
     let outcome = in_process(&scene, |truth| {
         (whole, end) = (truth.hash, truth.stamp.sim_ns);

@@ -23,7 +23,7 @@
 //! | faults on purpose, a long time | [`faults`], [`soak`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
-//! | what a smaller model saves | [`model`] |
+//! | how large a model is, and what a smaller one saves | [`model`] |
 //! | recordings and their replay | [`recording`] |
 //! | the run in 3-D, in the terminal | [`view`], [`top`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
@@ -66,7 +66,6 @@ use exit::{Exit, Failure};
 use messages::load::load;
 use messages::port::{Pace, PortError};
 use messages::scene::Scene;
-use model::RunModel;
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -79,6 +78,9 @@ use std::time::Duration;
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
+    /// What every run does that is not on the smallest model: keep the model that the scene names
+    #[arg(long, global = true, hide = true)]
+    full: bool,
 }
 
 #[derive(Subcommand)]
@@ -96,6 +98,8 @@ enum Command {
     /// The other process of `latency`
     #[command(hide = true)]
     LatencyPeer(latency::PeerArgs),
+    /// Say how large the model of a scene is, how large the smallest that gives the same answer, and what that costs
+    Model(SceneArgs),
     /// Solve the contact problem that a run could not solve, by every law
     Contact(contact::ContactArgs),
     /// Be the plant of a session
@@ -155,33 +159,11 @@ struct SceneArgs {
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE")]
     settings: Vec<String>,
-    /// Keep the model as the scene has it, where a smaller one would give the same answer
-    #[arg(long)]
-    full: bool,
 }
 
 impl SceneArgs {
-    /// The scene, on the smallest model that gives its answer.
     fn load(&self) -> Result<Scene, Failure> {
-        Ok(self.on_model(&self.written()?))
-    }
-
-    /// The scene as it is written.
-    fn written(&self) -> Result<Scene, Failure> {
         Ok(load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?)
-    }
-
-    /// A scene on the smallest model that gives its answer.
-    fn on_model(&self, written: &Scene) -> Scene {
-        // a scene that cannot be simulated says so where it is
-        let plan = (!self.full).then(|| plant::smallest::smallest(written).ok()).flatten();
-        plan.map_or_else(|| written.clone(), |plan| plan.scene)
-    }
-
-    /// What that model has and costs, beside the scene's own.
-    fn model(&self, written: &Scene) -> Result<RunModel, Failure> {
-        let plan = plant::smallest::smallest(written).map_err(plant::process::ProcessError::from)?;
-        Ok(RunModel::of(written, &plan, self.full))
     }
 }
 
@@ -238,6 +220,7 @@ fn main() -> ExitCode {
         Some(Command::Robustness(args)) => robustness::run(&args, &stop),
         Some(Command::Latency(args)) => latency::run(&args, &stop),
         Some(Command::LatencyPeer(args)) => latency::peer(&args, &stop),
+        Some(Command::Model(args)) => model::run(&args),
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => roles::plant(&args, &stop),
         Some(Command::Controller(args)) => roles::controller(&args, &stop),

@@ -22,9 +22,6 @@ pub struct RoleArgs {
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
     #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
     settings: Vec<String>,
-    /// Keep the model as the scene has it, where a smaller one would give the same answer
-    #[arg(long, requires = "scene")]
-    full: bool,
     #[command(flatten)]
     pace: PaceArgs,
     #[command(flatten)]
@@ -44,8 +41,7 @@ impl RoleArgs {
     /// Where to take part: as the arguments say, or the environment.
     fn invitation(&self) -> Result<Invitation, Failure> {
         let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
-        let scene =
-            SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone(), full: self.full }.load()?;
+        let scene = SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone() }.load()?;
         let contract = Contract::of(&scene, self.pace.pace()).tunnelled(self.tunnel);
         let session = Session::named(&self.session)?;
         Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })

@@ -5,6 +5,7 @@ mod watch;
 
 use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
+use crate::model::RunModel;
 use crate::output::{folder, keeps, say, unwritten};
 use crate::realtime::RealtimeArgs;
 use crate::recording::Tape;
@@ -19,6 +20,7 @@ use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use nix::time::ClockId;
+use plant::smallest::smallest;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
@@ -70,13 +72,17 @@ pub struct RunArgs {
     /// Run plant and controller in this process, by plain calls: the same results
     #[arg(long, conflicts_with_all = ["realtime", "cpu"])]
     in_process: bool,
+    /// Simulate the smallest model that gives the answer of the scene, see `biped model`. In this process alone, where nobody can push: a
+    /// push could ask for a direction that this model does not have
+    #[arg(long, requires = "in_process", conflicts_with = "full")]
+    smallest: bool,
 }
 
 impl RunArgs {
     /// What `biped` does without arguments.
     pub fn main_job() -> RunArgs {
         RunArgs {
-            scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![], full: false },
+            scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![] },
             pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
             system: RealtimeArgs::default(),
             session: None,
@@ -88,6 +94,7 @@ impl RunArgs {
             record: None,
             quiet: false,
             in_process: false,
+            smallest: false,
         }
     }
 }
@@ -99,8 +106,9 @@ impl RunArgs {
 pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.system.suits(args.pace.pace())?;
     let begun = Instant::now() - processor_time(); // so much of it the program took to get here
-    let written = args.scene.written()?;
-    let scene = args.scene.on_model(&written);
+    let written = args.scene.load()?;
+    let plan = args.smallest.then(|| smallest(&written)).transpose()?;
+    let scene = plan.as_ref().map_or(&written, |plan| &plan.scene);
     if scene.controller.is_none() && (args.controller.is_some() || !args.swap.is_empty()) {
         let alone = format!("scene {} has no controller, so --controller and --swap do nothing", args.scene.scene);
         return Err(Failure::new(Exit::Usage, alone));
@@ -109,17 +117,17 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let words = format!("--swap {}: the run ends at {} s", late.time, scene.duration);
         return Err(Failure::new(Exit::Usage, words));
     }
-    let mut watch = Watch::new(&scene, args.out.is_some(), args.quiet);
+    let mut watch = Watch::new(scene, args.out.is_some(), args.quiet);
     for output in args.record.iter().chain(&args.out) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
             keeps(Path::new(input), output)?;
         }
     }
     args.out.as_deref().map_or(Ok(()), folder)?;
-    watch.tape = args.record.as_deref().map(|path| Tape::reserve(path, &scene)).transpose()?;
+    watch.tape = args.record.as_deref().map(|path| Tape::reserve(path, scene)).transpose()?;
     let outcome = match args.in_process {
-        true => one_process::run(&scene, &mut watch, stop),
-        false => two_processes(args, &scene, &mut watch, stop),
+        true => one_process::run(scene, &mut watch, stop),
+        false => two_processes(args, scene, &mut watch, stop),
     };
     watch.progress.finish();
     let outcome = outcome.and(watch.tape.take().map_or(Ok(()), Tape::finish));
@@ -130,13 +138,14 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
     }
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
-    let model = args.scene.model(&written)?;
-    let summary = Summary::new(&args.scene.scene, &watch.recorder, begun.elapsed(), processes).on(model);
+    let wall = begun.elapsed();
+    let model = RunModel::of(&written, plan.as_ref())?;
+    let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(model);
     let summary = summary.ended(outcome.as_ref().err());
     say(&summary);
     if let Some(folder) = &args.out {
-        let text = load::text(&scene);
-        report::write(folder, &watch.recorder, &summary, &scene, &text)
+        let text = load::text(scene);
+        report::write(folder, &watch.recorder, &summary, scene, &text)
             .and_then(|()| std::fs::write(folder.join("scene.toml"), &text))
             .map_err(|error| unwritten(folder, &error))?;
     }
@@ -240,7 +249,6 @@ fn child_arguments(args: &RunArgs, session: &Session) -> Vec<String> {
     if args.pace.realtime {
         arguments.extend(["--realtime".into(), "--speed".into(), args.pace.speed.to_string()]);
     }
-    arguments.extend(args.scene.full.then(|| "--full".to_string()));
     arguments.extend(settings);
     arguments
 }

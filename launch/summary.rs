@@ -102,7 +102,8 @@ pub struct Summary {
     pub dropped: u64,
     /// What the model has that was simulated, and what the scene's own has if that is larger.
     pub model: String,
-    /// Its time for a step over that of the scene's own model, the median over the first steps of the scene; 1 if it is that one.
+    /// Its time over that of the scene's own model, for the first steps of the scene; 1 if it is that one; NaN
+    /// where nothing was measured.
     pub model_cost_ratio: f64,
     /// What ended the run before its time.
     pub cut_short_by: Option<&'static str>,

@@ -45,6 +45,9 @@ fn a_bad_file_is_shown_with_line_and_caret() {
         std::fs::write(&path, text).expect("a file");
         refused(&["run", &name], &[words, &[name.as_str()]].concat());
     }
+    std::fs::write(&path, format!("duration = [{}", "[0.1, 0.05], ".repeat(10_000))).expect("a file");
+    let (code, errors) = biped(&["run", &name]);
+    assert!(code == Some(2) && errors.contains("line 1") && errors.len() < 1000, "{code:?}, {} bytes", errors.len());
     std::fs::remove_file(&path).expect("our own file");
     let robot = Command::new(env!("CARGO_BIN_EXE_biped")).args(["export", "toml"]).output().expect("a robot").stdout;
     std::fs::write(&path, robot).expect("a file");
@@ -89,6 +92,12 @@ fn wrong_usage_is_refused() {
     refused(&["fly"], &["fly"]);
     refused(&["run", "walk", "--patience", "0"], &["seconds"]);
     refused(&["run", "walk", "--in-process", "--realtime"], &["--in-process"]);
+    refused(&["run", "slide", "--smallest"], &["required", "--in-process"]);
+    refused(
+        &["run", "slide", "--smallest", "--in-process", "--full"],
+        &["--smallest", "cannot be used with", "--full"],
+    );
+    refused(&["model", "missing.toml"], &["missing.toml", "walk-literal"]);
     refused(&["plant", "walk", "--session", "../x"], &["../x", "letters"]);
     refused(&["faults", "--only", "nosuch"], &["--only"]);
     refused(&["study", "problems", "--count", "0"], &["--count"]);

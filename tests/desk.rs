@@ -1,16 +1,17 @@
 //! Claims about the desk: what is asked of a running session is done, and nothing else.
 
-#![expect(clippy::unwrap_used, reason = "a test may panic")]
+#![expect(clippy::expect_used, clippy::unwrap_used, reason = "a test may panic")]
 
 #[path = "common/live.rs"]
 mod live;
 
-use live::{LONG, Running, biped};
+use live::{LONG, Running, biped, eventually};
 use messages::port::{Ask, Contract, Pace, PortError, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{STATES, Truth};
 use nix::sys::signal::Signal;
+use serde_json::Value;
 use std::process::Output;
 use std::time::{Duration, Instant};
 
@@ -73,6 +74,47 @@ fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
     let mad = Ask::Push { body: 4, impulse: [f64::NAN; 3], duration: 0.1 };
     assert_eq!(walk.ask(mad).verdict, Verdict::OutOfRange as u64);
     walk.end();
+}
+
+/// A scene on its own, pushed before it begins: its `summary.json` and where its base ends [m].
+fn pushed(name: &str, extra: &[&str], push: Ask) -> (Value, [f64; 3]) {
+    let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
+    let folder = std::env::temp_dir().join(session.name());
+    let file = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let arguments = ["run", &file, "--quiet", "--realtime", "--session", session.name(), "--out"];
+    let mut launcher = biped(&arguments).arg(&folder).args(extra).spawn().expect("the program starts");
+    eventually("an open desk", || {
+        assert_eq!(launcher.try_wait().expect("our own child"), None, "{name} ended before it was pushed");
+        ask(&session, Ask::Pause).is_ok()
+    });
+    assert_eq!(ask(&session, push).expect("an answer").verdict, Verdict::Done as u64);
+    ask(&session, Ask::Resume).expect("an answer");
+    assert!(launcher.wait().expect("our own child").success(), "{name}");
+    let read = |file: &str| std::fs::read_to_string(folder.join(file)).expect("what it wrote");
+    let table = read("trajectory.csv");
+    let last: Vec<f64> = table.lines().last().expect("rows").split(',').map_while(|cell| cell.parse().ok()).collect();
+    let summary = serde_json::from_str(&read("summary.json")).expect("JSON");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    (summary, [last[1], last[2], last[3]])
+}
+
+/// A push goes across the plane that a scene had kept to, and down where it would have flown: nothing is left out of the model that a
+/// push would need.
+#[test]
+fn a_push_moves_what_was_symmetric_and_lands_what_was_to_fly() {
+    for full in [&[][..], &["--full"]] {
+        let push = |impulse, duration| Ask::Push { body: 0, impulse, duration };
+        let extra = |speed| [&["--speed", speed], full].concat();
+        let (rest, end) = pushed("push-ignored", &extra("5"), push([0.0, 1.0, 0.0], 0.05));
+        // J/T less friction for T, then friction alone
+        let (mu_g, acceleration) = (0.1 * 9.81, 1.0 / 0.05 - 0.1 * 9.81);
+        let way = 0.5 * acceleration * 0.05_f64.powi(2) + (acceleration * 0.05_f64).powi(2) / (2.0 * mu_g);
+        println!("{full:?}: pushed by {} m, {way} by theory", end[1]);
+        assert!((end[1] - way).abs() < 2e-3 && end[0].abs() < 1e-9, "{full:?}: {end:?}, not {way}: {rest}");
+        let (landed, end) = pushed("push-through-ground", &extra("1"), push([0.0, 0.0, -40.0], 0.001));
+        println!("{full:?}: ends at {} m", end[2]);
+        assert!((end[2] - 0.05).abs() < 1e-9, "{full:?}: {end:?}: {landed}");
+    }
 }
 
 #[test]

@@ -257,7 +257,7 @@ pub fn eventually(what: &str, limit: Duration, mut holds: impl FnMut() -> bool) 
 /// The scene of a walk, as `biped plant walk` has it with the same settings.
 pub fn walk(settings: &[&str]) -> Result<(SceneArgs, Scene), String> {
     let settings = settings.iter().map(ToString::to_string).collect();
-    let args = SceneArgs { scene: "walk".into(), robot: None, settings, full: false };
+    let args = SceneArgs { scene: "walk".into(), robot: None, settings };
     let scene = args.load().map_err(|failure: Failure| failure.message)?;
     Ok((args, scene))
 }

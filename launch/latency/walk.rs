@@ -19,8 +19,7 @@ use plant::process::Next;
 /// # Errors
 /// Never: the scene comes with the program.
 pub fn scene(seconds: f64) -> Result<Scene, Failure> {
-    let scene = load("walk", &[format!("duration={seconds}")], list::SCENES)?;
-    Ok(plant::smallest::smallest(&scene).map_or(scene, |plan| plan.scene))
+    Ok(load("walk", &[format!("duration={seconds}")], list::SCENES)?)
 }
 
 /// Each way of waiting, and its section.

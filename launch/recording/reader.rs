@@ -6,6 +6,7 @@ use super::{METADATA, Topic};
 use crate::exit::{Exit, Failure};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
+use messages::load::{parse, validate};
 use messages::scene::Scene;
 use messages::wire::{Command, SCHEMA_HASH, Sensors, Telemetry, Truth};
 use std::collections::{BTreeMap, HashMap};
@@ -92,13 +93,15 @@ impl Reader {
         self.about.get(key).map_or("unknown", String::as_str)
     }
 
-    /// The scene that was run.
+    /// The scene that was run, checked like any other.
     ///
     /// # Errors
-    /// If its text is damaged.
+    /// If its text is damaged, or a value is none that can be run.
     pub fn scene(&self) -> Result<Scene, Failure> {
-        let damaged = |error| format!("{}: its scene is damaged: {error}", self.path.display());
-        toml::from_str(self.word("scene")).map_err(|error| Failure::new(Exit::Usage, damaged(error)))
+        let origin = format!("the scene in {}", self.path.display());
+        let scene = parse(self.word("scene"), &origin)?;
+        validate(&scene, &origin)?;
+        Ok(scene)
     }
 
     /// The next message; none at the end, or where the file is cut short.

@@ -27,12 +27,9 @@ impl Summary {
         let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);
         let support = format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m);
         let residuals = format!("Signorini {:.1e}, natural map {:.1e}", self.signorini_max, self.natural_map_max);
-        let cost = match self.model_cost_ratio {
-            1.0 => "that of the full model, which it is".into(),
-            ratio => format!("{ratio:.2} of the full model's time for a step"),
-        };
+        let cost = format!("{:.2} of the full model's time", self.model_cost_ratio);
+        let is_smaller = self.model_cost_ratio.is_finite() && self.model_cost_ratio != 1.0;
         let (walks, is_driven) = (self.steps > 0, self.peak_torque_nm.iter().any(|torque| *torque != 0.0));
-        let has_model = !self.model.is_empty();
         // Residuals and energy show also where they are no number: that is then what there is to see.
         let lines = [
             ("outcome", true, outcome),
@@ -57,8 +54,8 @@ impl Summary {
             ("trajectory hash", true, self.trajectory_hash.clone()),
             ("link", !self.met.is_empty(), self.met.clone()),
             ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
-            ("model", has_model, self.model.clone()),
-            ("cost of the model", has_model, cost),
+            ("model", !self.model.is_empty(), self.model.clone()),
+            ("cost of the model", is_smaller, cost),
         ];
         lines.into_iter().filter(|line| line.1).map(|(name, _, value)| (name, value)).collect()
     }

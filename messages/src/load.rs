@@ -14,6 +14,9 @@ pub use robot::{read, with_robot};
 use crate::scene::Scene;
 use thiserror::Error;
 
+/// Longest line of a file that an error repeats, in characters.
+const LONGEST: usize = 200;
+
 /// A scene that comes with the program: its name and its TOML text.
 pub type BuiltIn = (&'static str, &'static str);
 
@@ -37,7 +40,7 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// Not TOML, an unknown key, or a value of the wrong type; the reason shows line and caret.
-    #[error("{origin}: {reason}")]
+    #[error("{origin}: {}", short(reason))]
     Malformed {
         /// File or built-in scene.
         origin: String,
@@ -104,6 +107,16 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
     }
     validate(&scene, &origin)?;
     Ok(scene)
+}
+
+/// An error that shows no line of a file in full that nobody would read; such a line stands behind its number and a bar.
+fn short(error: &toml::de::Error) -> String {
+    let is_quoted = |line: &str| line.trim_start_matches(|c: char| c == ' ' || c.is_ascii_digit()).starts_with('|');
+    let cut = |line: &str| match line.char_indices().nth(LONGEST).filter(|_| is_quoted(line)) {
+        Some((end, _)) => format!("{}…\n", &line[..end]),
+        None => format!("{line}\n"),
+    };
+    error.to_string().lines().map(cut).collect::<String>().trim_end().to_string()
 }
 
 fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {

@@ -267,6 +267,11 @@ impl Method {
         Method::StepDoubling,
         Method::EventDriven,
     ];
+
+    /// Whether its steps are as short as `tolerance_step` asks for.
+    pub fn chooses_steps(self) -> bool {
+        matches!(self, Method::StepDoubling | Method::EventDriven)
+    }
 }
 
 /// What the controller makes the robot do.

@@ -89,6 +89,18 @@ pub enum PlantError {
         /// Simulated time [s].
         time: f64,
     },
+    /// Something turns so fast that a step cannot tell which way.
+    #[error(
+        "at t = {time:.4} s something turns at {rate:.1e} rad/s, by more than half a turn in a step of {dt} s: plant.dt is too long for this scene"
+    )]
+    Spins {
+        /// Simulated time [s].
+        time: f64,
+        /// How fast [rad/s].
+        rate: f64,
+        /// The step [s].
+        dt: f64,
+    },
     /// Virtual joints that cannot turn every way.
     #[error(
         "at t = {time:.4} s the base stands at 90° pitch, where the virtual joints lose a direction: use plant.base = \"quaternion\""

@@ -4,11 +4,14 @@
 //! |---|---|
 //! | contact points that can never touch | the flight of the centre of mass, or the reach from a fixed base, keeps them above the ground |
 //! | y, yaw and roll of the base | the scene is its own mirror image across the plane of x and z, so it stays so |
-//! | all but one of the contact points of a body that differ in y alone | nothing moves across that plane: they move as one |
+//! | contact points of a body that differ in y alone, but for one at their mean y | nothing moves across that plane: they move as one |
 //! | the friction across that plane | likewise; [`Model::directions`](crate::model::Model) |
 //!
-//! Each rule is a proof, so the answer is the same but for rounding. Where Coulomb's law has several answers the smaller model
-//! has one that is symmetric.
+//! Each rule is a proof, so motion, force on each body and zero-moment point are the same but for rounding. Where Coulomb's law has several
+//! answers, as for how hard two feet push against one another sideways, the smaller model may have another one.
+//!
+//! What is not in the scene, say a push at the desk, may go across the plane or bring down what was to fly over. So a run is on this model
+//! only where it is asked for and nobody can push.
 
 use crate::contact::is_coulomb;
 use crate::error::PlantError;
@@ -48,9 +51,9 @@ pub struct Size {
 ///
 /// # Errors
 /// If the scene cannot be simulated at all; see [`PlantError`].
-pub fn smallest(scene: &Scene) -> Result<Smallest, PlantError> {
-    let full = Size::of(scene)?;
-    let mut scene = scene.clone();
+pub fn smallest(written: &Scene) -> Result<Smallest, PlantError> {
+    let full = Size::of(written)?;
+    let mut scene = written.clone();
     if scene.controller.is_some() {
         return Ok(Smallest { scene, full, size: full }); // what drives it may do anything
     }
@@ -63,23 +66,26 @@ pub fn smallest(scene: &Scene) -> Result<Smallest, PlantError> {
         scene.bodies.iter_mut().for_each(merge);
     }
     let size = Size::of(&scene)?;
-    Ok(Smallest { scene, full, size })
+    Ok(Smallest { scene: if size == full { written.clone() } else { scene }, full, size })
+}
+
+impl Smallest {
+    /// Whether it is smaller than the model as the scene asks for it.
+    pub fn is_smaller(&self) -> bool {
+        self.size != self.full
+    }
 }
 
 impl Size {
-    fn of(scene: &Scene) -> Result<Size, PlantError> {
+    /// That of the model as the scene asks for it.
+    ///
+    /// # Errors
+    /// If the scene cannot be simulated at all; see [`PlantError`].
+    pub fn of(scene: &Scene) -> Result<Size, PlantError> {
         let model = Model::new(scene)?;
         let (dofs, contacts) = (model.dofs(), model.corners.len());
         let directions = crate::contact::tangents(scene.plant.law).min(model.directions);
         Ok(Size { base: model.base, dofs, contacts, directions })
-    }
-}
-
-/// What the model has; of a smaller one than the scene asks for, also what that would have.
-impl fmt::Display for Smallest {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}", self.size)?;
-        if self.size != self.full { write!(f, "; in full: {}", self.full) } else { Ok(()) }
     }
 }
 
@@ -207,19 +213,24 @@ fn mirrored([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, -y, z]
 }
 
-/// Leaves one of the points, and one of the balls, that differ in y alone.
+/// Makes one of the points, and of the balls, that differ in y alone.
 fn merge(body: &mut Body) {
-    let mut seen: Vec<[f64; 2]> = vec![];
-    body.contacts.retain(|&[x, _, z]| {
-        let new = !seen.contains(&[x, z]);
-        seen.push([x, z]);
-        new
-    });
-    let mut seen: Vec<[f64; 3]> = vec![];
-    body.spheres.retain(|ball| {
-        let of = [ball.at[0], ball.at[2], ball.radius];
-        let new = !seen.contains(&of);
-        seen.push(of);
-        new
-    });
+    let points: Vec<_> = body.contacts.iter().map(|&at| Sphere { at, radius: 0.0 }).collect();
+    body.contacts = merged(&points).iter().map(|point| point.at).collect();
+    body.spheres = merged(&body.spheres);
+}
+
+/// One for those that differ in y alone, at their mean y, where the evenest of their pressures act together.
+fn merged(touches: &[Sphere]) -> Vec<Sphere> {
+    let across = |touch: &Sphere| [touch.at[0], touch.at[2], touch.radius];
+    let mut ones: Vec<Sphere> = vec![];
+    for touch in touches {
+        if ones.iter().any(|one| across(one) == across(touch)) {
+            continue;
+        }
+        let row: Vec<f64> = touches.iter().filter(|other| across(other) == across(touch)).map(|it| it.at[1]).collect();
+        let [x, _, z] = touch.at;
+        ones.push(Sphere { at: [x, row.iter().sum::<f64>() / row.len() as f64, z], radius: touch.radius });
+    }
+    ones
 }

@@ -2,7 +2,7 @@
 
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
-use crate::model::{Model, finite};
+use crate::model::{Model, Motion, finite};
 use messages::scene::{Base, Initial};
 use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -180,6 +180,18 @@ impl State {
     /// Rate of the k-th joint of the scene [rad/s or m/s].
     pub fn joint_rate(&self, model: &Model, k: usize) -> f64 {
         self.xdot[model.joint_dof[k]]
+    }
+
+    /// Greatest rate of a turn, of the base or a joint [rad/s]. A base on virtual joints is left out: near the place that they do not know
+    /// their rates are not its own.
+    pub fn fastest_turn(&self, model: &Model) -> f64 {
+        let base = match model.base {
+            Base::Fixed | Base::Virtual => 0.0,
+            Base::Planar => self.xdot[2].abs(),
+            Base::Quaternion => Vector3::from_column_slice(&self.xdot[3..6]).norm(),
+        };
+        let turning = model.joint_dof.iter().filter(|&&dof| model.links[dof + 1].motion == Motion::Revolute);
+        turning.fold(base, |most, &dof| most.max(self.xdot[dof].abs()))
     }
 }
 

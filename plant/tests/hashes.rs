@@ -8,7 +8,6 @@ use messages::load::load;
 use messages::scene::Scene;
 use messages::wire::{Command, Stamp, Stamped};
 use plant::Simulation;
-use plant::smallest::smallest;
 use std::path::PathBuf;
 
 /// Where the scenes are.
@@ -29,7 +28,7 @@ fn scene(name: &str) -> Scene {
     let path = path.iter().find(|path| path.exists()).expect(name);
     let mut scene = load(&path.to_string_lossy(), &[], &[]).expect("a good scene");
     scene.duration = scene.duration.min(1.0);
-    smallest(&scene).expect("a good scene").scene
+    scene
 }
 
 /// Hash of the states of the first second, or of what there is of it.

@@ -1,15 +1,21 @@
-//! Claims about the smallest sufficient model: the same answer, for less.
+//! Claims about the smallest sufficient model: the same motion, loads and zero-moment point, of fewer coordinates and contacts.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 use messages::load::load;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
-use nalgebra::Vector3;
+use nalgebra::{Vector2, Vector3};
 use plant::Plant;
 use plant::kinematics::{self, Pose};
-use plant::smallest::smallest;
-use std::time::Instant;
+use plant::smallest::{Size, smallest};
+
+/// Load below which the place of the zero-moment point is not asked for, over the weight.
+const LOADED: f64 = 0.01;
+/// Bound of a force that no law determines.
+const UNDETERMINED: f64 = f64::INFINITY;
+/// How long both models are compared [s].
+const WHILE: f64 = 0.6;
 
 fn scene(name: &str) -> Scene {
     let path = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -30,37 +36,157 @@ fn scenes() -> Vec<(String, Scene)> {
     all.into_iter().map(|name| (name.clone(), scene(&name))).filter(alone).collect()
 }
 
-/// Centre of mass and velocity of every body after a while, and the time per step [µs].
-fn run(scene: &Scene) -> (Vec<Vector3<f64>>, f64) {
-    let mut plant = Plant::new(scene).expect("a good scene");
-    let periods = (scene.duration.min(0.6) * scene.rate) as usize;
-    let mut times: Vec<f64> = (0..periods)
-        .map(|_| {
-            let start = Instant::now();
-            plant.advance(&Torques::default()).expect("a period");
-            start.elapsed().as_secs_f64()
-        })
-        .collect();
-    times.sort_by(f64::total_cmp);
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
-    let links = plant.model().body_link.iter().map(|&link| &pose.links[link]);
-    let places = links.flat_map(|link| [pose.reference + link.com, link.velocity.at(&link.com), link.velocity.angular]);
-    (places.collect(), 1e6 * times[periods / 2] * scene.plant.dt * scene.rate)
+/// What one model shows at the end of a control period.
+struct Shown {
+    /// Centres of mass [m], their velocities [m/s] and angular velocities [rad/s], body by body.
+    motion: [Vec<Vector3<f64>>; 3],
+    /// Force on each body [N], the mean over the period.
+    force: Vec<Vector3<f64>>,
+    /// Zero-moment point [m], and the load [N].
+    zmp: (Vector2<f64>, f64),
 }
 
+fn shown(plant: &Plant) -> Shown {
+    let (model, truth) = (plant.model(), plant.truth());
+    let mut pose = Pose::new(model);
+    kinematics::pose(model, plant.state(), &mut pose);
+    let links: Vec<_> = model.body_link.iter().map(|&link| &pose.links[link]).collect();
+    let of =
+        |part: fn(&Pose, &kinematics::LinkPose) -> Vector3<f64>| links.iter().map(|link| part(&pose, link)).collect();
+    let motion = [
+        of(|pose, link| pose.reference + link.com),
+        of(|_, link| link.velocity.at(&link.com)),
+        of(|_, link| link.velocity.angular),
+    ];
+    let mut force = vec![Vector3::zeros(); model.links.len()];
+    let (mut load, mut moment) = (0.0, Vector2::zeros());
+    for (corner, on) in model.corners.iter().zip(truth.contact_force.chunks_exact(3)) {
+        force[corner.link] += Vector3::from_column_slice(on);
+        load += on[2];
+        moment += on[2] * (pose.reference + pose.lowest(corner)).xy();
+    }
+    let force = model.body_link.iter().map(|&link| force[link]).collect();
+    Shown { motion, force, zmp: (moment / load, load) }
+}
+
+/// By how much two models of a scene differ at most, each quantity over its scale: a length over that of the robot or its way from the
+/// origin, a speed over that of a fall from this height or its own, a rate over that speed by the size of the robot, a force over the
+/// weight or the greatest so far.
+#[derive(Clone, Copy, Debug, Default)]
+struct Difference {
+    motion: f64,
+    /// Force on each body in the plane of x and z, and across it.
+    force: [f64; 2],
+    zmp: f64,
+    /// Periods in which something carried the robot.
+    loaded: usize,
+    /// What the contact problems of either were off their solution at most.
+    residual: f64,
+}
+
+fn difference(full: &Scene, small: &Scene) -> Difference {
+    let mut plants = [full, small].map(|scene| Plant::new(scene).expect("a good scene"));
+    let model = plants[0].model();
+    let norm = |v: [f64; 3]| Vector3::from(v).norm();
+    let arms = full.bodies.iter().flat_map(|body| {
+        let joint = body.joint.iter().map(|joint| joint.at);
+        body.touchable().map(|touch| touch.at).chain([body.com, body.size]).chain(joint)
+    });
+    let size = arms.map(norm).fold(0.0, f64::max);
+    let weight = model.mass() * model.gravity.norm();
+    let (mut length, mut speed, mut force) =
+        (size, (size * model.gravity.norm()).sqrt(), weight.max(f64::MIN_POSITIVE));
+    let mut most = Difference::default();
+    for _ in 0..(full.duration.min(WHILE) * full.rate) as usize {
+        for plant in &mut plants {
+            plant.advance(&Torques::default()).expect("a period");
+            most.residual = greater(most.residual, plant.truth().natural_map);
+        }
+        let [theirs, ours] = [&plants[0], &plants[1]].map(shown);
+        let longest = |list: &[Vector3<f64>], least: f64| list.iter().map(Vector3::norm).fold(least, f64::max);
+        (length, speed) = (longest(&theirs.motion[0], length), longest(&theirs.motion[1], speed));
+        force = longest(&theirs.force, force);
+        let gaps = |a: &[Vector3<f64>], b: &[Vector3<f64>]| a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<_>>();
+        for (i, scale) in [length, speed, speed / size].into_iter().enumerate() {
+            let gaps = gaps(&theirs.motion[i], &ours.motion[i]);
+            most.motion = gaps.iter().fold(most.motion, |most, gap| greater(most, gap.norm() / scale));
+        }
+        for gap in gaps(&theirs.force, &ours.force) {
+            most.force = [greater(most.force[0], gap.xz().norm() / force), greater(most.force[1], gap.y.abs() / force)];
+        }
+        if theirs.zmp.1.max(ours.zmp.1) > LOADED * weight {
+            most.zmp = greater(most.zmp, (theirs.zmp.0 - ours.zmp.0).norm() / length);
+            most.loaded += 1;
+        }
+    }
+    most
+}
+
+/// The greater of two numbers, or what is none.
+fn greater(a: f64, b: f64) -> f64 {
+    if a.is_nan() || a > b { a } else { b }
+}
+
+/// The same motion to 1e-12, or to what the contact problem is solved to; on the wheel, where rounding decides whether the two points of
+/// a spoke strike in one event or in two and so where the steps are split, to less than the error of its method.
 #[test]
-fn every_scene_has_the_same_answer_on_its_smallest_model() {
+fn every_scene_moves_the_same_on_its_smallest_model() {
     for (name, full) in scenes() {
         let plan = smallest(&full).expect("a good scene");
-        if plan.scene == full {
-            println!("{name}: {plan}");
+        if !plan.is_smaller() {
+            println!("{name}: {}", plan.size);
             continue;
         }
-        let [(theirs, cost), (ours, less)] = [&full, &plan.scene].map(run);
-        let error = theirs.iter().zip(&ours).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        println!("{name}: {plan}; differs by {error:.1e}, {less:.2} for {cost:.2} us a step: {:.2}", less / cost);
-        assert!(error < 1e-9, "{name}: {error:e}");
+        let most = difference(&full, &plan.scene);
+        println!("{name}: {}, not {}: {most:?}", plan.size, plan.full);
+        let bound = match name.as_str() {
+            "wheel" => {
+                let mut exact = full.clone();
+                exact.plant.method = Method::EventDriven;
+                difference(&full, &exact).motion
+            }
+            _ => f64::max(1e-12, 10.0 * most.residual),
+        };
+        assert!(most.motion < bound && bound < 1e-5, "{name}: {most:?}, not within {bound:e}");
+    }
+}
+
+/// The same force on every body and the same zero-moment point. How hard two feet push against one another sideways no law determines,
+/// for across the plane their ankles alone turn, and the base of a planar model holds the rest: of stand0 the force in its plane is claimed.
+#[test]
+fn loads_and_zero_moment_point_are_those_of_the_full_model() {
+    for (name, force) in [
+        ("slide", [1e-9; 2]),
+        ("stick", [1e-9; 2]),
+        ("incline", [1e-9; 2]),
+        ("drop", [1e-9; 2]),
+        ("stand0", [1e-8, UNDETERMINED]),
+    ] {
+        let full = scene(name);
+        let small = smallest(&full).expect("a good scene").scene;
+        let most = difference(&full, &small);
+        println!("{name}: {most:?}");
+        assert!(most.loaded > 20 && most.zmp < 1e-9, "{name}: {most:?}");
+        assert!(most.force[0] < force[0] && most.force[1] < force[1], "{name}: {most:?}");
+    }
+    // negative control: on one edge, not in the middle, the points bear the same and show another zero-moment point
+    let full = scene("slide");
+    let mut edge = smallest(&full).expect("a good scene").scene;
+    edge.bodies[0].contacts.iter_mut().for_each(|point| point[1] = full.bodies[0].contacts[0][1]);
+    let most = difference(&full, &edge);
+    assert!(most.motion < 1e-12 && most.zmp > 0.1, "{most:?}");
+}
+
+/// A contact has a row for its pressure and one for each direction of friction.
+#[test]
+fn a_smaller_model_has_fewer_unknowns() {
+    let unknowns = |size: &Size| [size.dofs, size.contacts * (1 + size.directions)];
+    for (name, full) in scenes() {
+        let plan = smallest(&full).expect("a good scene");
+        let (ours, theirs) = (unknowns(&plan.size), unknowns(&plan.full));
+        assert!(ours[0] <= theirs[0] && ours[1] <= theirs[1], "{name}: {ours:?} of {theirs:?}");
+        assert_eq!(ours != theirs, plan.is_smaller(), "{name}");
+        assert_eq!(plan.scene != full, plan.is_smaller(), "{name}");
     }
 }
 
@@ -119,10 +245,8 @@ fn the_reference_method_agrees_too() {
     for name in ["slide", "rock", "wheel", "stand0", "drop"] {
         let mut full = scene(name);
         (full.plant.method, full.plant.dt, full.rate) = (Method::EventDriven, 0.005, 200.0);
-        let small = smallest(&full).expect("a good scene").scene;
-        let [(theirs, cost), (ours, less)] = [&full, &small].map(run);
-        let error = theirs.iter().zip(&ours).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
-        println!("{name}: differs by {error:.1e}, cost {:.2}", less / cost);
-        assert!(error < 1e-9, "{name}: {error:e}");
+        let most = difference(&full, &smallest(&full).expect("a good scene").scene);
+        println!("{name}: {most:?}");
+        assert!(most.motion < 1e-12 && most.zmp < 1e-9, "{name}: {most:?}");
     }
 }

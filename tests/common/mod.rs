@@ -29,9 +29,9 @@ pub fn run(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &["--in-process"])
 }
 
-/// Runs a scene in one process on the model that it names, where a smaller one would do.
-pub fn run_full(scene: &str, settings: &[&str]) -> Summary {
-    run_as(scene, settings, &["--in-process", "--full"])
+/// Runs a scene in one process on the smallest model that gives its answer.
+pub fn run_smallest(scene: &str, settings: &[&str]) -> Summary {
+    run_as(scene, settings, &["--in-process", "--smallest"])
 }
 
 /// Runs a scene in two processes.
@@ -81,6 +81,11 @@ impl Summary {
             Value::Array(list) => list.iter().map(one).fold(f64::NEG_INFINITY, f64::max),
             value => one(value),
         }
+    }
+
+    /// That a word is this.
+    pub fn says(&self, key: &str, word: &str) {
+        assert_eq!(self.json[key].as_str(), Some(word), "{}: {key}", self.name);
     }
 
     /// Hash of every state.

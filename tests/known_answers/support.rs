@@ -9,10 +9,11 @@ use plant::kinematics::{self, Pose, Totals};
 /// Free fall [m/s²].
 pub const G: f64 = 9.81;
 
-/// One of the scenes that come with the program, with values replaced.
+/// One of the scenes that come with the program or with the tests, with values replaced.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
     let folder = format!("{}/launch/scenes", env!("CARGO_MANIFEST_DIR"));
-    let places = [format!("{folder}/{name}.toml"), format!("{folder}/known/{name}.toml")];
+    let data = format!("{}/tests/data", env!("CARGO_MANIFEST_DIR"));
+    let places = [&folder, &format!("{folder}/known"), &data].map(|folder| format!("{folder}/{name}.toml"));
     let path = places.iter().find(|path| std::path::Path::new(path).exists()).expect("a scene of this name");
     let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
     messages::load::load(path, &settings, &[]).expect("a good scene")

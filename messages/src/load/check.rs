@@ -1,9 +1,10 @@
 //! The rules that the values of a scene must keep, each with the words for breaking it.
 
 use super::SceneError;
-use crate::robot::{Body, Drives, Robot};
+use crate::robot::{Body, Drives, JointKind, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
+use std::f64::consts::PI;
 use toml::Value;
 
 /// Steps of a control period at most: nobody is heard within one.
@@ -164,11 +165,33 @@ impl Check<'_> {
             let rule = format!("it must be empty or have one value for each of the {joints} joints");
             self.require(list.is_empty() || list.len() == joints, key, format!("{list:?}"), rule)?;
         }
+        self.turns(scene)?;
         let contacts = scene.bodies.iter().any(|body| body.touchable().next().is_some());
         let clearance = scene.initial.clearance;
         let rule = "it needs a body with contact points or balls";
         self.require(clearance.is_none() || contacts, "initial.clearance", clearance.unwrap_or(0.0), rule)?;
         self.not_negative("initial.clearance", clearance.unwrap_or(0.0))
+    }
+
+    /// What turns by more than half a turn within a step looks as if it turned the other way. A method that chooses its own steps
+    /// finds shorter ones.
+    fn turns(&self, scene: &Scene) -> Checked {
+        if scene.plant.method.chooses_steps() {
+            return Ok(());
+        }
+        let (dt, initial) = (scene.plant.dt, &scene.initial);
+        let joints = scene.bodies.iter().filter_map(|body| body.joint.as_ref());
+        let turning = joints.zip(&initial.joint_rates).filter(|(joint, _)| joint.kind == JointKind::Revolute);
+        let fastest = turning.map(|(_, rate)| rate.abs()).fold(0.0, f64::max);
+        let whole = initial.angular_velocity.iter().map(|part| part * part).sum::<f64>().sqrt();
+        for (key, rate) in [("initial.angular_velocity", whole), ("initial.joint_rates", fastest)] {
+            let rule = format!(
+                "nothing may turn by more than half a turn within a step of plant.dt = {dt} s: at most {:.6e} rad/s",
+                PI / dt
+            );
+            self.require(rate * dt <= PI, key, format!("{rate:e}"), rule)?;
+        }
+        Ok(())
     }
 
     fn controller(&self, scene: &Scene, controller: &ControllerScene) -> Checked {

@@ -7,7 +7,7 @@ mod random;
 mod support;
 
 use mechanism::{CORNERS, INVERSE, stirring_foot};
-use messages::scene::{Iteration, Law};
+use messages::scene::{Iteration, Law, PlantScene};
 use plant::contact::{Memory, Problem, Solver, tangents};
 use support::*;
 
@@ -102,6 +102,32 @@ fn a_heavy_mass_on_a_light_one_is_held_at_every_ratio() {
             assert_near("f between", solver.impulse[3], ratio * G * H, known);
         }
     }
+}
+
+/// The same with two cubes and eight contacts, by the default law: one of 1 kg carries one of a thousand million, which it holds to what
+/// is left of the light one's compliance beside the heavy one's, eps times their ratio.
+#[test]
+fn a_cube_carries_one_a_billion_times_as_heavy() {
+    let ratio = 1e9;
+    let corners = [[0.05, 0.05], [0.05, -0.05], [-0.05, 0.05], [-0.05, -0.05]];
+    let ground = corners.map(|[x, y]| on_body([x, y, -0.05]).map(|row| [row, vec![0.0; 6]].concat()));
+    let between = corners.map(|[x, y]| {
+        let [below, above] = [on_body([x, y, 0.05]), on_body([x, y, -0.05])];
+        [0, 1, 2].map(|k| below[k].iter().map(|part| -part).chain(above[k].iter().copied()).collect())
+    });
+    let inverse = [1.0, 1.0, 1.0, 600.0, 600.0, 600.0];
+    let inverse = [inverse, inverse.map(|part| part / ratio)].concat();
+    let fall = [0.0, 0.0, -G * H, 0.0, 0.0, 0.0];
+    let problem = assemble(2, &[ground, between].concat(), &inverse, &[fall, fall].concat(), 0.5);
+    let (solver, report) = solve(&problem, PlantScene::default().law);
+    let normal = |contacts: std::ops::Range<usize>| contacts.map(|i| solver.impulse[3 * i]).sum::<f64>();
+    let creep = solver.velocity.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    println!("{:e} and {:e} N·s, creep {creep:.1e} m/s: {report:?}", normal(0..4), normal(4..8));
+    assert!(report.own <= 1e-10 && !report.fallback, "{report:?}");
+    let known = 1e-9 + 4.0 * f64::EPSILON * ratio;
+    assert_near("on the ground", normal(0..4), (1.0 + ratio) * G * H, known);
+    assert_near("between", normal(4..8), ratio * G * H, known);
+    assert!(creep < 1e-8, "{creep}");
 }
 
 /// The paper's program needs a few solves more to be Coulomb's law: less where all sticks, more where something slides.

@@ -1,0 +1,148 @@
+//! Claims about inputs that a fuzzer found: each is refused with one sentence and its exit code, or runs and loses energy as it must.
+//!
+//! `tests/data/fuzz/`: `scene-*` scenes, `set-*` settings of the walk, one a line, `robot-*` robots, `contact-*` contact problems.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+use messages::load::load;
+use messages::wire::Torques;
+use plant::Plant;
+use plant::kinematics::{self, Pose};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Energy that rounding may make, as a part of what there is [-].
+const ROUNDING: f64 = 1e-9;
+
+/// The files whose names begin so.
+fn files(beginning: &str) -> Vec<PathBuf> {
+    let folder = format!("{}/tests/data/fuzz", env!("CARGO_MANIFEST_DIR"));
+    let files = std::fs::read_dir(folder).expect("the inputs").map(|file| file.expect("a file").path());
+    let is = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(beginning));
+    let mut files: Vec<_> = files.filter(is).collect();
+    files.sort();
+    assert!(!files.is_empty(), "{beginning}");
+    files
+}
+
+/// Runs the program to its end: its exit code, and what it said was wrong.
+fn biped(arguments: &[&str]) -> (i32, String) {
+    let Output { status, stderr, .. } =
+        Command::new(env!("CARGO_BIN_EXE_biped")).args(arguments).output().expect("the program starts");
+    let errors = String::from_utf8_lossy(&stderr).into_owned();
+    let code = status.code().unwrap_or_else(|| unreachable!("{arguments:?}: {status}: {errors}"));
+    (code, errors)
+}
+
+/// That the program ended in one of these ways: in order, or with one sentence that is not long.
+fn ends(arguments: &[&str], codes: &[i32]) -> i32 {
+    let (code, errors) = biped(arguments);
+    println!("{code} {arguments:?}: {}", errors.trim());
+    assert!(codes.contains(&code), "{arguments:?}: {code}, {errors}");
+    if code == 0 {
+        assert_eq!(errors, "", "{arguments:?}");
+    } else {
+        let sentence = errors.starts_with("error: ") && errors.len() < 1500 && !errors.contains("panicked");
+        assert!(sentence, "{arguments:?}: {errors}");
+    }
+    code
+}
+
+fn text(path: &Path) -> &str {
+    path.to_str().expect("plain letters")
+}
+
+/// Kinetic energy and that in the field of gravity [J], and the greatest part of it that was ever looked at.
+fn energy(plant: &Plant) -> (f64, f64) {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let totals = kinematics::totals(plant.model(), plant.state(), &pose);
+    let height = -totals.mass * plant.model().gravity.dot(&totals.com);
+    (totals.kinetic + height, totals.kinetic + height.abs())
+}
+
+/// That no step of a scene without springs has more energy than the one before.
+fn only_loses_energy(path: &Path) {
+    let scene = load(text(path), &[], &[]).expect("a scene");
+    assert!(scene.plant.restitution == 0.0 && scene.bodies.iter().all(|body| body.joint.is_none()));
+    let mut plant = Plant::new(&scene).expect("a plant");
+    let (mut before, mut scale) = energy(&plant);
+    for period in 0..(scene.duration * scene.rate).round() as usize {
+        plant.advance(&Torques::default()).expect("a step");
+        let (now, size) = energy(&plant);
+        scale = scale.max(size);
+        assert!(now - before <= ROUNDING * scale, "{path:?}: {:e} J of {scale:e} J in period {period}", now - before);
+        before = now;
+    }
+}
+
+#[test]
+fn a_scene_is_refused_or_fails_with_a_sentence_or_loses_energy() {
+    for path in files("scene-") {
+        if ends(&["run", text(&path), "--in-process", "--quiet"], &[0, 2, 4, 7, 8]) == 0 {
+            only_loses_energy(&path);
+        }
+    }
+}
+
+#[test]
+fn a_walk_with_absurd_settings_is_refused_or_fails_with_a_sentence() {
+    for path in files("set-") {
+        let settings = std::fs::read_to_string(&path).expect("settings");
+        let settings = settings.lines().filter(|line| !line.is_empty()).flat_map(|line| ["--set", line]);
+        let arguments: Vec<_> = ["run", "walk", "--in-process", "--quiet"].into_iter().chain(settings).collect();
+        ends(&arguments, &[2, 4, 7, 8]);
+    }
+}
+
+#[test]
+fn a_robot_that_cannot_walk_is_told_so() {
+    for path in files("robot-") {
+        ends(&["run", "walk", "--robot", text(&path), "--in-process", "--quiet"], &[2, 4]);
+    }
+}
+
+/// Coulomb's law with the round cone is solved, whatever the others make of it.
+#[test]
+fn contact_problems_that_were_slow_are_solved() {
+    for path in files("contact-") {
+        ends(&["contact", text(&path)], &[0]);
+        let Output { stdout, .. } = Command::new(env!("CARGO_BIN_EXE_biped"))
+            .args(["contact", text(&path), "--law", "Cone"])
+            .output()
+            .expect("the program starts");
+        let table = String::from_utf8_lossy(&stdout).into_owned();
+        let row = table.lines().find(|line| line.contains("Cone")).expect("a row");
+        let cells: Vec<_> = row.split('|').map(str::trim).collect();
+        let [own, natural_map] = [2, 3].map(|i| cells[i].parse::<f64>().expect("a residual"));
+        assert!(own <= 1e-10 && natural_map <= 1e-10 && cells[7] == "no", "{path:?}: {row}");
+    }
+}
+
+/// The scene inside a recording is checked like any other, and lengths in it are not believed.
+#[test]
+fn a_recording_that_lies_is_refused() {
+    let file = std::env::temp_dir().join(format!("biped-test-{}-lies.mcap", std::process::id()));
+    let lies = text(&file);
+    let record = ["run", "stand", "--in-process", "--quiet", "--set", "duration=0.05", "--record", lies];
+    assert_eq!(biped(&record).0, 0);
+    let good = std::fs::read(&file).expect("a recording");
+    let says = b"mass = 1.0";
+    let at = good.windows(says.len()).position(|bytes| bytes == says).expect("a scene in it");
+    for lie in [b"mass = nan", b"mass = 0.0", b"mass = 1e9", b"mess = 1.0"] {
+        let mut bad = good.clone();
+        bad[at..at + says.len()].copy_from_slice(lie);
+        std::fs::write(&file, bad).expect("a file");
+        for command in [&["replay", lies][..], &["replay", "--plant", lies], &["info", lies]] {
+            // a mass that can be is not what was recorded
+            let codes: &[i32] = if lie == b"mass = 1e9" { &[0, 2, 4] } else { &[2] };
+            ends(command, codes);
+        }
+    }
+    std::fs::remove_file(&file).expect("our own file");
+    for path in files("lie") {
+        for command in [&["replay", text(&path)][..], &["replay", "--plant", text(&path)], &["info", text(&path)]] {
+            ends(command, &[0, 2, 4]);
+        }
+    }
+}
