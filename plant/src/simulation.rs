@@ -5,7 +5,6 @@ use crate::watchdog::Mode;
 use crate::{Plant, PlantError};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, Sensors, Stamp, Truth};
-use std::f64::consts::PI;
 
 /// A run of a scene. Pure: what of a clock is in its messages, the shell fills in.
 pub struct Simulation {
@@ -78,19 +77,8 @@ impl Simulation {
     pub fn advance(&mut self) -> Result<(), PlantError> {
         let torques = self.intake.torques(&self.sensors());
         self.encoders = self.plant.advance(&torques)?;
-        self.turns_slowly()?;
         self.stamp = Stamp { seq: self.stamp.seq + 1, sim_ns: self.plant.time_ns(), ..self.stamp };
         Ok(())
-    }
-
-    /// That nothing turns by more than half a turn in a step, which looks as if it turned the other way: what comes of that is no motion,
-    /// and may have any energy. A method that chooses its own steps finds shorter ones.
-    fn turns_slowly(&self) -> Result<(), PlantError> {
-        let (rate, dt) = (self.plant.state().fastest_turn(self.plant.model()), self.scene.plant.dt);
-        if rate * dt <= PI || self.scene.plant.method.chooses_steps() {
-            return Ok(());
-        }
-        Err(PlantError::Spins { time: self.plant.time_ns() as f64 * 1e-9, rate, dt })
     }
 
     /// As [`Plant::get_ready`].

@@ -45,6 +45,7 @@ use crate::state::State;
 use crate::truth::Record;
 use messages::scene::{Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
+use std::f64::consts::PI;
 
 /// A robot, its ground and its drives.
 ///
@@ -161,7 +162,18 @@ impl Plant {
         }?;
         self.world.steps += 1;
         self.record.fold(&self.now.state);
-        Ok(())
+        self.turns_slowly()
+    }
+
+    /// That nothing turns by more than half a turn in a step, which looks as if it turned the other way: what comes of that is no motion,
+    /// and may have any energy. A method that chooses its own steps finds shorter ones.
+    fn turns_slowly(&self) -> Result<(), PlantError> {
+        let World { model, settings, steps, .. } = &self.world;
+        let (rate, dt) = (self.now.state.fastest_turn(model), settings.h);
+        if rate * dt <= PI || settings.method.chooses_steps() {
+            return Ok(());
+        }
+        Err(PlantError::Spins { time: *steps as f64 * dt, rate, dt })
     }
 
     /// Every contact by itself even where whole links stick: for a comparison, or for [`Plant::problem`].

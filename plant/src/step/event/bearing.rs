@@ -1,7 +1,7 @@
 //! What bears between events: found at the beginning of a step, after the impact of what comes down, and its forces in every stage.
 
 use crate::composite::Composite;
-use crate::contact::Memory;
+use crate::contact::{Memory, Report};
 use crate::delassus::Free;
 use crate::detect::Touch;
 use crate::error::PlantError;
@@ -157,7 +157,8 @@ impl Contacts {
         }
         let rows = 1 + problem.tangents;
         let (response, report) = each.solve(world, free, touches, memory)?;
-        contact.set(free, touches, &response, report);
+        // what its forces do to accelerations is no energy
+        contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
         (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
         for ((id, force), acceleration) in contact.impulses.iter().zip(each.solver.velocity.chunks_exact(rows)) {
             let bearing = &mut bearings[*id];
