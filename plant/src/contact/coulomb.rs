@@ -88,7 +88,9 @@ impl Coulomb {
         self.round.set(problem, Law::Cone);
         self.newton.begin(&self.round);
         self.recall(problem, memory);
-        let _solved = self.near() || self.through_interior() || self.through_minima();
+        if !self.near() && !self.through_interior() {
+            self.through_minima();
+        }
         self.round.velocity(&self.best.f, &mut self.best.v);
         self.keep(problem, memory);
         self.round.write(problem, &self.best.f, impulse);
@@ -142,16 +144,15 @@ impl Coulomb {
     }
 
     /// Energy minima with |v_F| held, until it is that of the slip.
-    fn through_minima(&mut self) -> bool {
+    fn through_minima(&mut self) {
         self.shift.begin(self.round.contacts);
         for _ in 0..MINIMA {
             if self.at_pace(Pace::FAST, true) {
-                return true;
+                return;
             }
             self.round.velocity(&self.begin, &mut self.iterate.v);
             self.shift.follow(&self.iterate.v);
         }
-        self.best.error <= PROMISED
     }
 
     /// Interior points, then Newton's method from what the contacts do there, with patches and without.
