@@ -20,6 +20,8 @@
 mod interior;
 mod newton;
 mod patch;
+#[cfg(test)]
+mod rungs;
 mod shift;
 
 use super::memory::{Contact, Memory};
