@@ -23,7 +23,7 @@ const STEPPING: [Method; 3] = [Method::SemiImplicitEuler, Method::MidpointMoreau
 #[test]
 fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
     for method in STEPPING {
-        // a method of second order takes the speed half a step of fall later or earlier: what bounces well never ends, or too early
+        // at .8 MidpointMoreau never rests, see below, and MoreauJean misses a bounce at some dt and rests 7 % too early
         let coefficients = if method == Method::SemiImplicitEuler { &[0.5, 0.8][..] } else { &[0.5] };
         for &e in coefficients {
             let dt = 1e-4;
@@ -41,6 +41,22 @@ fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
             // what is cut off is no faster than two steps of free fall, and falls for one more
             assert!(gap(&plant).abs() < 2.5 * G * dt * dt, "{method:?}: {:e}", gap(&plant));
         }
+    }
+}
+
+/// A known defect: `MidpointMoreau` multiplies the speed at the middle of the step, half a step of fall too much. At e = .8 a landing at
+/// 2gh leaves at .8 · 2.5gh, as fast as before, and so on for ever, however short the step.
+#[test]
+fn what_bounces_well_never_lies_still_by_the_midpoint_method() {
+    let e = 0.8;
+    for dt in [4e-4, 1e-4] {
+        let (mut plant, fall) = dropped(e, Method::MidpointMoreau, dt);
+        go(&mut plant, (1.4 * fall * (1.0 + 2.0 * e / (1.0 - e)) / dt) as usize);
+        let fastest = (0..10).fold(0.0_f64, |fastest, _| {
+            go(&mut plant, 1);
+            fastest.max(rise(&plant))
+        });
+        assert!((fastest / (2.0 * G * dt) - 1.0).abs() < 0.05, "at {dt} s it bounces on at {fastest} m/s");
     }
 }
 
