@@ -20,6 +20,8 @@
 mod interior;
 mod newton;
 mod patch;
+#[cfg(test)]
+mod rungs;
 mod shift;
 
 use super::memory::{Contact, Memory};
@@ -88,13 +90,11 @@ impl Coulomb {
         self.round.set(problem, Law::Cone);
         self.newton.begin(&self.round);
         self.recall(problem, memory);
-        if !self.near() && !self.through_interior() {
-            self.through_minima();
-        }
+        let solved = self.near() || self.through_interior() || self.through_minima();
         self.round.velocity(&self.best.f, &mut self.best.v);
         self.keep(problem, memory);
         self.round.write(problem, &self.best.f, impulse);
-        let (steps, solved) = (self.iterate.steps, self.best.error <= PROMISED);
+        let steps = self.iterate.steps;
         Report { pivots: steps, warm: solved && steps == 1, fallback: !solved, ..Report::default() }
     }
 
@@ -144,15 +144,16 @@ impl Coulomb {
     }
 
     /// Energy minima with |v_F| held, until it is that of the slip.
-    fn through_minima(&mut self) {
+    fn through_minima(&mut self) -> bool {
         self.shift.begin(self.round.contacts);
         for _ in 0..MINIMA {
             if self.at_pace(Pace::FAST, true) {
-                return;
+                return true;
             }
             self.round.velocity(&self.begin, &mut self.iterate.v);
             self.shift.follow(&self.iterate.v);
         }
+        self.best.error <= PROMISED
     }
 
     /// Interior points, then Newton's method from what the contacts do there, with patches and without.

@@ -126,3 +126,39 @@ impl Settings {
         })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What is made of a report of plastic contact, or of another, in the world of a scene.
+    fn judged(law: Law, restitution: f64, energy_gain: f64, work: f64) -> Result<(), PlantError> {
+        let mut scene = Scene::default();
+        (scene.plant.law, scene.plant.restitution) = (law, restitution);
+        let world = World::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+        world.check_energy(&Report { energy_gain, work, own: 3e-11, ..Report::default() })
+    }
+
+    #[test]
+    fn plastic_contact_that_raises_the_energy_ends_the_run_and_rounding_does_not() {
+        for law in [Law::Cone, Law::Aligned, Law::EnergyQp, Law::ConeQp] {
+            for work in [1e-9, 1.0, 1e6] {
+                let least = GAIN * work;
+                for gain in [-work, 0.0, least] {
+                    assert_eq!(judged(law, 0.0, gain, work), Ok(()), "{law}, {gain:e} of {work:e}");
+                }
+                for gain in [least.next_up(), 2.0 * least, work] {
+                    let error = PlantError::GainsEnergy { time: 0.0, law, gain, residual: 3e-11 };
+                    assert_eq!(judged(law, 0.0, gain, work), Err(error), "{law}, {gain:e} of {work:e}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_springs_or_bounces_may_raise_the_energy() {
+        for (law, restitution) in [(Law::SpringDamper, 0.0), (Law::Sweep(3), 0.0), (Law::Cone, 0.5)] {
+            assert_eq!(judged(law, restitution, 1.0, 1.0), Ok(()), "{law}, {restitution}");
+        }
+    }
+}

@@ -274,4 +274,37 @@ mod tests {
             assert!(impulses.is_none(), "{place:?} {shear:?} {twist}: {impulses:?}");
         }
     }
+
+    /// The load wanders to where a corner carries nothing, and to the edge of the sole, and by a hair beyond either.
+    #[test]
+    fn the_wrench_is_made_up_to_rounding_however_little_a_corner_would_pull() {
+        let seed = fastrand::u64(..);
+        println!("seed {seed}");
+        let mut rng = fastrand::Rng::with_seed(seed);
+        let mut none = 0;
+        for _ in 0..20_000 {
+            let hair = 10_f64.powf(-2.0 - 12.0 * rng.f64()) * if rng.bool() { 1.0 } else { -1.0 };
+            let (along, turned, far) = (0.1 + 0.8 * rng.f64(), [rng.bool(), rng.bool()], rng.bool());
+            // |x|/a + |y|/b = 1, where one corner of four carries nothing, or an edge
+            let [x, y] = if far { [1.0, along] } else { [along, 1.0 - along] };
+            let turn = |x: f64, turned: bool| if turned { -x } else { x } * (1.0 + hair);
+            let place = [0.1 * turn(x, turned[0]), 0.05 * turn(y, turned[1])];
+            let (sole, wrench, impulses) = spread(place, [0.02, -0.05], 0.0);
+            let outside = far && hair > 0.0;
+            let Some(impulses) = impulses else {
+                assert!(outside, "none at {place:?}, {hair:e} from where it would tip");
+                none += 1;
+                continue;
+            };
+            assert!(!outside || hair < 1e-12, "{hair:e} beyond the edge: {impulses:?}");
+            let moment = |(d, f): (&Vector3<f64>, &Vector3<f64>)| d.cross(f);
+            let sum: Pair = [impulses.iter().sum(), sole.arms.iter().zip(&impulses).map(moment).sum()];
+            let error = sum.iter().zip(&wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()));
+            assert!(error < 2e-15, "{place:?}, {hair:e}: {error:e}");
+            for (d, f) in sole.arms.iter().zip(&impulses) {
+                assert!(f.z >= 0.0 && f.xy().norm() <= MU * f.z * (1.0 + 1e-12), "{f:?} at {d:?}");
+            }
+        }
+        assert!(none > 1000, "{none}");
+    }
 }

@@ -4,6 +4,7 @@ mod exact;
 #[path = "../common/mechanism.rs"]
 mod mechanism;
 mod random;
+mod residuals;
 
 use mechanism::{G, H, Rows, of_rows, on_body};
 use messages::scene::Law;

@@ -3,6 +3,7 @@
 #![expect(clippy::expect_used, reason = "an expectation that fails is a test that fails")]
 
 mod construction;
+mod contact_map;
 mod errata;
 mod fast_path;
 mod reference_data;

@@ -2,8 +2,10 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod bounces;
 mod comparison;
 mod flight;
 mod ground;
+mod promise;
 mod ready;
 mod support;

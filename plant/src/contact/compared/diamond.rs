@@ -133,4 +133,45 @@ mod tests {
             assert!(found.is_nan(), "number {k}: {found}");
         }
     }
+
+    /// By Moreau's theorem p is the nearest point of a cone just where it is in it, x − p is in no acute angle with any of its edges, and
+    /// the two are at right angles.
+    #[test]
+    fn the_nearest_point_is_in_the_cone_and_no_edge_leads_nearer() {
+        let (seed, mut rng) = (fastrand::u64(..), Rng::new());
+        println!("seed {seed}");
+        rng.seed(seed);
+        let dot = |a: [f64; 3], b: [f64; 3]| a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        let unit = |a: [f64; 3]| a.map(|x| x / dot(a, a).sqrt());
+        let mut ends = [0; 4];
+        for _ in 0..100_000 {
+            let size = if rng.bool() { 1.0 } else { 12.0 }; // decades
+            let [h1, mut h2] = [(); 2].map(|()| 10_f64.powf(size * (rng.f64() - 0.5)));
+            let mut x = [(); 3].map(|()| (2.0 * rng.f64() - 1.0) * 10_f64.powf(-4.0 * rng.f64()));
+            if rng.u8(..) < 32 {
+                (h2, x[2]) = (0.0, 0.0); // of one tangent
+            }
+            let (p, much) = (project(x, [h1, h2]), 1e-14 * dot(x, x).sqrt());
+            let rest = [0, 1, 2].map(|k| x[k] - p[k]);
+            let context = format!("{p:?} of {x:?} for {h1:e}, {h2:e}");
+            let outside = match h2 > 0.0 {
+                true => dot(unit([-h1 * h2, h2, h1]), [p[0], p[1].abs(), p[2].abs()]),
+                false => dot(unit([-h1, 1.0, 0.0]), [p[0], p[1].abs(), 0.0]) + p[2].abs(),
+            };
+            assert!(p[0] >= 0.0 && outside <= much, "outside by {outside:e}: {context}");
+            for edge in [[1.0, h1, 0.0], [1.0, -h1, 0.0], [1.0, 0.0, h2], [1.0, 0.0, -h2]] {
+                let nearer = dot(unit(edge), rest);
+                assert!(nearer <= much, "{edge:?} leads nearer by {nearer:e}: {context}");
+            }
+            let along = dot(rest, p);
+            assert!(along.abs() <= much * dot(x, x).sqrt(), "not at right angles, {along:e}: {context}");
+            ends[if rest == [0.0; 3] {
+                3
+            } else {
+                p.iter().filter(|p| **p != 0.0).count() - usize::from(p[0] != 0.0)
+            }] += 1;
+        }
+        println!("at the tip, on an edge, on a face, inside: {ends:?}");
+        assert!(ends.iter().all(|count| *count > 1000), "{ends:?}");
+    }
 }

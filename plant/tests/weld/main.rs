@@ -2,6 +2,9 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod edge;
+mod hover;
+
 use controller::Controller;
 use messages::load::load;
 use messages::scene::Scene;

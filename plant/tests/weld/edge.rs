@@ -1,0 +1,77 @@
+//! A table that leans to where a leg carries nothing, and to where it tips.
+
+use messages::robot::Body;
+use messages::scene::{Base, Scene};
+use messages::wire::Torques;
+use nalgebra::Vector3;
+use plant::Plant;
+use plant::kinematics::{self, Pose, Totals};
+
+const MU: f64 = 0.9;
+const WEIGHT: f64 = 5.0 * 9.81;
+const HEIGHT: f64 = 0.4;
+const LEGS: [[f64; 2]; 4] = [[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]];
+
+fn table() -> Plant {
+    let legs = LEGS.map(|[x, y]| [x, y, -HEIGHT]);
+    let body =
+        Body { name: "table".into(), mass: 5.0, size: [0.4, 0.2, 0.1], contacts: legs.into(), ..Body::default() };
+    let mut scene = Scene { bodies: vec![body], ..Scene::default() };
+    (scene.plant.base, scene.plant.friction, scene.plant.gravity) = (Base::Quaternion, MU, 9.81);
+    (scene.plant.dt, scene.rate) = (1e-3, 1e3);
+    scene.initial.clearance = Some(0.0);
+    Plant::new(&scene).expect("a table")
+}
+
+fn totals(plant: &Plant) -> Totals {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    kinematics::totals(plant.model(), plant.state(), &pose)
+}
+
+/// A push at the centre of mass moves the load by push/weight of its height: to a point of the line between two legs, to the line where
+/// one of four carries nothing, and by a hair beyond. Every leg's force obeys Coulomb's law there, and all together are what the momentum
+/// says.
+#[test]
+fn legs_push_within_the_law_and_make_up_the_momentum_however_the_table_leans() {
+    let seed = fastrand::u64(..);
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    let (mut stood, mut tipped, mut worst) = (0, 0, [0.0_f64; 2]);
+    for _ in 0..3000 {
+        let mut plant = table();
+        let mut step = |push: [f64; 2]| {
+            assert!(plant.push(0, [1e-3 * push[0], 1e-3 * push[1], 0.0], 1e-3), "a table");
+            let before = totals(&plant);
+            plant.advance(&Torques::default()).expect("a step");
+            let after = totals(&plant);
+            let force = plant.truth().contact_force;
+            let (mut sum, mut moment) = (Vector3::new(push[0], push[1], -WEIGHT), Vector3::zeros());
+            let welded = plant.problem().delassus.is_empty();
+            let known = if welded { 0.0 } else { 1e-10 * WEIGHT }; // what is found leg by leg has the residual of a step
+            for (f, [x, y]) in force.chunks_exact(3).zip(LEGS) {
+                let f = Vector3::from_column_slice(f);
+                let within = f.z >= -known && f.xy().norm() <= MU * f.z * (1.0 + 1e-12) + known;
+                assert!(within, "{f:?} at {x}, {y}, pushed by {push:?}");
+                (sum, moment) = (sum + f, moment + Vector3::new(x, y, -HEIGHT).cross(&f));
+            }
+            let linear = (after.linear - before.linear - sum * 1e-3).amax() / (1e-3 * WEIGHT);
+            let angular = (after.angular - before.angular - moment * 1e-3).amax() / (1e-3 * WEIGHT * HEIGHT);
+            (linear, angular, welded, after.angular.amax())
+        };
+        (0..3).for_each(|_| _ = step([0.0; 2]));
+        let hair = 10_f64.powf(-2.0 - 10.0 * random.f64()) * if random.bool() { 1.0 } else { -1.0 };
+        let (along, tips) = (0.1 + 0.8 * random.f64(), random.bool());
+        let turned = [(); 2].map(|()| if random.bool() { 1.0 } else { -1.0 });
+        let [x, y] = if tips { [1.0, along] } else { [along, 1.0 - along] };
+        let lean = |part: f64, k: usize| part * turned[k] * LEGS[0][k] * (1.0 + hair) * WEIGHT / HEIGHT;
+        let (linear, angular, welded, turns) = step([lean(x, 0), lean(y, 1)]);
+        worst = [worst[0].max(linear), worst[1].max(angular)];
+        stood += usize::from(welded);
+        tipped += usize::from(turns > 1e-13);
+        assert!(linear < 1e-9 && angular < 1e-9, "{hair:e}, {tips}, {welded}: {linear:e} {angular:e}");
+        assert!(welded || tips && hair > 0.0, "a table that stands is welded, {hair:e}");
+    }
+    println!("{stood} of 3000 welded, {tipped} tipped; momentum off by {worst:?}");
+    assert!(stood > 2000 && tipped > 300, "{stood} welded, {tipped} tipped");
+}
