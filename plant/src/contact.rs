@@ -14,8 +14,9 @@
 //! | `Sweep(n)` | `Cone`, as near as n sweeps come \[6\] | projected Gauss-Seidel |
 //! | `SpringDamper` | none: springs, dampers, regularised friction | a formula |
 //!
-//! The default, `Cone`, stands in `contact/coulomb.rs` with all that it needs beside it here; the others are in `contact/compared.rs`. Whatever a law is solved
-//! by, the impulse is accepted by its residual alone, and the `contact/certificate.rs` of every law is that of the round cone.
+//! The default, `Cone`, stands in `contact/coulomb.rs` with all that it needs beside it here; the others are in `contact/compared.rs`.
+//! Whatever a law is solved by, the impulse is accepted by its residual alone, and the certificate of every law is that of the round cone
+//! (`contact/certificate.rs`).
 //!
 //! \[1\] Anitescu 2006; Tasora & Anitescu 2011; Todorov 2011. \[2\] Stewart & Trinkle 1996; Anitescu & Potra 1997.
 //! \[3\] De Saxcé & Feng 1998; Alart & Curnier 1991. \[4\] Haslinger 1983; Acary, Cadoux, Lemaréchal & Malick 2011.

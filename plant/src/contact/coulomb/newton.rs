@@ -250,7 +250,7 @@ impl Newton {
                 response[row] += COMPLIANCE * weight;
             });
             let first = matrix.len();
-            matrix.extend(unknowns.iter().map(|reads| equations.read(*reads, response)));
+            equations.read_all(unknowns, response, matrix);
             if let Unknown::Across(i) = *unknown {
                 matrix[first + right.len()] += contacts[i].friction;
             }

@@ -1,9 +1,9 @@
 //! The unknowns of Newton's method as columns of G, which says where each pushes, and their equations as rows of R, which says where each
 //! reads. The table is that of [`super`].
 
-use super::super::super::round::Round;
+use super::super::super::round::{Round, part};
 use super::super::Kind;
-use super::super::patch::{Group, Patch};
+use super::super::patch::{Group, MOST, Patch};
 use super::Contact;
 
 /// One unknown: where it pushes, and where its equation reads.
@@ -47,6 +47,25 @@ impl Equations<'_> {
                 let [a, b] = self.contacts[i].along;
                 entry(3 * i + 1, -b);
                 entry(3 * i + 2, a);
+            }
+        }
+    }
+
+    /// What all rows of R make of numbers by rows; those of a patch at once.
+    pub fn read_all(&self, unknowns: &[Unknown], rows: &[f64], values: &mut Vec<f64>) {
+        for unknown in unknowns {
+            match *unknown {
+                Unknown::Patch { group, column: 0 } => {
+                    let (group, mut sums) = (&self.groups[group], [0.0; MOST]);
+                    for i in (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch) {
+                        for (weights, x) in self.patch.basis[i].iter().zip(part(rows, i)) {
+                            sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * x);
+                        }
+                    }
+                    values.extend_from_slice(&sums[..group.rank]);
+                }
+                Unknown::Patch { .. } => {}
+                other => values.push(self.read(other, rows)),
             }
         }
     }
