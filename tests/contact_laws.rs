@@ -60,10 +60,7 @@ fn the_paper_s_conditions_keep_a_slider_down_and_stop_it_where_coulomb_does() {
 fn every_built_in_scene_obeys_the_round_cone_in_every_step() {
     let published = include_str!("../launch/scenes/hashes.txt");
     let names = published.lines().skip(1).filter_map(|line| line.split_whitespace().next());
-    let folder = |name: &str| std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("launch/scenes").join(name);
-    let file =
-        |name: &str| if folder(&format!("{name}.toml")).exists() { name.into() } else { format!("known/{name}") };
-    let default: Vec<_> = names.filter(|name| scene(&file(name), &[]).plant.law == Law::DEFAULT).collect();
+    let default: Vec<_> = names.filter(|name| scene(name, &[]).plant.law == Law::DEFAULT).collect();
     assert!(default.len() > 30, "{default:?}");
     for settings in [&[][..], &["plant.payload_kg=3.0"], &["plant.friction=0.3"], &["plant.friction=0.15"]] {
         let scenes = if settings.is_empty() { &default[..] } else { &["walk"] };

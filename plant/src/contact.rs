@@ -43,6 +43,7 @@ pub use law::{has_basis, is_coulomb, is_plastic, tangents};
 pub use memory::Memory;
 pub use problem::{Problem, Spring};
 pub use solver::Solver;
+pub use tolerance::PROMISED;
 pub(crate) use tolerance::{COMPLIANCE, SOLVED};
 
 /// How well a step was solved, and how.

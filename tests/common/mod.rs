@@ -106,9 +106,11 @@ impl Summary {
 
 /// One of the scenes that come with the program, with values replaced.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
-    let path = format!("{}/launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/launch/scenes");
+    let paths = [format!("{folder}/{name}.toml"), format!("{folder}/known/{name}.toml")];
+    let path = paths.iter().find(|path| std::path::Path::new(path).exists()).expect(name);
     let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
-    messages::load::load(&path, &settings, &[]).expect("a good scene")
+    messages::load::load(path, &settings, &[]).expect("a good scene")
 }
 
 /// A robot in a file, for as long as this lives.

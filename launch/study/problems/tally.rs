@@ -1,10 +1,7 @@
 //! What the solver did with the problems of a family, and the table of it.
 
 use super::{Family, LAWS};
-use plant::contact::{Problem, Report};
-
-/// A residual up to this is a solution.
-const SOLVED: f64 = 1e-10;
+use plant::contact::{PROMISED, Problem, Report};
 
 /// What was found about one law on one family.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +33,7 @@ impl Tally {
         self.warm += usize::from(is_remembered && own.warm);
         self.rows = self.rows.max(problem.rows());
         self.natural_map = self.natural_map.max(judged.own);
-        self.unsolved += usize::from(judged.own.is_nan() || judged.own > SOLVED);
+        self.unsolved += usize::from(judged.own.is_nan() || judged.own > PROMISED);
         self.fallbacks += usize::from(own.fallback);
         let pairs = problem.contacts * (2 + 2 * problem.tangents); // v_N, the facets, the slip speed of each
         self.pivots.push((own.pivots, f64::from(own.pivots) / pairs as f64));

@@ -5,7 +5,7 @@
 pub(crate) const SOLVED: f64 = 4e-11;
 
 /// The natural map that every solved step promises [-].
-pub(super) const PROMISED: f64 = 1e-10;
+pub const PROMISED: f64 = 1e-10;
 
 /// Compliance of the contacts [-]: what is added to the scaled A, whose diagonal of the normal is 1.
 ///

@@ -219,19 +219,24 @@ mod tests {
         (sole, wrench, found.map(|()| impulses))
     }
 
+    /// That the impulses are within the law; how far they are from making up the wrench.
+    fn lawful(sole: &Sole, wrench: &Pair, impulses: &[Vector3<f64>]) -> f64 {
+        for (d, f) in sole.arms.iter().zip(impulses) {
+            assert!(f.z >= 0.0 && f.xy().norm() <= MU * f.z * (1.0 + 1e-12), "{f:?} at {d:?}");
+        }
+        let moment = |(d, f): (&Vector3<f64>, &Vector3<f64>)| d.cross(f);
+        let sum: Pair = [impulses.iter().sum(), sole.arms.iter().zip(impulses).map(moment).sum()];
+        sum.iter().zip(wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()))
+    }
+
     #[test]
     fn impulses_at_the_contacts_make_up_the_wrench_within_the_law() {
         for place in [[0.0, 0.0], [0.07, -0.02], [-0.095, 0.0], [0.06, 0.03]] {
             for (shear, twist) in [([0.0, 0.0], 0.0), ([0.2, -0.3], 0.0), ([0.05, 0.1], 0.01), ([0.0, -0.1], -0.015)] {
                 let (sole, wrench, impulses) = spread(place, shear, twist);
                 let impulses = impulses.unwrap_or_else(|| panic!("{place:?} {shear:?} {twist}"));
-                let moment = |(d, f): (&Vector3<f64>, &Vector3<f64>)| d.cross(f);
-                let sum: Pair = [impulses.iter().sum(), sole.arms.iter().zip(&impulses).map(moment).sum()];
-                let error = sum.iter().zip(&wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()));
+                let error = lawful(&sole, &wrench, &impulses);
                 assert!(error < 1e-15, "{place:?} {shear:?} {twist}: {error:e}");
-                for (d, f) in sole.arms.iter().zip(&impulses) {
-                    assert!(f.z >= 0.0 && f.xy().norm() <= MU * f.z * (1.0 + 1e-12), "{f:?} at {d:?}");
-                }
             }
         }
     }
@@ -297,13 +302,8 @@ mod tests {
                 continue;
             };
             assert!(!outside || hair < 1e-12, "{hair:e} beyond the edge: {impulses:?}");
-            let moment = |(d, f): (&Vector3<f64>, &Vector3<f64>)| d.cross(f);
-            let sum: Pair = [impulses.iter().sum(), sole.arms.iter().zip(&impulses).map(moment).sum()];
-            let error = sum.iter().zip(&wrench).fold(0.0_f64, |most, (a, b)| most.max((a - b).amax()));
+            let error = lawful(&sole, &wrench, &impulses);
             assert!(error < 2e-15, "{place:?}, {hair:e}: {error:e}");
-            for (d, f) in sole.arms.iter().zip(&impulses) {
-                assert!(f.z >= 0.0 && f.xy().norm() <= MU * f.z * (1.0 + 1e-12), "{f:?} at {d:?}");
-            }
         }
         assert!(none > 1000, "{none}");
     }

@@ -19,9 +19,9 @@ const BURSTS: [u32; 4] = [3, 12, 50, 200];
 /// Workspace and last solution of the laws that have no basis along the problem's tangents.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Cones {
-    pub round: Round,
-    pub f: Vec<f64>,
-    pub v: Vec<f64>,
+    round: Round,
+    f: Vec<f64>,
+    v: Vec<f64>,
     newton: Newton,
     cone_qp: ConeQp,
     facets: Facets,

@@ -30,15 +30,15 @@ mod slide;
 /// Workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Pivoting {
-    pub scaled: Scaled,
+    scaled: Scaled,
     facets: Facets,
-    pub energy_qp: EnergyQp,
+    energy_qp: EnergyQp,
     block: Block,
-    pub basis: Vec<u8>,
+    basis: Vec<u8>,
     /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
-    pub shift: Shift,
-    pub f: Vec<f64>,
-    pub v: Vec<f64>,
+    shift: Shift,
+    f: Vec<f64>,
+    v: Vec<f64>,
     /// The impulse at which Lemke's method ended.
     pivoted: Vec<f64>,
     /// The impulse with the least residual so far, and that.
@@ -145,7 +145,7 @@ impl Pivoting {
     }
 
     /// Remembers the impulse if its residual is the least so far.
-    pub fn note(&mut self, error: f64) {
+    fn note(&mut self, error: f64) {
         if error < self.least {
             self.least = error;
             self.best.clone_from(&self.f);
@@ -159,7 +159,7 @@ impl Pivoting {
     }
 
     /// The velocity of rigid contacts.
-    pub fn find_velocity(&mut self) {
+    fn find_velocity(&mut self) {
         self.scaled.velocity(&self.f, &mut self.v);
         self.scaled.harden(&self.f, &mut self.v);
     }

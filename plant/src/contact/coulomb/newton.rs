@@ -17,14 +17,15 @@
 
 mod equations;
 mod evenness;
+mod kinds;
 
 use super::super::pivoted::Pivoted;
-use super::super::project::length;
 use super::super::round::{Round, part};
 use super::super::tolerance::{COMPLIANCE, SOLVED};
 use super::patch::{Group, Patch};
 use super::{Iterate, Kind, Start};
 use equations::{Equations, Unknown};
+use kinds::Contact;
 
 /// Steps at most; from a good start it takes one to four.
 const STEPS: u32 = 12;
@@ -34,17 +35,6 @@ const PATIENCE: u32 = 4;
 const EXACT: f64 = 2e-15;
 /// Solutions at most that undo the compliance.
 const REFINEMENTS: u32 = 4;
-
-/// What a contact does, and the weights of its equations.
-#[derive(Clone, Copy, Debug, Default)]
-struct Contact {
-    kind: Kind,
-    /// Direction of friction, e.
-    along: [f64; 2],
-    /// σρ and 1 − σ.
-    slip: f64,
-    friction: f64,
-}
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]
@@ -65,7 +55,7 @@ pub(super) struct Newton {
     change: Vec<f64>,
     found: Iterate,
     /// Patches that the last run found outside their cones, as bits of their groups.
-    pub failed: u32,
+    failed: u32,
 }
 
 impl Newton {
@@ -155,65 +145,6 @@ impl Newton {
         }
     }
 
-    /// The kinds that impulse and velocity speak for.
-    fn classify(&mut self, round: &Round, Iterate { f, v, .. }: &Iterate) {
-        for group in &mut self.groups {
-            let mut sticking = 0;
-            for i in group.first..group.end {
-                let own = &mut self.contacts[i];
-                if group.sticks && own.kind == Kind::Patch {
-                    continue;
-                }
-                let (f, v, mu) = (part(f, i), part(v, i), round.friction[i]);
-                let rho = 1.0 / (round.inverse_mass[i] + COMPLIANCE);
-                let x = [f[0] - rho * v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
-                let (bound, length) = (mu * x[0], length(x[1], x[2]));
-                *own = if x[0] <= 0.0 {
-                    Contact::default()
-                } else if round.given[i] != [0.0; 2] {
-                    Contact::given(round.given[i])
-                } else if group.sticks {
-                    Contact { kind: Kind::Patch, ..Contact::default() }
-                } else if length <= bound {
-                    sticking += 1;
-                    Contact { kind: Kind::Sticks, ..Contact::default() }
-                } else {
-                    let share = bound / length;
-                    let along = [x[1] / length, x[2] / length];
-                    Contact { kind: Kind::Slides, along, slip: rho * share, friction: 1.0 - share }
-                };
-            }
-            if sticking > 1 && group.may {
-                group.sticks = true;
-                let pushing = self.contacts[group.first..group.end].iter_mut().filter(|own| own.kind != Kind::Open);
-                pushing.for_each(|own| *own = Contact { kind: Kind::Patch, ..Contact::default() });
-            }
-        }
-    }
-
-    /// The kinds of a start, and the directions in which it slid.
-    fn recall(&mut self, round: &Round, start: &Start, Iterate { f, .. }: &Iterate) {
-        for group in &mut self.groups {
-            group.sticks = group.may && start.kinds[group.first..group.end].contains(&Kind::Patch);
-            for i in group.first..group.end {
-                let (kind, slip) = (start.kinds[i], start.slips[i]);
-                let speed = length(slip[0], slip[1]);
-                self.contacts[i] = match kind {
-                    Kind::Open => Contact::default(),
-                    _ if round.given[i] != [0.0; 2] => Contact::given(round.given[i]),
-                    _ if group.sticks => Contact { kind: Kind::Patch, ..Contact::default() },
-                    Kind::Slides if speed > 0.0 => {
-                        let along = [-slip[0] / speed, -slip[1] / speed];
-                        let rho = 1.0 / round.inverse_mass[i];
-                        let slides = rho * speed / (length(f[3 * i + 1], f[3 * i + 2]) + rho * speed);
-                        Contact { kind, along, slip: rho * (1.0 - slides), friction: slides }
-                    }
-                    _ => Contact { kind: Kind::Sticks, ..Contact::default() },
-                };
-            }
-        }
-    }
-
     /// One solution of the equations, if asked for that with the evenest pressure; writes f = G y.
     fn solve(&mut self, round: &Round, evenly: bool, f: &mut [f64]) -> bool {
         let Newton { groups, contacts, patch, unknowns, response, matrix, factor, right, around, .. } = self;
@@ -241,7 +172,7 @@ impl Newton {
         let (n, m) = (unknowns.len(), f.len());
         matrix.clear();
         right.clear();
-        for unknown in &*unknowns {
+        for (place, unknown) in unknowns.iter().enumerate() {
             response.clear();
             response.resize(m, 0.0);
             equations.push(*unknown, |row, weight| {
@@ -249,52 +180,46 @@ impl Newton {
                 response.iter_mut().zip(a).for_each(|(sum, a)| *sum = a.mul_add(weight, *sum));
                 response[row] += COMPLIANCE * weight;
             });
-            let first = matrix.len();
-            equations.read_all(unknowns, response, matrix);
+            equations.read(unknowns, response, matrix);
             if let Unknown::Across(i) = *unknown {
-                matrix[first + right.len()] += contacts[i].friction;
+                matrix[place * n + place] += contacts[i].friction;
             }
-            right.push(0.0);
         }
         if evenly {
             equations.press_evenly(unknowns, matrix);
         }
         response.clear();
         response.extend(round.drift.iter().zip(&*around).map(|(b, around)| COMPLIANCE * around - b));
-        right.iter_mut().zip(&*unknowns).for_each(|(right, reads)| *right = equations.read(*reads, response));
+        equations.read(unknowns, response, right);
         if !factor.factorize(n, matrix, 0.0) {
             return false;
         }
         factor.solve(right);
         f.fill(0.0);
-        for (unknown, y) in unknowns.iter().zip(&*right) {
-            equations.push(*unknown, |row, weight| f[row] += weight * y);
-        }
+        equations.add(unknowns, right, f);
         f.iter().all(|f| f.is_finite())
     }
 
     /// Undoes what the compliance has moved, wherever A allows, by the factor that is there; kept if the residual is less.
     fn refine(&mut self, round: &Round, iterate: &mut Iterate) {
         let Iterate { f, v, error, .. } = iterate;
-        let Newton { groups, contacts, patch, unknowns, factor, right, linear, kept, .. } = self;
+        let Newton { groups, contacts, patch, unknowns, factor, right, linear, kept, change, .. } = self;
         if unknowns.is_empty() {
             return;
         }
         kept.clone_from(f);
         let equations = Equations { round, groups, contacts, patch };
-        let lacks = |(unknown, y): (&Unknown, &f64)| match *unknown {
-            Unknown::Across(i) => -equations.read(*unknown, v) - contacts[i].friction * y,
-            _ => -equations.read(*unknown, v),
-        };
-        let mut change = std::mem::take(&mut self.change);
         change.clear();
-        change.extend(unknowns.iter().zip(&*right).map(lacks));
-        factor.solve(&mut change);
-        f.clone_from(linear);
-        for (unknown, y) in unknowns.iter().zip(&change) {
-            equations.push(*unknown, |row, weight| f[row] += weight * y);
+        equations.read(unknowns, v, change);
+        for ((change, unknown), y) in change.iter_mut().zip(&*unknowns).zip(&*right) {
+            *change = match *unknown {
+                Unknown::Across(i) => -*change - contacts[i].friction * y,
+                _ => -*change,
+            };
         }
-        self.change = change;
+        factor.solve(change);
+        f.clone_from(linear);
+        equations.add(unknowns, change, f);
         self.failed = 0;
         self.spread(round, f);
         round.velocity(f, v);
@@ -328,12 +253,5 @@ impl Newton {
             }
         }
         self.failed != 0
-    }
-}
-
-impl Contact {
-    /// A contact that slides against a given direction of friction.
-    fn given(slip: [f64; 2]) -> Contact {
-        Contact { kind: Kind::Slides, along: slip.map(|slip| -slip), slip: 0.0, friction: 1.0 }
     }
 }

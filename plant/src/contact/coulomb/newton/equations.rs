@@ -4,7 +4,7 @@
 use super::super::super::round::{Round, part};
 use super::super::Kind;
 use super::super::patch::{Group, MOST, Patch};
-use super::Contact;
+use super::kinds::Contact;
 
 /// One unknown: where it pushes, and where its equation reads.
 #[derive(Clone, Copy, Debug)]
@@ -51,8 +51,15 @@ impl Equations<'_> {
         }
     }
 
-    /// What all rows of R make of numbers by rows; those of a patch at once.
-    pub fn read_all(&self, unknowns: &[Unknown], rows: &[f64], values: &mut Vec<f64>) {
+    /// f + G y.
+    pub fn add(&self, unknowns: &[Unknown], y: &[f64], f: &mut [f64]) {
+        for (unknown, y) in unknowns.iter().zip(y) {
+            self.push(*unknown, |row, weight| f[row] += weight * y);
+        }
+    }
+
+    /// What the rows of R make of numbers by rows; those of a patch at once.
+    pub fn read(&self, unknowns: &[Unknown], rows: &[f64], values: &mut Vec<f64>) {
         for unknown in unknowns {
             match *unknown {
                 Unknown::Patch { group, column: 0 } => {
@@ -65,24 +72,12 @@ impl Equations<'_> {
                     values.extend_from_slice(&sums[..group.rank]);
                 }
                 Unknown::Patch { .. } => {}
-                other => values.push(self.read(other, rows)),
-            }
-        }
-    }
-
-    /// What a row of R makes of numbers by rows.
-    #[inline(always)]
-    pub fn read(&self, unknown: Unknown, rows: &[f64]) -> f64 {
-        match unknown {
-            Unknown::Patch { .. } | Unknown::Sticks { .. } => {
-                let mut sum = 0.0;
-                self.push(unknown, |row, weight| sum += weight * rows[row]);
-                sum
-            }
-            Unknown::Along(i) => rows[3 * i],
-            Unknown::Across(i) => {
-                let Contact { along: [a, b], slip, .. } = self.contacts[i];
-                slip * (a * rows[3 * i + 2] - b * rows[3 * i + 1])
+                Unknown::Sticks { contact, row } => values.push(rows[3 * contact + row]),
+                Unknown::Along(i) => values.push(rows[3 * i]),
+                Unknown::Across(i) => {
+                    let Contact { along: [a, b], slip, .. } = self.contacts[i];
+                    values.push(slip * (a * rows[3 * i + 2] - b * rows[3 * i + 1]));
+                }
             }
         }
     }
