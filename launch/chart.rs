@@ -6,6 +6,7 @@
 //! | (ii) | CPU time per step of 1 ms | [`steps`] |
 //! | (iii) | where methods fail, and from where on | [`failures`], [`thresholds`] |
 //! | (iv) | size of the model against cost | [`models`] |
+//! | `--orders` | order, error and cost of every integration method | [`orders`] |
 //! | `--growth` | how the cost of a step grows | [`growth`] |
 //!
 //! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
@@ -21,6 +22,7 @@ mod failures;
 mod growth;
 mod metrics;
 mod models;
+mod orders;
 mod page;
 mod peers;
 mod precision;
@@ -54,6 +56,9 @@ pub struct ChartArgs {
     /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
     #[arg(long)]
     growth: bool,
+    /// Instead of all that: order, error and cost of every integration method in each kind of motion
+    #[arg(long, conflicts_with_all = ["growth", "peers"])]
+    orders: bool,
     /// Only these comparison scenes, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     scenes: Vec<String>,
@@ -74,6 +79,9 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     folder(&args.out)?;
     let failed = |error| unwritten(&args.out, &error);
     let watch = Watch::new(args.quiet, stop);
+    if args.orders {
+        return orders::run(&args.out, &watch);
+    }
     if args.growth {
         return growth::run(args, &watch);
     }

@@ -214,7 +214,8 @@ fn csv(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
     comma_separated(&rows)
 }
 
-fn comma_separated(rows: &[Vec<String>]) -> String {
+/// Rows of cells as a file of comma-separated values.
+pub fn comma_separated(rows: &[Vec<String>]) -> String {
     let quoted = |cell: &String| format!("\"{}\"", cell.replace('"', "\"\""));
     rows.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
 }

@@ -242,6 +242,9 @@ pub enum Method {
     MoreauJean,
     /// All forces at half a step's travel, position by half steps of old and new velocity. Second order, one evaluation.
     MidpointMoreau,
+    /// The midpoint rule with the contact law at the end of the step, landings at their own time, springs and dampers implicit. Second
+    /// order where contact lasts, rolls, turns and lands; it makes no energy.
+    MidpointContact,
     /// Runge-Kutta of fourth order for the free motion, contact as one impulse at the end of the step.
     Rk4,
     /// Runge-Kutta of fourth order with the contact forces in every stage; a step is split at impact and at the end of slip.
@@ -256,11 +259,12 @@ pub enum Method {
 
 impl Method {
     /// Every method, from simple to exact.
-    pub const ALL: [Method; 9] = [
+    pub const ALL: [Method; 10] = [
         Method::ExplicitEuler,
         Method::SemiImplicitEuler,
         Method::MoreauJean,
         Method::MidpointMoreau,
+        Method::MidpointContact,
         Method::Rk4,
         Method::Rk4Impact,
         Method::ImplicitMidpoint,

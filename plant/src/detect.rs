@@ -17,6 +17,36 @@ pub struct Touch {
     pub arm: Vector3<f64>,
     /// Height above the ground [m].
     pub gap: f64,
+    /// Speed at which it may still come down in this step; negative: it must go up [m/s]. See [`approach`].
+    pub approach: f64,
+    /// Velocity that K gains on the way to the end of the step, in W [m/s]. Zero for a method whose law holds where K is taken.
+    pub swept: Vector3<f64>,
+    /// Angular velocity that its link gains there likewise [rad/s].
+    pub turned: Vector3<f64>,
+    /// Direction of its slip in the middle of the step, if friction is to act against that: a unit vector along the ground, else zero.
+    pub along: Vector3<f64>,
+    /// Time after which it meets the ground, as its motion to the middle of the step says, if it comes down faster than the step's forces make
+    /// it; else infinite [s].
+    pub lands_after: f64,
+}
+
+impl Touch {
+    /// A contact point at a place, which may not come down any further.
+    pub fn new(id: usize, link: usize, arm: Vector3<f64>, gap: f64) -> Touch {
+        let none = Vector3::zeros();
+        Touch { id, link, arm, gap, approach: 0.0, swept: none, turned: none, along: none, lands_after: f64::INFINITY }
+    }
+}
+
+/// Part of a depth that one step takes back [-]: what a step's error leaves is gone within some ten steps, and never thrown back.
+pub const COMES_OUT: f64 = 0.2;
+/// Greatest speed at which a depth is taken back, as a part of g h [-]: what comes out rises by less than 50 steps of its own fall.
+const GENTLY: f64 = 10.0;
+
+/// Speed at which a contact may still come down within `h` [m/s]: it closes its gap. Inside the ground it is negative: it comes out, by
+/// a part of its depth a step.
+pub fn approach(gap: f64, h: f64, gravity: f64) -> f64 {
+    if gap > 0.0 { gap / h } else { (COMES_OUT * gap / h).max(-GENTLY * gravity * h) }
 }
 
 /// Lists the points that may touch within a step of `h` [s], link by link, the lowest first, so that results do not depend on the order in
@@ -41,7 +71,8 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touc
                 _ => 2.0 * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
             };
             if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
-                touches.push(Touch { id, link, arm, gap });
+                let approach = approach(gap, h, model.gravity.norm());
+                touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
         }
         first += corners.len();
@@ -72,7 +103,7 @@ pub fn overlooked(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], t
                 let gap = pose.reference.z + arm.z;
                 let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
                 if sinks && corner.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
-                    touches.push(Touch { id, link, arm, gap });
+                    touches.push(Touch { approach: gap / h, ..Touch::new(id, link, arm, gap) });
                 }
             }
         }

@@ -71,6 +71,12 @@ impl Pose {
         arm
     }
 
+    /// Height of a corner above the ground [m].
+    #[inline]
+    pub fn height(&self, corner: &Corner) -> f64 {
+        self.reference.z + self.lowest(corner).z
+    }
+
     /// Velocity that rates `xdot` would give a link at this pose.
     pub fn twist(&self, model: &Model, link: usize, xdot: &[f64]) -> Spatial {
         let path = model.path(link).iter();

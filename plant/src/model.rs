@@ -122,7 +122,8 @@ pub struct Model {
     pub joint_dof: Vec<usize>,
     /// Contact points and balls, in the order of the scene's bodies.
     pub corners: Vec<Corner>,
-    /// Greatest distance of a joint or a contact from the frame that carries it: the scale of lengths [m].
+    /// Greatest distance of a joint or a contact from the centre of mass of a body that it is on: the scale of lengths, wherever the
+    /// bodies' frames are [m].
     pub length: f64,
     /// Directions that friction acts along at most: one, x, if nothing moves along y.
     pub directions: usize,
@@ -183,6 +184,20 @@ impl Model {
     /// Whether every link can move in all six directions, for the base can.
     pub fn floats(&self) -> bool {
         matches!(self.base, Base::Virtual | Base::Quaternion)
+    }
+
+    /// Axes of W along which the first coordinates move the base.
+    pub fn base_translation(&self) -> &'static [usize] {
+        match self.base {
+            Base::Fixed => &[],
+            Base::Planar => &[0, 2],
+            Base::Virtual | Base::Quaternion => &[0, 1, 2],
+        }
+    }
+
+    /// Whether the base cannot move, or its frame is at its centre of mass.
+    pub fn base_is_at_its_centre(&self) -> bool {
+        self.base == Base::Fixed || self.links[self.base_link].com == Vector3::zeros()
     }
 
     /// Total mass [kg].

@@ -11,11 +11,13 @@
 //! |---|---|
 //! | `ExplicitEuler`, `SemiImplicitEuler` | `step/euler.rs` |
 //! | `MoreauJean` | `step/moreau.rs` |
+//! | `MidpointContact` | `step/midpoint_contact.rs` |
 //! | `MidpointMoreau`, `ImplicitMidpoint` | `step/midpoint.rs` |
 //! | `StepDoubling` | `step/doubling.rs` |
 //! | `Rk4` | `step/runge_kutta.rs` |
 //! | `Rk4Impact`, `EventDriven` | `step/event.rs` |
 
+mod ahead;
 mod contact;
 mod doubling;
 mod each;
@@ -23,6 +25,7 @@ mod euler;
 mod event;
 mod free;
 mod midpoint;
+mod midpoint_contact;
 mod moreau;
 mod now;
 mod runge_kutta;
@@ -32,8 +35,9 @@ use contact::{Contacts, Touches};
 use doubling::Doubling;
 use event::Bearing;
 use free::{Dynamics, FreeMotion};
+use midpoint_contact::Rise;
 use moreau::Means;
-use now::Now;
+use now::{Centre, Now};
 use runge_kutta::Stages;
 use settings::{Push, World};
 
@@ -56,6 +60,7 @@ pub struct Plant {
     drives: Drives,
     now: Now,
     memory: Memory,
+    rise: Rise,
     /// What every corner does between events.
     bearings: Vec<Bearing>,
     /// Length that the step control would take next [s].
@@ -88,6 +93,15 @@ struct Workspace {
     free: FreeMotion,
     touches: Touches,
     contacts: Contacts,
+    /// The middle of a step, then its end.
+    middle: Now,
+    /// ẋ₋ in the middle of the step, and the centre of the base there, with ẋ₋ and ẋ₊.
+    before: Vec<f64>,
+    centres: [Centre; 2],
+    /// What the contacts did before a step that may have to be split.
+    remembered: Memory,
+    /// What lands in it.
+    landing: Vec<usize>,
     /// Where a step began, or a part of it.
     start: State,
     stages: Stages,
@@ -109,6 +123,7 @@ impl Plant {
             drives: Drives::new(&scene.plant),
             now: Now::new(model, State::initial(model, &scene.initial)?),
             memory: Memory::default(),
+            rise: Rise::new(model),
             bearings: vec![Bearing::default(); model.corners.len()],
             stride: scene.plant.dt,
             record: Record::default(),
@@ -133,12 +148,18 @@ impl Plant {
         Ok(self.encoders())
     }
 
-    /// Finds what the paper's next step needs whatever the torques will be: H, b and the factor of H. Who waits for a command may
+    /// Finds what the next step needs whatever the torques will be: H, b and the factor of H. Who waits for a command may
     /// call this meanwhile; no result depends on it.
     pub fn get_ready(&mut self) {
-        if self.world.settings.method == Method::SemiImplicitEuler {
-            let h = self.world.settings.h;
-            self.work.dynamics.get_ready(&self.world.model, &self.now, h, h);
+        let h = self.world.settings.h;
+        match self.world.settings.method {
+            Method::SemiImplicitEuler => self.work.dynamics.get_ready(&self.world.model, &self.now, h, h),
+            Method::MidpointContact if self.rise.known() => {
+                if self.get_to_the_middle(h).is_ok() {
+                    self.work.dynamics.set_ready(); // the step finds an error again
+                }
+            }
+            _ => {}
         }
     }
 
@@ -154,6 +175,7 @@ impl Plant {
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),
             Method::MoreauJean => self.moreau_jean(h),
             Method::MidpointMoreau => self.midpoint_moreau(h),
+            Method::MidpointContact => self.midpoint_contact(h),
             Method::Rk4 => self.rk4(h),
             Method::Rk4Impact => self.rk4_impact(h),
             Method::ImplicitMidpoint => self.implicit_midpoint(h),
@@ -246,6 +268,11 @@ impl Workspace {
             free: FreeMotion::new(model),
             touches: Touches::new(model),
             contacts: Contacts::new(model, law),
+            middle: Now::new(model, State::zero(model)),
+            before: vec![0.0; model.dofs()],
+            centres: [Centre::default(); 2],
+            remembered: Memory::default(),
+            landing: Vec::with_capacity(model.corners.len()),
             start: State::zero(model),
             stages: Stages::new(model),
             means: Means::new(model),

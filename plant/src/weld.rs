@@ -87,12 +87,11 @@ impl Weld {
         free: &Free,
         touches: &[Touch],
         [friction, disc]: [f64; 2],
-        h: f64,
         pushed: impl Fn(usize) -> bool,
     ) -> Option<(Response<'_>, Report)> {
         let Weld { feet, hovering, mobility, factored, change, impulses } = self;
-        let (feet, hovering) = stand(model, free, touches, h, pushed, feet, hovering)?;
-        let speed = speed(feet, touches, h);
+        let (feet, hovering) = stand(model, free, touches, pushed, feet, hovering)?;
+        let speed = speed(feet, touches);
         let mobility = mobility.fill(model, feet);
         let factored = mobility.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
         resolve(mobility, factored, feet, friction, speed);
@@ -102,8 +101,8 @@ impl Weld {
             foot.sole.spread(&foot.wrench, disc, &mut impulses[foot.first..][..foot.sole.arms.len()])?;
         }
         let change = respond(model, free.factor, feet, change);
-        let hover = hovering.iter().all(|foot| foot.goes_on(model, touches, change, h));
-        let report = report(feet, touches, friction, h, speed);
+        let hover = hovering.iter().all(|foot| foot.goes_on(model, touches, change));
+        let report = report(feet, touches, friction, speed);
         (hover && report.natural_map <= HELD).then_some((Response { change, impulses }, report))
     }
 }
@@ -113,28 +112,27 @@ fn stand<'a>(
     model: &Model,
     free: &Free,
     touches: &[Touch],
-    h: f64,
     pushed: impl Fn(usize) -> bool,
     feet: &'a mut [Foot],
     hovering: &'a mut [Foot],
 ) -> Option<(&'a mut [Foot], &'a [Foot])> {
     let (mut count, mut hovers, mut first) = (0, 0, 0);
-    for touches in touches.chunk_by(|a, b| a.link == b.link) {
+    for own in touches.chunk_by(|a, b| a.link == b.link) {
         let foot = feet.get_mut(count)?;
-        foot.set(model, free, first, touches);
-        first += touches.len();
-        if foot.stays_above(&foot.free, touches, h) {
+        foot.set(model, free, first, own);
+        first += own.len();
+        if foot.stays_above(&foot.free, touches) {
             std::mem::swap(foot, hovering.get_mut(hovers)?);
             hovers += 1;
             continue;
         }
-        if touches.iter().filter(|touch| pushed(touch.id)).count() < touches.len().min(FACE) {
+        if own.iter().filter(|touch| pushed(touch.id)).count() < own.len().min(FACE) {
             return None;
         }
         count += 1;
     }
     for foot in &mut feet[..count] {
-        foot.land(&touches[foot.first..], h)?;
+        foot.land(&touches[foot.first..])?;
         free.factor.half_solve(model, foot.link, &mut foot.rows);
     }
     Some((&mut feet[..count], &hovering[..hovers]))

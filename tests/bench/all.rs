@@ -5,6 +5,7 @@
 //! | `cargo bench` | everything below but the peers |
 //! | `cargo bench -- step` | what has this word in its name; `--help` lists more |
 //! | `cargo bench -- tail` | the slowest steps of a walk |
+//! | `cargo bench -- methods` | the default method beside the paper's |
 //! | `cargo bench -- --peers` | a table beside MuJoCo, Pinocchio and four QP solvers, on the same states and programs |
 //! | `cargo bench -- link` | round trips and the walk in lockstep, two processes |
 //!
@@ -17,6 +18,7 @@ mod contact;
 mod core;
 mod dynamics;
 mod link;
+mod methods;
 mod peers;
 mod rate;
 mod robot;
@@ -39,6 +41,9 @@ fn main() {
     }
     if asked("tail") {
         tail::print();
+    }
+    if asked("methods") {
+        methods::print();
     }
     println!("{}", core.remark());
     drop(core); // two processes want two

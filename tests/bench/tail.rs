@@ -106,7 +106,7 @@ fn walk(scene: &Scene, runs: usize) -> Walk {
 }
 
 /// Median, 99 %, 99.9 % and maximum.
-fn quantiles(times: &[f64]) -> [f64; 4] {
+pub fn quantiles(times: &[f64]) -> [f64; 4] {
     let mut times = times.to_vec();
     times.sort_by(f64::total_cmp);
     [500, 990, 999, 1000].map(|mille| times[(times.len() * mille / 1000).min(times.len() - 1)])

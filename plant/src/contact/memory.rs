@@ -53,6 +53,11 @@ impl Memory {
         self.contact(id).kind != Kind::Open
     }
 
+    /// Whether a contact pushed and slipped in the last step.
+    pub(crate) fn slid(&self, id: usize) -> bool {
+        self.contact(id).kind == Kind::Slides
+    }
+
     /// What a contact did in the last step; nothing if it was not listed.
     pub(super) fn contact(&self, id: usize) -> Contact {
         self.contacts.get(id).copied().unwrap_or_default()

@@ -23,9 +23,8 @@ impl Model {
         let tilt = scene.plant.incline_deg.to_radians();
         let jointed = |&(body, _): &(&Body, &usize)| body.joint.is_some();
         let corners = corners(bodies, &body_link)?;
-        let reaches = corners.iter().map(|corner| corner.at.norm() + corner.radius);
         let mut model = Model {
-            length: reaches.chain(links.iter().map(|link| link.at.norm())).fold(0.0, f64::max),
+            length: length(&links, &corners),
             base: scene.plant.base,
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * not_negative(scene.plant.gravity, "gravity")?,
             mount_rotation: Matrix3::identity(),
@@ -122,16 +121,26 @@ fn corners(bodies: &[Body], body_link: &[usize]) -> Result<Vec<Corner>, PlantErr
     Ok(corners)
 }
 
-/// One for each joint with a spring or damper of its own.
+/// Greatest distance of a contact or a joint from the centre of mass of the body that carries it [m].
+fn length(links: &[Link], corners: &[Corner]) -> f64 {
+    let reaches = corners.iter().map(|corner| (corner.at - links[corner.link].com).norm() + corner.radius);
+    let massive = links.iter().filter(|link| link.mass > 0.0);
+    let joints = massive.map(|link| link.com.norm().max((link.at - links[link.parent].com).norm()));
+    let jointed = links.len() > 1 + links.iter().filter(|link| link.mass == 0.0).count();
+    reaches.chain(joints.filter(|_| jointed)).fold(0.0, f64::max)
+}
+
+/// One for each joint with a spring or damper.
 fn springs(bodies: &[Body], body_link: &[usize], links: &[Link]) -> Result<Vec<Spring>, PlantError> {
     let mut springs = vec![];
     for (body, &link) in bodies.iter().zip(body_link) {
-        let Some(joint) = body.joint.as_ref().filter(|joint| joint.stiffness != 0.0 || joint.damping != 0.0) else {
+        let damping = links[link].damping;
+        let Some(joint) = body.joint.as_ref().filter(|joint| joint.stiffness != 0.0 || damping != 0.0) else {
             continue;
         };
         let stiffness = not_negative(joint.stiffness, "the joint stiffness")?;
         let rest = finite([joint.rest; 3], || format!("the rest angle of body `{}`", body.name))?.x;
-        springs.push(Spring { dof: link - 1, stiffness, damping: links[link].damping, rest });
+        springs.push(Spring { dof: link - 1, stiffness, damping, rest });
     }
     Ok(springs)
 }

@@ -1,10 +1,11 @@
 //! The stages of a step at contact: what touches, its impulse (14)-(22), the velocity after it.
 
+use super::ahead::Ahead;
 use super::each::Each;
 use super::settings::{Settings, World};
 use crate::contact::{Memory, Report};
 use crate::delassus::{Free, Response};
-use crate::detect::{Touch, overlooked, touching};
+use crate::detect::{Touch, approach, overlooked, touching};
 use crate::error::PlantError;
 use crate::kinematics::Pose;
 use crate::model::Model;
@@ -18,23 +19,67 @@ pub(super) struct Touches {
     pub list: Vec<Touch>,
     /// The time [s].
     pub horizon: f64,
+    /// What comes down slower than this does not bounce [m/s].
+    pub slow: f64,
 }
 
 impl Touches {
     pub fn new(model: &Model) -> Touches {
-        Touches { list: Vec::with_capacity(model.corners.len()), horizon: 0.0 }
+        Touches { list: Vec::with_capacity(model.corners.len()), horizon: 0.0, slow: 0.0 }
     }
 
     /// The points that may touch within a step of `h` that ends, if nothing touches, with the velocity `free`.
+    ///
+    /// What two steps of free fall made as fast does not bounce, or the last of the bounces would never come.
     pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
-        self.horizon = h;
+        (self.horizon, self.slow) = (h, 2.0 * world.model.gravity.norm() * h);
+        self
+    }
+
+    /// The points inside the ground, which come out within `h`.
+    pub fn find_inside(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
+        self.find(world, pose, free, 0.0);
+        let gravity = world.model.gravity.norm();
+        self.list.iter_mut().for_each(|touch| touch.approach = approach(touch.gap, h, gravity));
+        self.slow = 2.0 * gravity * h;
         self
     }
 
     /// Adds what the velocity `after` the step takes into the ground though it was not listed; whether there is any.
-    fn add_overlooked(&mut self, world: &World, pose: &Pose, after: &[f64]) -> bool {
-        overlooked(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list)
+    fn add_overlooked(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        after: &[f64],
+        ahead: Option<&Ahead>,
+        memory: &Memory,
+    ) -> bool {
+        let listed = self.list.len();
+        let more = overlooked(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
+        if let Some(ahead) = ahead.filter(|_| more) {
+            for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
+                ahead.look(world, memory, touches);
+            }
+            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // it was thrown down within the step
+            debug_assert!(self.list.len() > listed);
+        }
+        more
+    }
+
+    /// The points within `landed` of the ground, and those that pushed in the step before: no time passes, so none comes nearer.
+    pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: f64, memory: &Memory) -> &mut Touches {
+        let Model { corners, .. } = &world.model;
+        self.list.clear();
+        for (id, corner) in corners.iter().enumerate() {
+            let arm = pose.lowest(corner);
+            let gap = pose.reference.z + arm.z;
+            if (gap <= landed || memory.pushed(id)) && corner.has_ground(pose.reference.x + arm.x) {
+                self.list.push(Touch::new(id, corner.link, arm, gap));
+            }
+        }
+        (self.horizon, self.slow) = (0.0, 0.0);
+        self
     }
 }
 
@@ -120,26 +165,27 @@ impl Contacts {
         world: &World,
         free: &Free,
         touches: &mut Touches,
-        h: f64,
+        ahead: Option<&Ahead>,
         memory: &mut Memory,
     ) -> Result<&Contact, PlantError> {
         let Contacts { each, weld, contact, solved, warm } = self;
         contact.clear(free);
         while !touches.list.is_empty() {
-            let (response, report) = match stand(world, free, &touches.list, h, memory, weld) {
+            let (response, mut report) = match stand(world, free, &touches.list, memory, weld) {
                 Some(held) => {
                     each.leave(touches.list.len());
                     held
                 }
                 None => {
-                    each.pose(world, free, &touches.list, h); // (14)
+                    each.pose(world, free, touches); // (14)
                     each.solve(world, free, &touches.list, memory)? // (15)-(22)
                 }
             };
+            report.energy_gain -= lifts(&touches.list, response.impulses);
             world.check_energy(&report)?;
             contact.set(free, &touches.list, &response, report); // (12)
             (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
-            if !touches.add_overlooked(world, free.pose, &contact.rate) {
+            if !touches.add_overlooked(world, free.pose, &contact.rate, ahead, memory) {
                 break;
             }
         }
@@ -152,7 +198,6 @@ fn stand<'a>(
     world: &World,
     free: &Free,
     touches: &[Touch],
-    h: f64,
     memory: &mut Memory,
     weld: &'a mut Weld,
 ) -> Option<(Response<'a>, Report)> {
@@ -162,9 +207,14 @@ fn stand<'a>(
         return None;
     }
     let (response, report) =
-        weld.hold(&world.model, free, touches, [friction, disc * friction], h, |id| memory.pushed(id))?;
+        weld.hold(&world.model, free, touches, [friction, disc * friction], |id| memory.pushed(id))?;
     memory.stand(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
     Some((response, report))
+}
+
+/// Work of the impulses at what comes out of the ground [J]: where it was before is none of the law's doing.
+fn lifts(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
+    touches.iter().zip(impulses).map(|(touch, impulse)| impulse.z * (-touch.approach).max(0.0)).sum()
 }
 
 /// Radius of the disc within the cone of a law, however its tangents are turned, as a part of μ; none if feet that stand do not obey it.

@@ -1,5 +1,6 @@
 //! Every contact by itself: the problem (14), and its solution (15)-(22).
 
+use super::contact::Touches;
 use super::settings::{Settings, World};
 use crate::contact::{Memory, Report, Solver, tangents};
 use crate::delassus::{ContactMap, Free, Response};
@@ -7,6 +8,7 @@ use crate::detect::Touch;
 use crate::error::PlantError;
 use crate::model::Model;
 use messages::scene::Law;
+use nalgebra::Vector3;
 
 /// The problem, and its solver.
 pub(super) struct Each {
@@ -27,15 +29,23 @@ impl Each {
         (self.map.problem.contacts, self.map.problem.tangents) = (contacts, 2);
     }
 
-    /// The problem (14) of the touching points, A apart.
-    pub fn pose(&mut self, world: &World, free: &Free, touches: &[Touch], h: f64) {
+    /// The problem (14) of the touching points, A apart: their velocity at the end of the step if nothing touched, friction, and how far
+    /// they may still come down.
+    pub fn pose(&mut self, world: &World, free: &Free, touches: &Touches) {
         let Settings { law, friction, restitution, spring, .. } = world.settings;
-        let problem = self.map.drift(&world.model, free, touches, law, |_, drift| drift);
+        let (touches, slow) = (&touches.list, touches.slow);
+        let given = law == Law::Cone && touches.iter().any(|touch| touch.along != Vector3::zeros());
+        let at_the_end = |i: usize, drift: Vector3<f64>| {
+            let end = drift + touches[i].swept;
+            if given { end } else { turned_back(end, &touches[i].along) }
+        };
+        let problem = self.map.drift(&world.model, free, touches, law, at_the_end);
+        if given {
+            problem.slip.extend(touches.iter().map(|touch| [touch.along.x, touch.along.y]));
+        }
         let before = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
         problem.friction.fill(friction);
-        for (approach, touch) in problem.approach.iter_mut().zip(touches) {
-            *approach = touch.gap.max(0.0) / h;
-        }
+        problem.approach.iter_mut().zip(touches).for_each(|(approach, touch)| *approach = touch.approach);
         if law == Law::SpringDamper {
             problem.spring = spring;
             problem.gap.iter_mut().zip(touches).for_each(|(gap, touch)| *gap = touch.gap);
@@ -45,9 +55,7 @@ impl Each {
             }
         }
         if restitution > 0.0 {
-            // Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more. What two steps of free fall made
-            // as fast stays down, or the last of its bounces would never come
-            let slow = if h.is_finite() { 2.0 * world.model.gravity.norm() * h } else { 0.0 };
+            // Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more
             let normals = problem.drift.iter().step_by(1 + problem.tangents);
             for ((approach, free), touch) in problem.approach.iter_mut().zip(normals).zip(touches) {
                 let before = before(touch).z;
@@ -72,4 +80,12 @@ impl Each {
         world.check(&report, problem)?;
         Ok((map.respond(&world.model, free.factor, &solver.impulse), report))
     }
+}
+
+/// A velocity whose slip is turned to this direction, if there is one: for a law that finds the direction of friction itself.
+fn turned_back(velocity: Vector3<f64>, along: &Vector3<f64>) -> Vector3<f64> {
+    if *along == Vector3::zeros() {
+        return velocity;
+    }
+    Vector3::new(0.0, 0.0, velocity.z) + along * velocity.xy().norm()
 }

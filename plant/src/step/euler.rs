@@ -13,7 +13,7 @@ impl Plant {
         let dynamics = work.dynamics.find(&world.model, now, h, h)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
-        let contact = work.contacts.solve(world, &free, touches, h, memory)?; // (12)-(22)
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         now.travel(world, h)
@@ -26,7 +26,7 @@ impl Plant {
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
-        let contact = work.contacts.solve(world, &free, touches, h, memory)?; // (12)-(22)
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
         now.state.advance(&world.model, h);
         now.state.xdot.copy_from_slice(&contact.rate);

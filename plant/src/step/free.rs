@@ -9,6 +9,7 @@ use crate::factor::{Factor, PathMatrix};
 use crate::kinematics::{Pose, contact_column};
 use crate::model::Model;
 use crate::springs;
+use nalgebra::Vector3;
 
 /// H and b of (1), with springs and dampers of the joints, and H = LᵀDL.
 pub(super) struct Dynamics {
@@ -49,6 +50,30 @@ impl Dynamics {
             self.factor.factorize(model, &self.inertia)?;
         }
         Ok(self)
+    }
+
+    /// H and its factor at the middle of a step of `h`, where springs and dampers act with the mean velocity, and b at the velocity `mean`,
+    /// which the pose has; the state has that before the step.
+    ///
+    /// # Errors
+    /// If H is not positive definite.
+    pub fn find_in_the_middle(&mut self, model: &Model, now: &Now, mean: &[f64], h: f64) -> Result<(), PlantError> {
+        self.evaluations += 1;
+        self.composite.inertia(model, &now.pose, &mut self.inertia);
+        springs::stiffen_in_the_middle(model, h, &mut self.inertia);
+        self.factor.factorize(model, &self.inertia)?;
+        self.with_bias_at(model, now, mean);
+        Ok(())
+    }
+
+    /// Whether they were known already; they are not for the step after.
+    pub fn was_ready(&mut self) -> bool {
+        std::mem::take(&mut self.ready)
+    }
+
+    /// They are known for the step to come.
+    pub fn set_ready(&mut self) {
+        self.ready = true;
     }
 
     /// The same ahead of the step that asks for it.
@@ -97,6 +122,19 @@ impl FreeMotion {
         dynamics.factor.solve(&world.model, velocity);
         velocity.iter_mut().zip(&now.state.xdot).for_each(|(free, before)| *free += before);
         velocity
+    }
+
+    /// The velocity that was found last, with this added to that of the base's frame.
+    pub fn add_to_base(&mut self, model: &Model, gain: Vector3<f64>) -> &[f64] {
+        for (velocity, &axis) in self.velocity.iter_mut().zip(model.base_translation()) {
+            *velocity += gain[axis];
+        }
+        &self.velocity
+    }
+
+    /// The motion that was found last.
+    pub fn found<'a>(&'a self, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
+        Free { pose: &now.pose, factor: &dynamics.factor, rate: &self.velocity }
     }
 
     /// The present acceleration if nothing touched, H⁻¹(u − b).

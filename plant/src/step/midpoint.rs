@@ -29,7 +29,7 @@ impl Plant {
         let dynamics = work.dynamics.with_bias_at(&world.model, now, mean);
         let free = work.free.motion(world, now, dynamics, h);
         let touches = work.touches.find(world, free.pose, free.rate, 0.5 * h);
-        let contact = work.contacts.solve(world, &free, touches, 0.5 * h, memory)?;
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         now.travel(world, 0.5 * h)
@@ -59,7 +59,7 @@ impl Plant {
             now.state.xdot.copy_from_slice(&start.xdot);
             let free = free.motion(world, now, dynamics, h);
             let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
-            let contact = contacts.solve(world, &free, touches, 0.5 * h, memory)?;
+            let contact = contacts.solve(world, &free, touches, None, memory)?;
             let change = improve(mean, &start.xdot, &contact.rate);
             rounds += 1;
             if change <= ROUNDING || rounds == ROUNDS {
@@ -77,7 +77,7 @@ impl Plant {
 }
 
 /// Sets the mean to ½(ẋ₋ + ẋ₊); its greatest change, relative to 1 + |ẋ|.
-fn improve(mean: &mut [f64], before: &[f64], after: &[f64]) -> f64 {
+pub(super) fn improve(mean: &mut [f64], before: &[f64], after: &[f64]) -> f64 {
     let mut change = 0.0;
     for ((mean, after), before) in mean.iter_mut().zip(after).zip(before) {
         let better = 0.5 * (before + after);

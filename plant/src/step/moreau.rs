@@ -37,7 +37,7 @@ impl Plant {
             *rise = free - before; // h a(x, ẋ₋)
         }
         let touches = work.touches.find(world, free.pose, free.rate, h);
-        let contact = work.contacts.solve(world, &free, touches, h, memory)?;
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
@@ -47,7 +47,7 @@ impl Plant {
         }
         let free = Free { rate: velocity, ..free };
         let touches = work.touches.find(world, free.pose, free.rate, h);
-        let contact = work.contacts.solve(world, &free, touches, h, memory)?;
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
     }

@@ -7,11 +7,37 @@ use crate::model::Model;
 use crate::state::State;
 use messages::scene::Base;
 use messages::turn::sin_cos;
+use nalgebra::Vector3;
 
 /// Coordinate of the pitch of virtual joints.
 const PITCH: usize = 4;
 /// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
 const GIMBAL: f64 = 1e-8;
+
+/// The centre of mass of a base that can move, where that is not in its frame's origin; else all zero.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Centre {
+    /// From the base's frame, in W [m].
+    pub arm: Vector3<f64>,
+    /// Angular velocity of the base [rad/s].
+    pub spin: Vector3<f64>,
+}
+
+impl Centre {
+    /// At a pose, with these rates.
+    pub fn of(model: &Model, pose: &Pose, xdot: &[f64]) -> Centre {
+        if model.base_is_at_its_centre() {
+            return Centre::default();
+        }
+        let spin = pose.twist(model, model.base_link, xdot).angular;
+        Centre { arm: pose.links[model.base_link].com, spin }
+    }
+
+    /// Its velocity beside that of the frame.
+    pub fn gained(&self) -> Vector3<f64> {
+        self.spin.cross(&self.arm)
+    }
+}
 
 /// A state and its pose.
 pub(super) struct Now {
@@ -32,6 +58,27 @@ impl Now {
     /// As [`Now::find_pose`], and so the following.
     pub fn travel(&mut self, world: &World, time: f64) -> Result<(), PlantError> {
         self.state.advance(&world.model, time);
+        self.find_pose(world)
+    }
+
+    /// x₊ = x + time ẋ with the centre of mass of the base in place of its frame, from where that was `before`: it goes straight, the base
+    /// turns about it, and ẋ is what the frame's velocity has become by then. So no result depends on where somebody has put the frame.
+    ///
+    /// # Errors
+    /// As [`Now::find_pose`].
+    pub fn travel_by_centre(&mut self, world: &World, time: f64, before: Centre) -> Result<(), PlantError> {
+        self.travel(world, time)?;
+        let model = &world.model;
+        if model.base_is_at_its_centre() {
+            return Ok(());
+        }
+        let after = Centre::of(model, &self.pose, &self.state.xdot);
+        let gain = before.gained() - after.gained();
+        let shift = before.gained() * time + before.arm - after.arm;
+        for (i, &axis) in model.base_translation().iter().enumerate() {
+            self.state.x[i] += shift[axis];
+            self.state.xdot[i] += gain[axis];
+        }
         self.find_pose(world)
     }
 

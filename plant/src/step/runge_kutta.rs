@@ -119,13 +119,13 @@ impl Plant {
         self.work.start.copy(&self.now.state);
         self.integrate(&RK4, h)?; // nothing bears
         let Plant { world, now, memory, record, work, .. } = self;
-        let touches = work.touches.find(world, &now.pose, &now.state.xdot, 0.0);
+        let touches = work.touches.find_inside(world, &now.pose, &now.state.xdot, h);
         if touches.list.is_empty() {
             return Ok(());
         }
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
-        let contact = work.contacts.solve(world, &free, touches, h, memory)?;
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         now.state.displace(&world.model, |i| 0.5 * h * contact.change[i]);

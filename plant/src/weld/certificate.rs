@@ -4,17 +4,15 @@
 //! a cone moves two points further apart. V is the greatest speed of a contact without impulse, as in the certificate of the full problem.
 
 use super::foot::Foot;
-use super::velocity;
 use crate::contact::{Report, relative};
 use crate::detect::Touch;
 
 /// The residuals of a solution; V is `speed`.
-pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, h: f64, speed: f64) -> Report {
+pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, speed: f64) -> Report {
     let mut left = 0.0_f64;
     for foot in feet {
-        for (touch, d) in touches[foot.first..].iter().zip(&foot.sole.arms) {
-            let v = velocity(&foot.motion, d);
-            let (rise, slip) = ((v.z + touch.gap.max(0.0) / h).abs(), v.xy().norm());
+        for (v, touch) in foot.velocities(&foot.motion, touches) {
+            let (rise, slip) = ((v.z + touch.approach).abs(), v.xy().norm());
             left = left.max((rise + friction * slip).hypot(slip));
         }
     }
@@ -28,13 +26,12 @@ pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, h: f64, sp
     Report { natural_map, own: natural_map, signorini: natural_map, energy_gain, work, warm: true, ..Report::default() }
 }
 
-/// V: the greatest speed of a contact without impulse, downwards where it closes its gap within the step of `h` and along the ground.
-pub(super) fn speed(feet: &[Foot], touches: &[Touch], h: f64) -> f64 {
+/// V: the greatest speed of a contact without impulse, downwards where it closes its gap within the step and along the ground.
+pub(super) fn speed(feet: &[Foot], touches: &[Touch]) -> f64 {
     let mut speed = 0.0_f64;
     for foot in feet {
-        for (touch, d) in touches[foot.first..].iter().zip(&foot.sole.arms) {
-            let v = velocity(&foot.free, d);
-            speed = speed.max(v.xy().norm_squared() + (v.z + touch.gap.max(0.0) / h).min(0.0).powi(2));
+        for (v, touch) in foot.velocities(&foot.free, touches) {
+            speed = speed.max(v.xy().norm_squared() + (v.z + touch.approach).min(0.0).powi(2));
         }
     }
     speed.sqrt()

@@ -5,6 +5,7 @@ use super::{Pair, Six, pair, six, velocity};
 use crate::delassus::Free;
 use crate::detect::Touch;
 use crate::model::Model;
+use nalgebra::Vector3;
 
 /// A link on its contacts.
 #[derive(Clone, Debug, Default)]
@@ -15,7 +16,10 @@ pub(super) struct Foot {
     pub sole: Sole,
     /// K of its six velocities, where it is held, a row for each degree of freedom of its path; once welded, Y = √D⁻¹ L⁻ᵀK.
     pub rows: Vec<Six>,
+    /// Its velocity at the end of the step if nothing touched.
     pub free: Pair,
+    /// What of it K gains on the way there.
+    swept: Pair,
     wanted: Pair,
     /// t.
     pub motion: Pair,
@@ -42,27 +46,40 @@ impl Foot {
             t = std::array::from_fn(|k| row[k].mul_add(free.rate[dof], t[k]));
             self.rows.push(row);
         }
-        self.free = pair(&t);
+        let [straight, round] = pair(&t);
+        let swept = touches.iter().map(|touch| touch.swept).sum::<Vector3<f64>>() / touches.len() as f64;
+        let turned = touches[0].turned - self.sole.loose * touches[0].turned;
+        self.swept = [swept, turned];
+        self.free = [straight + swept, round + turned];
     }
 
-    /// Whether the motion t keeps it above the ground for a step of `h`.
-    pub fn stays_above(&self, t: &Pair, touches: &[Touch], h: f64) -> bool {
-        let mut contacts = self.sole.arms.iter().zip(touches);
-        contacts.all(|(d, touch)| velocity(t, d).z + touch.gap.max(0.0) / h > 0.0)
+    /// Velocity of its contacts at the end of the step when it moves by t.
+    pub fn velocities<'a>(
+        &'a self,
+        t: &'a Pair,
+        touches: &'a [Touch],
+    ) -> impl Iterator<Item = (Vector3<f64>, &'a Touch)> {
+        let contacts = self.sole.arms.iter().zip(&touches[self.first..]);
+        contacts.map(|(d, touch)| (velocity(t, d) + (touch.swept - velocity(&self.swept, d)), touch))
+    }
+
+    /// Whether the motion t keeps it above the ground for the step.
+    pub fn stays_above(&self, t: &Pair, touches: &[Touch]) -> bool {
+        self.velocities(t, touches).all(|(v, touch)| v.z + touch.approach > 0.0)
     }
 
     /// The same if it hovers, after a change of the robot's velocity.
-    pub fn goes_on(&self, model: &Model, touches: &[Touch], change: &[f64], h: f64) -> bool {
+    pub fn goes_on(&self, model: &Model, touches: &[Touch], change: &[f64]) -> bool {
         let paired = self.rows.iter().zip(model.path(self.link));
         let t =
             paired.fold(six(&self.free), |t, (row, &dof)| std::array::from_fn(|k| row[k].mul_add(change[dof], t[k])));
-        self.stays_above(&pair(&t), &touches[self.first..], h)
+        self.stays_above(&pair(&t), touches)
     }
 
     /// Gets ready to be welded; none where [`Sole::spread_out`] has none.
-    pub fn land(&mut self, touches: &[Touch], h: f64) -> Option<()> {
+    pub fn land(&mut self, touches: &[Touch]) -> Option<()> {
         self.sole.spread_out()?;
-        self.wanted = self.sole.landing(touches, h);
+        self.wanted = self.sole.landing(touches);
         Some(())
     }
 

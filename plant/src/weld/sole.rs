@@ -95,9 +95,9 @@ impl Sole {
         [force * give, moment * give + self.loose]
     }
 
-    /// The velocity that closes all gaps within the step of `h`, and nothing else.
-    pub fn landing(&self, touches: &[Touch], h: f64) -> Pair {
-        let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * (touch.gap.max(0.0) / h);
+    /// The velocity that brings every contact as near as its step lets it come, and nothing else.
+    pub fn landing(&self, touches: &[Touch]) -> Pair {
+        let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * touch.approach;
         let fit = self.spread * self.arms.iter().zip(touches).map(approach).sum::<Vector3<f64>>();
         [Vector3::new(0.0, 0.0, -fit.x), Vector3::new(-fit.z, fit.y, 0.0)]
     }
@@ -201,7 +201,7 @@ mod tests {
     fn foot() -> Sole {
         let corner = |(id, (x, y)): (usize, (f64, f64))| {
             let arm = Vector3::new(0.3 + x, y - 0.2, -0.6);
-            Touch { id, link: 1, arm, gap: 0.0 }
+            Touch::new(id, 1, arm, 0.0)
         };
         let mut sole = Sole::default();
         let corners = [(0.1, 0.05), (0.1, -0.05), (-0.1, 0.05), (-0.1, -0.05)];
@@ -244,7 +244,7 @@ mod tests {
     #[test]
     fn an_edge_carries_what_its_ends_do_and_no_moment_about_itself() {
         let ends = [Vector3::new(0.1, 0.05, -0.6), Vector3::new(-0.1, 0.03, -0.6)];
-        let touch = |(id, arm): (usize, Vector3<f64>)| Touch { id, link: 1, arm, gap: 0.0 };
+        let touch = |(id, arm): (usize, Vector3<f64>)| Touch::new(id, 1, arm, 0.0);
         let touches: Vec<_> = ends.into_iter().enumerate().map(touch).collect();
         let (mut sole, mut impulses) = (Sole::default(), vec![Vector3::zeros(); 2]);
         sole.place(&touches);
@@ -262,7 +262,7 @@ mod tests {
             assert!(error < 1e-15, "{share}: {error:e}");
         }
         assert!(carries(1.01, &mut sole, &mut impulses).is_none(), "an end pulls");
-        let between = Touch { id: 2, link: 1, arm: (ends[0] + ends[1]) * 0.5, gap: 0.0 };
+        let between = Touch::new(2, 1, (ends[0] + ends[1]) * 0.5, 0.0);
         sole.place(&[touches[0], touches[1], between]);
         assert!(sole.spread_out().is_none(), "three in line");
     }

@@ -13,7 +13,7 @@ use plant::factor::Factor;
 /// All corners of a robot at once.
 fn touches(case: &Case) -> Vec<Touch> {
     let corners = case.model.corners.iter().enumerate();
-    corners.map(|(id, c)| Touch { id, link: c.link, arm: case.pose.arm(c.link, &c.at), gap: 0.0 }).collect()
+    corners.map(|(id, c)| Touch::new(id, c.link, case.pose.arm(c.link, &c.at), 0.0)).collect()
 }
 
 /// Along the free slip or along the axes of W: an impulse of one row acts along that row's direction, and changes every row as A says.

@@ -89,7 +89,7 @@ impl Plant {
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
         let touches = work.touches.bearing(world, &now.pose, bearings);
-        let contact = work.contacts.solve(world, &free, touches, f64::INFINITY, memory)?; // no time to approach in
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
@@ -101,11 +101,11 @@ impl Touches {
     /// Lists what bears.
     pub(in crate::step) fn bearing(&mut self, world: &World, pose: &Pose, bearings: &[Bearing]) -> &mut Touches {
         let corners = world.model.corners.iter().zip(bearings).enumerate();
-        self.horizon = 0.0;
+        (self.horizon, self.slow) = (0.0, 0.0);
         self.list.clear();
         self.list.extend(corners.filter(|(_, (_, bearing))| bearing.bears).map(|(id, (corner, _))| {
             let arm = pose.lowest(corner);
-            Touch { id, link: corner.link, arm, gap: pose.reference.z + arm.z }
+            Touch::new(id, corner.link, arm, pose.reference.z + arm.z)
         }));
         self
     }

@@ -1,0 +1,125 @@
+//! What a contact will be at the end of the step, seen from its beginning and its middle.
+//!
+//! The law holds at the end of the step, where K is that of the end pose. It is not known yet, but as it changes evenly, K₊ = 2K_m − K₀:
+//!
+//! ```text
+//!   K₊ᵀẋ₊ = K_mᵀẋ₊ + (K_m − K₀)ᵀẋ₋ + O(h²),    gap₊ = 2 gap_m − gap₀ − ½h K_mᵀẋ₋ + ½h K₊ᵀẋ₊ + O(h³)
+//! ```
+//!
+//! Asking for Kᵀ(ẋ₋ + ẋ₊) = 0 instead would be of second order as well, but a velocity once wrong would change its sign for ever.
+
+use super::contact::Touches;
+use super::settings::World;
+use crate::contact::Memory;
+use crate::detect::{Touch, approach, touching};
+use crate::kinematics::Pose;
+use messages::scene::Law;
+use nalgebra::Vector3;
+
+/// What comes down faster than so many times what the forces of a whole step make is a landing; slower it comes to rest within the step, at
+/// the cost of an error of h².
+const FAST: f64 = 2.0;
+/// A slip is steady where it is so many times what a step changes it by. Then friction acts against its direction in the middle.
+const STEADY: f64 = 4.0;
+
+/// A step from its beginning to its middle.
+#[derive(Clone, Copy)]
+pub(super) struct Ahead<'a> {
+    /// Pose at the beginning.
+    pub start: &'a Pose,
+    /// ẋ₋.
+    pub rate: &'a [f64],
+    /// Pose in the middle, with the mean velocity.
+    pub middle: &'a Pose,
+    /// The velocity that the step would end with if nothing touched.
+    pub free: &'a [f64],
+    /// Length of the step [s].
+    pub h: f64,
+}
+
+impl Ahead<'_> {
+    /// What is to be known of the contacts of one link.
+    ///
+    /// Along the ground those that pushed gain the velocities of a rigid link. Each would gain another one by −½h ω²d, as they turn about each
+    /// other; but no link can be stretched by that at the pose where A is taken, and friction would push against it as hard as it can.
+    pub fn look(&self, world: &World, memory: &Memory, touches: &mut [Touch]) {
+        let Some(link) = touches.first().map(|touch| touch.link) else { return };
+        let [before, free] = [self.rate, self.free].map(|rate| self.middle.twist(&world.model, link, rate));
+        let turned = before.angular - self.start.links[link].velocity.angular;
+        for touch in &mut *touches {
+            touch.turned = turned;
+            let corner = &world.model.corners[touch.id];
+            let [at_start, arm] = [self.start, self.middle].map(|pose| pose.lowest(corner));
+            let start = self.start.links[link].velocity.at(&at_start);
+            let gap = self.start.reference.z + at_start.z;
+            touch.swept = before.at(&arm) - start;
+            let end = free.at(&arm) + touch.swept;
+            let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ if it came down no more
+            let pushed = memory.pushed(touch.id);
+            touch.approach = if !pushed && rest > 0.0 {
+                2.0 * rest / self.h
+            } else if gap > 0.0 && !pushed {
+                0.0
+            } else {
+                approach_of_rest(gap, self.h, world.model.gravity.norm())
+            };
+            let whole = world.settings.h / self.h;
+            let falls = start.z < -FAST * whole * (end.z - start.z).abs();
+            let bend = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
+            touch.lands_after = if falls && !pushed { first_root(gap, start.z, bend) } else { f64::INFINITY };
+            touch.along = match memory.slid(touch.id) {
+                true => steady(&start, &self.middle.links[link].velocity.at(&arm), &end, world.settings.friction),
+                false => Vector3::zeros(),
+            };
+        }
+        let pushed = || touches.iter().filter(|touch| memory.pushed(touch.id));
+        if pushed().count() > 1 {
+            let mean = |of: fn(&Touch) -> Vector3<f64>| pushed().map(of).sum::<Vector3<f64>>() / pushed().count() as f64;
+            let (centre, swept) = (mean(|touch| touch.arm), mean(|touch| touch.swept));
+            for touch in touches {
+                let rigid = swept + turned.cross(&(touch.arm - centre));
+                (touch.swept.x, touch.swept.y) = (rigid.x, rigid.y);
+            }
+        }
+    }
+}
+
+/// As [`approach`], of what rests on the ground: also a gap closes by a part of it a step.
+fn approach_of_rest(gap: f64, h: f64, gravity: f64) -> f64 {
+    if gap > 0.0 { crate::detect::COMES_OUT * gap / h } else { approach(gap, h, gravity) }
+}
+
+/// When a point at the height `gap` that rises by `rate` and bends by `bend` meets the ground: gap + rate t + bend t² = 0, rate < 0.
+pub(super) fn first_root(gap: f64, rate: f64, bend: f64) -> f64 {
+    2.0 * gap / (-rate + (rate * rate - 4.0 * bend * gap).max(0.0).sqrt())
+}
+
+/// Direction of a slip if it is steady: its mean hardly differs from its beginning, nor from its end without contact, and the friction of
+/// what would come down does not change it much; else zero.
+fn steady(start: &Vector3<f64>, mean: &Vector3<f64>, end: &Vector3<f64>, friction: f64) -> Vector3<f64> {
+    let slip = Vector3::new(mean.x, mean.y, 0.0);
+    let changes = [(mean - start).xy().norm(), (end - mean).xy().norm(), friction * end.z.abs()];
+    let (speed, change) = (slip.norm(), changes.into_iter().fold(0.0, f64::max));
+    if speed > STEADY * change { slip / speed } else { Vector3::zeros() }
+}
+
+impl Touches {
+    /// The points that may touch before the end of the step; without those that land, if they are `left_out`.
+    pub fn find_ahead(&mut self, world: &World, ahead: &Ahead, memory: &Memory, left_out: bool) -> &mut Touches {
+        let (law, half) = (world.settings.law, 0.5 * ahead.h);
+        let printed = matches!(law, Law::EnergyQp | Law::Complementarity);
+        let reach = if printed { Law::Cone } else { law };
+        touching(&world.model, ahead.middle, reach, half, ahead.free, &mut self.list);
+        self.list.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| ahead.look(world, memory, touches));
+        if left_out {
+            self.list.retain(|touch| touch.lands_after == f64::INFINITY);
+        }
+        if printed {
+            // their conditions stop what is listed at any height, so only what comes down is
+            let down = |touch: &Touch| ahead.middle.twist(&world.model, touch.link, ahead.free).at(&touch.arm).z;
+            self.list.retain(|touch| down(touch) + touch.swept.z + touch.approach < 0.0 || memory.pushed(touch.id));
+        }
+        (self.horizon, self.slow) = (if left_out { 0.0 } else { half }, f64::INFINITY);
+        self
+    }
+}

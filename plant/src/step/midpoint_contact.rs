@@ -1,0 +1,235 @@
+//! The midpoint rule with contact: forces at the middle of the step, the law at its end, landings at their own time.
+
+use super::ahead::{Ahead, first_root};
+use super::midpoint::improve;
+use super::now::Centre;
+use super::{Plant, Workspace};
+use crate::delassus::Free;
+use crate::error::PlantError;
+use crate::kinematics;
+use crate::model::Model;
+use nalgebra::Vector3;
+
+/// Rounds of the rule in flight at most; it takes two or three.
+const ROUNDS: usize = 60;
+/// A change of the mean velocity this small, relative to 1 + |ẋ|, leaves b to rounding: it is halved by h |∂ẍ/∂ẋ| once more.
+const SETTLED: f64 = 1e-12;
+/// Landings that a step is split at; what lands after them does so at its end.
+const LANDINGS: usize = 3;
+/// Trials of locating a landing at most; it takes two or three.
+const TRIALS: usize = 20;
+/// A landing is located to this part of the way that its point goes in a step.
+const LOCATED: f64 = 1e-9;
+/// What is nearer to the ground than this when another point lands has landed with it [length of the model].
+const LANDED: f64 = 1e-8;
+
+/// The acceleration of the step before, contact included.
+#[derive(Clone, Debug)]
+pub(super) struct Rise {
+    rate: Vec<f64>,
+    /// Angular acceleration of the base [rad/s²], and where its centre of mass was from its frame [m].
+    turn: Vector3<f64>,
+    arm: Vector3<f64>,
+    /// Not at the start, nor after an impact.
+    known: bool,
+}
+
+impl Rise {
+    pub fn new(model: &Model) -> Rise {
+        Rise { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
+    }
+
+    /// Whether it is known.
+    pub fn known(&self) -> bool {
+        self.known
+    }
+
+    /// Becomes that of the step of `h` that was found.
+    fn set(&mut self, work: &Workspace, h: f64) {
+        let pairs = work.before.iter().zip(&work.contacts.contact.rate);
+        self.rate.iter_mut().zip(pairs).for_each(|(rate, (before, after))| *rate = (after - before) / h);
+        let [start, end] = work.centres;
+        (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
+    }
+
+    /// Adds what it makes within a time to a velocity where the centre of mass of the base is at `arm` from its frame.
+    fn add(&self, model: &Model, arm: &Vector3<f64>, time: f64, velocity: &mut [f64]) {
+        velocity.iter_mut().zip(&self.rate).for_each(|(v, rate)| *v += time * rate);
+        let moved = self.turn.cross(&(self.arm - arm)) * time;
+        velocity.iter_mut().zip(model.base_translation()).for_each(|(v, &axis)| *v += moved[axis]);
+    }
+}
+
+impl Plant {
+    /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law on K₊ᵀẋ₊.
+    ///
+    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy swings by h² without drifting. In contact ẋ̄ = ẋ₋ + ½hẍ with
+    /// the acceleration of the step before. See [`Ahead`] for the law at the end pose. Springs and dampers of joints are implicit.
+    ///
+    /// What comes down fast splits the step: the way to the ground without it, an impact, and the rest.
+    ///
+    /// # Source
+    /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Hairer, Lubich & Wanner, *Geometric Numerical
+    /// Integration*, V.
+    pub(super) fn midpoint_contact(&mut self, h: f64) -> Result<(), PlantError> {
+        let mut rest = h;
+        for _ in 0..LANDINGS {
+            self.reach(rest, false)?;
+            if !self.work.lands() {
+                return self.arrive(rest);
+            }
+            self.memory.copy(&self.work.remembered);
+            let time = self.go_down(rest)?;
+            self.events += 1;
+            self.hit_ground()?;
+            rest -= time;
+            if rest <= 0.0 {
+                return Ok(());
+            }
+        }
+        self.reach(rest, false)?;
+        self.arrive(rest)
+    }
+
+    /// H, b and the factor of H in the middle of the step, whatever the torques will be.
+    pub(super) fn get_to_the_middle(&mut self, h: f64) -> Result<(), PlantError> {
+        let Plant { world, now, rise, work: Workspace { middle, mean, before, centres, dynamics, .. }, .. } = self;
+        let model = &world.model;
+        middle.state.copy(&now.state);
+        middle.travel_by_centre(world, 0.5 * h, Centre::of(model, &now.pose, &now.state.xdot))?;
+        centres[0] = Centre::of(model, &middle.pose, &middle.state.xdot);
+        before.copy_from_slice(&middle.state.xdot);
+        mean.copy_from_slice(before);
+        if rise.known {
+            rise.add(model, &centres[0].arm, 0.5 * h, mean);
+        }
+        kinematics::velocities(model, mean, &mut middle.pose);
+        dynamics.find_in_the_middle(model, middle, mean, h)
+    }
+
+    /// Finds the end of a step of `h`, which is then in [`Workspace`]; without the landings, if they are `left_out`.
+    fn reach(&mut self, h: f64, left_out: bool) -> Result<(), PlantError> {
+        if !self.rise.known {
+            self.reach_once(h, left_out)?;
+            let Plant { rise, memory, work, .. } = self;
+            rise.set(work, h);
+            memory.copy(&work.remembered);
+        }
+        self.reach_once(h, left_out)
+    }
+
+    fn reach_once(&mut self, h: f64, left_out: bool) -> Result<(), PlantError> {
+        if !self.work.dynamics.was_ready() {
+            self.get_to_the_middle(h)?;
+        }
+        let Plant { world, now, memory, rise, work, .. } = self;
+        let Workspace { middle, mean, dynamics, free, touches, contacts, remembered, centres, .. } = work;
+        for round in 0..ROUNDS {
+            free.velocity(world, middle, dynamics, h); // (12)
+            let turn = Centre::of(&world.model, &middle.pose, mean);
+            let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.gained()) * h);
+            if round == 0 {
+                let ahead =
+                    Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: rate, h };
+                if !touches.find_ahead(world, &ahead, memory, left_out).list.is_empty() {
+                    break;
+                }
+            }
+            if improve(mean, &middle.state.xdot, rate) <= SETTLED {
+                break;
+            }
+            kinematics::velocities(&world.model, mean, &mut middle.pose);
+            dynamics.with_bias_at(&world.model, middle, mean);
+        }
+        let free = free.found(middle, dynamics);
+        let ahead = Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h };
+        if !rise.known || touches.list.iter().any(|touch| touch.lands_after < f64::INFINITY) {
+            remembered.copy(memory);
+        }
+        let contact = contacts.solve(world, &free, touches, Some(&ahead), memory)?;
+        centres[1] = Centre::of(&world.model, &middle.pose, &contact.rate);
+        Ok(())
+    }
+
+    /// Goes to the end that was found.
+    fn arrive(&mut self, h: f64) -> Result<(), PlantError> {
+        self.work.finish(&self.world, h)?;
+        self.accept(h);
+        Ok(())
+    }
+
+    /// Takes what is finished as the present.
+    fn accept(&mut self, h: f64) {
+        let Plant { now, rise, record, work, .. } = self;
+        rise.set(work, h);
+        record.take(&work.contacts.contact, 1.0);
+        std::mem::swap(now, &mut work.middle);
+    }
+
+    /// Goes to where the first of what lands meets the ground; the time there.
+    ///
+    /// The gap is nearly a parabola in time: with its beginning known, each trial gives its bend.
+    fn go_down(&mut self, h: f64) -> Result<f64, PlantError> {
+        let Workspace { touches, landing, .. } = &mut self.work;
+        let (model, pose) = (&self.world.model, &self.now.pose);
+        let lands = || touches.list.iter().filter(|touch| touch.lands_after < f64::INFINITY);
+        landing.clear();
+        landing.extend(lands().map(|touch| touch.id));
+        if landing.iter().any(|&id| pose.height(&model.corners[id]) <= LANDED * model.length) {
+            return Ok(0.0);
+        }
+        let mut time = lands().fold(h, |first, touch| first.min(touch.lands_after));
+        for _ in 0..TRIALS {
+            self.memory.copy(&self.work.remembered);
+            self.reach(time, true)?;
+            self.work.finish(&self.world, time)?;
+            let Plant { world, now, work: Workspace { middle, landing, .. }, .. } = self;
+            let corners = &world.model.corners;
+            let end = |id: usize| middle.pose.height(&corners[id]);
+            let Some(&first) = landing.iter().min_by(|a, b| end(**a).total_cmp(&end(**b))) else { break };
+            let (gap, corner) = (end(first), &corners[first]);
+            let fall = now.pose.links[corner.link].velocity.at(&now.pose.lowest(corner)).z;
+            if gap.abs() <= LOCATED * fall.abs() * h || gap > 0.0 && time >= h {
+                break;
+            }
+            let start = now.pose.height(corner);
+            let next = first_root(start, fall, (gap - start - fall * time) / (time * time)).min(h);
+            if next == time {
+                break;
+            }
+            time = next;
+        }
+        self.accept(time);
+        Ok(time)
+    }
+
+    /// The impact of all that is on the ground, in no time.
+    fn hit_ground(&mut self) -> Result<(), PlantError> {
+        let Plant { world, now, memory, record, work, rise, .. } = self;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
+        let landed = LANDED * world.model.length;
+        let touches = work.touches.find_on_ground(world, &now.pose, landed, memory);
+        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
+        rise.known = false;
+        Ok(())
+    }
+}
+
+impl Workspace {
+    /// Whether something that lands was stopped.
+    fn lands(&self) -> bool {
+        let pairs = self.touches.list.iter().zip(&self.contacts.contact.impulses);
+        pairs.into_iter().any(|(touch, (_, impulse))| touch.lands_after < f64::INFINITY && impulse.z > 0.0)
+    }
+
+    /// x₊ = x_m ⊕ ½hẋ₊.
+    fn finish(&mut self, world: &super::World, h: f64) -> Result<(), PlantError> {
+        let Workspace { middle, contacts, centres, .. } = self;
+        middle.state.xdot.copy_from_slice(&contacts.contact.rate);
+        middle.travel_by_centre(world, 0.5 * h, centres[1])
+    }
+}

@@ -1,0 +1,51 @@
+//! The second-order default beside the paper's step: each step's least time of many runs, the methods in turns.
+
+use crate::robot::{Doing, Recording};
+use crate::tail::quantiles;
+use messages::scene::Method;
+use plant::Plant;
+use std::time::Instant;
+
+/// Runs of each.
+const RUNS: usize = 9;
+/// What is compared.
+const METHODS: [Method; 2] = [Method::SemiImplicitEuler, Method::MidpointContact];
+
+/// Prints median and 99 % of a step, all of it and what is left to do once the command is there, and what they are of the paper's.
+pub fn print() {
+    println!("\nsteps of 1 ms, each the least of {RUNS} runs [µs]");
+    println!("{:<10}{:<20}{:>9}{:>9}{:>9}{:>9}", "", "", "median", "99 %", "awaited", "99 %");
+    for (doing, most) in [(Doing::Flying, 2.0), (Doing::Standing, 1.25), (Doing::Walking, 1.3)] {
+        let recordings = METHODS.map(|method| {
+            let settings = [format!("plant.method={method:?}"), "plant.dt=0.001".into(), "rate=1000".into()];
+            Recording::of(doing, &settings)
+        });
+        let mut least = recordings.each_ref().map(|recording| [(); 2].map(|()| vec![f64::INFINITY; recording.window.end]));
+        for run in 0..2 * RUNS {
+            for (recording, least) in recordings.iter().zip(&mut least) {
+                time(recording, run % 2, &mut least[run % 2]);
+            }
+        }
+        let [paper, ours] = [0, 1].map(|k| {
+            let from = recordings[k].window.start;
+            let [[median, p99, ..], [awaited, slow, ..]] = [0, 1].map(|ready| quantiles(&least[k][ready][from..]));
+            println!("{:<10}{:<20}{median:>9.2}{p99:>9.2}{awaited:>9.2}{slow:>9.2}", format!("{doing:?}"), format!("{:?}", METHODS[k]));
+            [median, p99, awaited, slow]
+        });
+        let ratio = [0, 1, 2, 3].map(|k| format!("{:>9.2}", ours[k] / paper[k])).concat();
+        println!("{:<10}{:<20}{ratio}   asked: median {most}", "", "ratio");
+    }
+}
+
+/// Times every period once; `ready` leaves out what can be done while the command is awaited.
+fn time(recording: &Recording, ready: usize, least: &mut [f64]) {
+    let mut plant = Plant::new(&recording.scene).expect("a good scene");
+    for (torques, least) in recording.torques.iter().zip(least) {
+        if ready == 1 {
+            plant.get_ready();
+        }
+        let begun = Instant::now();
+        plant.advance(torques).expect("it did before");
+        *least = least.min(1e6 * begun.elapsed().as_secs_f64());
+    }
+}
