@@ -20,6 +20,7 @@ use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use nix::time::ClockId;
+use plant::Plant;
 use plant::smallest::smallest;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -99,6 +100,9 @@ impl RunArgs {
     }
 }
 
+/// A depth at the beginning that is told; less is the rounding of a pose that somebody wrote down [m].
+const TOLD_DEPTH: f64 = 1e-6;
+
 /// Runs a scene. Also of a run that was cut short, what was recorded is summed up and written.
 ///
 /// # Errors
@@ -117,6 +121,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let words = format!("--swap {}: the run ends at {} s", late.time, scene.duration);
         return Err(Failure::new(Exit::Usage, words));
     }
+    tell_depth(scene);
     let mut watch = Watch::new(scene, args.out.is_some(), args.quiet);
     for output in args.record.iter().chain(&args.out) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
@@ -156,6 +161,15 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
         }
         (_, outcome) => outcome,
+    }
+}
+
+/// Says so if the scene begins inside the ground. What keeps a plant from being made is told by the run.
+fn tell_depth(scene: &Scene) {
+    let depth = Plant::new(scene).map_or(0.0, |plant| plant.depth());
+    if depth > TOLD_DEPTH {
+        let millimetres = depth * 1e3;
+        eprintln!("the scene begins {millimetres:.3} mm inside the ground, which lifts it out: initial.clearance = 0 puts it on the ground");
     }
 }
 

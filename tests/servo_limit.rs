@@ -8,7 +8,7 @@ use controller::servo::{ServoModel, ServoState};
 use controller::stability::ServoLoop;
 use controller::support::Joints;
 use messages::load::parse;
-use messages::scene::{ControllerScene, LinkScene, Scene};
+use messages::scene::{ControllerScene, LinkScene, Method, Scene};
 use messages::wire::{Command, Torques};
 use plant::Plant;
 use plant::inject::Injector;
@@ -79,22 +79,28 @@ fn growth(speeds: &[f64]) -> f64 {
 
 #[test]
 fn the_loop_is_unstable_exactly_where_its_eigenvalues_say() {
-    let (scene, settings) = (parse(WHEEL, "wheel").expect("a scene"), ControllerScene::default());
-    for ratio in [0.5, 1.0, 2.0, 2.5, 3.581, 6.0] {
+    let (mut scene, settings) = (parse(WHEEL, "wheel").expect("a scene"), ControllerScene::default());
+    let methods = [(Method::SemiImplicitEuler, 0.75), (Method::MidpointContact, 0.5)]; // two steps of Euler's a period
+    let cases = methods.iter().flat_map(|of| [0.5, 1.0, 2.0, 2.5, 3.581, 6.0].map(|ratio| (*of, ratio)));
+    for ((method, midpoint), ratio) in cases {
+        scene.plant.method = method;
         let servo = ServoLoop {
             inertia_ratio: ratio,
             period: 1.0 / scene.rate,
             switch_rate: settings.switch_rate,
             observer_bandwidth: settings.observer_bandwidth,
             rate_filter_hz: settings.rate_filter_hz,
-            midpoint: 0.75, // two steps of Euler's a period
+            midpoint,
         };
         let critical = servo.critical_delay();
         for delay in (0..30_u32).filter(|delay| (f64::from(*delay) - critical).abs() < 4.0) {
             let (speeds, radius) = (speeds(&scene, &settings, ratio, delay), servo.spectral_radius(f64::from(delay)));
             let has_grown = speeds.len() < PERIODS;
-            assert_eq!(has_grown, radius > 1.0, "ratio {ratio}, delay {delay}: spectral radius {radius}");
-            assert_eq!(has_grown, f64::from(delay) > critical, "ratio {ratio}, delay {delay}: limit {critical}");
+            // within these periods it grows 20 times as loud, if it does; nearer to the limit its growth is measured below
+            if (radius - 1.0).abs() * PERIODS as f64 > 20_f64.ln() {
+                assert_eq!(has_grown, radius > 1.0, "ratio {ratio}, delay {delay}: spectral radius {radius}");
+            }
+            assert_eq!(radius > 1.0, f64::from(delay) > critical, "ratio {ratio}, delay {delay}: limit {critical}");
             // Beside the limit, one slow oscillation outlasts all others.
             if (f64::from(delay) - critical).abs() < 1.0 && (radius - 1.0).abs() < 0.01 {
                 let growth = growth(&speeds);

@@ -131,10 +131,19 @@ fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
 
 /// Reads a scene from TOML text, unchecked; `origin` names the text in errors.
 ///
+/// Joints of a scene's own bodies that no controller drives have no drive inertia unless it says so.
+///
 /// # Errors
 /// [`SceneError::Malformed`] with line, caret and the valid names.
 pub fn parse(text: &str, origin: &str) -> Result<Scene, SceneError> {
-    toml::from_str(text).map_err(|reason| SceneError::Malformed { origin: origin.into(), reason: Box::new(reason) })
+    let malformed = |reason| SceneError::Malformed { origin: origin.into(), reason: Box::new(reason) };
+    let mut scene: Scene = toml::from_str(text).map_err(malformed)?;
+    let given: toml::Table = text.parse().map_err(malformed)?;
+    let says = given.get("plant").is_some_and(|plant| plant.get("drive_inertia").is_some());
+    if given.contains_key("bodies") && scene.controller.is_none() && !says {
+        scene.plant.drive_inertia = 0.0;
+    }
+    Ok(scene)
 }
 
 /// The scene as TOML, complete with every default: another run of it, file for file.

@@ -67,7 +67,7 @@ pub struct PlantScene {
     pub contact_stiffness: f64,
     /// Damping of a contact point under the law `SpringDamper`, 1 being critical [-].
     pub contact_damping_ratio: f64,
-    /// Drive inertia reflected at each joint, J_r [kg·m²].
+    /// Drive inertia reflected at each joint, J_r; absent in a scene with bodies of its own and no controller: 0 [kg·m²].
     pub drive_inertia: f64,
     /// Viscous damping of each joint, D [N·m·s/rad].
     pub joint_damping: f64,

@@ -39,14 +39,24 @@ impl Touch {
 }
 
 /// Part of a depth that one step takes back [-]: what a step's error leaves is gone within some ten steps, and never thrown back.
-pub const COMES_OUT: f64 = 0.2;
+const COMES_OUT: f64 = 0.2;
 /// Greatest speed at which a depth is taken back, as a part of g h [-]: what comes out rises by less than 50 steps of its own fall.
 const GENTLY: f64 = 10.0;
+/// A depth that is more than a step's error, as a part of g h² [-]: what methods that stop velocities alone let stay inside the ground.
+const DEEP: f64 = 10.0;
 
-/// Speed at which a contact may still come down within `h` [m/s]: it closes its gap. Inside the ground it is negative: it comes out, by
-/// a part of its depth a step.
+/// Speed at which a contact may still come down within `h` [m/s]: it closes its gap. Deep inside the ground it is negative: it comes out.
 pub fn approach(gap: f64, h: f64, gravity: f64) -> f64 {
-    if gap > 0.0 { gap / h } else { (COMES_OUT * gap / h).max(-GENTLY * gravity * h) }
+    match gap {
+        gap if gap > 0.0 => gap / h,
+        gap if gap < -DEEP * gravity * h * h => coming_out(gap, h, gravity),
+        _ => 0.0,
+    }
+}
+
+/// Speed at which a contact may come down that is to come out of the ground by a part of its depth a step [m/s].
+pub fn coming_out(gap: f64, h: f64, gravity: f64) -> f64 {
+    (COMES_OUT * gap / h).max(-GENTLY * gravity * h)
 }
 
 /// Lists the points that may touch within a step of `h` [s], link by link, the lowest first, so that results do not depend on the order in

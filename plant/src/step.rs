@@ -122,7 +122,7 @@ impl Plant {
         Ok(Plant {
             drives: Drives::new(&scene.plant),
             now: Now::new(model, State::initial(model, &scene.initial)?),
-            memory: Memory::default(),
+            memory: Memory::of(model.corners.len()),
             rise: Rise::new(model),
             bearings: vec![Bearing::default(); model.corners.len()],
             stride: scene.plant.dt,
@@ -227,6 +227,13 @@ impl Plant {
         self.record.truth(model, &self.now.state, &self.now.pose, torques, period)
     }
 
+    /// How deep the deepest contact point is inside the ground; zero if none is [m].
+    pub fn depth(&self) -> f64 {
+        let Now { pose, .. } = &self.now;
+        let over_ground = self.model().corners.iter().filter(|corner| corner.has_ground(pose.reference.x + pose.lowest(corner).x));
+        over_ground.fold(0.0, |deepest, corner| f64::max(deepest, -pose.height(corner)))
+    }
+
     /// Simulated time [ns].
     pub fn time_ns(&self) -> u64 {
         (self.world.time() * 1e9).round() as u64
@@ -271,7 +278,7 @@ impl Workspace {
             middle: Now::new(model, State::zero(model)),
             before: vec![0.0; model.dofs()],
             centres: [Centre::default(); 2],
-            remembered: Memory::default(),
+            remembered: Memory::of(model.corners.len()),
             landing: Vec::with_capacity(model.corners.len()),
             start: State::zero(model),
             stages: Stages::new(model),

@@ -24,6 +24,10 @@ impl Check<'_> {
             self.positive(&key("mass"), body.mass)?;
             body.size.iter().try_for_each(|&side| self.positive(&key("size"), side))?;
             body.moments().iter().try_for_each(|&moment| self.positive(&key("inertia"), moment))?;
+            let [a, b, c] = body.moments();
+            let solid = 2.0 * a.max(b).max(c) <= (a + b + c) * (1.0 + 1e-9);
+            let rule = "of the moments of a body none exceeds the sum of the other two";
+            self.require(solid, &key("inertia"), format!("{:?}", [a, b, c]), rule)?;
             if let Some(joint) = &body.joint {
                 let rule = format!("it must be another body: {}", names.iter().copied().collect::<Vec<_>>().join(", "));
                 let known = names.contains(joint.parent.as_str()) && joint.parent != body.name;

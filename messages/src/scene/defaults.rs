@@ -34,7 +34,7 @@ impl Default for PlantScene {
             base: Base::Quaternion,
             law: Law::DEFAULT,
             tolerance: 1e-9,
-            method: Method::SemiImplicitEuler,
+            method: Method::MidpointContact,
             tolerance_step: 1e-10,
             gravity: 9.81,
             incline_deg: 0.0,

@@ -27,6 +27,11 @@ pub(super) struct Contact {
 }
 
 impl Memory {
+    /// Of so many contacts, none of which did anything.
+    pub(crate) fn of(contacts: usize) -> Memory {
+        Memory { contacts: vec![Contact::default(); contacts], rests: false }
+    }
+
     /// Becomes the other memory, in the room it has.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.contacts.clone_from(&other.contacts);

@@ -11,7 +11,7 @@
 use super::contact::Touches;
 use super::settings::World;
 use crate::contact::Memory;
-use crate::detect::{Touch, approach, touching};
+use crate::detect::{Touch, coming_out, touching};
 use crate::kinematics::Pose;
 use messages::scene::Law;
 use nalgebra::Vector3;
@@ -19,6 +19,8 @@ use nalgebra::Vector3;
 /// What comes down faster than so many times what the forces of a whole step make is a landing; slower it comes to rest within the step, at
 /// the cost of an error of h².
 const FAST: f64 = 2.0;
+/// A gap or a depth that is rounding [length of the model]: what rests is left to rest.
+const ROUNDING: f64 = 1e-13;
 /// A slip is steady where it is so many times what a step changes it by. Then friction acts against its direction in the middle.
 const STEADY: f64 = 4.0;
 
@@ -56,12 +58,14 @@ impl Ahead<'_> {
             let end = free.at(&arm) + touch.swept;
             let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ if it came down no more
             let pushed = memory.pushed(touch.id);
-            touch.approach = if !pushed && rest > 0.0 {
-                2.0 * rest / self.h
-            } else if gap > 0.0 && !pushed {
-                0.0
-            } else {
-                approach_of_rest(gap, self.h, world.model.gravity.norm())
+            let out = |gap: f64| {
+                let rounding = gap.abs() <= ROUNDING * world.model.length;
+                if rounding { 0.0 } else { coming_out(gap, self.h, world.model.gravity.norm()) }
+            };
+            touch.approach = match pushed {
+                false if rest > 0.0 => 2.0 * rest / self.h,
+                false => out(gap.min(0.0)),
+                true => out(gap), // a gap closes as a depth does
             };
             let whole = world.settings.h / self.h;
             let falls = start.z < -FAST * whole * (end.z - start.z).abs();
@@ -74,19 +78,14 @@ impl Ahead<'_> {
         }
         let pushed = || touches.iter().filter(|touch| memory.pushed(touch.id));
         if pushed().count() > 1 {
-            let mean = |of: fn(&Touch) -> Vector3<f64>| pushed().map(of).sum::<Vector3<f64>>() / pushed().count() as f64;
-            let (centre, swept) = (mean(|touch| touch.arm), mean(|touch| touch.swept));
+            let at_reference = pushed().map(|touch| touch.swept - turned.cross(&touch.arm));
+            let mean = at_reference.sum::<Vector3<f64>>() / pushed().count() as f64;
             for touch in touches {
-                let rigid = swept + turned.cross(&(touch.arm - centre));
+                let rigid = mean + turned.cross(&touch.arm);
                 (touch.swept.x, touch.swept.y) = (rigid.x, rigid.y);
             }
         }
     }
-}
-
-/// As [`approach`], of what rests on the ground: also a gap closes by a part of it a step.
-fn approach_of_rest(gap: f64, h: f64, gravity: f64) -> f64 {
-    if gap > 0.0 { crate::detect::COMES_OUT * gap / h } else { approach(gap, h, gravity) }
 }
 
 /// When a point at the height `gap` that rises by `rate` and bends by `bend` meets the ground: gap + rate t + bend t² = 0, rate < 0.

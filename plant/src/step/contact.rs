@@ -78,6 +78,8 @@ impl Touches {
                 self.list.push(Touch::new(id, corner.link, arm, gap));
             }
         }
+        // the lowest first, as in a step: no result depends on how contacts are numbered
+        self.list.sort_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
         (self.horizon, self.slow) = (0.0, 0.0);
         self
     }

@@ -8,6 +8,7 @@ use crate::delassus::Free;
 use crate::error::PlantError;
 use crate::kinematics;
 use crate::model::Model;
+use messages::scene::Law;
 use nalgebra::Vector3;
 
 /// Rounds of the rule in flight at most; it takes two or three.
@@ -64,7 +65,8 @@ impl Plant {
     /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law on K₊ᵀẋ₊.
     ///
     /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy swings by h² without drifting. In contact ẋ̄ = ẋ₋ + ½hẍ with
-    /// the acceleration of the step before. See [`Ahead`] for the law at the end pose. Springs and dampers of joints are implicit.
+    /// the acceleration of the step before; springs under the feet, which may swing at every step, are left out of that. See [`Ahead`] for
+    /// the law at the end pose. Springs and dampers of joints are implicit.
     ///
     /// What comes down fast splits the step: the way to the ground without it, an impact, and the rest.
     ///
@@ -100,7 +102,7 @@ impl Plant {
         centres[0] = Centre::of(model, &middle.pose, &middle.state.xdot);
         before.copy_from_slice(&middle.state.xdot);
         mean.copy_from_slice(before);
-        if rise.known {
+        if rise.known && world.settings.law != Law::SpringDamper {
             rise.add(model, &centres[0].arm, 0.5 * h, mean);
         }
         kinematics::velocities(model, mean, &mut middle.pose);
@@ -109,8 +111,11 @@ impl Plant {
 
     /// Finds the end of a step of `h`, which is then in [`Workspace`]; without the landings, if they are `left_out`.
     fn reach(&mut self, h: f64, left_out: bool) -> Result<(), PlantError> {
-        if !self.rise.known {
+        if !self.rise.known && self.world.settings.law != Law::SpringDamper {
             self.reach_once(h, left_out)?;
+            if self.work.contacts.contact.impulses.is_empty() {
+                return Ok(()); // in flight the mean velocity is found anyway
+            }
             let Plant { rise, memory, work, .. } = self;
             rise.set(work, h);
             memory.copy(&work.remembered);

@@ -79,7 +79,8 @@ impl Foot {
     /// Gets ready to be welded; none where [`Sole::spread_out`] has none.
     pub fn land(&mut self, touches: &[Touch]) -> Option<()> {
         self.sole.spread_out()?;
-        self.wanted = self.sole.landing(touches);
+        let swept = self.swept;
+        self.wanted = self.sole.landing(touches, |d, touch| touch.approach + (touch.swept - velocity(&swept, d)).z);
         Some(())
     }
 

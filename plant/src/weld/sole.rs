@@ -96,8 +96,8 @@ impl Sole {
     }
 
     /// The velocity that brings every contact as near as its step lets it come, and nothing else.
-    pub fn landing(&self, touches: &[Touch]) -> Pair {
-        let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * touch.approach;
+    pub fn landing(&self, touches: &[Touch], approach: impl Fn(&Vector3<f64>, &Touch) -> f64) -> Pair {
+        let approach = |(d, touch): (&Vector3<f64>, &Touch)| place(d) * approach(d, touch);
         let fit = self.spread * self.arms.iter().zip(touches).map(approach).sum::<Vector3<f64>>();
         [Vector3::new(0.0, 0.0, -fit.x), Vector3::new(-fit.z, fit.y, 0.0)]
     }

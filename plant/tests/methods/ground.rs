@@ -18,7 +18,11 @@ fn a_sliding_block_stops_where_the_method_can_say() {
             println!("{name} {method:?}: {error:e}");
             let limit = match method {
                 Method::ExplicitEuler | Method::SemiImplicitEuler => 3e-3, // v h/2
-                Method::MoreauJean | Method::MidpointMoreau | Method::Rk4 | Method::ImplicitMidpoint => 5e-6,
+                Method::MoreauJean
+                | Method::MidpointMoreau
+                | Method::MidpointContact
+                | Method::Rk4
+                | Method::ImplicitMidpoint => 5e-6,
                 Method::StepDoubling => 1e-7,
                 Method::Rk4Impact | Method::EventDriven => 1e-12,
             };
