@@ -15,7 +15,7 @@ use std::path::Path;
 use std::time::Instant;
 
 /// Motions that a method must follow, with the scenes of them.
-pub const MOTIONS: [(&str, &str); 10] = [
+pub const MOTIONS: [(&str, &str); 11] = [
     ("flight", include_str!("orders/flight.toml")),
     ("spin", include_str!("orders/spin.toml")),
     ("chain", include_str!("orders/chain.toml")),
@@ -23,6 +23,7 @@ pub const MOTIONS: [(&str, &str); 10] = [
     ("roll", include_str!("orders/roll.toml")),
     ("slip", include_str!("orders/slip.toml")),
     ("impact", include_str!("orders/impact.toml")),
+    ("reversal", include_str!("orders/reversal.toml")),
     ("spring", include_str!("orders/spring.toml")),
     ("damper", include_str!("orders/damper.toml")),
     ("bounce", include_str!("orders/bounce.toml")),

@@ -30,6 +30,7 @@ mod moreau;
 mod now;
 mod runge_kutta;
 mod settings;
+mod stiff;
 
 use contact::{Contacts, Touches};
 use doubling::Doubling;
@@ -119,9 +120,12 @@ impl Plant {
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
         let world = World::new(scene)?;
         let model = &world.model;
+        let (now, mut work) = (Now::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
+        stiff::check(&world, &now, &mut work.dynamics)?;
+        work.dynamics.evaluations = 0;
         Ok(Plant {
             drives: Drives::new(&scene.plant),
-            now: Now::new(model, State::initial(model, &scene.initial)?),
+            now,
             memory: Memory::of(model.corners.len()),
             rise: Rise::new(model),
             bearings: vec![Bearing::default(); model.corners.len()],
@@ -129,7 +133,7 @@ impl Plant {
             record: Record::default(),
             events: 0,
             rejected: 0,
-            work: Workspace::new(model, scene.plant.law),
+            work,
             world,
         })
     }

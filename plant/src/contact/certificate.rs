@@ -175,7 +175,10 @@ impl Judge {
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };
             residual.signorini = greater(residual.signorini, signorini);
-            residual.misalignment = residual.misalignment.max(misalignment(f, v, scales));
+            // where the direction of slip is given, that is what friction has to oppose
+            let along = scales.speed.max(f64::MIN_POSITIVE);
+            let slip = if given == [0.0; 2] { v } else { [v[0], given[0] * along, given[1] * along] };
+            residual.misalignment = residual.misalignment.max(misalignment(f, slip, scales));
         }
         residual
     }

@@ -66,6 +66,20 @@ impl Dynamics {
         Ok(())
     }
 
+    /// The same at the present pose and velocity, which are a guess at those in the middle of a step of `h` that begins with `before`: H
+    /// takes up what springs and dampers change with the step, so that the next guess has their forces right however stiff they are.
+    ///
+    /// # Errors
+    /// If H is not positive definite.
+    pub fn find_around(&mut self, model: &Model, now: &Now, before: &[f64], h: f64) -> Result<&Dynamics, PlantError> {
+        self.find(model, now, 0.5 * h, 0.0)?;
+        for spring in &model.springs {
+            let guessed = now.state.xdot[spring.dof] - before[spring.dof];
+            self.bias[spring.dof] -= (spring.damping + 0.5 * h * spring.stiffness) * guessed;
+        }
+        Ok(self)
+    }
+
     /// Whether they were known already; they are not for the step after.
     pub fn was_ready(&mut self) -> bool {
         std::mem::take(&mut self.ready)

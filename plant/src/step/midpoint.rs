@@ -55,7 +55,7 @@ impl Plant {
             now.state.x.copy_from_slice(&start.x);
             now.state.xdot.copy_from_slice(mean);
             now.travel(world, 0.5 * h)?; // (x_m, ẋ_m)
-            let dynamics = dynamics.find(&world.model, now, 0.0, 0.0)?;
+            let dynamics = dynamics.find_around(&world.model, now, &start.xdot, h)?;
             now.state.xdot.copy_from_slice(&start.xdot);
             let free = free.motion(world, now, dynamics, h);
             let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
