@@ -61,7 +61,8 @@ pub struct PlantScene {
     pub incline_deg: f64,
     /// Coulomb friction coefficient of the ground [-].
     pub friction: f64,
-    /// Newton's coefficient of restitution: what lands at v_N leaves with at least -e v_N; 0: contact is plastic [-].
+    /// Newton's coefficient of restitution: what lands at v_N leaves with at least -e v_N, or less where friction would make energy of that; 0:
+    /// contact is plastic. Of the methods `SemiImplicitEuler`, `MidpointContact`, `StepDoubling`, `Rk4Impact`, `EventDriven` [-].
     pub restitution: f64,
     /// Stiffness of a contact point under the law `SpringDamper` [N/m].
     pub contact_stiffness: f64,
@@ -251,7 +252,7 @@ pub enum Method {
     Rk4Impact,
     /// The implicit midpoint rule, contact included, iterated to rounding. Second order, symmetric in time.
     ImplicitMidpoint,
-    /// `MidpointMoreau` in steps as short as `tolerance_step` asks for: one step is compared with two half steps.
+    /// `MidpointContact` in steps as short as `tolerance_step` asks for: one step is compared with two half steps.
     StepDoubling,
     /// Dormand-Prince 8(5,3) with contact forces in every stage, steps by `tolerance_step`, events located: the reference.
     EventDriven,
@@ -271,6 +272,16 @@ impl Method {
         Method::StepDoubling,
         Method::EventDriven,
     ];
+
+    /// Whether what lands can bounce: it finds the landing, or stops it at the end of the step.
+    pub fn bounces(self) -> bool {
+        match self {
+            Method::SemiImplicitEuler | Method::MidpointContact | Method::StepDoubling => true,
+            Method::Rk4Impact | Method::EventDriven => true,
+            Method::ExplicitEuler | Method::MoreauJean | Method::MidpointMoreau => false,
+            Method::Rk4 | Method::ImplicitMidpoint => false,
+        }
+    }
 
     /// Whether its steps are as short as `tolerance_step` asks for.
     pub fn chooses_steps(self) -> bool {

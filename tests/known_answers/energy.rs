@@ -50,12 +50,14 @@ fn no_plastic_impact_of_a_million_raises_the_energy() {
     none_of(20_000, "Complementarity");
 }
 
-/// Newton's law of impact with friction (Kane & Levinson): some impacts throw the tip back with more than there was.
+/// Newton's law of impact with friction (Kane & Levinson) throws some tips back with more than there was. Its coefficient is lowered there, so
+/// none does; with the whole of it some would.
 #[test]
-fn newton_s_restitution_raises_the_energy_of_some_impacts() {
+fn no_impact_with_restitution_raises_the_energy() {
     let mut random = fastrand::Rng::with_seed(23);
     let mut scene = impact(&["plant.restitution=0.8"]);
-    let raised = (0..10_000).filter(|_| gain(&mut scene, &mut random) > 1e-6).count();
-    println!("{raised} of 10000 impacts raised the energy");
-    assert!(raised > 10);
+    let gains: Vec<f64> = (0..10_000).map(|_| gain(&mut scene, &mut random)).collect();
+    let (raised, most) = (gains.iter().filter(|gain| **gain > 1e-6).count(), gains.iter().copied().fold(0.0, f64::max));
+    println!("{raised} of 10000 impacts raised the energy, the most by {most:e} J");
+    assert!(most < 1e-7, "{most:e} J");
 }

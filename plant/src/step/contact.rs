@@ -179,8 +179,8 @@ impl Contacts {
                     held
                 }
                 None => {
-                    each.pose(world, free, touches); // (14)
-                    each.solve(world, free, &touches.list, memory)? // (15)-(22)
+                    let report = each.solve_impact(world, free, touches, memory)?; // (14)-(22)
+                    (each.respond(world, free), report)
                 }
             };
             report.energy_gain -= lifts(&touches.list, response.impulses);

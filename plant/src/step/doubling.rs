@@ -1,5 +1,6 @@
 //! Step doubling: a method watches its own error.
 
+use super::midpoint_contact::Rise;
 use super::{Plant, Workspace};
 use crate::contact::Memory;
 use crate::error::PlantError;
@@ -13,18 +14,20 @@ const SHORTEST: f64 = 1.0 / 256.0;
 /// What a step begins with beside its state, and what it is compared with.
 pub(super) struct Doubling {
     memory: Memory,
+    rise: Rise,
+    events: u64,
     /// The end of one step over both halves.
     coarse: State,
 }
 
 impl Doubling {
     pub fn new(model: &Model) -> Doubling {
-        Doubling { memory: Memory::default(), coarse: State::zero(model) }
+        Doubling { memory: Memory::of(model.corners.len()), rise: Rise::new(model), events: 0, coarse: State::zero(model) }
     }
 }
 
 impl Plant {
-    /// Goes over `h` in steps of [`Plant::midpoint_moreau`] whose error stays below the tolerance.
+    /// Goes over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.
     ///
     /// One step and two half steps of a method of order 2 differ by three times the error of the two. The next step is
     /// as long as the tolerance allows if the error goes with h³. Where contact jumps it does not, and the shortest step,
@@ -42,11 +45,13 @@ impl Plant {
             let record = self.record;
             self.work.start.copy(&self.now.state);
             self.work.doubling.memory.copy(&self.memory);
-            self.midpoint_moreau(part)?;
+            self.work.doubling.rise.copy(&self.rise);
+            self.work.doubling.events = self.events;
+            self.midpoint_contact(part)?;
             self.work.doubling.coarse.copy(&self.now.state);
-            self.go_back(record);
-            self.midpoint_moreau(0.5 * part)?;
-            self.midpoint_moreau(0.5 * part)?;
+            self.go_back(record)?;
+            self.midpoint_contact(0.5 * part)?;
+            self.midpoint_contact(0.5 * part)?;
             let error = distance(&self.work.doubling.coarse, &self.now.state) / 3.0;
             let factor = (0.9 * (tolerance / error).cbrt()).clamp(0.2, 4.0);
             if error <= tolerance || step <= shortest {
@@ -56,18 +61,20 @@ impl Plant {
             } else {
                 self.rejected += 1;
                 step = (part * factor).max(shortest);
-                self.go_back(record);
+                self.go_back(record)?;
             }
         }
         Ok(())
     }
 
     /// Back to the beginning of the step.
-    fn go_back(&mut self, record: Record) {
+    fn go_back(&mut self, record: Record) -> Result<(), PlantError> {
         let Workspace { start, doubling, .. } = &self.work;
         self.now.state.copy(start);
         self.memory.copy(&doubling.memory);
-        self.record = record;
+        self.rise.copy(&doubling.rise);
+        (self.record, self.events) = (record, doubling.events);
+        self.now.find_pose(&self.world)
     }
 }
 

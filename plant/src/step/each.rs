@@ -10,6 +10,9 @@ use crate::model::Model;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
+/// How near to the greatest coefficient of restitution that makes no energy it is found, as a part of the scene's [-].
+const CLOSE: f64 = 1e-3;
+
 /// The problem, and its solver.
 pub(super) struct Each {
     pub map: ContactMap,
@@ -31,8 +34,10 @@ impl Each {
 
     /// The problem (14) of the touching points, A apart: their velocity at the end of the step if nothing touched, friction, and how far
     /// they may still come down.
-    pub fn pose(&mut self, world: &World, free: &Free, touches: &Touches) {
-        let Settings { law, friction, restitution, spring, .. } = world.settings;
+    ///
+    /// Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more, e being `restitution`.
+    pub fn pose(&mut self, world: &World, free: &Free, touches: &Touches, restitution: f64) {
+        let Settings { law, friction, spring, .. } = world.settings;
         let (touches, slow) = (&touches.list, touches.slow);
         let given = law == Law::Cone && touches.iter().any(|touch| touch.along != Vector3::zeros());
         let at_the_end = |i: usize, drift: Vector3<f64>| {
@@ -55,7 +60,6 @@ impl Each {
             }
         }
         if restitution > 0.0 {
-            // Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more
             let normals = problem.drift.iter().step_by(1 + problem.tangents);
             for ((approach, free), touch) in problem.approach.iter_mut().zip(normals).zip(touches) {
                 let before = before(touch).z;
@@ -73,12 +77,43 @@ impl Each {
         free: &Free,
         touches: &[Touch],
         memory: &mut Memory,
-    ) -> Result<(Response<'_>, Report), PlantError> {
+    ) -> Result<Report, PlantError> {
         let Each { map, solver } = self;
         let problem = map.assemble(&world.model, free, touches);
         let report = solver.solve(problem, world.settings.law, memory);
         world.check(&report, problem)?;
-        Ok((map.respond(&world.model, free.factor, &solver.impulse), report))
+        Ok(report)
+    }
+
+    /// The solution with restitution, of which friction may make energy: then with the greatest coefficient of restitution up to the scene's
+    /// that makes none, within [`CLOSE`] of it. Without restitution no contact makes any.
+    pub fn solve_impact(
+        &mut self,
+        world: &World,
+        free: &Free,
+        touches: &Touches,
+        memory: &mut Memory,
+    ) -> Result<Report, PlantError> {
+        let e = world.settings.restitution;
+        self.pose(world, free, touches, e);
+        let report = self.solve(world, free, &touches.list, memory)?;
+        if e == 0.0 || world.is_lawful(&report) {
+            return Ok(report);
+        }
+        let (mut good, mut bad) = (0.0, e);
+        while bad - good > CLOSE * e {
+            let middle = 0.5 * (good + bad);
+            self.pose(world, free, touches, middle);
+            let end = if world.is_lawful(&self.solve(world, free, &touches.list, memory)?) { &mut good } else { &mut bad };
+            *end = middle;
+        }
+        self.pose(world, free, touches, good);
+        self.solve(world, free, &touches.list, memory)
+    }
+
+    /// What the solution does.
+    pub fn respond(&mut self, world: &World, free: &Free) -> Response<'_> {
+        self.map.respond(&world.model, free.factor, &self.solver.impulse)
     }
 }
 

@@ -65,7 +65,8 @@ impl Plant {
             }
             parts += 1;
             if events == EVENTS {
-                return self.midpoint_moreau(h - done);
+                self.rise.forget();
+                return self.midpoint_contact(h - done);
             }
             self.land()?;
             self.work.start.copy(&self.now.state);

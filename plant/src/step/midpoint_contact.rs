@@ -25,7 +25,7 @@ const LOCATED: f64 = 1e-9;
 const LANDED: f64 = 1e-8;
 
 /// The acceleration of the step before, contact included.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub(super) struct Rise {
     rate: Vec<f64>,
     /// Angular acceleration of the base [rad/s²], and where its centre of mass was from its frame [m].
@@ -40,9 +40,20 @@ impl Rise {
         Rise { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
     }
 
+    /// Becomes the other one, in the room it has.
+    pub fn copy(&mut self, other: &Rise) {
+        self.rate.copy_from_slice(&other.rate);
+        (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
+    }
+
     /// Whether it is known.
     pub fn known(&self) -> bool {
         self.known
+    }
+
+    /// It is not known any more.
+    pub fn forget(&mut self) {
+        self.known = false;
     }
 
     /// Becomes that of the step of `h` that was found.
@@ -219,7 +230,7 @@ impl Plant {
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
-        rise.known = false;
+        rise.forget();
         Ok(())
     }
 }

@@ -17,22 +17,21 @@ fn rise(plant: &Plant) -> f64 {
     plant.state().xdot[2]
 }
 
-const STEPPING: [Method; 3] = [Method::SemiImplicitEuler, Method::MidpointMoreau, Method::MoreauJean];
+const BOUNCING: [Method; 4] =
+    [Method::SemiImplicitEuler, Method::MidpointContact, Method::Rk4Impact, Method::EventDriven];
 
 /// There are infinitely many bounces, but their sum is finite: t (1 + 2e/(1 − e)) with t the time to fall.
 #[test]
 fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
-    for method in STEPPING {
-        // at .8 MidpointMoreau never rests, see below, and MoreauJean misses a bounce at some dt and rests 7 % too early
-        let coefficients = if method == Method::SemiImplicitEuler { &[0.5, 0.8][..] } else { &[0.5] };
-        for &e in coefficients {
+    for method in BOUNCING {
+        for e in [0.5, 0.8] {
             let dt = 1e-4;
             let (mut plant, fall) = dropped(e, method, dt);
             let sum = fall * (1.0 + 2.0 * e / (1.0 - e));
             let mut last = 0.0;
             for step in 0..(1.2 * sum / dt) as usize {
                 go(&mut plant, 1);
-                if plant.state().xdot.iter().any(|v| v.abs() > 1e-15) {
+                if plant.state().xdot.iter().any(|v| v.abs() > 2.0 * G * dt) {
                     last = (step + 1) as f64 * dt;
                 }
             }
@@ -40,23 +39,35 @@ fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
             assert!((last / sum - 1.0).abs() < 0.01, "{method:?}, e = {e}: {last} instead of {sum}");
             // what is cut off is no faster than two steps of free fall, and falls for one more
             assert!(gap(&plant).abs() < 2.5 * G * dt * dt, "{method:?}: {:e}", gap(&plant));
+            assert!(rise(&plant).abs() < 1e-6, "{method:?}: {:e}", rise(&plant));
         }
     }
 }
 
-/// A known defect: `MidpointMoreau` multiplies the speed at the middle of the step, half a step of fall too much. At e = .8 a landing at
-/// 2gh leaves at .8 · 2.5gh, as fast as before, and so on for ever, however short the step.
+/// Without a loss it rises as high for ever: a hundred bounces on.
 #[test]
-fn what_bounces_well_never_lies_still_by_the_midpoint_method() {
-    let e = 0.8;
-    for dt in [4e-4, 1e-4] {
-        let (mut plant, fall) = dropped(e, Method::MidpointMoreau, dt);
-        go(&mut plant, (1.4 * fall * (1.0 + 2.0 * e / (1.0 - e)) / dt) as usize);
-        let fastest = (0..10).fold(0.0_f64, |fastest, _| {
+fn what_loses_nothing_rises_as_high_for_ever() {
+    for method in [Method::MidpointContact, Method::StepDoubling, Method::Rk4Impact, Method::EventDriven] {
+        let (mut plant, fall) = dropped(1.0, method, 2e-3);
+        let mut highest = 0.0_f64;
+        go(&mut plant, (200.0 * fall / 2e-3) as usize);
+        for _ in 0..(2.5 * fall / 2e-3) as usize {
             go(&mut plant, 1);
-            fastest.max(rise(&plant))
-        });
-        assert!((fastest / (2.0 * G * dt) - 1.0).abs() < 0.05, "at {dt} s it bounces on at {fastest} m/s");
+            highest = highest.max(gap(&plant) + rise(&plant).powi(2) / (2.0 * G));
+        }
+        println!("{method:?}: {:e} of .1 m", highest - 0.1);
+        assert!((highest - 0.1).abs() < 1e-9, "{method:?}: {highest} m");
+    }
+}
+
+#[test]
+fn methods_that_do_not_find_a_landing_refuse_restitution() {
+    for method in Method::ALL.into_iter().filter(|method| !method.bounces()) {
+        let mut scene = built_in("drop");
+        (scene.plant.restitution, scene.plant.method) = (0.5, method);
+        let refusal = Plant::new(&scene).err().map(|error| error.to_string()).unwrap_or_default();
+        let asked = [format!("{method:?}"), "plant.restitution".into(), "MidpointContact".into()];
+        assert!(asked.iter().all(|word| refusal.contains(word)), "{method:?}: {refusal}");
     }
 }
 
@@ -64,7 +75,7 @@ fn what_bounces_well_never_lies_still_by_the_midpoint_method() {
 #[test]
 fn what_rested_bounces_again_when_it_falls_again() {
     let e = 0.5;
-    for method in STEPPING {
+    for method in BOUNCING {
         let (mut plant, _) = dropped(e, method, 1e-3);
         let mut bounce = |what: &str| {
             let mut landing = 0.0;
@@ -82,7 +93,7 @@ fn what_rested_bounces_again_when_it_falls_again() {
             let known = if method == Method::SemiImplicitEuler { 1e-12 } else { G * 1e-3 };
             assert!((rise(&plant) + e * landing).abs() < known, "{method:?}, {what}: {} of {landing}", rise(&plant));
             go(&mut plant, 1000);
-            assert!(rise(&plant).abs() < 1e-15, "it lies still");
+            assert!(rise(&plant).abs() < 1e-7, "it lies still: {:e}", rise(&plant));
             assert!(plant.push(0, [0.0, 0.0, 2.0], 0.01), "a foot");
             go(&mut plant, 10);
         };

@@ -156,7 +156,8 @@ impl Contacts {
             problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         }
         let rows = 1 + problem.tangents;
-        let (response, report) = each.solve(world, free, touches, memory)?;
+        let report = each.solve(world, free, touches, memory)?;
+        let response = each.map.respond(&world.model, free.factor, &each.solver.impulse);
         // what its forces do to accelerations is no energy
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
         (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
