@@ -39,6 +39,11 @@ impl Record {
         self.fallbacks += u64::from(report.fallback);
     }
 
+    /// Flags a step that was not solved as its method promises, if it was not.
+    pub fn flag(&mut self, flagged: bool) {
+        self.fallbacks += u64::from(flagged);
+    }
+
     /// Adds an impulse on contact point `id` [N·s]; points beyond the wire's room are not recorded.
     pub fn push(&mut self, id: usize, impulse: [f64; 3]) {
         if let Some(sum) = self.impulse.get_mut(3 * id..3 * id + 3) {

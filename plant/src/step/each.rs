@@ -76,11 +76,12 @@ impl Each {
         world: &World,
         free: &Free,
         touches: &[Touch],
+        law: Law,
         memory: &mut Memory,
     ) -> Result<Report, PlantError> {
         let Each { map, solver } = self;
         let problem = map.assemble(&world.model, free, touches);
-        let report = solver.solve(problem, world.settings.law, memory);
+        let report = solver.solve(problem, law, memory);
         world.check(&report, problem)?;
         Ok(report)
     }
@@ -94,9 +95,9 @@ impl Each {
         touches: &Touches,
         memory: &mut Memory,
     ) -> Result<Report, PlantError> {
-        let e = world.settings.restitution;
+        let Settings { restitution: e, law, .. } = world.settings;
         self.pose(world, free, touches, e);
-        let report = self.solve(world, free, &touches.list, memory)?;
+        let report = self.solve(world, free, &touches.list, law, memory)?;
         if e == 0.0 || world.is_lawful(&report) {
             return Ok(report);
         }
@@ -104,11 +105,11 @@ impl Each {
         while bad - good > CLOSE * e {
             let middle = 0.5 * (good + bad);
             self.pose(world, free, touches, middle);
-            let end = if world.is_lawful(&self.solve(world, free, &touches.list, memory)?) { &mut good } else { &mut bad };
+            let end = if world.is_lawful(&self.solve(world, free, &touches.list, law, memory)?) { &mut good } else { &mut bad };
             *end = middle;
         }
         self.pose(world, free, touches, good);
-        self.solve(world, free, &touches.list, memory)
+        self.solve(world, free, &touches.list, law, memory)
     }
 
     /// What the solution does.

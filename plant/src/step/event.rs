@@ -32,9 +32,10 @@ use bearing::slip;
 
 /// An event is located when its gap or slip is this small beside that at the step's beginning.
 const LOCATED: f64 = 1e-13;
-/// Events in a step at most. Where they crowd (a ball at the end of its bounces) the rest of the step is one impulse.
+/// Events in a step at most. Where they crowd (a ball at the end of its bounces) the rest of the step is one of `MidpointContact`.
 const EVENTS: u32 = 40;
-/// Parts of a step at most. Where a law's forces jump at random (an iteration that has not converged) none is short enough.
+/// Parts of a step at most. Where forces jump to and fro (a contact that begins to slip and sticks again) none is short enough for the error
+/// control; then the rest of the step is one of `MidpointContact`, and the step is flagged as a fallback.
 const PARTS: u32 = 2000;
 /// Trials of locating an event at most; it takes about eight.
 const TRIALS: usize = 100;
@@ -56,18 +57,12 @@ impl Plant {
     fn through_events(&mut self, h: f64, tableau: &Tableau, controlled: bool) -> Result<(), PlantError> {
         let (mut done, mut events, mut parts) = (0.0, 0, 0);
         while done < h {
-            if parts == PARTS {
-                let (time, law) = (self.world.time(), self.world.settings.law);
-                let reason = format!(
-                    "after {PARTS} parts it is not done; the forces of {law} jump too much for its error control"
-                );
-                return Err(PlantError::Unsettled { time, reason });
-            }
-            parts += 1;
-            if events == EVENTS {
+            if events == EVENTS || parts == PARTS {
                 self.rise.forget();
+                self.record.flag(parts == PARTS);
                 return self.midpoint_contact(h - done);
             }
+            parts += 1;
             self.land()?;
             self.work.start.copy(&self.now.state);
             let (rest, record) = (h - done, self.record);

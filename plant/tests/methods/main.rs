@@ -9,3 +9,4 @@ mod ground;
 mod promise;
 mod ready;
 mod support;
+mod throws;

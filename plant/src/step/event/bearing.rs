@@ -25,8 +25,6 @@ const HITS: f64 = 1e-6;
 const STICKS: f64 = 1e-6;
 /// What is accelerated less than this sticks on [lengths/s²].
 const HELD: f64 = 1e-6;
-/// Tangential acceleration that tells a law with a basis of a slip [lengths/s²]: more than any that friction could stop.
-const SLIP: f64 = 1e3;
 /// A slip slower than this, beside that at the step's beginning, keeps its direction of then.
 const NEARLY_STOPPED: f64 = 1e-6;
 
@@ -113,6 +111,8 @@ impl Touches {
 
 impl Contacts {
     /// The forces of all that bears, and the acceleration with them; `free` is that without. What bears is told what its force does.
+    ///
+    /// They are those of the round cone under every law of Coulomb's: a slip's direction is known here, so that the laws differ in impacts.
     pub(in crate::step) fn forces(
         &mut self,
         world: &World,
@@ -127,7 +127,7 @@ impl Contacts {
         if touches.is_empty() {
             return Ok(contact);
         }
-        let (model, law, length) = (&world.model, world.settings.law, world.model.length);
+        let (model, length) = (&world.model, world.model.length);
         let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
         // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
         let along = |touch: &Touch| {
@@ -142,21 +142,15 @@ impl Contacts {
             let swept = composite.swept(model, free.pose, &model.corners[touch.id]);
             let mut pull = own + swept + velocity * SETTLES;
             pull.z += (velocity.z + touch.gap * SETTLES) * SETTLES;
-            if !bearings[touch.id].sticks && law != Law::Cone {
-                let along = along(touch);
-                (pull.x, pull.y) = (SLIP * length * along.x, SLIP * length * along.y);
-            }
             pull
         };
-        let problem = each.map.drift(model, free, touches, law, pull);
+        let problem = each.map.drift(model, free, touches, Law::Cone, pull);
         problem.friction.fill(world.settings.friction);
-        if law == Law::Cone {
-            // the round cone is told the direction itself, for it would turn friction against any acceleration
-            let given = |touch: &Touch| if bearings[touch.id].sticks { Vector3::zeros() } else { along(touch) };
-            problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
-        }
+        // the law is told the direction of a slip, for it would turn friction against any acceleration
+        let given = |touch: &Touch| if bearings[touch.id].sticks { Vector3::zeros() } else { along(touch) };
+        problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         let rows = 1 + problem.tangents;
-        let report = each.solve(world, free, touches, memory)?;
+        let report = each.solve(world, free, touches, Law::Cone, memory)?;
         let response = each.map.respond(&world.model, free.factor, &each.solver.impulse);
         // what its forces do to accelerations is no energy
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
