@@ -60,7 +60,7 @@ impl Ahead<'_> {
             let pushed = memory.pushed(touch.id);
             let out = |gap: f64| {
                 let rounding = gap.abs() <= ROUNDING * world.model.length;
-                if rounding { 0.0 } else { coming_out(gap, self.h, world.model.gravity.norm()) }
+                if rounding { 0.0 } else { coming_out(gap, self.h, world.model.gravity.norm() * world.settings.h) }
             };
             touch.approach = match pushed {
                 false if rest > 0.0 => 2.0 * rest / self.h,

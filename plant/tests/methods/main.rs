@@ -3,6 +3,7 @@
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 mod bounces;
+mod cases;
 mod comparison;
 mod flight;
 mod ground;

@@ -9,7 +9,7 @@ use std::time::Instant;
 const THROWS: u64 = 60;
 
 /// A box, a flat foot, a light wheel on balls or a rod, thrown anyhow on ground of any friction.
-fn thrown(random: &mut fastrand::Rng) -> Scene {
+pub fn thrown(random: &mut fastrand::Rng) -> Scene {
     let any = |random: &mut fastrand::Rng, size: f64| size * (2.0 * random.f64() - 1.0);
     let size = *random.choice(&[[0.2, 0.1, 0.05], [0.1, 0.1, 0.1], [0.1, 0.1, 0.4], [0.3, 0.02, 0.02]]).expect("a choice");
     let [a, b, c] = size.map(|side: f64| 0.5 * side);
