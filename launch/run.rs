@@ -169,7 +169,9 @@ fn tell_depth(scene: &Scene) {
     let depth = Plant::new(scene).map_or(0.0, |plant| plant.depth());
     if depth > TOLD_DEPTH {
         let millimetres = depth * 1e3;
-        eprintln!("the scene begins {millimetres:.3} mm inside the ground, which lifts it out: initial.clearance = 0 puts it on the ground");
+        eprintln!(
+            "the scene begins {millimetres:.3} mm inside the ground, which lifts it out: initial.clearance = 0 puts it on the ground"
+        );
     }
 }
 

@@ -127,7 +127,11 @@ fn a_box_slides_the_same_on_every_base_that_lets_it() {
     let way = 0.5 * 9.81 * (angle.sin() - 0.2 * angle.cos());
     let slide = |base: &str| -> Summary {
         let summary = run(&file.0, &[&format!("plant.base={base}")]);
-        summary.shows(&[("distance_m", way - 1e-9..=way + 1e-9), ("hop_max_m", -1.0..=1e-9), ("lateral_max_m", 0.0..=1e-9)]);
+        summary.shows(&[
+            ("distance_m", way - 1e-9..=way + 1e-9),
+            ("hop_max_m", -1.0..=1e-9),
+            ("lateral_max_m", 0.0..=1e-9),
+        ]);
         summary
     };
     let ways = ["planar", "virtual", "quaternion"].map(|base| slide(base).number("distance_m"));

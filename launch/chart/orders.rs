@@ -53,7 +53,8 @@ pub struct Found {
 pub fn run(out: &Path, progress: &Watch) -> Result<(), Failure> {
     progress.expect(MOTIONS.len() * Method::ALL.len());
     let mut rows = vec![["method".to_string()].into_iter().chain(MOTIONS.map(|(name, _)| name.into())).collect()];
-    let mut long = vec![vec!["method".to_string(), "motion".into(), "h_s".into(), "error".into(), "us_per_step".into()]];
+    let mut long =
+        vec![vec!["method".to_string(), "motion".into(), "h_s".into(), "error".into(), "us_per_step".into()]];
     let mut columns = Vec::new();
     for (name, text) in MOTIONS {
         let scene = parse(text, name)?;
@@ -137,5 +138,55 @@ fn word_of(error: &PlantError) -> &'static str {
     match error {
         PlantError::Value { .. } => "refused",
         _ => "breaks off",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a method makes of a motion.
+    fn found(name: &str, method: Method) -> Result<Found, PlantError> {
+        let (_, text) = MOTIONS.iter().find(|(known, _)| *known == name).unwrap_or_else(|| panic!("{name}"));
+        let scene = parse(text, name).unwrap_or_else(|error| panic!("{error}"));
+        let truth = reference(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        measure(&scene, method, &truth)
+    }
+
+    #[test]
+    fn the_default_is_of_second_order_in_every_motion_but_where_a_slip_turns_round() {
+        for (name, _) in MOTIONS {
+            let found = found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));
+            println!("{name}: {:?}, order {:?}", found.errors, found.order());
+            // between the coarsest and the finest it falls as h² does, by 64, or nearly
+            let falls = found.order().is_none() || found.errors[0] / found.errors[3] > 16.0;
+            assert_eq!(falls, name != "reversal", "{name}: {:?}", found.errors);
+            assert!(found.errors[TOLD] < if name == "spin" { 5e-3 } else { 3e-4 }, "{name}: {:?}", found.errors);
+        }
+    }
+
+    /// Negative control: the paper's step, and what stops velocities in the middle, are of first order there.
+    #[test]
+    fn other_methods_are_of_first_order_where_contact_pivots_rolls_or_turns() {
+        for name in ["pivot", "roll", "slip"] {
+            for method in [Method::SemiImplicitEuler, Method::MidpointMoreau, Method::MoreauJean] {
+                let found = found(name, method).unwrap_or_else(|error| panic!("{name}: {error}"));
+                let order = found.order().unwrap_or_else(|| panic!("{name}, {method:?}"));
+                assert!((0.85..1.2).contains(&order), "{name}, {method:?}: {order}, {:?}", found.errors);
+                let default =
+                    self::found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));
+                assert!(found.errors[TOLD] > 30.0 * default.errors[TOLD], "{name}, {method:?}: {:?}", found.errors);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_method_cannot_do_is_refused() {
+        for method in [Method::ExplicitEuler, Method::MoreauJean, Method::Rk4, Method::Rk4Impact] {
+            assert!(matches!(found("damper", method), Err(PlantError::Value { .. })), "{method:?}");
+        }
+        for method in Method::ALL.into_iter().filter(|method| !method.bounces()) {
+            assert!(matches!(found("bounce", method), Err(PlantError::Value { .. })), "{method:?}");
+        }
     }
 }

@@ -120,7 +120,8 @@ impl Plant {
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
         let world = World::new(scene)?;
         let model = &world.model;
-        let (now, mut work) = (Now::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
+        let (now, mut work) =
+            (Now::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
         stiff::check(&world, &now, &mut work.dynamics)?;
         work.dynamics.evaluations = 0;
         Ok(Plant {
@@ -159,9 +160,8 @@ impl Plant {
         match self.world.settings.method {
             Method::SemiImplicitEuler => self.work.dynamics.get_ready(&self.world.model, &self.now, h, h),
             Method::MidpointContact if self.rise.known() => {
-                if self.get_to_the_middle(h).is_ok() {
-                    self.work.dynamics.set_ready(); // the step finds an error again
-                }
+                let found = self.get_to_the_middle(h).is_ok(); // the step finds an error again
+                self.work.dynamics.set_ready(found);
             }
             _ => {}
         }
@@ -234,7 +234,8 @@ impl Plant {
     /// How deep the deepest contact point is inside the ground; zero if none is [m].
     pub fn depth(&self) -> f64 {
         let Now { pose, .. } = &self.now;
-        let over_ground = self.model().corners.iter().filter(|corner| corner.has_ground(pose.reference.x + pose.lowest(corner).x));
+        let over_ground =
+            self.model().corners.iter().filter(|corner| corner.has_ground(pose.reference.x + pose.lowest(corner).x));
         over_ground.fold(0.0, |deepest, corner| f64::max(deepest, -pose.height(corner)))
     }
 

@@ -20,7 +20,8 @@ pub fn print() {
             let settings = [format!("plant.method={method:?}"), "plant.dt=0.001".into(), "rate=1000".into()];
             Recording::of(doing, &settings)
         });
-        let mut least = recordings.each_ref().map(|recording| [(); 2].map(|()| vec![f64::INFINITY; recording.window.end]));
+        let mut least =
+            recordings.each_ref().map(|recording| [(); 2].map(|()| vec![f64::INFINITY; recording.window.end]));
         for run in 0..2 * RUNS {
             for (recording, least) in recordings.iter().zip(&mut least) {
                 time(recording, run % 2, &mut least[run % 2]);
@@ -29,7 +30,11 @@ pub fn print() {
         let [paper, ours] = [0, 1].map(|k| {
             let from = recordings[k].window.start;
             let [[median, p99, ..], [awaited, slow, ..]] = [0, 1].map(|ready| quantiles(&least[k][ready][from..]));
-            println!("{:<10}{:<20}{median:>9.2}{p99:>9.2}{awaited:>9.2}{slow:>9.2}", format!("{doing:?}"), format!("{:?}", METHODS[k]));
+            println!(
+                "{:<10}{:<20}{median:>9.2}{p99:>9.2}{awaited:>9.2}{slow:>9.2}",
+                format!("{doing:?}"),
+                format!("{:?}", METHODS[k])
+            );
             [median, p99, awaited, slow]
         });
         let ratio = [0, 1, 2, 3].map(|k| format!("{:>9.2}", ours[k] / paper[k])).concat();

@@ -22,7 +22,12 @@ pub(super) struct Doubling {
 
 impl Doubling {
     pub fn new(model: &Model) -> Doubling {
-        Doubling { memory: Memory::of(model.corners.len()), rise: Rise::new(model), events: 0, coarse: State::zero(model) }
+        Doubling {
+            memory: Memory::of(model.corners.len()),
+            rise: Rise::new(model),
+            events: 0,
+            coarse: State::zero(model),
+        }
     }
 }
 

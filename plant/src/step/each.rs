@@ -105,7 +105,11 @@ impl Each {
         while bad - good > CLOSE * e {
             let middle = 0.5 * (good + bad);
             self.pose(world, free, touches, middle);
-            let end = if world.is_lawful(&self.solve(world, free, &touches.list, law, memory)?) { &mut good } else { &mut bad };
+            let end = if world.is_lawful(&self.solve(world, free, &touches.list, law, memory)?) {
+                &mut good
+            } else {
+                &mut bad
+            };
             *end = middle;
         }
         self.pose(world, free, touches, good);

@@ -85,9 +85,9 @@ impl Dynamics {
         std::mem::take(&mut self.ready)
     }
 
-    /// They are known for the step to come.
-    pub fn set_ready(&mut self) {
-        self.ready = true;
+    /// Whether they are known for the step to come.
+    pub fn set_ready(&mut self, ready: bool) {
+        self.ready = ready;
     }
 
     /// The same ahead of the step that asks for it.

@@ -145,8 +145,7 @@ impl Plant {
             let turn = Centre::of(&world.model, &middle.pose, mean);
             let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.gained()) * h);
             if round == 0 {
-                let ahead =
-                    Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: rate, h };
+                let ahead = Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: rate, h };
                 if !touches.find_ahead(world, &ahead, memory, left_out).list.is_empty() {
                     break;
                 }

@@ -115,7 +115,11 @@ impl Settings {
         if plant.restitution > 0.0 && !plant.method.bounces() {
             let rule = "0, for this method stops what lands somewhere within a step: take one that finds landings, as MidpointContact, or \
                         SemiImplicitEuler";
-            return Err(PlantError::value(format!("plant.restitution of the method {:?}", plant.method), plant.restitution, rule));
+            return Err(PlantError::value(
+                format!("plant.restitution of the method {:?}", plant.method),
+                plant.restitution,
+                rule,
+            ));
         }
         if plant.restitution > 0.0 && law == Law::SpringDamper {
             let rule = "0, for its springs throw back by themselves: lower plant.contact_damping_ratio";

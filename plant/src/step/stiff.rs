@@ -34,7 +34,9 @@ pub(super) fn check(world: &World, now: &Now, dynamics: &mut Dynamics) -> Result
         let mobility = column[spring.dof]; // 1/H of the joint, all others free
         let stiff = (h * spring.damping * mobility).max(h * (spring.stiffness * mobility).sqrt());
         if stiff > limit {
-            let name = (model.body_link.iter()).position(|&link| link == spring.dof + 1).map_or("", |body| &model.body_name[body]);
+            let name = (model.body_link.iter())
+                .position(|&link| link == spring.dof + 1)
+                .map_or("", |body| &model.body_name[body]);
             let what = format!("h d/H or h √(k/H) of the joint of body `{name}`");
             let rule = format!(
                 "at most {limit} for the method {method:?}: take a shorter plant.dt, or a method that has springs and dampers implicit, as \

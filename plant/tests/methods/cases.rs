@@ -71,7 +71,10 @@ fn a_heavy_top_stays_steady_on_its_tip() {
         for _ in 0..(1.0 / dt) as usize {
             go(&mut plant, 1);
             let com = totals(&plant).com - corners(&plant)[0];
-            worst = [worst[0].max(((com.z / 0.1).acos().to_degrees() - 30.0).abs()), worst[1].max(corners(&plant)[0].norm())];
+            worst = [
+                worst[0].max(((com.z / 0.1).acos().to_degrees() - 30.0).abs()),
+                worst[1].max(corners(&plant)[0].norm()),
+            ];
         }
         worst
     };
@@ -90,7 +93,8 @@ fn a_fast_spin_neither_gains_nor_loses() {
     let start = totals(&plant);
     go(&mut plant, 20_000);
     let end = totals(&plant);
-    let (energy, momentum) = (end.kinetic / start.kinetic - 1.0, (end.angular - start.angular).norm() / start.angular.norm());
+    let (energy, momentum) =
+        (end.kinetic / start.kinetic - 1.0, (end.angular - start.angular).norm() / start.angular.norm());
     println!("after 20 s: energy {energy:.1e}, angular momentum {momentum:.1e}");
     assert!(energy.abs() < 1e-8 && momentum < 5e-3, "{energy:e} {momentum:e}");
 }
@@ -116,7 +120,9 @@ fn a_damper_much_stronger_than_its_joint_holds_in_every_method_or_is_refused() {
     let text = "[plant]\nbase = \"fixed\"\njoint_damping = 5.0\n[initial]\nposition = [0.0, 0.0, 1.0]\njoints = [1.0]\n[[bodies]]\n\
         name = \"hook\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"finger\"\nmass = 0.02\nsize = [0.02, 0.02, 0.08]\n\
         com = [0.0, 0.0, -0.04]\njoint = { parent = \"hook\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }\n";
-    let own = text.replace("joint_damping = 5.0\n", "").replace("at = [0.0, 0.0, 0.0] }", "at = [0.0, 0.0, 0.0], damping = 5.0 }");
+    let own = text
+        .replace("joint_damping = 5.0\n", "")
+        .replace("at = [0.0, 0.0, 0.0] }", "at = [0.0, 0.0, 0.0], damping = 5.0 }");
     for method in Method::ALL {
         let end = |text: &str| {
             let mut scene = scene(1e-3, text);

@@ -26,10 +26,7 @@ fn every_method_has_its_order_in_flight() {
             println!("{base:?} {method:?}: errors {errors:?}, order {order:.3}");
             let expected = match method {
                 Method::ExplicitEuler | Method::SemiImplicitEuler => 1.0,
-                Method::MoreauJean
-                | Method::MidpointMoreau
-                | Method::MidpointContact
-                | Method::ImplicitMidpoint => 2.0,
+                Method::MoreauJean | Method::MidpointMoreau | Method::MidpointContact | Method::ImplicitMidpoint => 2.0,
                 Method::Rk4 | Method::Rk4Impact => 4.0,
                 Method::StepDoubling | Method::EventDriven => {
                     let limit = if method == Method::StepDoubling { 1e-6 } else { 1e-12 };
@@ -69,10 +66,7 @@ fn flight_does_no_contact_work() {
         assert_eq!(counts.contacts, 0, "{method:?}: {counts:?}");
         let evaluations = counts.evaluations as f64 / 100.0;
         let expected = match method {
-            Method::ExplicitEuler
-            | Method::SemiImplicitEuler
-            | Method::MidpointMoreau
-            | Method::MidpointContact => 1.0,
+            Method::ExplicitEuler | Method::SemiImplicitEuler | Method::MidpointMoreau | Method::MidpointContact => 1.0,
             Method::MoreauJean => 2.0,
             Method::Rk4 | Method::Rk4Impact => 4.0,
             Method::ImplicitMidpoint | Method::StepDoubling | Method::EventDriven => continue,

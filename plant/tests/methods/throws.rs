@@ -1,7 +1,7 @@
 //! The reference method finishes what is thrown at it.
 
-use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
 use messages::robot::{Body, Sphere};
+use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
 use plant::Plant;
 use std::time::Instant;
 
@@ -11,13 +11,19 @@ const THROWS: u64 = 60;
 /// A box, a flat foot, a light wheel on balls or a rod, thrown anyhow on ground of any friction.
 pub fn thrown(random: &mut fastrand::Rng) -> Scene {
     let any = |random: &mut fastrand::Rng, size: f64| size * (2.0 * random.f64() - 1.0);
-    let size = *random.choice(&[[0.2, 0.1, 0.05], [0.1, 0.1, 0.1], [0.1, 0.1, 0.4], [0.3, 0.02, 0.02]]).expect("a choice");
+    let size =
+        *random.choice(&[[0.2, 0.1, 0.05], [0.1, 0.1, 0.1], [0.1, 0.1, 0.4], [0.3, 0.02, 0.02]]).expect("a choice");
     let [a, b, c] = size.map(|side: f64| 0.5 * side);
     let mut body = Body { name: "body".into(), mass: 10f64.powf(any(random, 1.5)), size, ..Body::default() };
     if random.u32(0..4) == 0 {
-        body.spheres = (0..3).map(|k| Sphere { at: [a * (f64::from(k) - 1.0), 0.0, 0.0], radius: 0.5 * c + 0.01 }).collect();
+        body.spheres =
+            (0..3).map(|k| Sphere { at: [a * (f64::from(k) - 1.0), 0.0, 0.0], radius: 0.5 * c + 0.01 }).collect();
     } else {
-        body.contacts = (0..8).map(|k| [if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b }, if k & 4 == 0 { c } else { -c }]).collect();
+        body.contacts = (0..8)
+            .map(|k| {
+                [if k & 1 == 0 { a } else { -a }, if k & 2 == 0 { b } else { -b }, if k & 4 == 0 { c } else { -c }]
+            })
+            .collect();
     }
     let mut vector = |size: f64| [0; 3].map(|_| any(random, size));
     let initial = Initial {
@@ -28,7 +34,8 @@ pub fn thrown(random: &mut fastrand::Rng) -> Scene {
         ..Initial::default()
     };
     let friction = *random.choice(&[0.0, 0.2, 0.5, 0.8]).expect("a choice");
-    let plant = PlantScene { dt: 2e-3, method: Method::EventDriven, base: Base::Quaternion, friction, ..PlantScene::default() };
+    let plant =
+        PlantScene { dt: 2e-3, method: Method::EventDriven, base: Base::Quaternion, friction, ..PlantScene::default() };
     Scene { rate: 500.0, duration: 1.0, plant, initial, bodies: vec![body], ..Scene::default() }
 }
 
@@ -50,7 +57,10 @@ fn random_throws_end() {
     }
     times.sort_by(f64::total_cmp);
     let [middle, most] = [times.len() / 2, times.len() - 1].map(|k| 1e3 * times[k]);
-    println!("{} of {throws} end, {flagged} steps flagged; a second takes {middle:.1} ms in the middle, {most:.1} ms at most", times.len());
+    println!(
+        "{} of {throws} end, {flagged} steps flagged; a second takes {middle:.1} ms in the middle, {most:.1} ms at most",
+        times.len()
+    );
     lost.iter().for_each(|lost| println!("{lost}"));
     assert!(lost.is_empty(), "{} throws break off", lost.len());
     assert!(flagged * 50 <= throws, "{flagged} steps of {throws} throws were flagged");
