@@ -179,7 +179,11 @@ impl Contacts {
                     held
                 }
                 None => {
-                    let report = each.solve_impact(world, free, touches, memory)?; // (14)-(22)
+                    let mut report = each.solve_impact(world, free, touches, memory)?; // (14)-(22)
+                    if each.turns_round(&touches.list) {
+                        touches.list.iter_mut().for_each(|touch| touch.along = Vector3::zeros());
+                        report = each.solve_impact(world, free, touches, memory)?;
+                    }
                     (each.respond(world, free), report)
                 }
             };

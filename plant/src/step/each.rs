@@ -116,6 +116,16 @@ impl Each {
         self.solve(world, free, &touches.list, law, memory)
     }
 
+    /// Whether a slip whose direction was given goes back on it: then it was not steady.
+    pub fn turns_round(&self, touches: &[Touch]) -> bool {
+        let problem = &self.map.problem;
+        let slips = self.solver.velocity.chunks_exact(1 + problem.tangents);
+        problem.slip.iter().zip(slips).zip(touches).any(|((given, velocity), touch)| {
+            let along: f64 = velocity[1..].iter().zip(given).map(|(v, e)| v * e).sum();
+            *given != [0.0; 2] && along < 0.0 && touch.along != Vector3::zeros()
+        })
+    }
+
     /// What the solution does.
     pub fn respond(&mut self, world: &World, free: &Free) -> Response<'_> {
         self.map.respond(&world.model, free.factor, &self.solver.impulse)
