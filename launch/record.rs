@@ -3,6 +3,7 @@
 //! Steps, extremes and histograms see every record; rows are kept at 200 Hz at most and thinned out in long runs, so
 //! that memory stays bounded.
 
+mod energy;
 mod extremes;
 #[cfg(test)]
 pub mod fake;
@@ -12,6 +13,7 @@ mod robot;
 mod sample;
 mod worst;
 
+pub use energy::Energy;
 pub use extremes::Extremes;
 pub use gait::{Gait, Lateral};
 pub use histogram::Histogram;
@@ -49,6 +51,8 @@ pub struct Recorder {
     pub gait: Gait,
     /// Extremes.
     pub extremes: Extremes,
+    /// Where its energy goes.
+    pub energy: Energy,
     /// Histograms of every record.
     pub spread: Spread,
     /// Records left out because their pose is not finite.
@@ -99,6 +103,7 @@ impl Recorder {
             last: None,
             gait: Gait::default(),
             extremes: Extremes::default(),
+            energy: Energy::new(scene),
             spread: Spread::new(),
             dropped: 0,
             steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
@@ -134,6 +139,7 @@ impl Recorder {
             return;
         }
         self.extremes.push(&self.robot, truth, &sample);
+        self.energy.push(&self.robot, truth, &self.placed, &sample);
         if self.extremes.fall.is_none() {
             self.gait.push(&sample);
         }

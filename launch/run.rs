@@ -103,6 +103,9 @@ impl RunArgs {
 /// A depth at the beginning that is told; less is the rounding of a pose that somebody wrote down [m].
 const TOLD_DEPTH: f64 = 1e-6;
 
+/// Energy made that is told, as a part of the greatest kinetic energy [-]: what the default leaves a walk is a hundredth of this.
+const TOLD_ENERGY: f64 = 0.02;
+
 /// Runs a scene. Also of a run that was cut short, what was recorded is summed up and written.
 ///
 /// # Errors
@@ -148,6 +151,9 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(model);
     let summary = summary.ended(outcome.as_ref().err());
     say(&summary);
+    if outcome.is_ok() {
+        tell_energy(&summary);
+    }
     if let Some(folder) = &args.out {
         let text = load::text(scene);
         report::write(folder, &watch.recorder, &summary, scene, &text)
@@ -161,6 +167,21 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
         }
         (_, outcome) => outcome,
+    }
+}
+
+/// Says so if energy was made or lost by nobody.
+fn tell_energy(summary: &Summary) {
+    let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
+    for (what, energy, other) in [
+        ("made", *energy_made_j, ", or the robot was pushed by request"),
+        ("lost", *energy_lost_j, ", and a method of second order loses less"),
+    ] {
+        if energy > TOLD_ENERGY * kinetic {
+            eprintln!(
+                "the run {what} {energy:.1e} J, of {kinetic:.1e} J of motion at most: plant.dt is too long for plant.method{other}"
+            );
+        }
     }
 }
 

@@ -55,6 +55,13 @@ pub struct Summary {
     pub energy_gain_max_j: f64,
     /// Steps whose contact problem needed a fallback.
     pub fallbacks: u64,
+    /// The most that the energy rose above an earlier one, less the work of drives and of the scene's push: what integration made, or a push
+    /// that was asked for [J].
+    pub energy_made_j: f64,
+    /// The most that it fell below an earlier one before anything touched, where no joint is damped: what integration lost [J].
+    pub energy_lost_j: f64,
+    /// Greatest kinetic energy, of the drives too [J].
+    pub kinetic_max_j: f64,
     /// Hash of every state of the run.
     pub trajectory_hash: String,
     /// Time that the run took [s].
@@ -123,6 +130,8 @@ impl Summary {
         let tally = recorder.last.as_ref().map_or_else(Tally::default, |last| last.truth.tally);
         let duration_s = over(&|_, last| last.sample.time);
         let (period_s, period_std_s) = gait.period(LAST_STEPS);
+        let energy = &recorder.energy;
+        let told = |joules: f64| if joules > energy.rounding() { joules } else { 0.0 };
         Summary {
             scene: scene.into(),
             robot: recorder.robot.name.clone(),
@@ -144,6 +153,9 @@ impl Summary {
             signorini_max: extremes.signorini,
             natural_map_max: extremes.natural_map,
             energy_gain_max_j: extremes.energy_gain,
+            energy_made_j: told(energy.made),
+            energy_lost_j: told(energy.lost),
+            kinetic_max_j: energy.kinetic,
             fallbacks: recorder.last.as_ref().map_or(0, |last| last.truth.fallbacks),
             trajectory_hash: format!("{:016x}", recorder.last.as_ref().map_or(0, |last| last.truth.hash)),
             wall_s: wall.as_secs_f64(),

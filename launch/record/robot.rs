@@ -116,6 +116,30 @@ impl Robot {
         }
     }
 
+    /// Kinetic energy of the bodies, payload included [J].
+    pub fn kinetic(&self, placed: &[Placed]) -> f64 {
+        let straight = self.lumps.iter().map(|&(body, place, mass)| {
+            let Placed { pose, velocity, spin } = &placed[body];
+            0.5 * mass * (velocity + spin.cross(&(pose.rotation * place.coords))).norm_squared()
+        });
+        let round = self.bodies.iter().zip(placed).map(|(body, Placed { pose, spin, .. })| {
+            let own = pose.rotation.inverse() * spin;
+            0.5 * own.component_mul(&own).dot(&Vector3::from(body.moments()))
+        });
+        straight.sum::<f64>() + round.sum::<f64>()
+    }
+
+    /// Centre of mass of a body in W [m].
+    pub fn centre(&self, placed: &[Placed], body: usize) -> Vector3<f64> {
+        let own = self.bodies.get(body).zip(placed.get(body));
+        own.map_or(Vector3::zeros(), |(body, placed)| (placed.pose * Point3::from(body.com)).coords)
+    }
+
+    /// Height of a contact point, or of the lowest point of a ball [m].
+    pub fn height(&self, placed: &[Placed], body: usize, ball: &Sphere) -> f64 {
+        (placed[body].pose * Point3::from(ball.at)).z - ball.radius
+    }
+
     /// Centre of mass in W [m] and its velocity [m/s]; NaN if the robot weighs nothing.
     pub fn com(&self, placed: &[Placed]) -> (Vector3<f64>, Vector3<f64>) {
         let mut sum = (Vector3::zeros(), Vector3::zeros());

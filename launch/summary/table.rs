@@ -51,6 +51,14 @@ impl Summary {
                 self.energy_gain_max_j != f64::NEG_INFINITY,
                 format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks),
             ),
+            (
+                "energy made",
+                self.kinetic_max_j > 0.0,
+                format!(
+                    "{:.1e} J, lost in flight {:.1e} J, of {:.1e} J of motion at most",
+                    self.energy_made_j, self.energy_lost_j, self.kinetic_max_j
+                ),
+            ),
             ("trajectory hash", true, self.trajectory_hash.clone()),
             ("link", !self.met.is_empty(), self.met.clone()),
             ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
