@@ -187,7 +187,7 @@ fn tell_energy(summary: &Summary) {
 
 /// Says so if the scene begins inside the ground. What keeps a plant from being made is told by the run.
 fn tell_depth(scene: &Scene) {
-    let depth = Plant::new(scene).map_or(0.0, |plant| plant.depth());
+    let depth = Plant::new(scene).map_or(0.0, |plant| plant.truth().penetration);
     if depth > TOLD_DEPTH {
         let millimetres = depth * 1e3;
         eprintln!(

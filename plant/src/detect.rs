@@ -36,6 +36,11 @@ impl Touch {
         let none = Vector3::zeros();
         Touch { id, link, arm, gap, approach: 0.0, swept: none, turned: none, along: none, lands_after: f64::INFINITY }
     }
+
+    /// Whether it comes down faster than the step's forces make it.
+    pub fn lands(&self) -> bool {
+        self.lands_after < f64::INFINITY
+    }
 }
 
 /// Part of a depth that one step takes back [-]: what a step's error leaves is gone within some ten steps, and never thrown back.

@@ -229,7 +229,7 @@ pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError>
 
 /// How far to lift the robot until its lowest contact point is `clearance` above the ground z = 0 [m].
 pub(crate) fn lift(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
-    let heights = model.corners.iter().map(|corner| pose.reference.z + pose.lowest(corner).z);
+    let heights = model.corners.iter().map(|corner| pose.height(corner));
     let lowest = heights.fold(f64::INFINITY, f64::min);
     if lowest.is_finite() && clearance.is_finite() {
         return Ok(clearance - lowest);

@@ -231,14 +231,6 @@ impl Plant {
         self.record.truth(model, &self.now.state, &self.now.pose, torques, period)
     }
 
-    /// How deep the deepest contact point is inside the ground; zero if none is [m].
-    pub fn depth(&self) -> f64 {
-        let Now { pose, .. } = &self.now;
-        let over_ground =
-            self.model().corners.iter().filter(|corner| corner.has_ground(pose.reference.x + pose.lowest(corner).x));
-        over_ground.fold(0.0, |deepest, corner| f64::max(deepest, -pose.height(corner)))
-    }
-
     /// Simulated time [ns].
     pub fn time_ns(&self) -> u64 {
         (self.world.time() * 1e9).round() as u64

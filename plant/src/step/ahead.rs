@@ -111,7 +111,7 @@ impl Touches {
         touching(&world.model, ahead.middle, reach, half, ahead.free, &mut self.list);
         self.list.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| ahead.look(world, memory, touches));
         if left_out {
-            self.list.retain(|touch| touch.lands_after == f64::INFINITY);
+            self.list.retain(|touch| !touch.lands());
         }
         if printed {
             // their conditions stop what is listed at any height, so only what comes down is

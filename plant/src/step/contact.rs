@@ -1,5 +1,6 @@
 //! The stages of a step at contact: what touches, its impulse (14)-(22), the velocity after it.
 
+use super::Plant;
 use super::ahead::Ahead;
 use super::each::Each;
 use super::settings::{Settings, World};
@@ -7,7 +8,7 @@ use crate::contact::{Memory, Report};
 use crate::delassus::{Free, Response};
 use crate::detect::{Touch, approach, overlooked, touching};
 use crate::error::PlantError;
-use crate::kinematics::Pose;
+use crate::kinematics::{self, Pose};
 use crate::model::Model;
 use crate::truth::Record;
 use crate::weld::Weld;
@@ -55,14 +56,12 @@ impl Touches {
         ahead: Option<&Ahead>,
         memory: &Memory,
     ) -> bool {
-        let listed = self.list.len();
         let more = overlooked(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
         if let Some(ahead) = ahead.filter(|_| more) {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
                 ahead.look(world, memory, touches);
             }
             self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // it was thrown down within the step
-            debug_assert!(self.list.len() > listed);
         }
         more
     }
@@ -180,7 +179,7 @@ impl Contacts {
                 }
                 None => {
                     let mut report = each.solve_impact(world, free, touches, memory)?; // (14)-(22)
-                    if each.turns_round(&touches.list) {
+                    if each.turns_round() {
                         touches.list.iter_mut().for_each(|touch| touch.along = Vector3::zeros());
                         report = each.solve_impact(world, free, touches, memory)?;
                     }
@@ -196,6 +195,20 @@ impl Contacts {
             }
         }
         Ok(contact)
+    }
+}
+
+impl Plant {
+    /// Impact: the contact law on the velocities of all that is listed, in no time.
+    pub(super) fn impact(&mut self) -> Result<(), PlantError> {
+        let Plant { world, now, memory, record, work, .. } = self;
+        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
+        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
+        let contact = work.contacts.solve(world, &free, &mut work.touches, None, memory)?;
+        record.take(contact, 1.0);
+        now.state.xdot.copy_from_slice(&contact.rate);
+        kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
+        Ok(())
     }
 }
 

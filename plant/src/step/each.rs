@@ -117,13 +117,13 @@ impl Each {
     }
 
     /// Whether a slip whose direction was given goes back on it: then it was not steady.
-    pub fn turns_round(&self, touches: &[Touch]) -> bool {
+    pub fn turns_round(&self) -> bool {
         let problem = &self.map.problem;
         let slips = self.solver.velocity.chunks_exact(1 + problem.tangents);
-        problem.slip.iter().zip(slips).zip(touches).any(|((given, velocity), touch)| {
-            let along: f64 = velocity[1..].iter().zip(given).map(|(v, e)| v * e).sum();
-            *given != [0.0; 2] && along < 0.0 && touch.along != Vector3::zeros()
-        })
+        let along = |(given, velocity): (&[f64; 2], &[f64])| -> f64 {
+            velocity[1..].iter().zip(given).map(|(v, e)| v * e).sum()
+        };
+        problem.slip.iter().zip(slips).any(|pair| along(pair) < 0.0)
     }
 
     /// What the solution does.

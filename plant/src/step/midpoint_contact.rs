@@ -4,7 +4,7 @@ use super::ahead::{Ahead, first_root};
 use super::midpoint::improve;
 use super::now::Centre;
 use super::{Plant, Workspace};
-use crate::delassus::Free;
+use crate::detect::Touch;
 use crate::error::PlantError;
 use crate::kinematics;
 use crate::model::Model;
@@ -158,7 +158,7 @@ impl Plant {
         }
         let free = free.found(middle, dynamics);
         let ahead = Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h };
-        if !rise.known || touches.list.iter().any(|touch| touch.lands_after < f64::INFINITY) {
+        if !rise.known || touches.list.iter().any(Touch::lands) {
             remembered.copy(memory);
         }
         let contact = contacts.solve(world, &free, touches, Some(&ahead), memory)?;
@@ -187,7 +187,7 @@ impl Plant {
     fn go_down(&mut self, h: f64) -> Result<f64, PlantError> {
         let Workspace { touches, landing, .. } = &mut self.work;
         let (model, pose) = (&self.world.model, &self.now.pose);
-        let lands = || touches.list.iter().filter(|touch| touch.lands_after < f64::INFINITY);
+        let lands = || touches.list.iter().filter(|touch| touch.lands());
         landing.clear();
         landing.extend(lands().map(|touch| touch.id));
         if landing.iter().any(|&id| pose.height(&model.corners[id]) <= LANDED * model.length) {
@@ -218,18 +218,12 @@ impl Plant {
         Ok(time)
     }
 
-    /// The impact of all that is on the ground, in no time.
+    /// The impact of all that is on the ground.
     fn hit_ground(&mut self) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, rise, .. } = self;
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
-        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
-        let landed = LANDED * world.model.length;
-        let touches = work.touches.find_on_ground(world, &now.pose, landed, memory);
-        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
-        record.take(contact, 1.0);
-        now.state.xdot.copy_from_slice(&contact.rate);
-        kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
-        rise.forget();
+        let Plant { world, now, memory, work, .. } = self;
+        work.touches.find_on_ground(world, &now.pose, LANDED * world.model.length, memory);
+        self.impact()?;
+        self.rise.forget();
         Ok(())
     }
 }
@@ -238,7 +232,7 @@ impl Workspace {
     /// Whether something that lands was stopped.
     fn lands(&self) -> bool {
         let pairs = self.touches.list.iter().zip(&self.contacts.contact.impulses);
-        pairs.into_iter().any(|(touch, (_, impulse))| touch.lands_after < f64::INFINITY && impulse.z > 0.0)
+        pairs.into_iter().any(|(touch, (_, impulse))| touch.lands() && impulse.z > 0.0)
     }
 
     /// x₊ = x_m ⊕ ½hẋ₊.

@@ -195,7 +195,7 @@ fn what_begins_inside_the_ground_comes_out_and_rests() {
         let mut scene = scene(1e-3, &text);
         scene.plant.method = method;
         let mut plant = Plant::new(&scene).expect("a cube");
-        assert!((plant.depth() - 0.01).abs() < 1e-12);
+        assert!((plant.truth().penetration - 0.01).abs() < 1e-12);
         let mut fastest = 0.0_f64;
         for _ in 0..500 {
             go(&mut plant, 1);

@@ -5,7 +5,7 @@ use crate::contact::{Memory, Report};
 use crate::delassus::Free;
 use crate::detect::Touch;
 use crate::error::PlantError;
-use crate::kinematics::{self, Pose};
+use crate::kinematics::Pose;
 use crate::model::Corner;
 use crate::step::Plant;
 use crate::step::contact::{Contact, Contacts, Touches};
@@ -64,7 +64,8 @@ impl Plant {
             hits |= bearing.bears && pose.links[corner.link].velocity.at(&arm).z < -HITS * length;
         }
         if hits {
-            self.hit()?;
+            self.work.touches.bearing(&self.world, &self.now.pose, &self.bearings);
+            self.impact()?;
         }
         let Plant { world, now: Now { pose, .. }, bearings, .. } = self;
         for (corner, bearing) in world.model.corners.iter().zip(bearings) {
@@ -78,19 +79,6 @@ impl Plant {
             bearing.sticks = bearing.bears && (bearing.speed <= STICKS * length || bearing.sticks && bearing.held);
             bearing.along = if bearing.speed > 0.0 { slip / bearing.speed } else { slip };
         }
-        Ok(())
-    }
-
-    /// Impact: the contact law on the velocities of all that bears, in no time.
-    fn hit(&mut self) -> Result<(), PlantError> {
-        let Plant { world, now, memory, bearings, record, work, .. } = self;
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
-        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
-        let touches = work.touches.bearing(world, &now.pose, bearings);
-        let contact = work.contacts.solve(world, &free, touches, None, memory)?;
-        record.take(contact, 1.0);
-        now.state.xdot.copy_from_slice(&contact.rate);
-        kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
         Ok(())
     }
 }
@@ -151,7 +139,7 @@ impl Contacts {
         problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         let rows = 1 + problem.tangents;
         let report = each.solve(world, free, touches, Law::Cone, memory)?;
-        let response = each.map.respond(&world.model, free.factor, &each.solver.impulse);
+        let response = each.respond(world, free);
         // what its forces do to accelerations is no energy
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
         (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
