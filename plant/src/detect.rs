@@ -54,15 +54,14 @@ const DEEP: f64 = 10.0;
 pub fn approach(gap: f64, h: f64, gravity: f64) -> f64 {
     match gap {
         gap if gap > 0.0 => gap / h,
-        gap if gap < -DEEP * gravity * h * h => coming_out(gap, h, gravity * h),
+        gap if gap < -DEEP * gravity * h * h => coming_out(gap, h, gravity),
         _ => 0.0,
     }
 }
 
-/// Speed at which a contact may come down that is to come out of the ground by a part of its depth a step of `h`; what falls freely gains
-/// `fall` in a step of the scene [m/s].
-pub fn coming_out(gap: f64, h: f64, fall: f64) -> f64 {
-    (COMES_OUT * gap / h).max(-GENTLY * fall)
+/// Speed at which a contact may come down that is to come out of the ground by a part of its depth in a step of `h` [m/s].
+pub fn coming_out(gap: f64, h: f64, gravity: f64) -> f64 {
+    (COMES_OUT * gap / h).max(-GENTLY * gravity * h)
 }
 
 /// Lists the points that may touch within a step of `h` [s], link by link, the lowest first, so that results do not depend on the order in

@@ -35,8 +35,9 @@ pub(super) struct Ahead<'a> {
     pub middle: &'a Pose,
     /// The velocity that the step would end with if nothing touched.
     pub free: &'a [f64],
-    /// Length of the step [s].
+    /// Length of the step, and of the whole one of which it is a part [s].
     pub h: f64,
+    pub whole: f64,
 }
 
 impl Ahead<'_> {
@@ -58,17 +59,17 @@ impl Ahead<'_> {
             let end = free.at(&arm) + touch.swept;
             let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ if it came down no more
             let pushed = memory.pushed(touch.id);
+            // over the whole step: what is left of it after a landing may be as short as rounding, and the speed as great as it is short
             let out = |gap: f64| {
                 let rounding = gap.abs() <= ROUNDING * world.model.length;
-                if rounding { 0.0 } else { coming_out(gap, self.h, world.model.gravity.norm() * world.settings.h) }
+                if rounding { 0.0 } else { coming_out(gap, self.whole, world.model.gravity.norm()) }
             };
             touch.approach = match pushed {
                 false if rest > 0.0 => 2.0 * rest / self.h,
                 false => out(gap.min(0.0)),
                 true => out(gap), // a gap closes as a depth does
             };
-            let whole = world.settings.h / self.h;
-            let falls = start.z < -FAST * whole * (end.z - start.z).abs();
+            let falls = start.z < -FAST * self.whole / self.h * (end.z - start.z).abs();
             let bend = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
             touch.lands_after = if falls && !pushed { first_root(gap, start.z, bend) } else { f64::INFINITY };
             touch.along = match memory.slid(touch.id) {

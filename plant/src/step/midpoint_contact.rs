@@ -23,6 +23,19 @@ const TRIALS: usize = 20;
 const LOCATED: f64 = 1e-9;
 /// What is nearer to the ground than this when another point lands has landed with it [length of the model].
 const LANDED: f64 = 1e-8;
+/// The part of a step that tells what the next one accelerates by is no shorter than this part of it: speeds that contact takes in no time
+/// count little in it.
+const TELLING: f64 = 0.5;
+
+/// A part of a step.
+#[derive(Clone, Copy, Debug)]
+struct Part {
+    /// Its length, and that of the whole step [s].
+    h: f64,
+    whole: f64,
+    /// Whether what lands in it is left out.
+    falls_on: bool,
+}
 
 /// The acceleration of the step before, contact included.
 #[derive(Debug)]
@@ -85,9 +98,9 @@ impl Plant {
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Hairer, Lubich & Wanner, *Geometric Numerical
     /// Integration*, V.
     pub(super) fn midpoint_contact(&mut self, h: f64) -> Result<(), PlantError> {
-        let mut rest = h;
+        let mut rest = Part { h, whole: h, falls_on: false };
         for _ in 0..LANDINGS {
-            self.reach(rest, false)?;
+            self.reach(rest)?;
             if !self.work.lands() {
                 return self.arrive(rest);
             }
@@ -95,12 +108,12 @@ impl Plant {
             let time = self.go_down(rest)?;
             self.events += 1;
             self.hit_ground()?;
-            rest -= time;
-            if rest <= 0.0 {
+            rest.h -= time;
+            if rest.h <= 0.0 {
                 return Ok(());
             }
         }
-        self.reach(rest, false)?;
+        self.reach(rest)?;
         self.arrive(rest)
     }
 
@@ -120,21 +133,22 @@ impl Plant {
         dynamics.find_in_the_middle(model, middle, mean, h)
     }
 
-    /// Finds the end of a step of `h`, which is then in [`Workspace`]; without the landings, if they are `left_out`.
-    fn reach(&mut self, h: f64, left_out: bool) -> Result<(), PlantError> {
+    /// Finds the end of a part of a step, which is then in [`Workspace`].
+    fn reach(&mut self, part: Part) -> Result<(), PlantError> {
         if !self.rise.known && self.world.settings.law != Law::SpringDamper {
-            self.reach_once(h, left_out)?;
-            if self.work.contacts.contact.impulses.is_empty() {
-                return Ok(()); // in flight the mean velocity is found anyway
+            self.reach_once(part)?;
+            if self.work.contacts.contact.impulses.is_empty() || self.work.lands() {
+                return Ok(()); // in flight the mean velocity is found anyway; a landing has its own time
             }
             let Plant { rise, memory, work, .. } = self;
-            rise.set(work, h);
+            rise.set(work, part.h);
             memory.copy(&work.remembered);
         }
-        self.reach_once(h, left_out)
+        self.reach_once(part)
     }
 
-    fn reach_once(&mut self, h: f64, left_out: bool) -> Result<(), PlantError> {
+    fn reach_once(&mut self, part: Part) -> Result<(), PlantError> {
+        let Part { h, whole, falls_on } = part;
         if !self.work.dynamics.was_ready() {
             self.get_to_the_middle(h)?;
         }
@@ -145,8 +159,9 @@ impl Plant {
             let turn = Centre::of(&world.model, &middle.pose, mean);
             let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.gained()) * h);
             if round == 0 {
-                let ahead = Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: rate, h };
-                if !touches.find_ahead(world, &ahead, memory, left_out).list.is_empty() {
+                let ahead =
+                    Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: rate, h, whole };
+                if !touches.find_ahead(world, &ahead, memory, falls_on).list.is_empty() {
                     break;
                 }
             }
@@ -157,7 +172,8 @@ impl Plant {
             dynamics.with_bias_at(&world.model, middle, mean);
         }
         let free = free.found(middle, dynamics);
-        let ahead = Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h };
+        let ahead =
+            Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h, whole };
         if !rise.known || touches.list.iter().any(Touch::lands) {
             remembered.copy(memory);
         }
@@ -167,16 +183,20 @@ impl Plant {
     }
 
     /// Goes to the end that was found.
-    fn arrive(&mut self, h: f64) -> Result<(), PlantError> {
-        self.work.finish(&self.world, h)?;
-        self.accept(h);
+    fn arrive(&mut self, part: Part) -> Result<(), PlantError> {
+        self.work.finish(&self.world, part.h)?;
+        if self.work.lands() || part.h < TELLING * part.whole {
+            self.rise.forget();
+        } else {
+            self.rise.set(&self.work, part.h);
+        }
+        self.accept();
         Ok(())
     }
 
     /// Takes what is finished as the present.
-    fn accept(&mut self, h: f64) {
-        let Plant { now, rise, record, work, .. } = self;
-        rise.set(work, h);
+    fn accept(&mut self) {
+        let Plant { now, record, work, .. } = self;
         record.take(&work.contacts.contact, 1.0);
         std::mem::swap(now, &mut work.middle);
     }
@@ -184,7 +204,8 @@ impl Plant {
     /// Goes to where the first of what lands meets the ground; the time there.
     ///
     /// The gap is nearly a parabola in time: with its beginning known, each trial gives its bend.
-    fn go_down(&mut self, h: f64) -> Result<f64, PlantError> {
+    fn go_down(&mut self, rest: Part) -> Result<f64, PlantError> {
+        let h = rest.h;
         let Workspace { touches, landing, .. } = &mut self.work;
         let (model, pose) = (&self.world.model, &self.now.pose);
         let lands = || touches.list.iter().filter(|touch| touch.lands());
@@ -196,7 +217,7 @@ impl Plant {
         let mut time = lands().fold(h, |first, touch| first.min(touch.lands_after));
         for _ in 0..TRIALS {
             self.memory.copy(&self.work.remembered);
-            self.reach(time, true)?;
+            self.reach(Part { h: time, falls_on: true, ..rest })?;
             self.work.finish(&self.world, time)?;
             let Plant { world, now, work: Workspace { middle, landing, .. }, .. } = self;
             let corners = &world.model.corners;
@@ -214,7 +235,7 @@ impl Plant {
             }
             time = next;
         }
-        self.accept(time);
+        self.accept();
         Ok(time)
     }
 
