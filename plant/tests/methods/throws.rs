@@ -98,7 +98,7 @@ fn what_lands_makes_no_energy() {
         };
         let start = energy(&plant);
         let mut least = start;
-        for step in 0..700 {
+        for _ in 0..700 {
             plant.step().expect("a step");
             let now = energy(&plant);
             let made = (now - least) / start;
