@@ -54,7 +54,7 @@ impl Scales {
         Scales { speed, impulse: if size > stopping { size } else { stopping }, rounding: 0.0 }
     }
 
-    /// The same where Σ|A f| is so large that its rounding hides what V asks for. A slip of mere rounding is none, however great the
+    /// The same where Σ|A f| or b is so large that its rounding hides what V asks for. A slip of mere rounding is none, however great the
     /// friction.
     pub fn as_known(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let known = sum * (ROUNDING / SOLVED);
@@ -83,7 +83,7 @@ impl Scales {
     }
 }
 
-/// The natural map of one contact, measured as finely as the rounding of A f lets it: `sum` is its greatest Σ|A f|.
+/// The natural map of one contact, measured as finely as the rounding of A f + b lets it: `sum` is their size, see [`greatest_sum`].
 pub(super) fn of_contact(
     scales: Scales,
     inverse_mass: f64,
@@ -109,9 +109,14 @@ pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
 }
 
-/// The greatest Σ|A f| of some rows.
-pub(super) fn greatest_sum(delassus: &[f64], f: &[f64], rows: Range<usize>) -> f64 {
-    let row = |row: usize| delassus[row * f.len()..][..f.len()].iter().zip(f).map(|(a, f)| (a * f).abs()).sum();
+/// The greatest Σ|A f| of some rows, and the greatest `speed` without impulse of all rows that are coupled with them: b has the rounding of
+/// the motion that it is a small difference of.
+pub(super) fn greatest_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, speed: impl Fn(usize) -> f64) -> f64 {
+    let row = |row: usize| {
+        let a = &delassus[row * f.len()..][..f.len()];
+        let coupled = (0..f.len()).filter(|&k| a[k] != 0.0).map(&speed).fold(0.0, f64::max);
+        a.iter().zip(f).map(|(a, f)| (a * f).abs()).sum::<f64>() + coupled
+    };
     rows.map(row).fold(0.0, f64::max)
 }
 
@@ -169,7 +174,7 @@ impl Judge {
             let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
             let scales = Scales::of(speed, inverse_mass, f);
-            let sum = || greatest_sum(&problem.delassus, impulse, rows);
+            let sum = || greatest_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs());
             let map = of_contact(scales, inverse_mass, [f, v], friction, given, sum);
             residual.natural_map = greater(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();

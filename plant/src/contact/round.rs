@@ -90,7 +90,8 @@ impl Round {
         for i in 0..self.contacts {
             let (own_f, own_v, inverse_mass) = (part(f, i), part(v, i), self.inverse_mass[i]);
             let scales = Scales::of(self.speed(i), inverse_mass, own_f);
-            let sum = || greatest_sum(&self.delassus, f, 3 * i..3 * i + 3);
+            let speed = |row: usize| self.drift[row].abs() * self.scale[row / 3] / self.scale[i];
+            let sum = || greatest_sum(&self.delassus, f, 3 * i..3 * i + 3, speed);
             let map = of_contact(scales, inverse_mass, [own_f, own_v], self.friction[i], self.given[i], sum);
             worst = greater(worst, map);
         }

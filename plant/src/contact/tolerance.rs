@@ -13,7 +13,7 @@ pub const PROMISED: f64 = 1e-10;
 /// there is the one of least norm, not a quotient of two roundings. Half of [`SOLVED`]: what it moves is then seldom too much.
 pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
-/// Rounding of A f, as a part of Σ|A f| [-]. A contact cannot be judged more finely than that.
+/// Rounding of A f + b, as a part of the size of its terms [-]. A contact cannot be judged more finely than that.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// What is left of the diagonal of A when a direction depends on those before it, as a part of the greatest [-]. A has 16 digits, so

@@ -59,10 +59,10 @@ impl Ahead<'_> {
             let end = free.at(&arm) + touch.swept;
             let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ if it came down no more
             let pushed = memory.pushed(touch.id);
-            // over the whole step: what is left of it after a landing may be as short as rounding, and the speed as great as it is short
+            // over a step of the scene: what is left of one after a landing may be as short as rounding, and the speed as great
             let out = |gap: f64| {
                 let rounding = gap.abs() <= ROUNDING * world.model.length;
-                if rounding { 0.0 } else { coming_out(gap, self.whole, world.model.gravity.norm()) }
+                if rounding { 0.0 } else { coming_out(gap, world.settings.h, world.model.gravity.norm()) }
             };
             touch.approach = match pushed {
                 false if rest > 0.0 => 2.0 * rest / self.h,
@@ -77,10 +77,11 @@ impl Ahead<'_> {
                 false => Vector3::zeros(),
             };
         }
-        let pushed = || touches.iter().filter(|touch| memory.pushed(touch.id));
-        if pushed().count() > 1 {
-            let at_reference = pushed().map(|touch| touch.swept - turned.cross(&touch.arm));
-            let mean = at_reference.sum::<Vector3<f64>>() / pushed().count() as f64;
+        let leads = |touch: &&Touch| memory.pushed(touch.id) || !touches.iter().any(|touch| memory.pushed(touch.id));
+        let at_reference = |touch: &Touch| touch.swept - turned.cross(&touch.arm);
+        let count = touches.iter().filter(leads).count() as f64;
+        let mean = touches.iter().filter(leads).map(at_reference).sum::<Vector3<f64>>() / count;
+        if touches.len() > 1 {
             for touch in touches {
                 let rigid = mean + turned.cross(&touch.arm);
                 (touch.swept.x, touch.swept.y) = (rigid.x, rigid.y);

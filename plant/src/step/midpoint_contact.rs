@@ -4,7 +4,6 @@ use super::ahead::{Ahead, first_root};
 use super::midpoint::improve;
 use super::now::Centre;
 use super::{Plant, Workspace};
-use crate::detect::Touch;
 use crate::error::PlantError;
 use crate::kinematics;
 use crate::model::Model;
@@ -13,14 +12,15 @@ use nalgebra::Vector3;
 
 /// Rounds of the rule in flight at most; it takes two or three.
 const ROUNDS: usize = 60;
-/// A change of the mean velocity this small, relative to 1 + |ẋ|, leaves b to rounding: it is halved by h |∂ẍ/∂ẋ| once more.
+/// The mean velocity is found when one more round would change it by less than this, relative to 1 + |ẋ|. Each round changes less than the
+/// one before in the same proportion.
 const SETTLED: f64 = 1e-12;
 /// Landings that a step is split at; what lands after them does so at its end.
 const LANDINGS: usize = 3;
 /// Trials of locating a landing at most; it takes two or three.
 const TRIALS: usize = 20;
 /// A landing is located to this part of the way that its point goes in a step.
-const LOCATED: f64 = 1e-9;
+const LOCATED: f64 = 1e-5;
 /// What is nearer to the ground than this when another point lands has landed with it [length of the model].
 const LANDED: f64 = 1e-8;
 /// The part of a step that tells what the next one accelerates by is no shorter than this part of it: speeds that contact takes in no time
@@ -35,6 +35,13 @@ struct Part {
     whole: f64,
     /// Whether what lands in it is left out.
     falls_on: bool,
+}
+
+/// When something lands, from the beginning of a part of a step [s], and how far it is from the ground then [m].
+#[derive(Clone, Copy, Debug)]
+struct Landing {
+    time: f64,
+    gap: f64,
 }
 
 /// The acceleration of the step before, contact included.
@@ -100,15 +107,9 @@ impl Plant {
     pub(super) fn midpoint_contact(&mut self, h: f64) -> Result<(), PlantError> {
         let mut rest = Part { h, whole: h, falls_on: false };
         for _ in 0..LANDINGS {
-            self.reach(rest)?;
-            if !self.work.lands() {
-                return self.arrive(rest);
-            }
-            self.memory.copy(&self.work.remembered);
-            let time = self.go_down(rest)?;
-            self.events += 1;
-            self.hit_ground()?;
-            rest.h -= time;
+            let Some(landing) = self.go_down(rest)? else { return self.arrive(rest) };
+            self.hit_ground(landing)?;
+            rest.h -= landing.time;
             if rest.h <= 0.0 {
                 return Ok(());
             }
@@ -135,25 +136,19 @@ impl Plant {
 
     /// Finds the end of a part of a step, which is then in [`Workspace`].
     fn reach(&mut self, part: Part) -> Result<(), PlantError> {
-        if !self.rise.known && self.world.settings.law != Law::SpringDamper {
-            self.reach_once(part)?;
-            if self.work.contacts.contact.impulses.is_empty() || self.work.lands() {
-                return Ok(()); // in flight the mean velocity is found anyway; a landing has its own time
-            }
-            let Plant { rise, memory, work, .. } = self;
-            rise.set(work, part.h);
-            memory.copy(&work.remembered);
-        }
-        self.reach_once(part)
+        self.look_ahead(part)?;
+        self.meet(part)
     }
 
-    fn reach_once(&mut self, part: Part) -> Result<(), PlantError> {
+    /// The motion of a part of a step if nothing touched, and what may touch.
+    fn look_ahead(&mut self, part: Part) -> Result<(), PlantError> {
         let Part { h, whole, falls_on } = part;
         if !self.work.dynamics.was_ready() {
             self.get_to_the_middle(h)?;
         }
-        let Plant { world, now, memory, rise, work, .. } = self;
-        let Workspace { middle, mean, dynamics, free, touches, contacts, remembered, centres, .. } = work;
+        let Plant { world, now, memory, work, .. } = self;
+        let Workspace { middle, mean, dynamics, free, touches, .. } = work;
+        let mut last = 0.0;
         for round in 0..ROUNDS {
             free.velocity(world, middle, dynamics, h); // (12)
             let turn = Centre::of(&world.model, &middle.pose, mean);
@@ -165,26 +160,45 @@ impl Plant {
                     break;
                 }
             }
-            if improve(mean, &middle.state.xdot, rate) <= SETTLED {
+            let change = improve(mean, &middle.state.xdot, rate);
+            if change <= SETTLED || change * change <= SETTLED * last {
                 break;
             }
+            last = change;
             kinematics::velocities(&world.model, mean, &mut middle.pose);
             dynamics.with_bias_at(&world.model, middle, mean);
         }
-        let free = free.found(middle, dynamics);
-        let ahead =
-            Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h, whole };
-        if !rise.known || touches.list.iter().any(Touch::lands) {
-            remembered.copy(memory);
-        }
-        let contact = contacts.solve(world, &free, touches, Some(&ahead), memory)?;
-        centres[1] = Centre::of(&world.model, &middle.pose, &contact.rate);
         Ok(())
     }
 
-    /// Goes to the end that was found.
+    /// What contact makes of that motion.
+    fn meet(&mut self, part: Part) -> Result<(), PlantError> {
+        let Plant { world, now, memory, work, .. } = self;
+        let Workspace { middle, dynamics, free, touches, contacts, centres, .. } = work;
+        let Part { h, whole, .. } = part;
+        let free = free.found(middle, dynamics);
+        let ahead =
+            Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h, whole };
+        let contact = contacts.solve(world, &free, touches, Some(&ahead), memory)?;
+        centres[1] = Centre::of(&world.model, &middle.pose, &contact.rate);
+        self.work.finish(&self.world, h)
+    }
+
+    /// Once more with the acceleration that was found, if that of the step before is not known.
+    fn meet_again(&mut self, part: Part) -> Result<(), PlantError> {
+        let Plant { world, rise, work, memory, .. } = self;
+        if rise.known || world.settings.law == Law::SpringDamper || work.contacts.contact.impulses.is_empty() {
+            return Ok(()); // in flight the mean velocity is found anyway
+        }
+        rise.set(work, part.h);
+        std::mem::swap(memory, &mut work.remembered);
+        self.look_ahead(part)?;
+        std::mem::swap(&mut self.memory, &mut self.work.remembered);
+        self.meet(part)
+    }
+
+    /// Takes the end that was found as the present.
     fn arrive(&mut self, part: Part) -> Result<(), PlantError> {
-        self.work.finish(&self.world, part.h)?;
         if self.work.lands() || part.h < TELLING * part.whole {
             self.rise.forget();
         } else {
@@ -194,55 +208,66 @@ impl Plant {
         Ok(())
     }
 
-    /// Takes what is finished as the present.
     fn accept(&mut self) {
         let Plant { now, record, work, .. } = self;
         record.take(&work.contacts.contact, 1.0);
         std::mem::swap(now, &mut work.middle);
     }
 
-    /// Goes to where the first of what lands meets the ground; the time there.
+    /// Goes to where the first of what lands meets the ground, if anything does; else the end is found.
     ///
     /// The gap is nearly a parabola in time: with its beginning known, each trial gives its bend.
-    fn go_down(&mut self, rest: Part) -> Result<f64, PlantError> {
-        let h = rest.h;
-        let Workspace { touches, landing, .. } = &mut self.work;
-        let (model, pose) = (&self.world.model, &self.now.pose);
-        let lands = || touches.list.iter().filter(|touch| touch.lands());
+    fn go_down(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
+        self.look_ahead(rest)?;
+        let Plant { memory, rise, work: Workspace { touches, landing, remembered, .. }, .. } = self;
         landing.clear();
-        landing.extend(lands().map(|touch| touch.id));
-        if landing.iter().any(|&id| pose.height(&model.corners[id]) <= LANDED * model.length) {
-            return Ok(0.0);
+        landing.extend(touches.list.iter().filter(|touch| touch.lands()).map(|touch| touch.id));
+        let h = rest.h;
+        let mut time = touches.list.iter().fold(f64::INFINITY, |first, touch| first.min(touch.lands_after));
+        if !landing.is_empty() || !rise.known {
+            remembered.copy(memory);
         }
-        let mut time = lands().fold(h, |first, touch| first.min(touch.lands_after));
-        for _ in 0..TRIALS {
+        if time >= h {
+            self.meet(rest)?;
+            if !self.work.lands() {
+                return self.meet_again(rest).map(|()| None);
+            }
             self.memory.copy(&self.work.remembered);
+            time = h;
+        }
+        let Plant { world, now, work: Workspace { landing, .. }, .. } = self;
+        let height = |id: &usize| now.pose.height(&world.model.corners[*id]);
+        if landing.iter().any(|id| height(id) <= LANDED * world.model.length) {
+            return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
+        }
+        for trial in 1.. {
             self.reach(Part { h: time, falls_on: true, ..rest })?;
-            self.work.finish(&self.world, time)?;
             let Plant { world, now, work: Workspace { middle, landing, .. }, .. } = self;
             let corners = &world.model.corners;
             let end = |id: usize| middle.pose.height(&corners[id]);
             let Some(&first) = landing.iter().min_by(|a, b| end(**a).total_cmp(&end(**b))) else { break };
             let (gap, corner) = (end(first), &corners[first]);
+            if gap > 0.0 && time >= h {
+                return Ok(None);
+            }
             let fall = now.pose.links[corner.link].velocity.at(&now.pose.lowest(corner)).z;
-            if gap.abs() <= LOCATED * fall.abs() * h || gap > 0.0 && time >= h {
-                break;
+            if gap.abs() <= LOCATED * fall.abs() * h || trial == TRIALS {
+                self.accept();
+                return Ok(Some(Landing { time, gap }));
             }
             let start = now.pose.height(corner);
-            let next = first_root(start, fall, (gap - start - fall * time) / (time * time)).min(h);
-            if next == time {
-                break;
-            }
-            time = next;
+            time = first_root(start, fall, (gap - start - fall * time) / (time * time)).min(h);
+            self.memory.copy(&self.work.remembered);
         }
-        self.accept();
-        Ok(time)
+        Ok(None)
     }
 
     /// The impact of all that is on the ground.
-    fn hit_ground(&mut self) -> Result<(), PlantError> {
+    fn hit_ground(&mut self, landing: Landing) -> Result<(), PlantError> {
         let Plant { world, now, memory, work, .. } = self;
-        work.touches.find_on_ground(world, &now.pose, LANDED * world.model.length, memory);
+        let landed = landing.gap.max(LANDED * world.model.length);
+        work.touches.find_on_ground(world, &now.pose, landed, memory);
+        self.events += 1;
         self.impact()?;
         self.rise.forget();
         Ok(())
