@@ -193,7 +193,10 @@ impl Plant {
         rise.set(work, part.h);
         std::mem::swap(memory, &mut work.remembered);
         self.look_ahead(part)?;
-        std::mem::swap(&mut self.memory, &mut self.work.remembered);
+        if self.world.settings.law == Law::Cone {
+            // it starts from what was found; others, as Lagged, are told of the step before
+            std::mem::swap(&mut self.memory, &mut self.work.remembered);
+        }
         self.meet(part)
     }
 
