@@ -5,6 +5,7 @@
 mod bounces;
 mod cases;
 mod comparison;
+mod control;
 mod flight;
 mod ground;
 mod promise;
