@@ -10,6 +10,7 @@ pub const SCENES: &[BuiltIn] = &[
     ("walk", include_str!("scenes/walk.toml")),
     ("stamp", include_str!("scenes/stamp.toml")),
     ("walk-literal", include_str!("scenes/walk-literal.toml")),
+    ("paper", include_str!("scenes/paper.toml")),
     ("stand", include_str!("scenes/stand.toml")),
     // compared with other engines
     ("free", include_str!("scenes/free.toml")),

@@ -80,6 +80,19 @@ fn it_walks_by_the_papers_own_sagittal_rule() {
     run("walk-literal", &[]).shows(&[("distance_m", 2.0..=4.2), ("speed_mps", 0.17..=0.21)]);
 }
 
+/// Its step, its contact law, its relay, its sagittal rule, and no feed-forward, all at once; it set .6 s and .2 m/s, and shows some 2 m.
+#[test]
+fn the_paper_taken_at_its_word_walks() {
+    let ranges = [
+        ("distance_m", 3.0..=4.0),
+        ("speed_mps", 0.19..=0.21),
+        ("period_s", 0.597..=0.603),
+        ("x2_min_m", 0.038..=0.0395), // (40) says .0388
+        ("yaw_deg", -10.0..=10.0),
+    ];
+    run("paper", &[]).shows(&ranges);
+}
+
 /// Mirrored placement alone is marginally stable: the control shows that a fall is seen as one.
 #[test]
 fn without_foot_placement_it_falls() {

@@ -52,6 +52,7 @@ fn margins() -> Vec<Case> {
     cases.push(case("joint rates ≤ 4 rad/s in the QP", "walk", &["controller.rate_limit=4"]));
     cases.push(case("no drive inertia", "walk", &["plant.drive_inertia=0"]));
     cases.push(case("the paper's sagittal rule", "walk-literal", &[]));
+    cases.push(case("the paper, all at once", "paper", &[]));
     cases.push(case("without foot placement (control)", "walk", &["controller.foot_placement_gain=0"]));
     cases.push(case(
         "all at once: 1 ms late, 16 bit, μ .4, 1 kg off centre, 25 N·m",

@@ -204,7 +204,7 @@ fn each_rule_does_what_it_says() {
 
 #[test]
 fn what_a_controller_drives_is_left_as_it_is() {
-    for name in ["walk", "stamp", "stand", "walk-literal"] {
+    for name in ["walk", "stamp", "stand", "walk-literal", "paper"] {
         let full = scene(name);
         assert_eq!(smallest(&full).expect("a good scene").scene, full, "{name}");
     }

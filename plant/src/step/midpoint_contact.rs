@@ -23,9 +23,6 @@ const TRIALS: usize = 20;
 const LOCATED: f64 = 1e-5;
 /// What is nearer to the ground than this when another point lands has landed with it [length of the model].
 const LANDED: f64 = 1e-8;
-/// The part of a step that tells what the next one accelerates by is no shorter than this part of it: speeds that contact takes in no time
-/// count little in it.
-const TELLING: f64 = 0.5;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
@@ -202,10 +199,10 @@ impl Plant {
 
     /// Takes the end that was found as the present.
     fn arrive(&mut self, part: Part) -> Result<(), PlantError> {
-        if self.work.lands() || part.h < TELLING * part.whole {
-            self.rise.forget();
-        } else {
+        if part.h == part.whole {
             self.rise.set(&self.work, part.h);
+        } else {
+            self.rise.forget(); // a rest may be as short as rounding: what it changes is no acceleration
         }
         self.accept();
         Ok(())

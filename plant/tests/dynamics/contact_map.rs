@@ -6,9 +6,12 @@ use messages::scene::{Base, Law, Method, Scene};
 use messages::wire::Torques;
 use nalgebra::{DVector, Vector3};
 use plant::Plant;
+use plant::composite::Composite;
 use plant::delassus::{ContactMap, Free};
 use plant::detect::Touch;
 use plant::factor::Factor;
+use plant::kinematics::{self, Pose};
+use plant::model::Corner;
 
 /// All corners of a robot at once.
 fn touches(case: &Case) -> Vec<Touch> {
@@ -96,4 +99,30 @@ fn rows_of_round_cones_are_the_axes_of_the_world() {
             assert!((found - exact).abs() < 1e-15, "corner {id}: {drift:?}");
         }
     }
+}
+
+/// K̇ᵀẋ is how fast Kᵀẋ changes while ẋ stays the same; so at a ball, of which another point is the lowest from one instant to the next.
+#[test]
+fn a_contact_is_swept_as_its_velocity_changes_at_a_constant_rate() {
+    let step = 1e-5;
+    for_each_case(21, 8, |rng, case| {
+        let Case { mut model, state, .. } = case;
+        model.corners.iter_mut().for_each(|corner| corner.radius = 0.2 * rng.f64());
+        let velocities = |time: f64| {
+            let mut moved = state.clone();
+            moved.advance(&model, time);
+            let Case { pose, .. } = Case::new(&model, &moved);
+            let velocity = |corner: &Corner| pose.links[corner.link].velocity.at(&pose.lowest(corner));
+            model.corners.iter().map(velocity).collect::<Vec<_>>()
+        };
+        let [before, after] = [-step, step].map(velocities);
+        let changes: Vec<f64> =
+            after.iter().zip(&before).flat_map(|(b, a)| ((b - a) / (2.0 * step)).data.0[0]).collect();
+        let (mut composite, mut pose, mut b) = (Composite::new(&model), Pose::new(&model), vec![0.0; model.dofs()]);
+        kinematics::pose(&model, &state, &mut pose);
+        composite.bias(&model, &pose, &state.xdot, &mut b);
+        let swept: Vec<f64> =
+            model.corners.iter().flat_map(|corner| composite.swept(&model, &pose, corner).data.0[0]).collect();
+        close("K̇ᵀẋ", &swept, &changes, 1e-7);
+    });
 }
