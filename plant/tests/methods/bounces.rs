@@ -44,6 +44,22 @@ fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
     }
 }
 
+/// What is slower than two steps of free fall made it does not bounce: after the sum of the bounces, and some steps, nothing moves at all.
+#[test]
+fn the_last_of_the_bounces_comes() {
+    let dt = 1e-3;
+    for method in BOUNCING {
+        for e in [0.3, 0.8, 0.95] {
+            let (mut plant, fall) = dropped(e, method, dt);
+            let sum = fall * (1.0 + 2.0 * e / (1.0 - e));
+            go(&mut plant, (1.03 * sum / dt) as usize + 30);
+            let moves = plant.state().xdot.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+            println!("{method:?}, e = {e}: {moves:e} m/s");
+            assert!(moves < 1e-6, "{method:?}, e = {e}: {moves:e} m/s");
+        }
+    }
+}
+
 /// Without a loss it rises as high for ever: a hundred bounces on.
 #[test]
 fn what_loses_nothing_rises_as_high_for_ever() {
