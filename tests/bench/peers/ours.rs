@@ -24,7 +24,7 @@ pub fn measure(recordings: &[(Doing, Recording)], times: &mut Times) {
     };
     for (doing, recording) in recordings {
         let name = given::name(*doing);
-        add(&name, "step", step(*doing, &[]));
+        add(&name, "step", step(*doing, &["plant.method=SemiImplicitEuler".into()]));
         add(&name, "step of second order", step(*doing, &["plant.method=MidpointContact".into()]));
         for (stage, ns) in stages(recording) {
             add(&name, stage, ns);
