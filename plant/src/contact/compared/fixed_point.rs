@@ -13,7 +13,7 @@
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction
 //! problem via convex optimization*, ZAMM 91, 2011.
 
-use super::super::tolerance::SOLVED;
+use super::super::tolerance::{PROMISED, SOLVED};
 use super::cones::Cones;
 use super::rule::Rule;
 use messages::scene::Iteration;
@@ -48,5 +48,5 @@ pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, count: &mut u32) 
             cones.minimise(rule, &mut 0)
         });
     }
-    cones.residual(Rule::Coulomb) <= SOLVED
+    cones.residual(Rule::Coulomb) <= PROMISED
 }
