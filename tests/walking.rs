@@ -110,7 +110,7 @@ fn without_foot_placement_it_falls() {
 fn it_stops_and_stands_still_again() {
     let stop = ["controller.stop_time=8", "duration=16"];
     let count = std::f64::consts::TAU / 20f64.exp2() * 1000.0 * 0.27;
-    for (bits, still) in [("plant.encoder_bits=30", 1e-6), ("plant.encoder_bits=20", 0.2 * count)] {
+    for (bits, still) in [("plant.encoder_bits=30", 1e-6), ("plant.encoder_bits=20", 0.1 * count)] {
         run("walk", &[&stop[..], &[bits]].concat())
             .shows(&[("com_speed_end_mps", 0.0..=still), ("distance_m", 0.9..=1.6)]);
     }

@@ -9,6 +9,7 @@
 //! Asking for Kᵀ(ẋ₋ + ẋ₊) = 0 instead would be of second order as well, but a velocity once wrong would change its sign for ever.
 
 use super::contact::Touches;
+use super::now::Now;
 use super::settings::World;
 use crate::contact::Memory;
 use crate::detect::{Touch, coming_out, touching};
@@ -40,10 +41,15 @@ pub(super) struct Ahead<'a> {
     pub whole: f64,
 }
 
-impl Ahead<'_> {
+impl<'a> Ahead<'a> {
+    /// Of a step that begins now and would end with the velocity `free`: its length and that of the whole one [s].
+    pub fn of(now: &'a Now, middle: &'a Now, free: &'a [f64], [h, whole]: [f64; 2]) -> Ahead<'a> {
+        Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free, h, whole }
+    }
+
     /// What is to be known of the contacts of one link.
     ///
-    /// Along the ground those that pushed gain the velocities of a rigid link. Each would gain another one by −½h ω²d, as they turn about each
+    /// Along the ground all gain the velocities of a rigid link: that of those that pushed, if any did. Each would gain another one by −½h ω²d, as they turn about each
     /// other; but no link can be stretched by that at the pose where A is taken, and friction would push against it as hard as it can.
     pub fn look(&self, world: &World, memory: &Memory, touches: &mut [Touch]) {
         let Some(link) = touches.first().map(|touch| touch.link) else { return };
@@ -77,11 +83,12 @@ impl Ahead<'_> {
                 false => Vector3::zeros(),
             };
         }
-        let leads = |touch: &&Touch| memory.pushed(touch.id) || !touches.iter().any(|touch| memory.pushed(touch.id));
-        let at_reference = |touch: &Touch| touch.swept - turned.cross(&touch.arm);
-        let count = touches.iter().filter(leads).count() as f64;
-        let mean = touches.iter().filter(leads).map(at_reference).sum::<Vector3<f64>>() / count;
         if touches.len() > 1 {
+            let any = touches.iter().any(|touch| memory.pushed(touch.id));
+            let leads = |touch: &&Touch| !any || memory.pushed(touch.id);
+            let at_reference = |touch: &Touch| touch.swept - turned.cross(&touch.arm);
+            let count = touches.iter().filter(leads).count() as f64;
+            let mean = touches.iter().filter(leads).map(at_reference).sum::<Vector3<f64>>() / count;
             for touch in touches {
                 let rigid = mean + turned.cross(&touch.arm);
                 (touch.swept.x, touch.swept.y) = (rigid.x, rigid.y);

@@ -104,7 +104,10 @@ impl Plant {
     pub(super) fn midpoint_contact(&mut self, h: f64) -> Result<(), PlantError> {
         let mut rest = Part { h, whole: h, falls_on: false };
         for _ in 0..LANDINGS {
-            let Some(landing) = self.go_down(rest)? else { return self.arrive(rest) };
+            let Some(landing) = self.go_down(rest)? else {
+                self.arrive(rest);
+                return Ok(());
+            };
             self.hit_ground(landing)?;
             rest.h -= landing.time;
             if rest.h <= 0.0 {
@@ -112,7 +115,8 @@ impl Plant {
             }
         }
         self.reach(rest)?;
-        self.arrive(rest)
+        self.arrive(rest);
+        Ok(())
     }
 
     /// H, b and the factor of H in the middle of the step, whatever the torques will be.
@@ -151,8 +155,7 @@ impl Plant {
             let turn = Centre::of(&world.model, &middle.pose, mean);
             let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.gained()) * h);
             if round == 0 {
-                let ahead =
-                    Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: rate, h, whole };
+                let ahead = Ahead::of(now, middle, rate, [h, whole]);
                 if !touches.find_ahead(world, &ahead, memory, falls_on).list.is_empty() {
                     break;
                 }
@@ -174,8 +177,7 @@ impl Plant {
         let Workspace { middle, dynamics, free, touches, contacts, centres, .. } = work;
         let Part { h, whole, .. } = part;
         let free = free.found(middle, dynamics);
-        let ahead =
-            Ahead { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free: free.rate, h, whole };
+        let ahead = Ahead::of(now, middle, free.rate, [h, whole]);
         let contact = contacts.solve(world, &free, touches, Some(&ahead), memory)?;
         centres[1] = Centre::of(&world.model, &middle.pose, &contact.rate);
         self.work.finish(&self.world, h)
@@ -198,14 +200,13 @@ impl Plant {
     }
 
     /// Takes the end that was found as the present.
-    fn arrive(&mut self, part: Part) -> Result<(), PlantError> {
+    fn arrive(&mut self, part: Part) {
         if part.h == part.whole {
             self.rise.set(&self.work, part.h);
         } else {
             self.rise.forget(); // a rest may be as short as rounding: what it changes is no acceleration
         }
         self.accept();
-        Ok(())
     }
 
     fn accept(&mut self) {

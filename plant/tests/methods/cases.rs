@@ -1,6 +1,6 @@
 //! Cases from bug reports about other engines, with their right values, by the default method.
 
-use crate::support::{corners, gap, go, totals};
+use crate::support::{corners, energy, gap, go, totals};
 use messages::load::parse;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
@@ -20,11 +20,6 @@ fn after(scene: &Scene, time: f64) -> Plant {
     let mut plant = Plant::new(scene).expect("a plant");
     go(&mut plant, (time * scene.rate).round() as usize);
     plant
-}
-
-fn energy(plant: &Plant) -> f64 {
-    let totals = totals(plant);
-    totals.kinetic + totals.potential
 }
 
 /// Cf. Bullet3 #2698: by the paper's step 34 % of the momentum is gone at 5 s, and at 11.7 s nothing is finite.

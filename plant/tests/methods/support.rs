@@ -26,6 +26,12 @@ pub fn totals(plant: &Plant) -> Totals {
     kinematics::totals(plant.model(), plant.state(), &pose)
 }
 
+/// Kinetic and potential energy [J].
+pub fn energy(plant: &Plant) -> f64 {
+    let totals = totals(plant);
+    totals.kinetic + totals.potential
+}
+
 /// Height of the lowest contact point [m].
 pub fn gap(plant: &Plant) -> f64 {
     corners(plant).iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min)

@@ -1,6 +1,6 @@
 //! The reference method finishes what is thrown at it.
 
-use crate::support::totals;
+use crate::support::energy;
 use messages::robot::{Body, Sphere};
 use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
 use plant::Plant;
@@ -92,18 +92,13 @@ fn what_lands_makes_no_energy() {
     let mut most = 0.0_f64;
     for _ in 0..THROWS {
         let mut plant = Plant::new(&thrown_robot(&mut random)).expect("a plant");
-        let energy = |plant: &Plant| {
-            let totals = totals(plant);
-            totals.kinetic + totals.potential
-        };
         let start = energy(&plant);
-        let mut least = start;
+        let mut last = start;
         for _ in 0..700 {
             plant.step().expect("a step");
             let now = energy(&plant);
-            let made = (now - least) / start;
-            most = most.max(made);
-            least = now;
+            most = most.max((now - last) / start);
+            last = now;
         }
     }
     println!("most energy made by a step: {most:.1e} of the whole");
