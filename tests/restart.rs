@@ -73,17 +73,14 @@ fn a_controller_restarted_while_it_begins_to_walk_walks_later() {
 }
 
 #[test]
-fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_hundredths_it_mostly_falls() {
+fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_a_hundredth_it_falls() {
     let scene = walk(8.0);
     let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
     let (lowest, speed) = living(200);
     assert!(lowest > UP && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
-    let ends: Vec<_> = (4..=40).step_by(3).map(living).collect();
+    let ends: Vec<_> = (4..=13).step_by(3).map(living).collect();
     println!("{ends:.2?}");
-    // with luck one freezes on both feet; none walks
-    assert!(ends.iter().all(|(lowest, speed)| *lowest < UP || *speed < 0.05), "one walks: {ends:?}");
-    let fallen = ends.iter().filter(|(lowest, _)| *lowest < UP).count();
-    assert!(5 * fallen >= 4 * ends.len(), "{ends:?}: does this test see a fall?");
+    assert!(ends.iter().all(|(lowest, _)| *lowest < UP), "one stays up: {ends:?}");
 }
 
 #[test]

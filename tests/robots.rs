@@ -72,8 +72,8 @@ fn angles(scene: &Scene) -> Vec<[f64; 8]> {
 }
 
 /// Greatest difference between the joint angles of Table 1's walk and those of another robot at the same phase, its clocks
-/// going slower by the scale [rad].
-fn difference(robot: &Robot, settings: &[&str]) -> f64 {
+/// going slower by the scale: over the first 2.5 s, which has four steps, and over all [rad].
+fn difference(robot: &Robot, settings: &[&str]) -> [f64; 2] {
     let file = RobotFile::new(robot);
     let time = Scale::between(&table_1(), &robot.bodies).time();
     let clocks =
@@ -82,18 +82,22 @@ fn difference(robot: &Robot, settings: &[&str]) -> f64 {
     let settings: Vec<&str> = own.iter().map(String::as_str).chain(settings.iter().copied()).collect();
     let (small, large) = (angles(&scene("walk", &[])), angles(&scene("walk", &settings)));
     assert_eq!(small.len(), large.len());
-    let pairs = small.iter().flatten().zip(large.iter().flatten());
-    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    [2500, small.len()].map(|count| {
+        let pairs = small.iter().take(count).flatten().zip(large.iter().flatten());
+        pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+    })
 }
 
 /// A length of 4 makes a time of 2, so that nothing is rounded and no phase begins a period earlier or later: equal to the bit
-/// for 1.1 s, and then but for tolerances of the contact solver that are absolute.
+/// for 1.1 s, and then but for tolerances of the contact solver that are absolute. What they leave grows until a foot lands a period
+/// earlier or later; from then on the observer keeps the two walks together.
 #[test]
 fn in_its_own_time_the_similar_robot_moves_as_the_small_one_does() {
     let same = difference(&similar(4.0), &[]);
     let lighter = difference(&similar(4.0), &["plant.drive_inertia=80"]);
-    println!("joint angles differ by {same:.2e} rad at most; {lighter:.2e} rad with drives a little lighter");
-    assert!(same < 2e-4 && lighter > 10.0 * same, "{same:e} and {lighter:e} rad");
+    println!("joint angles differ by {same:?} rad at most; {lighter:?} rad with drives a little lighter");
+    assert!(same[0] < 1e-8 && same[1] < 5e-3, "{same:?} rad");
+    assert!(lighter[0] > 1e5 * same[0] && lighter[1] > 2.0 * same[1], "{lighter:?} beside {same:?} rad");
 }
 
 #[test]
@@ -251,11 +255,11 @@ fn how_far_another_robot_may_be_from_table_1() {
     type Kind = (&'static str, fn(f64) -> Robot, &'static [f64], &'static [f64]);
     let kinds: [Kind; 8] = [
         ("all lengths", similar, &[0.03, 0.1, 0.5, 2.0, 10.0, 50.0], &[0.01]),
-        ("length of the shanks", shanks, &[0.35, 0.4, 0.45, 0.5, 1.2, 2.0, 3.0], &[4.0]),
-        ("length of the thighs", thighs, &[0.5, 0.8, 1.2, 2.0, 3.0], &[0.4]),
-        ("distance of the hips", hips, &[0.35, 0.4, 0.5, 0.7, 1.5, 2.0, 2.5], &[4.2]),
+        ("length of the shanks", shanks, &[0.25, 0.35, 0.5, 1.2, 2.0, 3.0, 3.5], &[4.0]),
+        ("length of the thighs", thighs, &[0.4, 0.5, 0.8, 1.2, 2.0, 3.0], &[]),
+        ("distance of the hips", hips, &[0.2, 0.35, 0.5, 0.7, 1.5, 2.0, 3.0, 5.0], &[]),
         ("length of the soles", soles, &[0.7, 0.8, 2.0, 3.0], &[0.35]),
-        ("mass of the trunk", trunk, &[0.1, 0.5, 1.5, 2.0, 2.25], &[3.3, 4.0]),
+        ("mass of the trunk", trunk, &[0.1, 0.5, 1.5, 2.0, 3.0, 4.0], &[8.0, 10.0]),
         ("the same, drives as they are", trunk_on_weak_drives, &[2.5, 5.0, 7.0], &[]),
         ("mass of thighs and shanks", legs, &[0.1, 0.5, 2.0, 8.0], &[]),
     ];

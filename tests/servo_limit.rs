@@ -44,15 +44,15 @@ fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> 
     let mut link =
         Injector::new(&LinkScene { delay_ms: 1e3 * period * f64::from(delay), ..LinkScene::default() }, period);
     let reader = EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz);
-    let servo = ServoModel::new(settings, Joints::repeat(ratio * INERTIA), period);
+    let servo = ServoModel::new(settings, Joints::repeat(ratio * INERTIA), period, 1.0);
     let (mut reading, mut state, mut newest) = (EncoderState::default(), ServoState::default(), Command::default());
-    let (zero, limit) = (Joints::zeros(), Joints::repeat(1e3));
+    let (zero, limits) = (Joints::zeros(), [-1e3, 1e3].map(Joints::repeat));
     let mut speeds = Vec::new();
     let mut encoders = plant.encoders();
     for tick in 0..PERIODS as u64 {
         reader.read(&mut reading, &encoders);
         servo.observe(&mut state, &reading.rate);
-        let (torque, _) = servo.drive(&mut state, &reading.rate, &zero, &zero, &limit);
+        let (torque, _) = servo.drive(&mut state, &reading.rate, &zero, &zero, &limits);
         link.push(tick, &Command { torques: Torques { torque: torque.into() }, ..Command::default() });
         while let Some(command) = link.pop(tick) {
             newest = command;

@@ -22,11 +22,13 @@ pub struct Constants {
     pub nominal_inertia: Joints,
     /// M + J_r 1: inertia of the joints with the supporting foot held, drives included, support order [kg·m²].
     pub inertia: SMatrix<f64, JOINTS, JOINTS>,
-    /// Greatest roll and pitch torque of the supporting ankle that keeps the sole flat [N·m].
+    /// How far from the sole's centre the zero-moment point may come, along and across [m].
+    pub sole_edge: [f64; 2],
+    /// Weight times that: the ankle's pitch and roll torque at rest that bring it there [N·m].
     pub ankle_limit: [f64; 2],
 }
 
-/// Share of the sole's half-width and half-depth that the ankle torque may use.
+/// Share of the sole's half-depth and half-width to which the zero-moment point may come [-].
 const SOLE_SHARE: f64 = 0.95;
 /// J_n over the inertia that a joint feels when all others are free.
 const INERTIA_MARGIN: f64 = 2.0;
@@ -53,7 +55,8 @@ impl Constants {
             swing_coupling: swing[0] * omega[0] * omega[0],
             nominal_inertia: nominal_inertia(inertia),
             inertia,
-            ankle_limit: [1, 0].map(|k| SOLE_SHARE * weight * chain.sole_half[k]),
+            sole_edge: chain.sole_half.map(|half| SOLE_SHARE * half),
+            ankle_limit: chain.sole_half.map(|half| SOLE_SHARE * half * weight),
         })
     }
 }

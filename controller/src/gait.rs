@@ -3,11 +3,16 @@
 //! ```text
 //!   stand → sway → lift → walk (exchange, exchange, …) → land → rest
 //! ```
-//! In *walk* both axes are pendulums (31), (32). The lateral one is held on its orbit by the energy rule (39) and beats
-//! the time; the sagittal one is stabilised by where the foot lands, or by the paper's energy rule (42): `gait/stepping.rs`. The
-//! change of support: `gait/exchange.rs`.
+//! In *walk* both axes are pendulums (31), (32), whose states follow the measured centre of gravity: `gait/observer.rs`. The lateral
+//! one is held on its orbit by the energy rule (39) and sets the time of the steps: `gait/lateral.rs`. The sagittal one is stabilised by
+//! where the foot lands and by the ankle, `gait/placement.rs`, or by the paper's energy rule (42): `gait/stepping.rs`. The change of
+//! support: `gait/exchange.rs`. All other phases: `gait/phases.rs`.
 
 mod exchange;
+mod lateral;
+mod observer;
+mod phases;
+mod placement;
 mod stepping;
 
 use crate::constants::Constants;
@@ -15,7 +20,9 @@ use crate::measures::Measures;
 use crate::pendulum::{Flow, Motion, lateral_energy, sagittal_energy, turning_point};
 use crate::support::{Chain, Task, TaskVector};
 use crate::swing::{Lift, Travel};
+use lateral::Orbits;
 use messages::scene::{ControllerScene, Gait};
+use observer::Observer;
 
 /// What the robot is doing; the order is that of [`messages::wire::PHASES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,6 +41,9 @@ pub enum Phase {
     Rest,
 }
 
+/// Shares of the sole's half-depth and half-width within which the plan puts the zero-moment point: what is left is for the servos [-].
+const ZMP_SHARE: [f64; 2] = [0.7, 0.9];
+
 /// Constants of a gait.
 #[derive(Clone, Debug)]
 pub struct GaitModel {
@@ -45,12 +55,18 @@ pub struct GaitModel {
     width: f64,
     /// One control period of each pendulum.
     flow: [Flow; 2],
-    /// E_1 by (42) for a step of 1 m, and E_2 by (40) [m²/s²].
-    energy: [f64; 2],
+    observer: Observer,
+    /// By how much the joints come later than their rates are asked for [s].
+    lag: f64,
+    /// E_1 by (42) for a step of 1 m [m²/s²].
+    unit_energy: f64,
+    orbits: Orbits,
     /// Speed of the steady gait at touchdown per step length, c_v [1/s].
     touchdown_speed: f64,
     /// K: by how much farther the foot lands per deviation of the speed at touchdown [s].
     placement_gain: f64,
+    /// How far from the sole's centre the plan puts the zero-moment point [m].
+    zmp_range: [f64; 2],
     lift: Lift,
     /// x_2 at which the first step is released [m].
     release: f64,
@@ -70,7 +86,7 @@ pub struct GaitState {
     pub time: f64,
     /// Exchanges of support so far.
     pub steps: u64,
-    /// x_c1 and x_c2 as planned [m].
+    /// x_c1 and x_c2: as planned, and when stepping as observed [m].
     pub com: [Travel; 2],
     /// x_c3 as planned [m].
     pub height: f64,
@@ -80,8 +96,19 @@ pub struct GaitState {
     pub landing: f64,
     /// Step length W_1 in force [m].
     pub(crate) step: f64,
-    /// By how much the last landings overshot [m].
-    pub(crate) trim: f64,
+    /// What the last steps taught.
+    pub(crate) trim: Trim,
+}
+
+/// Corrections learned from step to step: what model and landing do not give exactly.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Trim {
+    /// By how much landings overshoot [m].
+    pub landing: f64,
+    /// By how much longer steps are asked for, that they last as long as they should [s].
+    pub time: f64,
+    /// By how much longer steps are asked for, that they are as long as they should [m].
+    pub step: f64,
 }
 
 /// What the lower levels are to do in this period.
@@ -93,10 +120,8 @@ pub struct Reference {
     pub acceleration: [f64; 2],
     /// Share of the weight on the supporting foot [0…1].
     pub load: f64,
-    /// Zero-moment point along axis 2 that the plan asks for, x_2 − ẍ_2/ω_2² [m].
-    pub zmp: f64,
-    /// Time until the next exchange, if stepping [s].
-    pub time_left: Option<f64>,
+    /// Zero-moment point that the plan asks for: x_1 − (ẍ_1 − γ ẍ_t1)/ω_1² and x_2 − ẍ_2/ω_2² [m].
+    pub zmp: [f64; 2],
 }
 
 impl GaitModel {
@@ -104,18 +129,22 @@ impl GaitModel {
     pub fn new(scene: &ControllerScene, chain: &Chain, constants: &Constants, h: f64) -> Self {
         let width = chain.leg_width();
         let (omega, period) = (constants.omega, scene.period);
-        let inner = turning_point(omega[1], width, period);
-        let swing_coupling = if period > chain.measures.slow { 0.0 } else { 0.3 * constants.swing_coupling };
+        let swing_coupling = constants.swing_coupling;
         let quarter = 0.25 * omega[0] * period;
+        let inner = turning_point(omega[1], width, period);
         GaitModel {
             scene: scene.clone(),
             omega,
             swing_coupling,
             width,
             flow: omega.map(|omega| Flow::new(omega, h)),
-            energy: [sagittal_energy(omega[0], 1.0, period), lateral_energy(omega[1], width, period)],
+            observer: Observer::new(scene.com_feedback, h),
+            lag: observer::lag(scene, h),
+            unit_energy: sagittal_energy(omega[0], 1.0, period),
+            orbits: Orbits::new(omega[1], width, period),
             touchdown_speed: omega[0] * (0.5 / quarter.tanh() - swing_coupling / quarter.sinh()),
             placement_gain: scene.foot_placement_gain / (omega[0] * (2.0 * quarter).tanh()),
+            zmp_range: [0, 1].map(|k| ZMP_SHARE[k] * chain.sole_half[k]),
             lift: Lift { height: scene.swing_height, reach: 0.5 * width - inner },
             release: scene.release_x2.unwrap_or(inner),
             measures: chain.measures,
@@ -135,7 +164,7 @@ impl GaitModel {
             foot: Travel::at(task.x[3]),
             landing: task.x[3],
             step: 0.0,
-            trim: 0.0,
+            trim: Trim::default(),
         }
     }
 
@@ -192,53 +221,25 @@ impl GaitModel {
         }
     }
 
-    /// Where the weight has to be carried along axis 2 [m].
-    fn zmp(&self, state: &GaitState) -> f64 {
-        state.com[1].x - state.com[1].a / self.omega[1].powi(2) // (32)
-    }
-
-    /// Both feet down and still, or moving as planned.
-    fn hold(&self, state: &mut GaitState, task: &Task) -> Reference {
-        let load = 1.0 - self.zmp(state) / self.width;
-        self.follow(state, task, 0.0, [0.0; 2], load.clamp(0.0, 1.0))
-    }
-
-    /// Both feet down, the centre of gravity on its way to `target` [m] since the phase began.
-    fn shift(&self, state: &mut GaitState, task: &Task, target: [f64; 2], duration: f64) -> Reference {
-        let left = duration - state.since;
-        for (axis, target) in state.com.iter_mut().zip(target) {
-            *axis = if left > self.measures.freeze { axis.toward(target, left, self.h) } else { Travel::at(axis.x) };
-        }
-        self.hold(state, task)
-    }
-
-    /// The weight leaves the swing foot, then the foot leaves the ground.
-    fn raise(&self, state: &mut GaitState, task: &Task) -> Reference {
-        let height = self.height_at(state.com[1]);
-        let Measures { phases: [_, _, lift, _], unload, .. } = self.measures;
-        let r = (state.since / lift).min(1.0);
-        let rise = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r); // least jerk
-        let rate = 30.0 * r * r * (1.0 - r).powi(2) / lift;
-        let load = 1.0 - state.com[1].x / self.width * (1.0 - state.since / unload).max(0.0);
-        self.follow(state, task, height * rise, [0.0, height * rate], load.clamp(0.0, 1.0))
-    }
-
-    /// (30): task rates that make the measured task follow the plan.
-    fn follow(&self, state: &mut GaitState, task: &Task, lift: f64, foot_rate: [f64; 2], load: f64) -> Reference {
+    /// (30): task rates that make the measured task follow the plan, the foot at the height and rate `lift` [m, m/s]. In *walk*
+    /// the rates are asked for as much earlier as the servos are late.
+    fn follow(&self, state: &mut GaitState, task: &Task, lift: [f64; 2], load: f64) -> Reference {
         let Measures { climb: fastest, climb_rate, .. } = self.measures;
         let climb = (climb_rate * (self.scene.com_height - state.height)).clamp(-fastest, fastest);
         state.height += self.h * climb;
         let stepping = matches!(state.phase, Phase::Walk | Phase::Lift);
         let [sagittal, lateral] = state.com;
-        let command = [sagittal.x, lateral.x, state.height, state.foot.x, self.width, lift, 0.0];
-        let rate = [sagittal.v, lateral.v, climb, foot_rate[0], 0.0, foot_rate[1], 0.0];
+        let lag = if state.phase == Phase::Walk { self.lag } else { 0.0 };
+        let ahead = |axis: Travel| axis.v + lag * axis.a;
+        let command = [sagittal.x, lateral.x, state.height, state.foot.x, self.width, lift[0], 0.0];
+        let rate = [ahead(sagittal), ahead(lateral), climb, ahead(state.foot), 0.0, lift[1], 0.0];
         let (com, foot) = (self.scene.com_gain, self.scene.swing_gain);
         let gain = [com, com, com, foot, foot, foot, com];
         let xdot = TaskVector::from_fn(|k, _| {
             let held = !stepping && (3..6).contains(&k); // a foot on the ground stays where it is
             if held { 0.0 } else { gain[k] * (command[k] - task.x[k]) + rate[k] } // (30)
         });
-        Reference { xdot, acceleration: [sagittal.a, lateral.a], load, zmp: self.zmp(state), time_left: None }
+        Reference { xdot, acceleration: [sagittal.a, lateral.a], load, zmp: self.zmp(state) }
     }
 
     /// E_1, E_2 of the plan by (33) [m²/s²].
@@ -248,7 +249,7 @@ impl GaitModel {
 
     /// Their references by (42) and (40) [m²/s²].
     pub fn energy_references(&self, state: &GaitState) -> [f64; 2] {
-        let [sagittal, lateral] = self.energy;
-        [sagittal * state.step * state.step, lateral]
+        let period = self.scene.period + 2.0 * state.trim.time;
+        [self.unit_energy * state.step * state.step, lateral_energy(self.omega[1], self.width, period)]
     }
 }

@@ -28,6 +28,7 @@ pub mod process;
 pub mod rate;
 pub mod resume;
 pub mod servo;
+mod soles;
 pub mod stability;
 pub mod support;
 pub mod swing;

@@ -16,20 +16,24 @@ pub struct Measures {
     pub least_step: f64,
     /// Time before landing from which the target stays as it is [s].
     pub freeze: f64,
-    /// Period of two steps above which the swing foot's acceleration no longer matters [s].
-    pub slow: f64,
     /// Time in which the new stance foot is loaded [s].
     pub loading: f64,
-    /// Time before landing in which the swing ankle is soft [s].
-    pub touching: f64,
+    /// Shortest time for which a correction by the ankle is reckoned [s].
+    pub shortest_correction: f64,
     /// Periods of two steps that a set-point may have [s].
     pub periods: [f64; 2],
     /// Longest step that a set-point may ask for [m].
     pub longest_step: f64,
     /// Change of the step length from one step to the next [m].
     pub step_slew: f64,
-    /// Greatest trim of the landing [m].
+    /// Greatest trim of the landing and of the step's length [m].
     pub trim: f64,
+    /// Greatest trim of the step's duration [s].
+    pub time_trim: f64,
+    /// Farthest from the supporting foot that the other lands [m].
+    pub farthest: f64,
+    /// Greatest acceleration of the swing foot [m/s²].
+    pub swing_acceleration: f64,
     /// A foot this far above the other swings [m].
     pub airborne: f64,
     /// Height of the swing foot amid a step, for the constants [m].
@@ -46,8 +50,6 @@ pub struct Measures {
     pub climb_rate: f64,
     /// Greatest joint rate that is asked for [rad/s].
     pub rate_limit: f64,
-    /// Greatest joint acceleration that the switching element asks for [rad/s²].
-    pub reach: f64,
     /// Times over those of Table 1 [-].
     pub time: f64,
 }
@@ -62,22 +64,23 @@ impl Measures {
             unload: 0.1 * t,
             least_step: 0.1 * t,
             freeze: 0.012 * t,
-            slow: 0.8 * t,
             loading: 0.04 * t,
-            touching: 0.02 * t,
+            shortest_correction: 0.03 * t,
             periods: [0.3 * t, 2.0 * t],
             longest_step: 0.15 * l,
             step_slew: 0.015 * l,
             trim: 0.02 * l,
+            time_trim: 0.05 * t,
+            farthest: 0.25 * l,
+            swing_acceleration: 12.0,
             airborne: 1e-3 * l,
             mid_swing: 0.02 * l,
-            fading: 0.03 * v,
+            fading: 0.01 * v,
             starting: 0.02 * v,
             under_way: 0.05 * v,
             climb: 0.1 * v,
             climb_rate: 2.0 / t,
             rate_limit: 12.0 / t,
-            reach: 60.0 / (t * t),
             time: t,
         }
     }

@@ -13,8 +13,10 @@ use crate::support::{Joints, mirror};
 use messages::scene::{ControllerScene, Switching};
 use messages::wire::JOINTS;
 
-/// Acceleration by which a joint is thrown back to its surface: chosen, as the paper names none (docs/PAPER.md) [rad/s²].
-const REACH: f64 = 60.0;
+/// Acceleration by which the relay throws a joint back to its surface: chosen, as the paper names none (docs/PAPER.md) [rad/s²].
+const RELAY: f64 = 60.0;
+/// The same where a boundary layer saturates: pushed, the robot needs more than the relay, which always gives all [rad/s²].
+const SATURATION: f64 = 180.0;
 
 /// Constants of the eight servos, support order.
 #[derive(Clone, Debug)]
@@ -45,11 +47,16 @@ pub struct ServoState {
 }
 
 impl ServoModel {
-    /// Servos of the scene with the nominal inertias [kg·m²] given, sampled each `period` [s], of the reach of Table 1's.
-    pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64) -> Self {
+    /// Servos of the scene with the nominal inertias [kg·m²] given, sampled each `period` [s], for a robot whose times are `scale` times
+    /// those of Table 1's.
+    pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64, scale: f64) -> Self {
+        let reach = match scene.switching {
+            Switching::BoundaryLayer => SATURATION,
+            Switching::Relay => RELAY,
+        };
         ServoModel {
             nominal_inertia,
-            reach: REACH,
+            reach: reach / (scale * scale),
             switch_rate: scene.switch_rate,
             observer_bandwidth: scene.observer_bandwidth,
             switching: scene.switching,
@@ -76,14 +83,14 @@ impl ServoModel {
         state.rate = Some(*rate);
     }
 
-    /// Torques that drive the rates to `reference` [N·m], within ±`limit`; also the distances σ from the surfaces.
+    /// Torques that drive the rates to `reference` [N·m], from the lower to the upper of `limits`; also the distances σ from the surfaces.
     pub fn drive(
         &self,
         state: &mut ServoState,
         rate: &Joints,
         reference: &Joints,
         feed_forward: &Joints,
-        limit: &Joints,
+        limits: &[Joints; 2],
     ) -> (Joints, Joints) {
         let surface = rate - reference; // σ
         let switch = surface.map(|sigma| match self.switching {
@@ -92,7 +99,8 @@ impl ServoModel {
             Switching::Relay => self.reach.copysign(sigma),
         });
         let wanted = feed_forward + state.disturbance - self.nominal_inertia.component_mul(&switch);
-        let torque = wanted.zip_map(limit, |torque, limit| torque.clamp(-limit, limit));
+        let [low, high] = limits;
+        let torque = wanted.zip_zip_map(low, high, |torque: f64, low: f64, high: f64| torque.max(low).min(high));
         state.effort = torque - feed_forward; // after the limit, or the observer winds up
         (torque, surface)
     }

@@ -76,6 +76,8 @@ pub struct Task {
     pub jacobian: TaskJacobian,
     /// Pitch of the swing foot [rad].
     pub swing_pitch: f64,
+    /// Cosine of the supporting ankle's roll [-].
+    pub roll_cosine: f64,
 }
 
 impl Chain {
@@ -183,6 +185,7 @@ impl Chain {
             x: TaskVector::from([com.x, com.y, com.z, swing.x, swing.y, swing.z, tilt]),
             jacobian,
             swing_pitch: tilt + s[4] + s[5] + s[6],
+            roll_cosine: at.rotation[1][(1, 1)],
         }
     }
 }

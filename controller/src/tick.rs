@@ -8,6 +8,7 @@ use crate::measures::Measures;
 use crate::rate;
 use crate::resume;
 use crate::servo::{ServoModel, ServoState};
+use crate::soles::Ankle;
 use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Scene};
 use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
@@ -57,10 +58,7 @@ impl Controller {
             torque_limit: scene.plant.torque_limit,
             encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
-            servo: ServoModel {
-                reach: chain.measures.reach,
-                ..ServoModel::new(&settings, constants.nominal_inertia, period)
-            },
+            servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.measures.time),
             scene: settings,
             chain,
             constants,
@@ -93,8 +91,8 @@ impl Controller {
         let reference = model
             .resolve(state, &task, &plan, &rate, &feed_forward) // (28), (29)
             .ok_or(ControllerError::Singular { time: gait.time })?;
-        let limit = model.torque_limits(&gait, &plan);
-        let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limit); // (24)
+        let limits = model.torque_limits(&gait, &task, &plan);
+        let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits); // (24)
         *telemetry = model.tell(state, &gait, &task, &state.in_support_order(&surface));
         Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
@@ -157,7 +155,8 @@ impl Model {
     }
 
     /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone:
-    /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m].
+    /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m]. A foot that carries all has at
+    /// its ankle the torque of the planned zero-moment point (`soles.rs`): links that turn count there, too.
     ///
     /// With both feet down the loads alone balance the robot sideways; ankles that rolled as if each foot stood alone
     /// would press the feet apart up to the limit of friction. So the swing foot's ankle does not roll, and the stance
@@ -171,14 +170,19 @@ impl Model {
             let row = |k: usize| task.jacobian.row(k).transpose();
             self.chain.total_mass * (self.gravity * row(2) + a_1 * row(0) + a_2 * row(1))
         };
-        let stance = carry(task, a_2);
+        let mut stance = carry(task, a_2);
         if plan.load >= 1.0 {
+            for ankle in Ankle::BOTH {
+                let k = ankle.axis();
+                stance[ankle.joint()] =
+                    self.chain.ankle_torque(task, ankle, self.gravity, plan.zmp[k], plan.acceleration[k]);
+            }
             return stance;
         }
         // Seen from the other foot, axis 2 points the other way.
         let other = self.chain.task(&mirror(&state.in_support_order(&state.encoder.angle)));
         let mut shared = plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2));
-        let off_balance = plan.zmp - (1.0 - plan.load) * self.chain.leg_width();
+        let off_balance = plan.zmp[1] - (1.0 - plan.load) * self.chain.leg_width();
         shared[0] = -self.chain.total_mass * self.gravity * off_balance;
         shared[JOINTS - 1] = 0.0;
         shared
@@ -213,30 +217,38 @@ impl Model {
         Some(bounded.unwrap_or_else(|| within(free, &low, &high)))
     }
 
-    /// Torque limits in support order: the drives', and at the ankles what leaves the soles flat on the ground [N·m].
+    /// Least and greatest torques in support order: the drives', and at the ankles those that leave the soles flat [N·m].
     ///
-    /// A loaded sole tips over its edge when the ankle's torque exceeds weight × half its size. After an exchange the
-    /// new stance foot is still being loaded, before the next one the swing foot is about to touch.
-    fn torque_limits(&self, gait: &GaitState, plan: &Reference) -> Joints {
-        let [roll, pitch] = self.constants.ankle_limit;
-        let Measures { loading, touching, .. } = self.chain.measures;
+    /// A foot that carries all tips over its edge when the zero-moment point comes there. One that shares the load, and the one that
+    /// swings, has a share of that torque. After an exchange the new stance foot is still being loaded.
+    fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
+        let loading = self.chain.measures.loading;
         let stepping = gait.phase == Phase::Walk;
-        let loaded = if stepping && gait.steps > 0 { 0.15 + 0.85 * (gait.since / loading).min(1.0) } else { 1.0 };
-        let stance = loaded * plan.load;
-        let mut limit = Joints::repeat(self.torque_limit);
-        let mut ankle = |j: usize, bound: f64| limit[j] = bound.min(self.torque_limit);
-        ankle(0, roll * stance);
-        ankle(1, pitch * stance);
-        if plan.load < 1.0 {
-            ankle(JOINTS - 1, roll * (1.0 - plan.load));
-            ankle(JOINTS - 2, pitch * (1.0 - plan.load));
+        let loaded = if stepping && gait.steps > 0 {
+            FIRST_LOAD + (1.0 - FIRST_LOAD) * (gait.since / loading).min(1.0)
         } else {
-            let touching = plan.time_left.is_some_and(|left| left < touching);
-            let light = if touching { 0.3 } else { 1.0 };
-            ankle(JOINTS - 1, light * SWING_SHARE[0] * roll);
-            ankle(JOINTS - 2, light * SWING_SHARE[1] * pitch);
+            1.0
+        };
+        let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
+        let mut narrow = |j: usize, [low, high]: [f64; 2]| {
+            [limits[0][j], limits[1][j]] =
+                [low, high].map(|torque| torque.clamp(-self.torque_limit, self.torque_limit));
+        };
+        for ankle in Ankle::BOTH {
+            let (stance, swing) = (ankle.joint(), JOINTS - 1 - ankle.joint());
+            let level = self.constants.ankle_limit[ankle.axis()];
+            let (upper, other) =
+                (level * plan.load, level * if plan.load < 1.0 { 1.0 - plan.load } else { SWING_SHARE[ankle.axis()] });
+            if plan.load < 1.0 {
+                narrow(stance, [-upper, upper]);
+            } else {
+                let edge = loaded * self.constants.sole_edge[ankle.axis()];
+                let omega = self.constants.omega[ankle.axis()];
+                narrow(stance, self.chain.ankle_range(task, ankle, self.gravity, omega, edge));
+            }
+            narrow(swing, [-other, other]);
         }
-        limit
+        limits
     }
 
     fn tell(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
@@ -256,5 +268,7 @@ impl Model {
     }
 }
 
-/// Share of the stance limits that the swinging ankle gets: roll 3 and pitch 4 N·m for the paper's robot.
-const SWING_SHARE: [f64; 2] = [0.46, 0.31];
+/// Share of the stance limits that the swinging ankle gets: enough to keep the sole level when the robot is pushed [-].
+const SWING_SHARE: [f64; 2] = [0.31, 0.8];
+/// Share of the weight on the new stance foot just after an exchange [-].
+const FIRST_LOAD: f64 = 0.15;

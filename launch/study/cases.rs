@@ -38,13 +38,13 @@ fn margins() -> Vec<Case> {
     vary("integrator", "", "plant.method", &["MoreauJean", "MidpointMoreau", "Rk4", "Rk4Impact"]);
     vary("latency", " ms", "plant.latency_ticks", &["1", "2", "3", "4"]);
     vary("stale ticks, probability", "", "plant.stale_probability", &["0.2", "0.5"]);
-    vary("friction", "", "plant.friction", &["0.4", "0.3", "0.2", "0.15"]);
-    vary("payload", " kg", "plant.payload_kg", &["1", "2", "3", "4"]);
+    vary("friction", "", "plant.friction", &["0.4", "0.3", "0.2", "0.15", "0.08"]);
+    vary("payload", " kg", "plant.payload_kg", &["1", "2", "3", "4", "6"]);
     vary("encoder", " bit", "plant.encoder_bits", &["18", "16", "15", "14", "13"]);
-    vary("torque limit", " N·m", "plant.torque_limit", &["25", "20", "16", "14"]);
+    vary("torque limit", " N·m", "plant.torque_limit", &["25", "20", "16", "14", "12"]);
     vary("joint damping", " N·m·s", "plant.joint_damping", &["0.2", "0.5"]);
-    vary("speed", " m/s", "controller.speed", &["-0.1", "0.1", "0.3"]);
-    vary("feedback of the measured CoG", " 1/s", "controller.com_feedback", &["5", "20"]);
+    vary("speed", " m/s", "controller.speed", &["-0.3", "-0.1", "0.1", "0.3"]);
+    vary("observer of the CoG", " 1/s", "controller.com_feedback", &["5", "10", "40"]);
     cases.push(case("control 250 Hz", "walk", &["rate=250"]));
     cases.push(case("control 500 Hz", "walk", &["rate=500"]));
     cases.push(case("control 2000 Hz", "walk", &["rate=2000", "plant.dt=0.0005"]));
@@ -53,7 +53,12 @@ fn margins() -> Vec<Case> {
     cases.push(case("no drive inertia", "walk", &["plant.drive_inertia=0"]));
     cases.push(case("the paper's sagittal rule", "walk-literal", &[]));
     cases.push(case("the paper, all at once", "paper", &[]));
-    cases.push(case("without foot placement (control)", "walk", &["controller.foot_placement_gain=0"]));
+    cases.push(case("without a look at the robot (control)", "walk", &["controller.com_feedback=0"]));
+    cases.push(case(
+        "without that and without foot placement (control)",
+        "walk",
+        &["controller.com_feedback=0", "controller.foot_placement_gain=0"],
+    ));
     cases.push(case(
         "all at once: 1 ms late, 16 bit, μ .4, 1 kg off centre, 25 N·m",
         "walk",

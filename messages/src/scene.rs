@@ -194,7 +194,8 @@ pub struct ControllerScene {
     pub foot_placement_gain: f64,
     /// Energy gain of (42) in the sagittal plane, for the paper's own rule [1/s].
     pub sagittal_energy_gain: f64,
-    /// Gain that feeds the measured centre of gravity back into the planner [1/s].
+    /// Rate at which the planner's pendulums follow the measured centre of gravity, the pole of their observers; 0: they do not look at the
+    /// robot [1/s].
     pub com_feedback: f64,
     /// Task gain K_p of (30) for the centre of gravity and the trunk [1/s].
     pub com_gain: f64,

@@ -50,7 +50,7 @@ fn the_paper_in_numpy_goes_on_amid_the_step_in_which_it_died() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && errors.contains("starting it anew"), "{}: {errors}", output.status);
     let distance = number(&summary, "distance_m");
-    assert!((0.2..0.3).contains(&distance), "{distance} m");
+    assert!((0.25..0.45).contains(&distance), "{distance} m");
     [script, once].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
 }
 

@@ -1,10 +1,13 @@
 """What the centre of gravity and the swing foot are to do next: phases, pendulums, energies, foot placement, (30)-(43).
 
     stand → sway → lift → walk (exchange, exchange, …) → land → rest
+
+In walk, both axes are pendulums whose states follow the measured centre of gravity. The lateral one is held on its orbit by
+its energy and sets the time of the steps; the sagittal one is stabilised by where the foot lands and by the ankle.
 """
 
 from dataclasses import dataclass
-from math import ceil, copysign, cosh, exp, log, sinh, sqrt, tanh
+from math import ceil, copysign, cosh, exp, expm1, log, sinh, sqrt, tanh, tau
 
 import numpy as np
 
@@ -56,11 +59,36 @@ def virtual_input(gain, missing, v, fading, limit):
     return clip(gain * missing * v / (v * v + fading**2), limit)
 
 
+def lateral_energy(omega, width, period):
+    """E_2 of the orbit with this period between feet `width` apart."""
+    e = exp(0.5 * omega * period)
+    return -((omega * width) ** 2) * e / (2 * (1 + e) ** 2)  # (40)
+
+
+def turning_point(omega, width, period):
+    """Where that orbit is at rest."""
+    return 0.5 * width / cosh(0.25 * omega * period)
+
+
 STAND, SWAY, LIFT, WALK, LAND, REST = range(6)  # as wire.PHASE
 # for the robot of Table 1; another's go with its size, see Chain
 DURATION = {STAND: 0.5, SWAY: 0.8, LIFT: 0.3, LAND: 0.5}  # [s]
 FREEZE = 0.012  # so long before landing the target stays as it is [s]
+SHORTEST = 0.03  # time for which a correction by the ankle is reckoned [s]
 AIRBORNE = 1e-3  # a foot this far above the other swings [m]
+FARTHEST = 0.25  # from the supporting foot that the other lands [m]
+TRIM, TIME_TRIM = 0.02, 0.05  # greatest trim of the landing and of the step's length, and of its duration [m], [s]
+# these do not go with its size
+ZMP_SHARE = 0.7, 0.9  # of the sole's half-depth and half-width: so far the plan puts the zero-moment point
+ANKLE_SHARE = 0.7  # g: so much of a sagittal deviation the ankle takes
+CAPTURE_GAIN = 3.0  # zero-moment point per distance of ξ from the slowest orbit; above 1, or the robot would not come back
+SLOWEST, QUICKEST = 1.2, 0.8  # period of the orbits allowed, in periods of the gait
+DECAYING = 0.3, 0.8  # ζ on any orbit of interest, in widths W_2
+LEARNING = {"landing": 0.3, "step": 0.1, "time": 0.3}  # share of an error that the next step is corrected by
+LESSON = 0.02  # most that one step teaches of step and time, against the greatest trim
+INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
+SWING_ACCELERATION = 12.0  # greatest of the swing foot [m/s²]
+LEAST_JERK_PEAK = 5.7735  # acceleration of a least-jerk motion over a distance d in a time t, at most, over d/t²
 
 
 def right_supports(from_left, moving, airborne):
@@ -77,8 +105,7 @@ class Plan:
     xdot: np.ndarray  # of (30)
     acceleration: tuple  # of the centre of gravity along axes 1 and 2 [m/s²]
     load: float  # share of the weight on the supporting foot
-    zmp: float  # along axis 2 [m]
-    time_left: float | None = None  # until the next exchange [s]
+    zmp: tuple  # zero-moment point along axes 1 and 2 [m]
 
 
 class Gait:
@@ -87,15 +114,26 @@ class Gait:
         T = self.T = scene["period"]
         self.L, self.t = chain.length, chain.time
         self.duration = {phase: time * self.t for phase, time in DURATION.items()}
-        self.freeze, self.airborne, self.fading = FREEZE * self.t, AIRBORNE * self.L, 0.03 * self.L / self.t
-        self.gamma = 0.3 * constants.gamma_0 if T <= 0.8 * self.t else 0.0
-        inner = 0.5 * self.width / cosh(0.25 * self.omega[1] * T)  # turning point of the orbit of (40)
+        self.freeze, self.airborne, self.fading = FREEZE * self.t, AIRBORNE * self.L, 0.01 * self.L / self.t
+        self.gamma = constants.gamma
+        self.zmp_range = (ZMP_SHARE * chain.sole_half[:2]).tolist()
+        # observers of the pendulums: errors decay as e^(−pt); p = 0 corrects nothing
+        kept = exp(-scene["com_feedback"] * h)
+        self.blind, self.l_x, self.l_v = kept == 1.0, 1 - kept**2, (1 - kept) ** 2 / h
+        # the servo's boundary layer is late by 1/κ, less the delays of the measured rates and of the plan: without this lead
+        # a plan that follows the robot is held back by it
+        late = 1 / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
+        self.lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
+        inner = turning_point(self.omega[1], self.width, T)
+        self.slowest = turning_point(self.omega[1], self.width, SLOWEST * T) ** 2  # ξ ζ
+        self.quickest = lateral_energy(self.omega[1], self.width, QUICKEST * T)
         self.release = scene.get("release_x2") or inner
         self.reach = 0.5 * self.width - inner  # h_d of (43)
         self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [Travel(x_1), Travel(x_2)], Travel(self.landing)
-        self.W_1, self.trim = 0.0, 0.0
+        self.W_1, self.trim = 0.0, dict.fromkeys(LEARNING, 0.0)
+        self.most = {"landing": TRIM * self.L, "step": TRIM * self.L, "time": TIME_TRIM * self.t}
 
     def resume(self, task, speed):
         """Goes on amid a step, from the task and its rates: the gait has no clock, and its state can be measured. False if the
@@ -114,13 +152,26 @@ class Gait:
         return self.time >= self.scene.get("stop_time", float("inf"))
 
     def exchange_due(self):
+        """x_2 has come to W_2/2 and moves on, fast enough that the orbit over the other foot is not too quick to step in."""
         lateral = self.com[1]
-        return self.phase == WALK and lateral.x >= 0.5 * self.width and lateral.v > 0 and self.since >= 0.1 * self.t
+        if self.phase != WALK or lateral.x < 0.5 * self.width or lateral.v <= 0 or self.since < 0.1 * self.t:
+            return False
+        return Travel(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
+
+    def learn(self, landed):
+        """Corrects the next steps by what this one was astray; one that a push disturbed teaches but little."""
+        astray = {"landing": landed - self.landing}
+        if self.steps > 0 and not self.blind:
+            astray |= {"step": self.W_1 - landed, "time": 0.5 * self.T - self.since}
+        for key, error in astray.items():
+            lesson, most = LEARNING[key] * error, self.most[key]
+            lesson = lesson if key == "landing" else clip(lesson, LESSON * most)
+            self.trim[key] = clip(self.trim[key] + lesson, most)
 
     def exchange(self, task):
         """Hands the plan over to the other support; `task` is measured before, in the old support frame."""
         t_1, t_3 = task.x[[3, 5]].tolist()
-        self.trim = clip(self.trim + 0.3 * (t_1 - self.landing), 0.02 * self.L)
+        self.learn(t_1)
         sagittal, lateral = self.com
         x = self.width - lateral.x  # up to a period late: along the orbit to the other foot
         v = -sqrt(max(0.0, lateral.v**2 - self.omega[1] ** 2 * (lateral.x**2 - x**2)))
@@ -159,11 +210,14 @@ class Gait:
         self.com = [Travel(axis.x) for axis in self.com]
 
     def zmp(self):
-        return self.com[1].x - self.com[1].a / self.omega[1] ** 2  # (32)
+        """Zero-moment point of the plan."""
+        sagittal, lateral = self.com
+        p_1 = sagittal.x - (sagittal.a - self.gamma * self.foot.a) / self.omega[0] ** 2  # (31)
+        return p_1, lateral.x - lateral.a / self.omega[1] ** 2  # (32)
 
     def hold(self, task):
         """Both feet down."""
-        return self.follow(task, 0.0, 0.0, 0.0, max(0.0, min(1.0, 1.0 - self.zmp() / self.width)))
+        return self.follow(task, 0.0, 0.0, max(0.0, min(1.0, 1.0 - self.zmp()[1] / self.width)))
 
     def shift(self, task, target):
         """Both feet down, the centre of gravity on its way."""
@@ -178,32 +232,51 @@ class Gait:
         r = min(1.0, self.since / self.duration[LIFT])
         load = 1.0 - self.com[1].x / self.width * max(0.0, 1.0 - self.since / (0.1 * self.t))
         rate = 30 * r * r * (1 - r) ** 2 / self.duration[LIFT]
-        return self.follow(task, height * r**3 * (10 - 15 * r + 6 * r * r), 0.0, height * rate, load)
+        return self.follow(task, height * r**3 * (10 - 15 * r + 6 * r * r), height * rate, load)
 
     def walk(self, task):
         """One period of stepping: both axes are pendulums."""
-        for axis, measured in zip(self.com, task.x.tolist()):
-            axis.x += self.scene["com_feedback"] * self.h * (measured - axis.x)
-        energy, reference = self.energies(), self.references()
+        self.observe(task)
         sagittal, lateral = self.com
-        u_2 = virtual_input(self.scene["energy_gain"], reference[1] - energy[1], lateral.v, self.fading, 0.6)  # (39)
         left = self.time_left(lateral)
-        lateral = lateral.after(self.omega[1], u_2, self.h)  # (32)
-        if self.scene["sagittal"] == "energy":  # the paper's: x_t1 = 2 x_c1, and (42)
-            self.landing = 2 * sagittal.after(self.omega[0], 0.0, left).x
-            self.foot = Travel(2 * sagittal.x, 2 * sagittal.v, 2 * sagittal.a)
-            missing, gain = reference[0] - energy[0], self.scene["sagittal_energy_gain"]
-            u_1 = virtual_input(gain, missing, sagittal.v, self.fading, 0.5)
-            if abs(sagittal.v) < 0.02 * self.L / self.t:
-                u_1 = copysign(0.5, self.W_1) * (self.W_1 != 0.0)  # leave the rest point
+        u_2 = self.lateral_input()
+        if self.scene["sagittal"] == "energy":
+            u_1 = self.mirror_foot(left)
         else:
-            self.place_foot(sagittal, left)
-            u_1 = self.gamma * self.foot.a
-        self.com = [sagittal.after(self.omega[0], u_1, self.h), lateral]  # (31)
-        height, rate = self.f_h(lateral)  # (43)
-        plan = self.follow(task, height, self.foot.v, rate, 1.0)
-        plan.time_left = left
-        return plan
+            zmp = self.place_foot(left)
+            u_1 = self.gamma * self.foot.a - self.omega[0] ** 2 * zmp
+        self.com = [sagittal.after(self.omega[0], u_1, self.h), lateral.after(self.omega[1], u_2, self.h)]  # (31), (32)
+        return self.follow(task, *self.f_h(self.com[1]), 1.0)  # (43)
+
+    def observe(self, task):
+        """The plan follows the measured centre of gravity; not along axis 1 under the paper's sagittal rule: mirrored, the foot
+        lands moving, and what that does to the measured speed fells the robot."""
+        for k in (1,) if self.scene["sagittal"] == "energy" else (0, 1):
+            error = task.x[k].item() - self.com[k].x
+            self.com[k].x += self.l_x * error
+            self.com[k].v += self.l_v * error
+
+    def lateral_input(self):
+        """u_2: the energy rule, and the ankle where the rule alone would be too late. E = −ω² ξ ζ/2 with ξ = x + v/ω, which
+        diverges, and ζ = x − v/ω, which decays; pushed out of the slowest orbit, the robot comes back to it at once."""
+        lateral, w = self.com[1], self.omega[1]
+        missing, most = self.references()[1] - self.energies()[1], self.zmp_range[1] * w * w
+        u_2 = virtual_input(self.scene["energy_gain"], missing, lateral.v, self.fading, most)  # (39)
+        if self.blind:
+            return u_2
+        least, greatest = (share * self.width for share in DECAYING)
+        xi, zeta = lateral.x + lateral.v / w, max(least, min(greatest, lateral.x - lateral.v / w))
+        return clip(u_2 + CAPTURE_GAIN * max(0.0, self.slowest / zeta - xi) * w * w, most)
+
+    def mirror_foot(self, left):
+        """The paper's sagittal rule: x_t1 = 2 x_c1, and u_1 by (42)."""
+        sagittal = self.com[0]
+        self.landing = 2 * sagittal.after(self.omega[0], 0.0, left).x
+        self.foot = Travel(2 * sagittal.x, 2 * sagittal.v, 2 * sagittal.a)
+        if abs(sagittal.v) < 0.02 * self.L / self.t:
+            return copysign(INPUT_LIMIT, self.W_1) * (self.W_1 != 0.0)  # leave the rest point
+        missing = self.references()[0] - self.energies()[0]
+        return virtual_input(self.scene["sagittal_energy_gain"], missing, sagittal.v, self.fading, INPUT_LIMIT)
 
     def f_h(self, lateral):
         """Height of the swing foot (43) and its rate: a parabola in x_2, highest at the turning point."""
@@ -216,30 +289,49 @@ class Gait:
         left = lateral.time_to(0.5 * self.width, self.omega[1], self.T)
         return max(1.0, ceil(left / self.h)) * self.h
 
-    def place_foot(self, sagittal, left):
-        """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The
-        prediction holds the foot's own effect γ ẍ_t, in which x_t1 occurs; it is solved for."""
+    def place_foot(self, left):
+        """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The prediction
+        holds the foot's own effect γ ẍ_t, in which x_t1 occurs; it is solved for. Returns the zero-moment point for the ankle,
+        p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω: with g = 1 it alone would end what remains by the touchdown."""
+        foot, w, gamma = self.foot, self.omega[0], self.gamma
         if left <= self.freeze:
-            self.foot = Travel(self.foot.x + self.h * self.foot.v, self.foot.v)
-            return
-        w, g, foot, quarter = self.omega[0], self.gamma, self.foot, 0.25 * self.omega[0] * self.T
-        free = sagittal.after(w, 0.0, left)
-        x_e = free.x - g * sinh(w * left) * foot.v / w
-        v_e = free.v - g * cosh(w * left) * foot.v
+            self.foot = Travel(foot.x + self.h * foot.v, foot.v)
+            return 0.0
+        quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.trim["step"]
         K = self.scene["foot_placement_gain"] / (w * tanh(2 * quarter))
-        v_ref = w * (0.5 / tanh(quarter) - g / sinh(quarter)) * self.W_1
-        per_metre = g * cosh(0.5 * w * left) + K * g * w * sinh(0.5 * w * left)
-        self.landing = (x_e + 0.5 * self.W_1 + K * (v_e - v_ref) - per_metre * foot.x) / (1.0 - per_metre)
-        self.foot = foot.toward(self.landing - self.trim, left, self.h)
+        v_ref = w * (0.5 / tanh(quarter) - gamma / sinh(quarter)) * W_1
+        # what a metre of the foot's way adds to x_e and v_e
+        per_x, per_v = gamma * cosh(0.5 * w * left), gamma * w * sinh(0.5 * w * left)
 
-    def follow(self, task, lift, foot_rate, lift_rate, load):
-        """(30): task rates that make the measured task follow the plan."""
+        def touchdown(zmp):
+            """x_e, v_e, and the foot's way to where it is to land, with the zero-moment point kept there."""
+            e = self.com[0].after(w, -w * w * zmp, left)
+            x_e, v_e = e.x - gamma * sinh(w * left) * foot.v / w, e.v - gamma * cosh(w * left) * foot.v
+            way = (x_e + 0.5 * W_1 + K * (v_e - v_ref) - foot.x) / (1 - per_x - K * per_v)
+            return x_e + per_x * way, v_e + per_v * way, way
+
+        zmp = 0.0
+        if not self.blind:
+            x_e, v_e, _ = touchdown(0.0)
+            astray = x_e - 0.5 * W_1 + (v_e - v_ref) / w  # ξ_e − ξ_ref
+            growth = expm1(w * max(left, SHORTEST * self.t))
+            zmp = clip(ANKLE_SHARE * astray / growth, self.zmp_range[0])
+        self.landing = clip(foot.x + touchdown(zmp)[2], FARTHEST * self.L)
+        # no farther than the foot gets by then
+        coasting, reach = foot.x + 0.5 * foot.v * left, SWING_ACCELERATION / LEAST_JERK_PEAK * left**2
+        target = coasting + clip(self.landing - self.trim["landing"] - coasting, reach)
+        self.foot = foot.toward(target, left, self.h)
+        return zmp
+
+    def follow(self, task, lift, lift_rate, load):
+        """(30): task rates that make the measured task follow the plan; in walk as much ahead as the servos are late."""
         low = self.scene["com_height"] - self.height
         climb = clip(2.0 * low, 0.1 * self.L) / self.t
         self.height += self.h * climb
         sagittal, lateral = self.com
         command = np.array([sagittal.x, lateral.x, self.height, self.foot.x, self.width, lift, 0.0])
-        rate = np.array([sagittal.v, lateral.v, climb, foot_rate, 0.0, lift_rate, 0.0])
+        v_1, v_2, v_t = (axis.v + self.lag * axis.a * (self.phase == WALK) for axis in (sagittal, lateral, self.foot))
+        rate = np.array([v_1, v_2, climb, v_t, 0.0, lift_rate, 0.0])
         c, t = self.scene["com_gain"], self.scene["swing_gain"]
         xdot = np.array([c, c, c, t, t, t, c]) * (command - task.x) + rate  # (30)
         if self.phase not in (WALK, LIFT):
@@ -250,8 +342,8 @@ class Gait:
         return [axis.energy(omega) for axis, omega in zip(self.com, self.omega)]
 
     def references(self):
-        e_1, e_2 = (exp(0.5 * omega * self.T) for omega in self.omega)
+        e = exp(0.5 * self.omega[0] * self.T)
         return [
-            (self.omega[0] * self.W_1) ** 2 * e_1 / (2 * (1 - e_1) ** 2),  # (42)
-            -((self.omega[1] * self.width) ** 2) * e_2 / (2 * (1 + e_2) ** 2),  # (40)
+            (self.omega[0] * self.W_1) ** 2 * e / (2 * (1 - e) ** 2),  # (42)
+            lateral_energy(self.omega[1], self.width, self.T + 2 * self.trim["time"]),  # (40)
         ]

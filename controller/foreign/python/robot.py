@@ -1,4 +1,4 @@
-"""The robot seen from its supporting foot, and what follows from it alone: (25)-(29), ω, γ_0, J_n.
+"""The robot seen from its supporting foot, and what follows from it alone: (25)-(29), ω, γ, J_n.
 
 Support frame S: origin at the centre of the supporting sole, axis 1 forward, axis 2 toward the swing foot, axis 3 up.
 Joints s in support order, from the supporting foot to the swing foot.
@@ -43,11 +43,12 @@ def pitch(angle):
 
 @dataclass
 class Task:
-    """x of (26), J_aco of (27), and the pitch of the swing foot [rad]."""
+    """x of (26), J_aco of (27), the pitch of the swing foot [rad], and the cosine of the supporting ankle's roll."""
 
     x: np.ndarray
     jacobian: np.ndarray
     swing_pitch: float
+    roll_cosine: float
 
 
 class Chain:
@@ -109,7 +110,7 @@ class Chain:
         foot = self.joint[0] * FLIP
         trunk = s[1:4].sum()
         x = np.concatenate([foot + to_s(whole / self.total), foot + to_s(sole), [trunk]])
-        return Task(x, jacobian, trunk + s[4:7].sum())
+        return Task(x, jacobian, trunk + s[4:7].sum(), cos(s[0]))
 
 
 def moments(body):
@@ -137,8 +138,11 @@ def level(swing_pitch):
     return -LEVEL_WEIGHT * LEVEL_GAIN * swing_pitch * PITCH_SUM
 
 
+SOLE_SHARE = 0.95  # of the sole's half-depth and half-width: the zero-moment point may come so far
+
+
 class Constants:
-    """ω_1, ω_2, γ_0, J_n and the ankles' limits, from the robot's full inverse dynamics amid a step, at rest."""
+    """ω_1, ω_2, γ, J_n and the ankles' limits, from the robot's full inverse dynamics amid a step, at rest."""
 
     def __init__(self, chain, height, plant):
         s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02 * chain.length, 0.0]))
@@ -165,9 +169,10 @@ class Constants:
             return -moment[1] / weight, -moment[0] / weight
 
         self.omega = sqrt(-1.0 / zmp_shift(0)[0]), sqrt(-1.0 / zmp_shift(1)[1])
-        self.gamma_0 = zmp_shift(3)[0] * self.omega[0] ** 2
+        self.gamma = zmp_shift(3)[0] * self.omega[0] ** 2
         self.nominal_inertia = 2.0 / np.diag(np.linalg.inv(inertia))
-        self.ankle_roll, self.ankle_pitch = 0.95 * weight * chain.sole_half[[1, 0]]
+        self.sole_edge = SOLE_SHARE * chain.sole_half[:2]
+        self.ankle_limit = weight * self.sole_edge  # along and across: pitch and roll [N·m]
 
 
 def posture(chain, target):

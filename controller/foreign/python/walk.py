@@ -3,7 +3,7 @@ the paper's.
 
     biped run walk --controller "python3 controller/foreign/python/walk.py"
 
-robot.py: kinematics (25)-(27), rate QP (28), (29). gait.py: (30)-(43). Here: servo (23), (24), and the tick.
+robot.py: kinematics (25)-(27), rate QP (28), (29). gait.py: (30)-(43). Here: servo (23), (24), ankles, and the tick.
 """
 
 from math import exp, tau
@@ -14,15 +14,23 @@ import session
 from gait import AIRBORNE, WALK, Gait, right_supports
 from robot import Chain, Constants, level, mirror, resolve
 
+# for the robot of Table 1; another's go with its size, see Chain
 RATE_LIMIT = 12.0  # greatest joint rate that is asked for [rad/s]
+RELAY, SATURATION = 60.0, 180.0  # acceleration that throws a joint back to its surface, by relay or boundary layer [rad/s²]
+LOADING = 0.04  # so long the new stance foot is being loaded [s]
+# these do not go with its size
+FIRST_LOAD = 0.15  # share of the weight on it just after an exchange
+SWING_SHARE = 0.31, 0.8  # pitch and roll torque of the swinging ankle, of a standing one's: level even when pushed
+ANKLES = (1, 0), (0, 1)  # joint, and the axis along which it moves the zero-moment point: pitch forward, roll sideways
 
 
 class Servo:
     """Sliding mode on each joint's rate with a disturbance observer: τ = τ_ff − J_n sat(κσ) + d̂, σ = q̇ − q̇_ref."""
 
     def __init__(self, scene, nominal_inertia, h, time):
-        self.J_n, self.h, self.reach = nominal_inertia, h, 60.0 / time**2
+        self.J_n, self.h = nominal_inertia, h
         self.kappa, self.relay = scene["switch_rate"], scene["switching"] == "relay"
+        self.reach = (RELAY if self.relay else SATURATION) / time**2
         self.forget = exp(-scene["observer_bandwidth"] * h)
         self.disturbance, self.effort, self.rate = np.zeros(8), np.zeros(8), None
 
@@ -33,10 +41,10 @@ class Servo:
             self.disturbance = self.disturbance * self.forget + unexplained * (1.0 - self.forget)
         self.rate = rate
 
-    def drive(self, rate, reference, feed_forward, limit):
+    def drive(self, rate, reference, feed_forward, limits):
         sigma = rate - reference
         switch = self.reach * np.sign(sigma) if self.relay else np.clip(self.kappa * sigma, -self.reach, self.reach)
-        torque = np.clip(feed_forward + self.disturbance - self.J_n * switch, -limit, limit)  # (24)
+        torque = np.clip(feed_forward + self.disturbance - self.J_n * switch, *limits)  # (24)
         self.effort = torque - feed_forward  # after the limit, or the observer winds up
         return torque, sigma
 
@@ -102,40 +110,53 @@ class Walk:
         reference = resolve(task.jacobian, plan.xdot, level(task.swing_pitch / self.chain.time))  # (28), (29)
         fastest = RATE_LIMIT / self.chain.time
         reference = np.clip(reference, -fastest, fastest)
-        torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(plan))  # (24)
+        torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(task, plan))  # (24)
         self.tell(telemetry, task, sigma)
         return self.ordered(torque)
 
     def feed_forward(self, task, plan):
-        """τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ), shared between the feet by load. With both feet down the swing
-        foot's ankle does not roll, and the stance foot's carries only what the loads leave over."""
+        """τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ), shared between the feet by load; the ankle of a foot that carries all
+        puts the zero-moment point where the plan has it. With both feet down the swing foot's ankle does not roll, and the
+        stance foot's carries only what the loads leave over."""
         if not self.scene["feed_forward"]:
             return np.zeros(8)
         M, g, (a_1, a_2) = self.chain.total, self.plant["gravity"], plan.acceleration
         stance = M * (np.array([a_1, a_2, g]) @ task.jacobian[:3])
         if plan.load >= 1.0:
+            for joint, axis in ANKLES:
+                stance[joint] = self.ankle_torque(task, joint, axis, plan.zmp[axis], plan.acceleration[axis])
             return stance
         other = self.chain.task(mirror(self.ordered(self.angle)))  # seen from it, axis 2 points the other way
         swing = mirror(M * (np.array([a_1, -a_2, g]) @ other.jacobian[:3]))
         shared = plan.load * stance + (1.0 - plan.load) * swing
-        shared[0] = -M * g * (plan.zmp - (1.0 - plan.load) * self.chain.width)
+        shared[0] = -M * g * (plan.zmp[1] - (1.0 - plan.load) * self.chain.width)
         shared[7] = 0.0
         return shared
 
-    def limits(self, plan):
-        """The drives' limits, and at the ankles what leaves the soles flat on the ground [N·m]."""
-        gait, roll_limit, pitch_limit = self.gait, self.constants.ankle_roll, self.constants.ankle_pitch
-        stepping = gait.phase == WALK and gait.steps > 0
-        stance = plan.load * (0.15 + 0.85 * min(1.0, gait.since / (0.04 * self.chain.time)) if stepping else 1.0)
-        if plan.load < 1.0:
-            swing = (1.0 - plan.load, 1.0 - plan.load)
-        else:
-            light = 0.3 if plan.time_left is not None and plan.time_left < 0.02 * self.chain.time else 1.0
-            swing = (0.46 * light, 0.31 * light)
-        limit = np.full(8, self.plant["torque_limit"])
-        ankles = [roll_limit * stance, pitch_limit * stance, pitch_limit * swing[1], roll_limit * swing[0]]
-        limit[[0, 1, 6, 7]] = np.minimum(limit[[0, 1, 6, 7]], ankles)
-        return limit
+    def ankle_torque(self, task, joint, axis, p, a):
+        """Torque at an ankle for the zero-moment point p at the acceleration a: that of a point mass, whose own is at
+        x − a x_3/g, and what moves it to p. The pitch joint rolls with the ankle."""
+        g, x, lift, lever = self.plant["gravity"], task.x[axis], task.jacobian[2, joint], task.jacobian[axis, joint]
+        level = 1.0 if axis == 1 else task.roll_cosine
+        return self.chain.total * (g * lift + a * lever + np.copysign(level, lever) * (g * (x - p) - a * task.x[2]))
+
+    def limits(self, task, plan):
+        """Least and greatest torques: the drives', and at the ankles those that leave the soles flat on the ground [N·m].
+        A foot that carries all tips where the zero-moment point comes to the edge while a = ω² (x − p), (31), (32); one that
+        shares the load, and the one that swings, has a share of the torque at rest."""
+        gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
+        loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
+        limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))
+        for joint, axis in ANKLES:
+            at_rest = constants.ankle_limit[axis] * ends
+            if plan.load < 1.0:
+                stance, swing = plan.load * at_rest, (1.0 - plan.load) * at_rest
+            else:
+                p = (FIRST_LOAD + (1.0 - FIRST_LOAD) * loading) * constants.sole_edge[axis] * ends
+                a = constants.omega[axis] ** 2 * (task.x[axis] - p)
+                stance, swing = np.sort(self.ankle_torque(task, joint, axis, p, a)), SWING_SHARE[axis] * at_rest
+            limits[:, joint], limits[:, 7 - joint] = stance, swing
+        return limits.clip(-self.plant["torque_limit"], self.plant["torque_limit"])
 
     def tell(self, telemetry, task, sigma):
         gait, (sagittal, lateral) = self.gait, self.gait.com

@@ -2,24 +2,35 @@
 
 use super::{GaitModel, GaitState, Phase};
 use crate::measures::Measures;
+use crate::pendulum::Motion;
 use crate::support::Task;
 use crate::swing::Travel;
 
+/// Shares of an error that the next step is corrected by [-].
+const LANDING_SHARE: f64 = 0.3;
+const TIME_SHARE: f64 = 0.3;
+const STEP_SHARE: f64 = 0.1;
+/// Most that one step teaches, against all that can be learned [-].
+const LESSON: f64 = 0.02;
+
 impl GaitModel {
-    /// Whether the legs are to change roles now: x_2 has come to W_2/2 and moves on.
+    /// Whether the legs are to change roles now: x_2 has come to W_2/2 and moves on, fast enough for an orbit over the other foot that is
+    /// not too quick to step in.
     pub fn exchange_due(&self, state: &GaitState) -> bool {
         let [_, lateral] = state.com;
+        let other = Motion { x: self.width - lateral.x, v: lateral.v };
         state.phase == Phase::Walk
             && lateral.x >= 0.5 * self.width
             && lateral.v > 0.0
+            && other.energy(self.omega[1]) >= self.orbits.quickest
             && state.since >= self.measures.least_step
     }
 
     /// Hands the plan over to the other support. `task` is measured before, in the old support frame.
     pub fn exchange(&self, state: &mut GaitState, task: &Task) {
         let swing = task.swing();
-        let Measures { trim, step_slew, .. } = self.measures;
-        state.trim = (state.trim + 0.3 * (swing.x - state.landing)).clamp(-trim, trim);
+        let Measures { step_slew, .. } = self.measures;
+        self.learn(state, swing.x);
         let [sagittal, lateral] = &mut state.com;
         sagittal.x -= swing.x;
         // The exchange comes up to one period late, beyond W_2/2. Seen from the new foot that is as far short of it, and
@@ -39,5 +50,21 @@ impl GaitModel {
         }
         let wanted = if stopping { 0.0 } else { self.step_length() };
         state.step += (wanted - state.step).clamp(-step_slew, step_slew);
+    }
+
+    /// Corrects the next steps by what this one, which landed at `landed` [m], was astray. One that a push disturbed teaches but little.
+    fn learn(&self, state: &mut GaitState, landed: f64) {
+        let Measures { trim, time_trim, .. } = self.measures;
+        let corrected = |learned: f64, share: f64, astray: f64, most: f64| {
+            let lesson = (share * astray).clamp(-LESSON * most, LESSON * most);
+            (learned + lesson).clamp(-most, most)
+        };
+        let (landing, step, since) = (state.landing, state.step, state.since);
+        let learned = &mut state.trim;
+        learned.landing = (learned.landing + LANDING_SHARE * (landed - landing)).clamp(-trim, trim);
+        if state.steps > 0 && !self.observer.is_blind() {
+            learned.time = corrected(learned.time, TIME_SHARE, 0.5 * self.scene.period - since, time_trim);
+            learned.step = corrected(learned.step, STEP_SHARE, step - landed, trim);
+        }
     }
 }

@@ -74,7 +74,7 @@ impl Default for ControllerScene {
             sagittal: Sagittal::FootPlacement,
             foot_placement_gain: 0.9,
             sagittal_energy_gain: 3.0,
-            com_feedback: 0.0,
+            com_feedback: 20.0,
             com_gain: 25.0,
             swing_gain: 40.0,
             rate_limit: None,
