@@ -27,7 +27,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use watch::{Watch, fell};
 
-pub use one_process::in_process;
+pub use one_process::{disturbed_in_process, in_process};
 pub use watch::goes_on;
 
 /// A look at children and progress this often; the truth's buffer holds longer.

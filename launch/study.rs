@@ -19,6 +19,7 @@ use std::time::Instant;
 
 mod cases;
 mod problems;
+mod pushes;
 
 use cases::{Case, cases};
 
@@ -36,6 +37,8 @@ pub struct StudyArgs {
     /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     count: Option<u64>,
+    #[command(flatten)]
+    pushes: pushes::PushArgs,
 }
 
 /// Which table.
@@ -51,6 +54,8 @@ pub enum Study {
     Endurance,
     /// How well contact problems of every kind are solved
     Problems,
+    /// How hard the robot may be pushed, beside what a pendulum on its feet could bear
+    Pushes,
 }
 
 /// What became of it: a summary, also of a fall, or why there is none.
@@ -66,7 +71,11 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if args.count.is_some() && !solves {
         return Err(Failure::new(Exit::Usage, "--count is of `study problems`: other tables have their cases"));
     }
+    args.pushes.check(args.study)?;
     args.out.as_deref().map_or(Ok(()), folder)?;
+    if let Study::Pushes = args.study {
+        return pushes::run(args, stop);
+    }
     if solves {
         let count = args.count.unwrap_or(1_000_000) as usize;
         let bar = bar(args, count, "problems");

@@ -54,12 +54,23 @@ pub fn run(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Fa
 /// # Errors
 /// Whatever plant, controller or `hear` fails with.
 pub fn in_process(scene: &Scene, mut hear: impl FnMut(&Truth) -> Result<(), Failure>) -> Result<(), Failure> {
+    disturbed_in_process(scene, |truth, _| hear(truth))
+}
+
+/// The same; `hear` may also push the robot.
+///
+/// # Errors
+/// As [`in_process`].
+pub fn disturbed_in_process(
+    scene: &Scene,
+    mut hear: impl FnMut(&Truth, &mut Simulation) -> Result<(), Failure>,
+) -> Result<(), Failure> {
     use controller::process::ProcessError;
     let controller = scene.controller.as_ref().map(|_| controller::Controller::new(scene)).transpose();
     let mut controller = controller.map_err(ProcessError::from)?;
     let mut simulation = Simulation::new(scene, 1, 1)?;
     plant::process::drive(&mut simulation, |simulation, sensors: &Sensors, shell| {
-        hear(&shell.truth(simulation, sensors))?;
+        hear(&shell.truth(simulation, sensors), simulation)?;
         if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
             let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
             let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };

@@ -25,7 +25,7 @@ pub fn cases(study: Study) -> Vec<Case> {
         Study::Laws => laws(),
         Study::Attraction => attraction(),
         Study::Endurance => endurance(),
-        Study::Problems => vec![], // not runs but steps: see `problems`
+        Study::Problems | Study::Pushes => vec![], // see `problems` and `pushes`
     }
 }
 

@@ -1,7 +1,7 @@
 //! The QP of resolved motion rate (28), (29) at a posture of the walk, and what a message costs before it leaves.
 
 use crate::robot::{Doing, Recording};
-use controller::rate::{bias, resolve, resolve_bounded};
+use controller::rate::{bias, resolve, resolve_bounded, resolve_by_interior_points};
 use controller::support::{Chain, Joints, Task, TaskVector};
 use divan::{Bencher, black_box};
 use messages::wire::{Command, Sensors, Stamped};
@@ -22,12 +22,18 @@ fn rate_qp_closed_form(bencher: Bencher) {
     bencher.bench_local(|| resolve(black_box(&task.jacobian), &xdot, &bias).expect("bent knees"));
 }
 
-#[divan::bench(sample_count = 200, sample_size = 1)]
-fn rate_qp_interior_points(bencher: Bencher) {
+#[divan::bench(sample_count = 200, sample_size = 64)]
+fn rate_qp_with_bounds(bencher: Bencher) {
     let (task, xdot, bias) = asked();
     let bound = Joints::repeat(0.9 * resolve(&task.jacobian, &xdot, &bias).expect("bent knees").amax());
-    let _ = resolve_bounded(&task.jacobian, &xdot, &bias, &-bound, &bound);
     bencher.bench_local(|| resolve_bounded(black_box(&task.jacobian), &xdot, &bias, &-bound, &bound));
+}
+
+#[divan::bench(sample_count = 200, sample_size = 1)]
+fn rate_qp_with_bounds_by_interior_points(bencher: Bencher) {
+    let (task, xdot, bias) = asked();
+    let bound = Joints::repeat(0.9 * resolve(&task.jacobian, &xdot, &bias).expect("bent knees").amax());
+    bencher.bench_local(|| resolve_by_interior_points(black_box(&task.jacobian), &xdot, &bias, &-bound, &bound));
 }
 
 #[divan::bench(sample_count = 200, sample_size = 64)]
