@@ -18,6 +18,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 mod cases;
+mod orbit;
 mod problems;
 mod pushes;
 
@@ -94,7 +95,11 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
     bar.finish_and_clear();
     let rows = rows(args.study, &cases, &outcomes);
-    hand_out(args, &markdown(&rows, &outcomes), &csv(rows, &cases))
+    let more = match args.study {
+        Study::Attraction => format!("\n{}", table(&orbit::rows(stop)?)),
+        _ => String::new(),
+    };
+    hand_out(args, &(markdown(&rows, &outcomes) + &more), &csv(rows, &cases))
 }
 
 fn bar(args: &StudyArgs, length: usize, what: &str) -> ProgressBar {

@@ -102,6 +102,12 @@ fn wrong_usage_is_refused() {
     refused(&["faults", "--only", "nosuch"], &["--only"]);
     refused(&["study", "problems", "--count", "0"], &["--count"]);
     refused(&["study", "laws", "--count", "5"], &["--count is of `study problems`"]);
+    refused(&["study", "laws", "--phases", "5"], &["--phases is of `study pushes`"]);
+    refused(&["study", "pushes", "--offset", "1"], &["--offset must be at least 0 and less than 1"]);
+    refused(&["study", "pushes", "--offset", "NaN"], &["--offset must be at least 0 and less than 1"]);
+    refused(&["study", "pushes", "--directions", "up"], &["up", "forward"]);
+    refused(&["study", "pushes", "--set", "controller.sped=1"], &["sped"]);
+    refused(&["study", "pushes", "--count", "5"], &["--count is of `study problems`"]);
     refused(&["view", "--session", "a", "--out", "b.html"], &["--out"]);
     let never = std::env::temp_dir().join(format!("biped-test-{}-never", std::process::id()));
     let out = never.display().to_string();

@@ -29,7 +29,7 @@ fn the_walk_comes_to_what_the_readme_shows() {
 
 #[test]
 fn the_studies_come_to_the_tables_that_show_them() {
-    for study in ["laws", "attraction", "endurance", "margins"] {
+    for study in ["laws", "attraction", "endurance", "margins", "pushes"] {
         let shown = between(include_str!("../docs/PAPER.md"), &format!("<!-- study:{study} -->\n"), "<!-- /study -->");
         let printed = printed(&["study", study, "--quiet"]);
         // pushes are counted, not shown; and the last column of the laws is a time

@@ -42,7 +42,7 @@ pub enum Phase {
 }
 
 /// Shares of the sole's half-depth and half-width within which the plan puts the zero-moment point: what is left is for the servos [-].
-const ZMP_SHARE: [f64; 2] = [0.7, 0.9];
+const ZMP_SHARE: [f64; 2] = [0.85, 0.9];
 
 /// Constants of a gait.
 #[derive(Clone, Debug)]

@@ -32,8 +32,8 @@ pub struct Measures {
     pub time_trim: f64,
     /// Farthest from the supporting foot that the other lands [m].
     pub farthest: f64,
-    /// Greatest acceleration of the swing foot [m/s²].
-    pub swing_acceleration: f64,
+    /// Greatest acceleration of the swing foot: near the ground, which it may touch too early, and clear of it [m/s²].
+    pub swing_acceleration: [f64; 2],
     /// A foot this far above the other swings [m].
     pub airborne: f64,
     /// Height of the swing foot amid a step, for the constants [m].
@@ -72,7 +72,7 @@ impl Measures {
             trim: 0.02 * l,
             time_trim: 0.05 * t,
             farthest: 0.25 * l,
-            swing_acceleration: 12.0,
+            swing_acceleration: [12.0, 18.0],
             airborne: 1e-3 * l,
             mid_swing: 0.02 * l,
             fading: 0.01 * v,

@@ -16,7 +16,8 @@ use messages::scene::Scene;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::atomic::AtomicBool;
-use trial::{Push, Trial};
+use trial::Trial;
+pub use trial::{Push, disturbed};
 
 /// What else `biped study pushes` can be asked.
 #[derive(Args)]

@@ -79,15 +79,17 @@ AIRBORNE = 1e-3  # a foot this far above the other swings [m]
 FARTHEST = 0.25  # from the supporting foot that the other lands [m]
 TRIM, TIME_TRIM = 0.02, 0.05  # greatest trim of the landing and of the step's length, and of its duration [m], [s]
 # these do not go with its size
-ZMP_SHARE = 0.7, 0.9  # of the sole's half-depth and half-width: so far the plan puts the zero-moment point
-ANKLE_SHARE = 0.7  # g: so much of a sagittal deviation the ankle takes
+ZMP_SHARE = 0.85, 0.9  # of the sole's half-depth and half-width: so far the plan puts the zero-moment point
 CAPTURE_GAIN = 3.0  # zero-moment point per distance of ξ from the slowest orbit; above 1, or the robot would not come back
 SLOWEST, QUICKEST = 1.2, 0.8  # period of the orbits allowed, in periods of the gait
 DECAYING = 0.3, 0.8  # ζ on any orbit of interest, in widths W_2
 LEARNING = {"landing": 0.3, "step": 0.1, "time": 0.3}  # share of an error that the next step is corrected by
 LESSON = 0.02  # most that one step teaches of step and time, against the greatest trim
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
-SWING_ACCELERATION = 12.0  # greatest of the swing foot [m/s²]
+ANKLE_SHARE = 0.7  # g: so much of a sagittal deviation the ankle takes
+SWING_ACCELERATION = 12.0, 18.0  # greatest of the swing foot, near the ground and clear of it [m/s²]
+SPARE = 1.25  # acceleration that the foot may have, over that of the steady gait
+CLEAR = 0.3  # share of its greatest height from which on a foot is clear of the ground
 LEAST_JERK_PEAK = 5.7735  # acceleration of a least-jerk motion over a distance d in a time t, at most, over d/t²
 
 
@@ -292,7 +294,7 @@ class Gait:
     def place_foot(self, left):
         """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The prediction
         holds the foot's own effect γ ẍ_t, in which x_t1 occurs; it is solved for. Returns the zero-moment point for the ankle,
-        p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω: with g = 1 it alone would end what remains by the touchdown."""
+        p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω: with g = 1 it alone would end a deviation by the touchdown."""
         foot, w, gamma = self.foot, self.omega[0], self.gamma
         if left <= self.freeze:
             self.foot = Travel(foot.x + self.h * foot.v, foot.v)
@@ -318,7 +320,11 @@ class Gait:
             zmp = clip(ANKLE_SHARE * astray / growth, self.zmp_range[0])
         self.landing = clip(foot.x + touchdown(zmp)[2], FARTHEST * self.L)
         # no farther than the foot gets by then
-        coasting, reach = foot.x + 0.5 * foot.v * left, SWING_ACCELERATION / LEAST_JERK_PEAK * left**2
+        steady = SPARE * LEAST_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2
+        near_ground, in_the_air = (max(most, steady) for most in SWING_ACCELERATION)
+        high = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
+        reach = (near_ground + (in_the_air - near_ground) * high) / LEAST_JERK_PEAK * left**2
+        coasting = foot.x + 0.5 * foot.v * left
         target = coasting + clip(self.landing - self.trim["landing"] - coasting, reach)
         self.foot = foot.toward(target, left, self.h)
         return zmp

@@ -5,8 +5,8 @@
 //!   p    = g (ξ_e − ξ_ref)/(e^(ωt) − 1),    ξ = x + v/ω
 //! ```
 //! (x_e, v_e) is the state predicted for the touchdown in t. k = 1 ends a deviation in one step; k = 0 mirrors the foot about the centre
-//! of gravity and its step-to-step map has an eigenvalue of modulus 1: the robot falls. With g = 1 the ankle alone would end what remains
-//! of a deviation by the touchdown; the sole bounds it. The paper writes only "a function of the gravity center".
+//! of gravity and its step-to-step map has an eigenvalue of modulus 1: the robot falls. With g = 1 p alone would end a deviation by
+//! the touchdown, and the errors of the model would shorten the steps; the sole bounds it. The paper writes only "a function of the gravity center".
 
 use super::{GaitModel, GaitState};
 use crate::pendulum::{Flow, Motion};
@@ -14,6 +14,10 @@ use crate::swing::Travel;
 
 /// Share of a deviation that the ankle takes, g [-].
 const ANKLE_SHARE: f64 = 0.7;
+/// Share of its greatest height from which on a foot is clear of the ground [-].
+const CLEAR: f64 = 0.3;
+/// Acceleration that the foot may have, over that of the steady gait [-].
+const SPARE: f64 = 1.25;
 /// A least-jerk motion from rest to rest over a distance d in a time t accelerates by at most this times d/t² [-].
 const LEAST_JERK_PEAK: f64 = 5.7735;
 
@@ -54,7 +58,10 @@ impl GaitModel {
         state.landing = shifted.clamp(-self.measures.farthest, self.measures.farthest);
         // No farther than the foot gets by then.
         let coasting = foot.x + 0.5 * foot.v * left;
-        let reach = self.measures.swing_acceleration / LEAST_JERK_PEAK * left * left;
+        let high = (self.height_at(state.com[1]) / (CLEAR * self.lift.height)).min(1.0);
+        let steady = SPARE * LEAST_JERK_PEAK * 2.0 * step.abs() / (0.5 * self.scene.period).powi(2);
+        let [near_ground, in_the_air] = self.measures.swing_acceleration.map(|most| most.max(steady));
+        let reach = (near_ground + (in_the_air - near_ground) * high) / LEAST_JERK_PEAK * left * left;
         let target = (state.landing - state.trim.landing).clamp(coasting - reach, coasting + reach);
         state.foot = foot.toward(target, left, self.h);
         zmp

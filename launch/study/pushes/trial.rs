@@ -32,6 +32,15 @@ pub struct Trial {
 /// # Errors
 /// Ctrl-C, or a scene that is bad. What fails otherwise is a fall.
 pub fn run(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, Failure> {
+    let (recorder, trial) = disturbed(scene, pushes, stop)?;
+    Ok(Trial { fall: recorder.extremes.fall.or(trial.fall), ..trial })
+}
+
+/// The same, with all that was recorded but for rows.
+///
+/// # Errors
+/// As [`run`].
+pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<(Recorder, Trial), Failure> {
     let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
     let mut recorder = Recorder::without_rows(scene);
     let (mut next, mut yaw, mut time) = (0, 0.0_f64, 0.0);
@@ -47,9 +56,10 @@ pub fn run(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, F
         }
         if recorder.extremes.fall.is_some() { Err(Failure::new(Exit::Fell, "it fell")) } else { Ok(()) }
     });
-    match end {
-        Err(failure) if failure.exit == Exit::Interrupted || time == 0.0 => Err(failure),
-        Err(_) => Ok(Trial { fall: Some(recorder.extremes.fall.unwrap_or(time)), yaw, ..Trial::default() }),
-        Ok(()) => Ok(Trial { yaw, ..Trial::default() }),
-    }
+    let fall = match end {
+        Err(failure) if failure.exit == Exit::Interrupted || time == 0.0 => return Err(failure),
+        Err(_) => Some(time), // what fails after a fall fails because of it
+        Ok(()) => None,
+    };
+    Ok((recorder, Trial { fall, yaw, ..Trial::default() }))
 }

@@ -1,0 +1,66 @@
+//! Second table of `biped study attraction`: how the robot itself comes back to its orbit.
+//!
+//! Stepping in place, it is pushed sideways, once to each side. At the turning point of a step E_2 = −ω_2² x_2²/2, x_2 being the distance of
+//! the robot's centre of mass from its sole, as the simulation knows it; nothing here is asked of the controller. Half the difference of the
+//! two runs is the deviation, free of what both have in common. By (41) it decays as e^(−k_E t).
+
+use super::pushes::{Push, disturbed};
+use crate::exit::Failure;
+use crate::list::SCENES;
+use controller::constants::Constants;
+use controller::error::ControllerError;
+use controller::process::ProcessError;
+use controller::support::Chain;
+use messages::load::load;
+use std::sync::atomic::AtomicBool;
+
+/// Gains k_E of (39) [1/s].
+const GAINS: [f64; 3] = [4.0, 2.0, 0.0];
+/// Impulse of the push [N·s], its time, amid the way from a turning point to an exchange, and the end of the run [s].
+const IMPULSE: f64 = 1.0;
+const TIME: f64 = 5.02;
+const END: f64 = 7.5;
+/// Steps that are shown, and those over which the rate is measured.
+const SHOWN: usize = 6;
+const MEASURED: usize = 2;
+
+/// The rows, the first one naming the columns.
+///
+/// # Errors
+/// Ctrl-C, or a bad scene, which a test excludes.
+pub fn rows(stop: &AtomicBool) -> Result<Vec<Vec<String>>, Failure> {
+    let steps = (0..SHOWN).map(|step| format!("step {step}"));
+    let mut rows =
+        vec![[String::from("E_2 after a push, of its first deviation")].into_iter().chain(steps).collect::<Vec<_>>()];
+    rows[0].push("rate 1/s".into());
+    for gain in GAINS {
+        let deviations = deviations(gain, stop)?;
+        let half_period = 0.3;
+        let shares: Vec<f64> = deviations.iter().map(|deviation| deviation / deviations[0]).collect();
+        let rate = -shares[MEASURED].ln() / (MEASURED as f64 * half_period);
+        let theory: Vec<f64> = (0..SHOWN).map(|step| (-gain * step as f64 * half_period).exp()).collect();
+        for (who, shares, rate) in [("the robot", shares, rate), ("by (41)", theory, gain)] {
+            let cells = shares.iter().map(|share| format!("{share:.2}"));
+            let row = [format!("k_E = {gain}, {who}")].into_iter().chain(cells).chain([format!("{rate:.2}")]);
+            rows.push(row.collect());
+        }
+    }
+    Ok(rows)
+}
+
+/// Deviations of E_2 at the turning points from the step of the push on [m²/s²].
+fn deviations(gain: f64, stop: &AtomicBool) -> Result<Vec<f64>, Failure> {
+    let settings = [format!("duration={END}"), format!("controller.energy_gain={gain}")];
+    let scene = load("stamp", &settings, SCENES)?;
+    let bad = |error: ControllerError| Failure::from(ProcessError::from(error));
+    let chain = Chain::new(&scene.bodies).map_err(bad)?;
+    let controller = scene.controller.clone().unwrap_or_default();
+    let omega = Constants::new(&chain, &controller, &scene.plant).map_err(bad)?.omega[1];
+    let energies = |impulse: f64| -> Result<Vec<f64>, Failure> {
+        let (recorder, _) = disturbed(&scene, &[Push { time: TIME, impulse: [0.0, impulse, 0.0] }], stop)?;
+        let after = recorder.gait.complete().iter().filter(|step| step.start > TIME);
+        Ok(after.map(|step| -0.5 * (omega * step.x2_min).powi(2)).take(SHOWN).collect())
+    };
+    let [left, right] = [energies(IMPULSE)?, energies(-IMPULSE)?];
+    Ok(left.iter().zip(&right).map(|(left, right)| 0.5 * (left - right)).collect())
+}
