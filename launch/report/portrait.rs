@@ -82,15 +82,29 @@ fn omega(walking: &[&Telemetry]) -> Option<f64> {
     estimates.get(estimates.len() / 2).copied()
 }
 
+/// E_2 as the planner estimates it, that of the robot's own centre of mass by (33), and the reference.
 fn energy(recorder: &Recorder) -> String {
-    let measured = series(&recorder.rows, |row| row.truth.telemetry.energy[1]);
+    let walking: Vec<&Telemetry> = recorder.rows.iter().map(|row| &row.truth.telemetry).collect();
+    let omega = omega(&walking).unwrap_or(f64::NAN);
+    let own = |row: &Row| {
+        let lateral = Lateral::new(&row.sample);
+        lateral.map_or(f64::NAN, |at| 0.5 * (at.velocity.powi(2) - (omega * at.position).powi(2)))
+    };
+    let begin = recorder.gait.steps.first().map_or(0.0, |step| step.start);
+    let robot: Vec<(f64, f64)> = series(&recorder.rows, own).into_iter().filter(|point| point.0 >= begin).collect();
+    let estimated = series(&recorder.rows, |row| row.truth.telemetry.energy[1]);
     let wanted = series(&recorder.rows, |row| row.truth.telemetry.energy_ref[1]);
-    let all = || measured.iter().chain(&wanted);
+    let all = || estimated.iter().chain(&wanted);
     let frame = Frame {
         title: "Energy of the lateral pendulum".into(),
         height: 380,
         x: Axis::new("time [s]", around(all().map(|point| point.0), 0.0, 1e-3)),
         y: Axis::new("E_2 [m²/s²]", around(all().map(|point| point.1), 0.08, 2e-3)),
     };
-    plot(&frame, &[Mark::line(measured, GREEN).label("E_2"), Mark::dashes(wanted, INK).label("reference (40)")])
+    let marks = [
+        Mark::thin(robot, COM).faint(0.7).label("of the robot"),
+        Mark::line(estimated, GREEN).label("as estimated"),
+        Mark::dashes(wanted, INK).label("reference (40)"),
+    ];
+    plot(&frame, &marks)
 }
