@@ -70,7 +70,7 @@ pub type Outcome = Result<Summary, String>;
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let solves = matches!(args.study, Study::Problems);
     if args.count.is_some() && !solves {
-        return Err(Failure::new(Exit::Usage, "--count is of `study problems`: other tables have their cases"));
+        return Err(belongs_to("--count", "problems"));
     }
     args.pushes.check(args.study)?;
     args.out.as_deref().map_or(Ok(()), folder)?;
@@ -100,6 +100,11 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         _ => String::new(),
     };
     hand_out(args, &(markdown(&rows, &outcomes) + &more), &csv(rows, &cases))
+}
+
+/// An option was given to a study that has no use for it.
+fn belongs_to(option: &str, study: &str) -> Failure {
+    Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
 }
 
 fn bar(args: &StudyArgs, length: usize, what: &str) -> ProgressBar {

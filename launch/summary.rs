@@ -204,7 +204,8 @@ impl Summary {
     }
 }
 
-fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
+/// Angle about the vertical of an orientation w, x, y, z [rad].
+pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
     (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
 }
 

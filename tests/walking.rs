@@ -175,6 +175,11 @@ fn pushed_off_its_orbit_the_robot_comes_back_at_the_rate_of_41() {
     assert!(without.iter().take(6).all(|share| (share - 1.0).abs() < 0.2), "{without:?}");
 }
 
+/// Eight times of a push, over one period.
+fn push_times() -> Vec<String> {
+    (0..8).map(|k| format!("plant.push_time={}", 5.02 + 0.6 * f64::from(k) / 8.0)).collect()
+}
+
 /// Impulses for .05 s at the trunk, half a step below what `biped study pushes` finds at its own phases; these lie between them. 4 N·s
 /// change the robot's speed by .29 m/s, one and a half times its own.
 #[test]
@@ -187,8 +192,7 @@ fn pushes_from_four_sides_do_not_fell_it() {
         let undisturbed = run(scene, &["duration=9"]);
         for [x, y] in impulses {
             let push = format!("plant.push_impulse=[{x:.1}, {y:.1}, 0.0]");
-            let times: Vec<String> =
-                (0..8).map(|k| format!("plant.push_time={}", 5.02 + 0.6 * f64::from(k) / 8.0)).collect();
+            let times = push_times();
             let cases: Vec<Vec<&str>> = times.iter().map(|time| vec!["duration=9", &push, time]).collect();
             for summary in run_all(scene, &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
                 summary.shows(&[("steps", 15.0..=40.0)]);
@@ -203,10 +207,9 @@ fn pushes_from_four_sides_do_not_fell_it() {
 fn without_a_look_at_the_robot_pushes_fell_it() {
     let fallen = |feedback: &str| {
         let feedback = format!("controller.com_feedback={feedback}");
-        let times = (0..8).map(|k| format!("plant.push_time={}", 5.02 + 0.6 * f64::from(k) / 8.0));
-        times
-            .filter(|time| run("walk", &["duration=9", &feedback, "plant.push_impulse=[0.0, 3.5, 0.0]", time]).fell())
-            .count()
+        let falls =
+            |time: &String| run("walk", &["duration=9", &feedback, "plant.push_impulse=[0.0, 3.5, 0.0]", time]).fell();
+        push_times().iter().filter(|time| falls(time)).count()
     };
     let [with, without] = ["20", "0"].map(fallen);
     assert!(with <= 1 && without >= 3, "{with} of 8 fall with it, {without} without");

@@ -7,7 +7,7 @@ use crate::error::ControllerError;
 use crate::rate;
 use crate::support::{Chain, Joints, Posture, TaskVector};
 use messages::robot::CROUCH;
-use messages::scene::{ControllerScene, PlantScene};
+use messages::scene::{ControllerScene, PlantScene, Scene};
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -24,8 +24,6 @@ pub struct Constants {
     pub inertia: SMatrix<f64, JOINTS, JOINTS>,
     /// How far from the sole's centre the zero-moment point may come, along and across [m].
     pub sole_edge: [f64; 2],
-    /// Weight times that: the ankle's pitch and roll torque at rest that bring it there [N·m].
-    pub ankle_limit: [f64; 2],
 }
 
 /// Share of the sole's half-depth and half-width to which the zero-moment point may come [-].
@@ -34,6 +32,15 @@ const SOLE_SHARE: f64 = 0.95;
 const INERTIA_MARGIN: f64 = 2.0;
 
 impl Constants {
+    /// Those of a scene's robot and its controller.
+    ///
+    /// # Errors
+    /// If the scene has no controller, or one for another robot.
+    pub fn of(scene: &Scene) -> Result<Self, ControllerError> {
+        let settings = scene.controller.as_ref().ok_or(ControllerError::NoController)?;
+        Constants::new(&Chain::new(&scene.bodies)?, settings, &scene.plant)
+    }
+
     /// Computes them at height z_c, x_2 = .4 W_2 and the swing foot up, amid a step.
     ///
     /// # Errors
@@ -56,7 +63,6 @@ impl Constants {
             nominal_inertia: nominal_inertia(inertia),
             inertia,
             sole_edge: chain.sole_half.map(|half| SOLE_SHARE * half),
-            ankle_limit: chain.sole_half.map(|half| SOLE_SHARE * half * weight),
         })
     }
 }

@@ -19,6 +19,9 @@ const LEVEL_WEIGHT: f64 = 100.0;
 /// Rate k at which its pitch decays [1/s].
 pub(crate) const LEVEL_GAIN: f64 = 40.0;
 
+/// A joint that takes less than this share in the rates that leave the task alone does not move by them [-].
+const LEAST_SHARE: f64 = 1e-12;
+
 /// s: the joints whose angles add up to the swing foot's pitch.
 fn pitch_sum() -> Joints {
     Joints::from([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
@@ -108,9 +111,6 @@ pub fn resolve_bounded(
     (least <= most).then(|| within(0.0_f64.max(least).min(most)))
 }
 
-/// A joint that takes less than this share in n does not move along it [-].
-const LEAST_SHARE: f64 = 1e-12;
-
 /// The same by an interior-point method, for comparison: it allocates. A fresh solver each time, for one that is updated in place gives
 /// other bits than a new one.
 pub fn resolve_by_interior_points(
@@ -149,52 +149,4 @@ pub fn resolve_by_interior_points(
 /// A column-major matrix as rows, which is what the solver reads.
 fn rows(column_major: &[f64], height: usize, width: usize) -> Vec<Vec<f64>> {
     (0..height).map(|i| (0..width).map(|j| column_major[i + j * height]).collect()).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::support::Chain;
-    use messages::robot::{CROUCH, table_1};
-
-    /// Random postures, rates and bounds, from wide ones to those that nothing meets.
-    #[test]
-    fn bounded_rates_are_those_of_an_interior_point_method() {
-        let seed = fastrand::u64(..);
-        println!("seed {seed}");
-        let mut random = fastrand::Rng::with_seed(seed);
-        let mut symmetric = |size: f64| size * (2.0 * random.f64() - 1.0);
-        let chain = Chain::new(&table_1()).expect("the paper's robot");
-        let (mut bound, mut refused) = (0, 0);
-        for _ in 0..1000 {
-            let s = Joints::from(CROUCH) + Joints::from_fn(|_, _| symmetric(0.2));
-            let task = chain.task(&s);
-            let (xdot, bias) = (TaskVector::from_fn(|_, _| symmetric(0.3)), super::bias(symmetric(0.1)));
-            let free = resolve(&task.jacobian, &xdot, &bias).expect("bent knees");
-            let size = free.amax() * (1.0 + symmetric(0.4));
-            let (lower, upper) =
-                (Joints::from_fn(|_, _| symmetric(0.1) - size), Joints::from_fn(|_, _| symmetric(0.1) + size));
-            let ours = resolve_bounded(&task.jacobian, &xdot, &bias, &lower, &upper);
-            let theirs = resolve_by_interior_points(&task.jacobian, &xdot, &bias, &lower, &upper);
-            match (ours, theirs) {
-                (Some(ours), Some(theirs)) => {
-                    bound += usize::from((ours - free).amax() > 1e-6);
-                    let difference = (ours - theirs).amax() / size;
-                    assert!(difference < 1e-8, "{difference:e}: {ours} beside {theirs}");
-                    assert!((task.jacobian * ours - xdot).amax() < 1e-12 * size.max(1.0), "(29)");
-                }
-                (None, None) => refused += 1,
-                // The interior-point method takes what is astray by its own tolerance, or gives up just inside.
-                (ours, theirs) => {
-                    let slack = Joints::repeat(1e-6 * size);
-                    let (lower, upper) =
-                        if ours.is_some() { (lower + slack, upper - slack) } else { (lower - slack, upper + slack) };
-                    let again = resolve_bounded(&task.jacobian, &xdot, &bias, &lower, &upper);
-                    assert_eq!(again.is_some(), theirs.is_some(), "{ours:?} beside {theirs:?}");
-                }
-            }
-        }
-        println!("{bound} of 1000 at a bound, {refused} without any solution");
-        assert!(bound > 100 && refused > 100, "{bound} and {refused}");
-    }
 }

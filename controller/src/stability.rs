@@ -16,7 +16,7 @@
 
 use crate::constants::Constants;
 use crate::error::ControllerError;
-use crate::support::{Chain, Joints};
+use crate::support::Joints;
 use messages::scene::{Method, Scene};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::TAU;
@@ -52,7 +52,7 @@ const U: usize = 3;
 /// If the scene has no controller for its robot.
 pub fn loops(scene: &Scene) -> Result<Vec<ServoLoop>, ControllerError> {
     let settings = scene.controller.as_ref().ok_or(ControllerError::NoController)?;
-    let constants = Constants::new(&Chain::new(&scene.bodies)?, settings, &scene.plant)?;
+    let constants = Constants::of(scene)?;
     let scale: Joints = constants.nominal_inertia.map(f64::sqrt);
     // Eigenvalues of J_n^{-1/2} M J_n^{-1/2} are 1/λ.
     let scaled = constants.inertia.map_with_location(|i, j, m| m / (scale[i] * scale[j]));
@@ -134,9 +134,7 @@ mod tests {
     #[test]
     fn the_loop_of_all_joints_is_as_stable_as_the_worst_of_the_eight() {
         let scene = Scene { controller: Some(ControllerScene::default()), ..Scene::default() };
-        let settings = ControllerScene::default();
-        let chain = Chain::new(&scene.bodies).expect("the paper's robot");
-        let constants = Constants::new(&chain, &settings, &scene.plant).expect("its posture");
+        let constants = Constants::of(&scene).expect("the paper's robot");
         let inverse = constants.inertia.try_inverse().expect("it has mass");
         let coupling = inverse * nalgebra::SMatrix::from_diagonal(&constants.nominal_inertia); // M⁻¹J_n
         let loops = of_the_paper();

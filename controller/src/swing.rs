@@ -24,6 +24,9 @@ impl Lift {
     }
 }
 
+/// A least-jerk motion from rest to rest over a distance d in a time t accelerates by at most this times d/t² [-].
+pub const LEAST_JERK_PEAK: f64 = 5.7735;
+
 /// Position, velocity and acceleration along one axis [m, m/s, m/s²].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Travel {

@@ -199,11 +199,12 @@ impl Model {
     ) -> Option<Joints> {
         let measures = &self.chain.measures;
         let bias = rate::bias(task.swing_pitch / measures.time);
-        let free = rate::resolve(&task.jacobian, &plan.xdot, &bias)?;
-        let within = |free: Joints, low: &Joints, high: &Joints| free.zip_zip_map(low, high, f64::clamp);
+        let clamped = |low: &Joints, high: &Joints| {
+            rate::resolve(&task.jacobian, &plan.xdot, &bias).map(|free| free.zip_zip_map(low, high, f64::clamp))
+        };
         let hard = Joints::repeat(measures.rate_limit);
         if self.scene.rate_limit.is_none() && self.scene.torque_bound.is_none() {
-            return Some(within(free, &-hard, &hard));
+            return clamped(&-hard, &hard);
         }
         let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(measures.rate_limit));
         let mut low = -high;
@@ -214,7 +215,7 @@ impl Model {
             low = least.zip_zip_map(&low, &high, f64::clamp);
         }
         let bounded = rate::resolve_bounded(&task.jacobian, &plan.xdot, &bias, &low, &high);
-        Some(bounded.unwrap_or_else(|| within(free, &low, &high)))
+        bounded.or_else(|| clamped(&low, &high))
     }
 
     /// Least and greatest torques in support order: the drives', and at the ankles those that leave the soles flat [N·m].
@@ -235,18 +236,17 @@ impl Model {
                 [low, high].map(|torque| torque.clamp(-self.torque_limit, self.torque_limit));
         };
         for ankle in Ankle::BOTH {
-            let (stance, swing) = (ankle.joint(), JOINTS - 1 - ankle.joint());
-            let level = self.constants.ankle_limit[ankle.axis()];
-            let (upper, other) =
-                (level * plan.load, level * if plan.load < 1.0 { 1.0 - plan.load } else { SWING_SHARE[ankle.axis()] });
-            if plan.load < 1.0 {
-                narrow(stance, [-upper, upper]);
+            let k = ankle.axis();
+            let (edge, omega) = (self.constants.sole_edge[k], self.constants.omega[k]);
+            let level = edge * (self.chain.total_mass * self.gravity);
+            let at_rest = |share: f64| [-level * share, level * share];
+            let (stance, swing) = if plan.load < 1.0 {
+                (at_rest(plan.load), at_rest(1.0 - plan.load))
             } else {
-                let edge = loaded * self.constants.sole_edge[ankle.axis()];
-                let omega = self.constants.omega[ankle.axis()];
-                narrow(stance, self.chain.ankle_range(task, ankle, self.gravity, omega, edge));
-            }
-            narrow(swing, [-other, other]);
+                (self.chain.ankle_range(task, ankle, self.gravity, omega, loaded * edge), at_rest(SWING_SHARE[k]))
+            };
+            narrow(ankle.joint(), stance);
+            narrow(JOINTS - 1 - ankle.joint(), swing);
         }
         limits
     }

@@ -58,11 +58,8 @@ fn orbit<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
 
 /// The orbit (33) with E_2 = E_2ref, half the feet's distance wide.
 fn reference(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
-    let walking: Vec<&Telemetry> = (recorder.rows.iter().map(|row| &row.truth.telemetry))
-        .filter(|telemetry| PHASES.get(telemetry.phase as usize) == Some(&"walk"))
-        .collect();
-    let energy = walking.last()?.energy_ref[1];
-    let omega = omega(&walking).filter(|_| energy < 0.0)?;
+    let energy = walking(recorder).last()?.energy_ref[1];
+    let omega = omega(recorder).filter(|_| energy < 0.0)?;
     let [left, right] = recorder.rows.last()?.sample.soles?;
     let x_min = (-2.0 * energy).sqrt() / omega;
     let half = (left.centre.y - right.centre.y).abs() / 2.0;
@@ -72,9 +69,15 @@ fn reference(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
     )
 }
 
+/// What the planner said while the robot walked.
+fn walking(recorder: &Recorder) -> impl Iterator<Item = &Telemetry> {
+    let all = recorder.rows.iter().map(|row| &row.truth.telemetry);
+    all.filter(|telemetry| PHASES.get(telemetry.phase as usize) == Some(&"walk"))
+}
+
 /// ω_2, from the planner's own states and energies by (33): the median of sqrt(v² − 2E)/x.
-fn omega(walking: &[&Telemetry]) -> Option<f64> {
-    let mut estimates: Vec<f64> = (walking.iter())
+fn omega(recorder: &Recorder) -> Option<f64> {
+    let mut estimates: Vec<f64> = walking(recorder)
         .map(|telemetry| (telemetry.pendulum[3].powi(2) - 2.0 * telemetry.energy[1]).sqrt() / telemetry.pendulum[2])
         .filter(|omega| omega.is_finite() && *omega > 0.0)
         .collect();
@@ -84,8 +87,7 @@ fn omega(walking: &[&Telemetry]) -> Option<f64> {
 
 /// E_2 as the planner estimates it, that of the robot's own centre of mass by (33), and the reference.
 fn energy(recorder: &Recorder) -> String {
-    let walking: Vec<&Telemetry> = recorder.rows.iter().map(|row| &row.truth.telemetry).collect();
-    let omega = omega(&walking).unwrap_or(f64::NAN);
+    let omega = omega(recorder).unwrap_or(f64::NAN);
     let own = |row: &Row| {
         let lateral = Lateral::new(&row.sample);
         lateral.map_or(f64::NAN, |at| 0.5 * (at.velocity.powi(2) - (omega * at.position).powi(2)))

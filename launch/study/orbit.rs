@@ -8,10 +8,9 @@ use super::pushes::{Push, disturbed};
 use crate::exit::Failure;
 use crate::list::SCENES;
 use controller::constants::Constants;
-use controller::error::ControllerError;
 use controller::process::ProcessError;
-use controller::support::Chain;
 use messages::load::load;
+use messages::scene::Scene;
 use std::sync::atomic::AtomicBool;
 
 /// Gains k_E of (39) [1/s].
@@ -29,35 +28,31 @@ const MEASURED: usize = 2;
 /// # Errors
 /// Ctrl-C, or a bad scene, which a test excludes.
 pub fn rows(stop: &AtomicBool) -> Result<Vec<Vec<String>>, Failure> {
-    let steps = (0..SHOWN).map(|step| format!("step {step}"));
-    let mut rows =
-        vec![[String::from("E_2 after a push, of its first deviation")].into_iter().chain(steps).collect::<Vec<_>>()];
-    rows[0].push("rate 1/s".into());
+    let headings = (0..SHOWN).map(|step| format!("step {step}"));
+    let first = ["E_2 after a push, of its first deviation".into()];
+    let mut rows = vec![first.into_iter().chain(headings).chain(["rate 1/s".into()]).collect()];
     for gain in GAINS {
-        let deviations = deviations(gain, stop)?;
-        let half_period = 0.3;
+        let scene = load("stamp", &[format!("duration={END}"), format!("controller.energy_gain={gain}")], SCENES)?;
+        let step = 0.5 * scene.controller.as_ref().map_or(f64::NAN, |controller| controller.period);
+        let deviations = deviations(&scene, stop)?;
         let shares: Vec<f64> = deviations.iter().map(|deviation| deviation / deviations[0]).collect();
-        let rate = -shares[MEASURED].ln() / (MEASURED as f64 * half_period);
-        let theory: Vec<f64> = (0..SHOWN).map(|step| (-gain * step as f64 * half_period).exp()).collect();
+        let rate = -shares[MEASURED].ln() / (MEASURED as f64 * step);
+        let theory: Vec<f64> = (0..SHOWN).map(|k| (-gain * k as f64 * step).exp()).collect();
         for (who, shares, rate) in [("the robot", shares, rate), ("by (41)", theory, gain)] {
             let cells = shares.iter().map(|share| format!("{share:.2}"));
-            let row = [format!("k_E = {gain}, {who}")].into_iter().chain(cells).chain([format!("{rate:.2}")]);
-            rows.push(row.collect());
+            rows.push(
+                [format!("k_E = {gain}, {who}")].into_iter().chain(cells).chain([format!("{rate:.2}")]).collect(),
+            );
         }
     }
     Ok(rows)
 }
 
 /// Deviations of E_2 at the turning points from the step of the push on [m²/s²].
-fn deviations(gain: f64, stop: &AtomicBool) -> Result<Vec<f64>, Failure> {
-    let settings = [format!("duration={END}"), format!("controller.energy_gain={gain}")];
-    let scene = load("stamp", &settings, SCENES)?;
-    let bad = |error: ControllerError| Failure::from(ProcessError::from(error));
-    let chain = Chain::new(&scene.bodies).map_err(bad)?;
-    let controller = scene.controller.clone().unwrap_or_default();
-    let omega = Constants::new(&chain, &controller, &scene.plant).map_err(bad)?.omega[1];
+fn deviations(scene: &Scene, stop: &AtomicBool) -> Result<Vec<f64>, Failure> {
+    let omega = Constants::of(scene).map_err(ProcessError::from)?.omega[1];
     let energies = |impulse: f64| -> Result<Vec<f64>, Failure> {
-        let (recorder, _) = disturbed(&scene, &[Push { time: TIME, impulse: [0.0, impulse, 0.0] }], stop)?;
+        let recorder = disturbed(scene, &[Push { time: TIME, impulse: [0.0, impulse, 0.0] }], stop)?.recorder;
         let after = recorder.gait.complete().iter().filter(|step| step.start > TIME);
         Ok(after.map(|step| -0.5 * (omega * step.x2_min).powi(2)).take(SHOWN).collect())
     };

@@ -6,7 +6,7 @@
 mod limit;
 mod trial;
 
-use super::{Study, StudyArgs, hand_out, table};
+use super::{Study, StudyArgs, belongs_to, comma_separated, hand_out, table};
 use crate::exit::{Exit, Failure};
 use crate::list::SCENES;
 use clap::{Args, ValueEnum};
@@ -16,7 +16,6 @@ use messages::scene::Scene;
 use rayon::prelude::*;
 use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::atomic::AtomicBool;
-use trial::Trial;
 pub use trial::{Push, disturbed};
 
 /// What else `biped study pushes` can be asked.
@@ -52,10 +51,7 @@ impl PushArgs {
         ];
         match (study, given.iter().find(|option| option.1)) {
             (Study::Pushes, _) | (_, None) => (),
-            (_, Some((name, _))) => {
-                let words = format!("{name} is of `study pushes`: other tables have their cases");
-                return Err(Failure::new(Exit::Usage, words));
-            }
+            (_, Some((name, _))) => return Err(belongs_to(name, "pushes")),
         }
         if self.offset.is_some_and(|offset| !(0.0..1.0).contains(&offset)) {
             return Err(Failure::new(
@@ -67,9 +63,9 @@ impl PushArgs {
     }
 
     /// Times of the phases, as shares of a period.
-    fn shares(&self) -> impl Iterator<Item = f64> {
+    fn shares(&self) -> Vec<f64> {
         let (phases, offset) = (self.phases.unwrap_or(12), self.offset.unwrap_or(0.0));
-        (0..phases).map(move |k| (f64::from(k) + offset) / f64::from(phases))
+        (0..phases).map(|k| (f64::from(k) + offset) / f64::from(phases)).collect()
     }
 }
 
@@ -120,12 +116,6 @@ const DURATION: f64 = 0.05;
 const WALKS: [(usize, f64, f64); 2] = [(10, 600.0, 3.0), (10, 120.0, 5.0)];
 const EVERY: f64 = 5.0;
 
-/// What is run: a phase of one gait and one direction, or a long walk.
-enum Job<'a> {
-    Phase { scene: &'a Scene, direction: Direction, time: f64 },
-    Walk { scene: &'a Scene, most: f64, seed: u64 },
-}
-
 /// Runs all of it on all cores, prints the tables and writes them, if asked to.
 ///
 /// # Errors
@@ -135,49 +125,82 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let scenes: Vec<Scene> =
         GAITS.iter().map(|(name, _)| load(name, &asked.settings, SCENES)).collect::<Result<_, _>>()?;
     let directions = if asked.directions.is_empty() { Direction::value_variants() } else { &asked.directions };
-    let mut jobs = Vec::new();
+    let shares = asked.shares();
+    let mut phases = Vec::new();
     for scene in &scenes {
-        let period = scene.controller.as_ref().map_or(0.0, |controller| controller.period);
         for &direction in directions {
-            jobs.extend(asked.shares().map(|share| Job::Phase { scene, direction, time: BEGIN + share * period }));
+            phases.extend(shares.iter().map(|&share| (scene, direction, share)));
         }
     }
-    let singles = jobs.len();
-    let walks = WALKS.map(|(_, duration, _)| Scene { duration, ..scenes[0].clone() });
-    for (scene, (count, _, most)) in walks.iter().zip(WALKS) {
+    let mut walks = Vec::new();
+    for (count, duration, most) in WALKS {
         let first = asked.seed.unwrap_or(1);
-        jobs.extend((0..count as u64).map(|k| Job::Walk { scene, most, seed: first.wrapping_add(k) }));
+        walks.extend((0..count as u64).map(|k| (duration, most, first.wrapping_add(k))));
     }
-    let bar = super::bar(args, jobs.len(), "phases and walks");
-    let study = |job: &Job| {
-        let result = job.run(stop);
-        bar.inc(1);
-        result
-    };
-    let results: Vec<Trial> = jobs.par_iter().map(study).collect::<Result<_, Failure>>()?;
+    let bar = super::bar(args, phases.len() + walks.len(), "phases and walks");
+    let borne: Vec<f64> = phases
+        .par_iter()
+        .map(|&(scene, direction, share)| borne(scene, direction, share, stop).inspect(|_| bar.inc(1)))
+        .collect::<Result<_, _>>()?;
+    let ends: Vec<(Option<f64>, f64)> = walks
+        .par_iter()
+        .map(|&(duration, most, seed)| {
+            let scene = Scene { duration, ..scenes[0].clone() };
+            long_walk(&scene, most, seed, stop).inspect(|_| bar.inc(1))
+        })
+        .collect::<Result<_, _>>()?;
     bar.finish_and_clear();
-    let (singles, mut long) = results.split_at(singles);
-    let mut phases = singles.chunks(asked.shares().count());
+    let mut singles = borne.chunks(shares.len());
     let mut rows = vec![headings(&["gait", "direction", "least", "mean", "limit, least", "limit, mean", "by phase"])];
     for (scene, (_, gait)) in scenes.iter().zip(GAITS) {
         let pendulum = Pendulum::of(scene, stop)?;
-        for &direction in directions {
-            let borne: Vec<f64> = phases.next().into_iter().flatten().map(|trial| trial.borne).collect();
-            let limits: Vec<f64> = asked.shares().map(|share| pendulum.limit(direction, share)).collect();
-            rows.push(row(gait, direction, &borne, &limits));
+        for (&direction, borne) in directions.iter().zip(&mut singles) {
+            let limits: Vec<f64> = shares.iter().map(|&share| pendulum.limit(direction, share)).collect();
+            rows.push(row(gait, direction, borne, &limits));
         }
     }
     let mut walked = vec![headings(&["walks", "pushed every 5 s by up to", "fell", "at s", "greatest yaw °"])];
+    let mut ends = ends.as_slice();
     for (count, duration, most) in WALKS {
-        let (these, others) = long.split_at(count);
-        long = others;
-        let falls: Vec<String> = these.iter().filter_map(|trial| trial.fall).map(|time| format!("{time:.0}")).collect();
-        let yaw = these.iter().filter(|trial| trial.fall.is_none()).map(|trial| trial.yaw).fold(0.0, f64::max);
+        let (these, others) = ends.split_at(count);
+        ends = others;
+        let falls: Vec<String> = these.iter().filter_map(|(fall, _)| fall.map(|time| format!("{time:.0}"))).collect();
+        let yaw = these.iter().filter(|(fall, _)| fall.is_none()).map(|(_, yaw)| *yaw).fold(0.0, f64::max);
         let cells = [format!("{count} of {duration} s"), format!("{most} N·s"), falls.len().to_string()];
         walked.push([&cells[..], &[falls.join(" "), format!("{yaw:.0}")]].concat());
     }
     let text = format!("{}\n{}", table(&rows), table(&walked));
-    hand_out(args, &text, &(super::comma_separated(&rows) + &super::comma_separated(&walked)))
+    hand_out(args, &text, &(comma_separated(&rows) + &comma_separated(&walked)))
+}
+
+/// Greatest impulse [N·s] up to which every smaller one is borne, pushed `share` of a period after [`BEGIN`].
+fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> Result<f64, Failure> {
+    let period = scene.controller.as_ref().map_or(0.0, |controller| controller.period);
+    let time = BEGIN + share * period;
+    let scene = Scene { duration: time + AFTER, ..scene.clone() };
+    let mut borne = 0.0;
+    while borne < GREATEST {
+        let impulse = direction.unit().map(|part| part * (borne + GROWTH));
+        if disturbed(&scene, &[Push { time, impulse }], stop)?.fall.is_some() {
+            break;
+        }
+        borne += GROWTH;
+    }
+    Ok(borne)
+}
+
+/// When a walk fell [s] that is pushed by up to `most` [N·s] at random, and its greatest yaw [deg].
+fn long_walk(scene: &Scene, most: f64, seed: u64, stop: &AtomicBool) -> Result<(Option<f64>, f64), Failure> {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let count = ((scene.duration - BEGIN) / EVERY) as usize;
+    let push = |k| {
+        let (angle, size) = (TAU * random.f64(), most * random.f64());
+        let time = BEGIN + EVERY * k as f64 + random.f64();
+        Push { time, impulse: [size * angle.cos(), size * angle.sin(), 0.0] }
+    };
+    let pushes: Vec<Push> = (0..count).map(push).collect();
+    let end = disturbed(scene, &pushes, stop)?;
+    Ok((end.fall, end.yaw))
 }
 
 fn headings(names: &[&str]) -> Vec<String> {
@@ -197,36 +220,4 @@ fn row(gait: &str, direction: Direction, borne: &[f64], limits: &[f64]) -> Vec<S
         number(mean(limits)),
         borne.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" "),
     ]
-}
-
-impl Job<'_> {
-    fn run(&self, stop: &AtomicBool) -> Result<Trial, Failure> {
-        match *self {
-            Job::Phase { scene, direction, time } => {
-                let scene = Scene { duration: time + AFTER, ..scene.clone() };
-                let mut borne = 0.0;
-                while borne < GREATEST {
-                    let impulse = direction.unit().map(|share| share * (borne + GROWTH));
-                    let trial = trial::run(&scene, &[Push { time, impulse }], stop)?;
-                    if trial.fall.is_some() {
-                        break;
-                    }
-                    borne += GROWTH;
-                }
-                Ok(Trial { borne, ..Trial::default() })
-            }
-            Job::Walk { scene, most, seed } => {
-                let mut random = fastrand::Rng::with_seed(seed);
-                let count = ((scene.duration - BEGIN) / EVERY) as usize;
-                let pushes: Vec<Push> = (0..count)
-                    .map(|k| {
-                        let (angle, size) = (TAU * random.f64(), most * random.f64());
-                        let time = BEGIN + EVERY * k as f64 + random.f64();
-                        Push { time, impulse: [size * angle.cos(), size * angle.sin(), 0.0] }
-                    })
-                    .collect();
-                trial::run(scene, &pushes, stop)
-            }
-        }
-    }
 }

@@ -10,7 +10,7 @@
 
 use super::{GaitModel, GaitState};
 use crate::pendulum::{Flow, Motion};
-use crate::swing::Travel;
+use crate::swing::{LEAST_JERK_PEAK, Travel};
 
 /// Share of a deviation that the ankle takes, g [-].
 const ANKLE_SHARE: f64 = 0.7;
@@ -18,8 +18,6 @@ const ANKLE_SHARE: f64 = 0.7;
 const CLEAR: f64 = 0.3;
 /// Acceleration that the foot may have, over that of the steady gait [-].
 const SPARE: f64 = 1.25;
-/// A least-jerk motion from rest to rest over a distance d in a time t accelerates by at most this times d/t² [-].
-const LEAST_JERK_PEAK: f64 = 5.7735;
 
 impl GaitModel {
     /// Chooses where the foot lands, moves it on its way there, and returns the zero-moment point for the ankle [m].

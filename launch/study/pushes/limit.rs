@@ -11,12 +11,15 @@
 //! The diagonals have no bound of their own.
 
 use super::{BEGIN, DURATION, Direction};
-use crate::exit::{Exit, Failure};
+use crate::exit::{Failure, unless};
 use crate::record::Recorder;
 use crate::run::in_process;
 use controller::constants::Constants;
 use controller::error::ControllerError;
+use controller::pendulum::{Flow, Motion};
+use controller::process::ProcessError;
 use controller::support::Chain;
+use controller::swing::LEAST_JERK_PEAK;
 use messages::scene::Scene;
 use messages::wire::Telemetry;
 use std::sync::atomic::AtomicBool;
@@ -27,8 +30,6 @@ const SWING: f64 = 25.0;
 /// Impulse that no phase bears from the side [N·s], and how often the interval up to it is halved.
 const LATERAL_MOST: f64 = 50.0;
 const HALVINGS: usize = 30;
-/// A least-jerk motion over d in t accelerates by at most this times d/t² [-].
-const LEAST_JERK_PEAK: f64 = 5.7735;
 
 /// The undisturbed gait over one period, and the robot.
 pub struct Pendulum {
@@ -53,16 +54,14 @@ impl Pendulum {
     /// # Errors
     /// A bad scene, or Ctrl-C.
     pub fn of(scene: &Scene, stop: &AtomicBool) -> Result<Pendulum, Failure> {
-        let bad = |error: ControllerError| Failure::new(Exit::Usage, error.to_string());
-        let settings =
-            scene.controller.clone().ok_or_else(|| Failure::new(Exit::Usage, "the scene has no controller"))?;
-        let chain = Chain::new(&scene.bodies).map_err(bad)?;
-        let omega = Constants::new(&chain, &settings, &scene.plant).map_err(bad)?.omega;
+        let settings = scene.controller.clone().ok_or(ControllerError::NoController).map_err(ProcessError::from)?;
+        let chain = Chain::new(&scene.bodies).map_err(ProcessError::from)?;
+        let omega = Constants::new(&chain, &settings, &scene.plant).map_err(ProcessError::from)?.omega;
         let scene = Scene { duration: BEGIN + settings.period, ..scene.clone() };
         let mut recorder = Recorder::without_rows(&scene);
         let mut states = Vec::new();
         in_process(&scene, |truth| {
-            crate::exit::unless(stop)?;
+            unless(stop)?;
             recorder.push(truth);
             if truth.stamp.sim_ns as f64 * 1e-9 >= BEGIN {
                 states.push(truth.telemetry);
@@ -125,16 +124,16 @@ impl Pendulum {
 
     fn lateral(&self, state: &Telemetry, outward: bool) -> f64 {
         let (omega, edge) = (self.omega[1], self.edge[1]);
+        let period = Flow::new(omega, self.h);
         let bears = |impulse: f64| {
-            let (mut x, mut v) = (state.pendulum[2], state.pendulum[3]);
+            let mut at = Motion { x: state.pendulum[2], v: state.pendulum[3] };
             let push = if outward { -impulse } else { impulse } * omega / (self.per_shift[1] * DURATION);
             for _ in 0..(DURATION / self.h) as usize {
-                let over = x >= 0.5 * self.width; // the other foot carries
+                let over = at.x >= 0.5 * self.width; // the other foot carries
                 let p = if outward { -edge } else { edge + if over { self.width } else { 0.0 } };
-                v += self.h * (omega * omega * (x - p) + push);
-                x += self.h * v;
+                at = at.after(&period, push - omega * omega * p);
             }
-            (-edge..=self.width + edge).contains(&(x + v / omega))
+            (-edge..=self.width + edge).contains(&(at.x + at.v / omega))
         };
         let (mut least, mut most) = (0.0, LATERAL_MOST);
         for _ in 0..HALVINGS {

@@ -4,6 +4,7 @@ use super::DURATION;
 use crate::exit::{Exit, Failure, unless};
 use crate::record::Recorder;
 use crate::run::disturbed_in_process;
+use crate::summary::yaw;
 use messages::scene::Scene;
 use std::sync::atomic::AtomicBool;
 
@@ -16,11 +17,10 @@ pub struct Push {
     pub impulse: [f64; 3],
 }
 
-/// What became of a run, or of all runs at one phase.
-#[derive(Clone, Copy, Default)]
+/// What became of a run.
 pub struct Trial {
-    /// Greatest impulse borne [N·s].
-    pub borne: f64,
+    /// All that was recorded, but for rows.
+    pub recorder: Recorder,
     /// When the robot fell [s].
     pub fall: Option<f64>,
     /// Greatest angle of the trunk about the vertical [deg].
@@ -31,25 +31,15 @@ pub struct Trial {
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is bad. What fails otherwise is a fall.
-pub fn run(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, Failure> {
-    let (recorder, trial) = disturbed(scene, pushes, stop)?;
-    Ok(Trial { fall: recorder.extremes.fall.or(trial.fall), ..trial })
-}
-
-/// The same, with all that was recorded but for rows.
-///
-/// # Errors
-/// As [`run`].
-pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<(Recorder, Trial), Failure> {
+pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, Failure> {
     let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
     let mut recorder = Recorder::without_rows(scene);
-    let (mut next, mut yaw, mut time) = (0, 0.0_f64, 0.0);
+    let (mut next, mut turned, mut time) = (0, 0.0_f64, 0.0);
     let end = disturbed_in_process(scene, |truth, simulation| {
         unless(stop)?;
         recorder.push(truth);
         time = truth.stamp.sim_ns as f64 * 1e-9;
-        let [w, x, y, z] = truth.base_orientation;
-        yaw = yaw.max((2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z)).to_degrees().abs());
+        turned = turned.max(yaw(truth.base_orientation).to_degrees().abs());
         while let Some(push) = pushes.get(next).filter(|push| push.time <= time) {
             simulation.push(base, push.impulse, DURATION);
             next += 1;
@@ -58,8 +48,8 @@ pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<(R
     });
     let fall = match end {
         Err(failure) if failure.exit == Exit::Interrupted || time == 0.0 => return Err(failure),
-        Err(_) => Some(time), // what fails after a fall fails because of it
+        Err(_) => recorder.extremes.fall.or(Some(time)),
         Ok(()) => None,
     };
-    Ok((recorder, Trial { fall, yaw, ..Trial::default() }))
+    Ok(Trial { recorder, fall, yaw: turned })
 }
