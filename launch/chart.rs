@@ -32,7 +32,7 @@ mod trial;
 
 use self::core::Core;
 use crate::exit::{Failure, unless};
-use crate::output::{folder, say, unwritten, write_whole};
+use crate::output::{folder, say, tell, unwritten, write_whole};
 use clap::Args;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::IsTerminal;
@@ -167,7 +167,7 @@ impl<'a> Watch<'a> {
             && told.elapsed() > Duration::from_secs(5)
         {
             *told = Instant::now();
-            eprintln!("{} of {} runs, {job:?}", self.bar.position(), self.bar.length().unwrap_or(0));
+            tell(format_args!("{} of {} runs, {job:?}", self.bar.position(), self.bar.length().unwrap_or(0)));
         }
         unless(self.stop)
     }
@@ -175,7 +175,7 @@ impl<'a> Watch<'a> {
     /// Says a line beside the bar.
     fn tell(&self, line: &str) {
         match self.lines {
-            true => eprintln!("{line}"),
+            true => tell(line),
             false => self.bar.println(line),
         }
     }

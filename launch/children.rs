@@ -1,7 +1,10 @@
 //! The two processes: started, watched, and never left behind. Either may be somebody else's program.
 
+mod stderr;
+
 use crate::exit::{Exit, Failure};
 use crate::export;
+use crate::output::tell;
 use clap::Args;
 use indicatif::ProgressBar;
 use messages::invitation::Invitation;
@@ -12,12 +15,13 @@ use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid};
 use nix::unistd::{Pid, getppid};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::process::PidfdFlags;
-use std::io::{BufRead, BufReader};
 use std::os::fd::OwnedFd;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+use stderr::Author;
+pub use stderr::hear;
 
 /// Time that a process gets to end in order before it is killed.
 const GRACE: Duration = Duration::from_secs(2);
@@ -96,21 +100,9 @@ impl Role {
             .spawn()
             .map_err(failed)?;
         let bar = bar.clone();
-        let listen = |stderr| {
-            std::thread::spawn(move || {
-                let mut errors: Vec<String> = Vec::new();
-                for line in BufReader::new(stderr).lines().map_while(Result::ok) {
-                    // An error may have more lines, such as the caret under a word.
-                    match line.strip_prefix("error: ") {
-                        Some(error) => errors.push(error.into()),
-                        None if !errors.is_empty() || is_a_crash(&line) => errors.push(line),
-                        None => bar.suspend(|| eprintln!("{name}: {line}")),
-                    }
-                }
-                errors
-            })
-        };
-        let complaints = process.stderr.take().map(listen);
+        let author = if grouped { Author::Foreign } else { Author::Ours };
+        let show = move |line: &str| bar.suspend(|| tell(format_args!("{name}: {line}")));
+        let complaints = process.stderr.take().map(|stderr| stderr::listen(stderr, author, show));
         let number = rustix::process::Pid::from_child(&process);
         let end = rustix::process::pidfd_open(number, PidfdFlags::empty()).ok();
         Ok(Role { name, process, grouped, end, status: None, complaints })
@@ -223,11 +215,6 @@ pub fn end_rest(process: &Child) {
     if status.is_ok_and(|status| status != WaitStatus::StillAlive) {
         let _ = kill(Pid::from_raw(-pid), Signal::SIGKILL);
     }
-}
-
-/// The first line of a panic, or of what Python says when it ends by an exception.
-fn is_a_crash(line: &str) -> bool {
-    line.starts_with("thread '") || line.starts_with("Traceback ")
 }
 
 /// All that somebody else's program must know to take part: the invitation, and the robot. `biped` is among its programs.

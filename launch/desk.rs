@@ -3,40 +3,69 @@
 use crate::exit::{Exit, Failure};
 use crate::output::say;
 use clap::{ArgGroup, Args, Subcommand};
+use controller::Controller;
+use messages::load::parse;
 use messages::port::{Ask, Verdict, ask};
+use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::STATES;
 
 /// Which session.
 #[derive(Args, Clone)]
 pub struct SessionArgs {
-    /// Name of the session; without it, the one that is running
+    /// Name of the session; without it, the one that is running under a name
     #[arg(long)]
     session: Option<String>,
 }
 
 impl SessionArgs {
-    /// The session named, or the only one that is running.
+    /// The session to look at: the one named, or the only one that is running.
     ///
     /// # Errors
     /// If there is none, or more than one to choose from.
     pub fn find(&self) -> Result<Session, Failure> {
-        if let Some(name) = &self.session {
-            return Ok(Session::named(name)?);
-        }
-        let mut running = Session::running();
-        match running.len() {
-            1 => Ok(running.remove(0)),
-            0 => Err(Failure::new(
-                Exit::PeerMissing,
-                "no session is running: start one with `biped run walk --realtime`",
-            )),
-            _ => {
-                let names: Vec<&str> = running.iter().map(Session::name).collect();
-                let which =
-                    format!("{} sessions are running: choose one by --session {}", names.len(), names.join(" | "));
-                Err(Failure::new(Exit::Usage, which))
-            }
+        self.named().unwrap_or_else(|| only(Session::running()))
+    }
+
+    /// The session to speak to: the one named, or the only one that somebody named. A run without a name is to be left alone, as
+    /// others count on its bits.
+    ///
+    /// # Errors
+    /// As [`SessionArgs::find`].
+    pub fn find_named(&self) -> Result<Session, Failure> {
+        self.named().unwrap_or_else(|| only_named(Session::running()))
+    }
+
+    fn named(&self) -> Option<Result<Session, Failure>> {
+        self.session.as_ref().map(|name| Ok(Session::named(name)?))
+    }
+}
+
+fn only_named(running: Vec<Session>) -> Result<Session, Failure> {
+    let (named, unnamed): (Vec<_>, Vec<_>) = running.into_iter().partition(Session::is_named);
+    match unnamed.first() {
+        Some(run) if named.is_empty() => Err(Failure::new(
+            Exit::Usage,
+            format!(
+                "the run {0} has no name, and is left alone: speak to it by --session {0}, or start it with --session NAME",
+                run.name()
+            ),
+        )),
+        _ => only(named),
+    }
+}
+
+fn only(mut running: Vec<Session>) -> Result<Session, Failure> {
+    match running.len() {
+        1 => Ok(running.remove(0)),
+        0 => Err(Failure::new(
+            Exit::PeerMissing,
+            "no session is running: start one with `biped run walk --realtime --session lab`",
+        )),
+        _ => {
+            let names: Vec<&str> = running.iter().map(Session::name).collect();
+            let which = format!("{} sessions are running: choose one by --session {}", names.len(), names.join(" | "));
+            Err(Failure::new(Exit::Usage, which))
         }
     }
 }
@@ -74,9 +103,9 @@ pub struct PushArgs {
     /// Impulse x,y,z in the world: forward, left, up [N·s]
     #[arg(value_parser = vector, allow_hyphen_values = true)]
     impulse: [f64; 3],
-    /// Body that is pushed, by its number in the scene; 4 is the trunk of the paper's robot
-    #[arg(long, default_value_t = 4)]
-    body: usize,
+    /// Body that is pushed, by its number in the scene or its name; 4 is the trunk of the paper's robot
+    #[arg(long, default_value = "4")]
+    body: String,
     /// Time over which the impulse is spread [s]
     #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
     duration: f64,
@@ -128,27 +157,85 @@ pub enum Wish {
 /// # Errors
 /// If nobody is there, or it cannot be done.
 pub fn run(wish: Wish) -> Result<(), Failure> {
-    let (what, session) = match wish {
-        Wish::Pause(args) => (Ask::Pause, args.session),
-        Wish::Resume(args) => (Ask::Resume, args.session),
-        Wish::Rearm(args) => (Ask::Rearm, args.session),
-        Wish::Step(args) => (Ask::Step { periods: args.periods }, args.session),
-        Wish::Reset(args) => (Ask::Reset { seed: args.seed }, args.session),
-        Wish::Set(args) => (Ask::Set { period: args.period, speed: args.speed }, args.session),
-        Wish::Push(PushArgs { body, impulse, duration, session }) => (Ask::Push { body, impulse, duration }, session),
+    let args = match &wish {
+        Wish::Pause(args) | Wish::Resume(args) | Wish::Rearm(args) => &args.session,
+        Wish::Step(args) => &args.session,
+        Wish::Reset(args) => &args.session,
+        Wish::Set(args) => &args.session,
+        Wish::Push(args) => &args.session,
     };
-    let session = session.find()?;
+    let session = args.find_named()?;
+    let scene = session.scene().and_then(|text| parse(&text, session.name()).ok());
+    let what = match &wish {
+        Wish::Pause(_) => Ask::Pause,
+        Wish::Resume(_) => Ask::Resume,
+        Wish::Rearm(_) => Ask::Rearm,
+        Wish::Step(args) => Ask::Step { periods: args.periods },
+        Wish::Reset(args) => Ask::Reset { seed: args.seed },
+        Wish::Set(args) => Ask::Set { period: args.period, speed: args.speed },
+        Wish::Push(args) => {
+            let body = number(&args.body, scene.as_ref())?;
+            Ask::Push { body, impulse: args.impulse, duration: args.duration }
+        }
+    };
     let reply = ask(&session, what)?;
+    let name = session.name();
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
-        let words = Verdict::words(reply.verdict);
-        return Err(Failure::new(Exit::Usage, format!("the {role} of session `{}` refuses: {words}", session.name())));
+        let words = refusal(what, scene.as_ref()).unwrap_or_else(|| Verdict::words(reply.verdict).into());
+        return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
     let time = reply.stamp.sim_ns as f64 * 1e-9;
     let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
-    match what.is_for_controller() {
-        true => say(format_args!("session {}: set at t {time:.3} s\n", session.name())),
-        false => say(format_args!("session {}: t {time:.3} s, {state}\n", session.name())),
+    match (what, scene) {
+        (Ask::Set { .. }, _) => say(format_args!("session {name}: set at t {time:.3} s\n")),
+        (Ask::Push { body, impulse: [x, y, z], duration }, Some(scene)) => {
+            let mass: f64 = scene.bodies.iter().map(|body| body.mass).sum();
+            let speed = (x * x + y * y + z * z).sqrt() / mass;
+            let body = scene.bodies.get(body).map_or("?", |body| &body.name);
+            say(format_args!(
+                "session {name}: t {time:.3} s, {state}; {body} is pushed by {x},{y},{z} N·s within {duration} s, which gives all {mass:.1} kg \
+                 {speed:.2} m/s\n"
+            ));
+        }
+        _ => say(format_args!("session {name}: t {time:.3} s, {state}\n")),
     }
     Ok(())
+}
+
+/// Number of a body, which may be named.
+fn number(body: &str, scene: Option<&Scene>) -> Result<usize, Failure> {
+    if let Ok(number) = body.parse() {
+        return Ok(number);
+    }
+    let names: Vec<&str> = scene.map_or(vec![], |scene| scene.bodies.iter().map(|body| body.name.as_str()).collect());
+    names.iter().position(|name| *name == body).ok_or_else(|| {
+        let words = format!("the scene has no body `{body}`; its bodies are {}", names.join(", "));
+        Failure::new(Exit::Usage, words)
+    })
+}
+
+/// What the controller would say of set-points that it refuses: what is possible.
+fn refusal(what: Ask, scene: Option<&Scene>) -> Option<String> {
+    let Ask::Set { period, speed } = what else { return None };
+    let refused = Controller::new(scene?).ok()?.set(period, speed).err()?;
+    Some(refused.to_string())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_that_nobody_named_is_not_spoken_to_by_chance() {
+        let named = |name| Session::named(name).unwrap();
+        let words =
+            |running: Vec<Session>| only_named(running).map(|one| one.name().to_string()).map_err(|e| e.message);
+        let run = Session::unique();
+        assert!(words(vec![run.clone()]).unwrap_err().contains(&format!("speak to it by --session {}", run.name())));
+        assert_eq!(words(vec![run.clone(), named("lab")]), Ok("lab".into()));
+        assert!(words(vec![named("lab"), named("hall")]).unwrap_err().contains("lab | hall"));
+        assert!(words(vec![]).unwrap_err().contains("no session is running"));
+        assert_eq!(only(vec![run.clone()]).unwrap(), run, "to look on, it is found");
+    }
 }

@@ -11,6 +11,7 @@
 //! | latency and jitter | [`latency`] |
 //! | starting, watching and ending processes | [`children`] |
 //! | real-time scheduling | [`realtime`] |
+//! | what this machine must have and allow | [`processor`], [`allowance`] |
 //! | progress bar and live line | [`progress`] |
 //! | scenes, their keys and their bits | [`list`], [`hashes`] |
 //! | what goes wrong, exit codes; what is written | [`exit`], [`output`] |
@@ -28,6 +29,7 @@
 //! | the run in 3-D, in the terminal | [`view`], [`top`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
 
+mod allowance;
 mod chart;
 mod children;
 mod conform;
@@ -66,6 +68,7 @@ use exit::{Exit, Failure};
 use messages::load::load;
 use messages::port::{Pace, PortError};
 use messages::scene::Scene;
+use output::{brief, tell};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -210,10 +213,10 @@ fn main() -> ExitCode {
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
-        eprintln!("Ctrl-C will not end this in order: {error}");
+        tell(format_args!("Ctrl-C will not end this in order: {error}"));
     }
     let command = Cli::parse().command;
-    let result = processor::check().and_then(|()| match command {
+    let result = processor::check().and_then(|()| allowance::check()).and_then(|()| match command {
         Some(Command::Run(args)) => run::run(&args, &stop),
         Some(Command::Study(args)) => study::run(&args, &stop),
         Some(Command::Chart(args)) => chart::run(&args, &stop),
@@ -250,7 +253,8 @@ fn main() -> ExitCode {
     match result {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
-            eprintln!("error: {}{}", failure.message, failure.case.map_or(String::new(), |case| case.keep()));
+            let case = failure.case.map_or(String::new(), |case| case.keep());
+            tell(format_args!("error: {}{case}", brief(&failure.message)));
             failure.exit.into()
         }
     }
@@ -262,7 +266,9 @@ fn guarded<T>(open: impl FnOnce() -> Result<T, PortError>) -> Result<T, PortErro
     let (done, waiting) = mpsc::channel::<()>();
     std::thread::spawn(move || {
         if waiting.recv_timeout(Duration::from_secs(3)) == Err(mpsc::RecvTimeoutError::Timeout) {
-            eprintln!("error: shared memory: the session could not be opened within 3 s; another --session will work");
+            tell(format_args!(
+                "error: shared memory: the session could not be opened within 3 s; another --session will work"
+            ));
             std::process::exit(Exit::SharedMemory as i32);
         }
     });

@@ -9,7 +9,7 @@ use plant::smallest::{Size, Smallest, smallest};
 use plant::{Plant, PlantError};
 use std::time::{Duration, Instant};
 
-/// Control periods that one model goes on by before it is the other's turn.
+/// Steps that one model goes on by before it is the other's turn.
 const BATCH: usize = 10;
 /// Rounds from the beginning of the scene, and how long the first goes on.
 const ROUNDS: usize = 5;
@@ -61,9 +61,11 @@ pub fn run(args: &SceneArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Ratio of the times that two models take for the same control periods, in turns from the beginning of the scene on. Of each few periods the
+/// Ratio of the times that two models take for the same steps, in turns from the beginning of the scene on. Of each few steps the
 /// least time counts, which nobody else had the processor in. NaN if not even the first come to an end.
 fn cost_ratio(small: &Scene, full: &Scene) -> f64 {
+    // A control period may have any number of steps, and take minutes: here it has one.
+    let [small, full] = &[small, full].map(|scene| Scene { rate: 1.0 / scene.plant.dt, ..scene.clone() });
     let mut least: Vec<[f64; 2]> = vec![];
     let mut batches = ((full.duration * full.rate) as usize / BATCH).max(1);
     for _ in 0..ROUNDS {
@@ -83,7 +85,7 @@ fn cost_ratio(small: &Scene, full: &Scene) -> f64 {
     sum(0) / sum(1)
 }
 
-/// Time that a plant takes for some control periods [s].
+/// Time that a plant takes for some steps [s].
 fn time(plant: &mut Plant) -> Result<f64, PlantError> {
     let start = Instant::now();
     (0..BATCH).try_for_each(|_| plant.advance(&Torques::default()).map(drop))?;

@@ -1,21 +1,53 @@
 //! What is written: to the terminal, and into files, each whole or not at all.
 
 use crate::exit::{Exit, Failure};
+pub use messages::tell;
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::{fs, process};
+
+/// Characters of a line of an error message: a sentence of this program with a path in it has up to 300.
+const LONGEST_LINE: usize = 400;
+/// Lines of an error message: an excerpt of a file has six, a child's last words up to twenty.
+const MOST_LINES: usize = 30;
 
 /// Prints; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
 pub fn say(text: impl std::fmt::Display) {
     let mut out = io::stdout();
     match write!(out, "{text}").and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("error: what is printed cannot be written: {error}");
+            tell(format_args!("error: what is printed cannot be written: {error}"));
             process::exit(Exit::Fault as i32);
         }
         _ => (),
     }
+}
+
+/// Text in which control characters, such as the escapes that steer a terminal, are shown and not obeyed.
+pub fn printable(text: &str) -> String {
+    let shown = |character: char| match character.is_control() && !matches!(character, '\t' | '\n') {
+        true => character.escape_default().to_string(),
+        false => character.to_string(),
+    };
+    text.chars().map(shown).collect()
+}
+
+/// A message in which names and excerpts, which come from anybody's file, are printable, and no line is longer than [`LONGEST_LINE`]:
+/// the middle is left out.
+pub fn brief(message: &str) -> String {
+    let mut lines: Vec<String> = message.lines().take(MOST_LINES).map(|line| cut(&printable(line))).collect();
+    if message.lines().count() > MOST_LINES {
+        lines.push("…".into());
+    }
+    lines.join("\n")
+}
+
+fn cut(line: &str) -> String {
+    let length = line.chars().count();
+    let part = |from, count| line.chars().skip(from).take(count).collect::<String>();
+    let half = LONGEST_LINE / 2;
+    if length <= LONGEST_LINE { line.into() } else { format!("{} … {}", part(0, half), part(length - half, half)) }
 }
 
 /// Makes a folder for what will be written, before the work and not after it.
@@ -65,5 +97,19 @@ pub fn keeps(input: &Path, output: &Path) -> Result<(), Failure> {
             Err(Failure::new(Exit::Usage, format!("{} is what is read: write into another file", output.display())))
         }
         false => Ok(()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_shows_escapes_and_is_cut_in_the_middle() {
+        assert_eq!(brief("no scene `\u{1b}[31mred\u{7}`"), "no scene `\\u{1b}[31mred\\u{7}`");
+        let long = brief(&format!("first {} last", "x".repeat(100_000)));
+        assert!(long.starts_with("first ") && long.ends_with(" last") && long.chars().count() == LONGEST_LINE + 3);
+        let lines = brief(&"line\n".repeat(1000));
+        assert_eq!(lines.lines().count(), MOST_LINES + 1);
     }
 }

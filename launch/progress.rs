@@ -1,5 +1,6 @@
 //! What a run shows while it runs: a bar with a live line on a terminal, plain lines elsewhere.
 
+use crate::output::tell;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use messages::scene::Scene;
 use messages::wire::{PHASES, Truth};
@@ -62,7 +63,7 @@ impl Progress {
         self.bar.set_position(truth.stamp.sim_ns / 1_000_000);
         self.bar.set_message(self.line(truth));
         if self.lines {
-            eprintln!("{}", self.line(truth));
+            tell(self.line(truth));
         }
     }
 
@@ -121,7 +122,7 @@ impl Counter {
             && told.elapsed() > LINE_INTERVAL
         {
             *told = Instant::now();
-            eprintln!("{} of {} {}", self.bar.position(), self.bar.length().unwrap_or(0), self.what);
+            tell(format_args!("{} of {} {}", self.bar.position(), self.bar.length().unwrap_or(0), self.what));
         }
     }
 

@@ -9,6 +9,7 @@ mod extremes;
 pub mod fake;
 mod gait;
 mod histogram;
+mod requests;
 mod robot;
 mod sample;
 mod worst;
@@ -17,6 +18,7 @@ pub use energy::Energy;
 pub use extremes::Extremes;
 pub use gait::{Gait, Lateral};
 pub use histogram::Histogram;
+pub use requests::{Asked, Requests};
 pub use robot::{Foot, Placed, Robot};
 pub use sample::{Sample, normal_forces};
 pub use worst::Worst;
@@ -55,6 +57,8 @@ pub struct Recorder {
     pub energy: Energy,
     /// Histograms of every record.
     pub spread: Spread,
+    /// What was asked of it.
+    pub requests: Requests,
     /// Records left out because their pose is not finite.
     pub dropped: u64,
     /// Integration steps in one control period.
@@ -105,6 +109,7 @@ impl Recorder {
             extremes: Extremes::default(),
             energy: Energy::new(scene),
             spread: Spread::new(),
+            requests: Requests::default(),
             dropped: 0,
             steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
             row_ns: ROW_NS,

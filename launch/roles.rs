@@ -1,6 +1,7 @@
 //! `biped plant` and `biped controller`: the two roles, started by hand, by `biped run`, or in somebody else's place.
 
 use crate::exit::Failure;
+use crate::output::tell;
 use crate::{PaceArgs, SceneArgs, children, guarded, realtime};
 use clap::Args;
 use messages::invitation::Invitation;
@@ -64,7 +65,7 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let (tally, result) = plant::process::run(&scene, port, options, stop);
     let remarks = tally.to_string();
     if !remarks.is_empty() {
-        eprintln!("{remarks}");
+        tell(remarks);
     }
     Ok(result?)
 }
@@ -100,7 +101,7 @@ fn begin(args: &RoleArgs, side: usize) -> Result<Invitation, Failure> {
 
 /// What both roles ask of the system, now that all their shared memory is there.
 fn ready(args: &RoleArgs) -> Result<(), Failure> {
-    args.system.prepare()?.iter().for_each(|line| eprintln!("{line}"));
+    args.system.prepare()?.iter().for_each(|line| tell(line));
     Ok(())
 }
 

@@ -6,7 +6,7 @@ mod watch;
 use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
 use crate::model::RunModel;
-use crate::output::{folder, keeps, say, unwritten};
+use crate::output::{folder, keeps, say, tell, unwritten};
 use crate::realtime::RealtimeArgs;
 use crate::recording::Tape;
 use crate::summary::Summary;
@@ -140,7 +140,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     watch.progress.finish();
     let outcome = outcome.and(watch.tape.take().map_or(Ok(()), Tape::finish));
     if watch.lost > 0 {
-        eprintln!("{} control periods were not recorded", watch.lost);
+        tell(format_args!("{} control periods were not recorded", watch.lost));
     }
     if watch.latest.seq == 0 {
         return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
@@ -150,16 +150,20 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let model = RunModel::of(&written, plan.as_ref())?;
     let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(model);
     let summary = summary.ended(outcome.as_ref().err());
-    say(&summary);
-    if outcome.is_ok() {
-        tell_energy(&summary);
-    }
-    if let Some(folder) = &args.out {
+    // The report before the summary is printed: a standard output that is full ends this program.
+    let report = args.out.as_deref().map_or(Ok(()), |folder| {
         let text = load::text(scene);
         report::write(folder, &watch.recorder, &summary, scene, &text)
             .and_then(|()| std::fs::write(folder.join("scene.toml"), &text))
-            .map_err(|error| unwritten(folder, &error))?;
+            .map_err(|error| unwritten(folder, &error))
+    });
+    if outcome.is_ok() || summary.duration_s > 0.0 {
+        say(&summary); // a start that failed has none
     }
+    if outcome.is_ok() {
+        tell_energy(&summary);
+    }
+    report?;
     match (summary.fall_time_s, outcome) {
         // What fails after a fall fails because of it.
         (Some(time), Ok(())) => Err(fell(time)),
@@ -173,14 +177,15 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// Says so if energy was made or lost by nobody.
 fn tell_energy(summary: &Summary) {
     let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
-    for (what, energy, other) in [
-        ("made", *energy_made_j, ", or the robot was pushed by request"),
-        ("lost", *energy_lost_j, ", and a method of second order loses less"),
+    let is_pushed = summary.requests.iter().any(|asked| asked.impulse_ns.is_some());
+    for (what, energy, is_known, other) in [
+        ("made", *energy_made_j, is_pushed, ""),
+        ("lost", *energy_lost_j, false, ", and a method of second order loses less"),
     ] {
-        if energy > TOLD_ENERGY * kinetic {
-            eprintln!(
+        if energy > TOLD_ENERGY * kinetic && !is_known {
+            tell(format_args!(
                 "the run {what} {energy:.1e} J, of {kinetic:.1e} J of motion at most: plant.dt is too long for plant.method{other}"
-            );
+            ));
         }
     }
 }
@@ -190,21 +195,21 @@ fn tell_depth(scene: &Scene) {
     let depth = Plant::new(scene).map_or(0.0, |plant| plant.truth().penetration);
     if depth > TOLD_DEPTH {
         let millimetres = depth * 1e3;
-        eprintln!(
+        tell(format_args!(
             "the scene begins {millimetres:.3} mm inside the ground, which lifts it out: initial.clearance = 0 puts it on the ground"
-        );
+        ));
     }
 }
 
 /// Two processes, started, recorded and reaped; nothing of them is left when this returns.
 fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Failure> {
     let session = args.session.as_deref().map_or_else(|| Ok(Session::unique()), Session::named)?;
+    let taken = |session: &Session| {
+        let words = format!("session `{}` is running already: use another --session", session.name());
+        Failure::new(Exit::Incompatible, words)
+    };
     if session.is_running() {
-        let name = session.name();
-        return Err(Failure::new(
-            Exit::Incompatible,
-            format!("session `{name}` is running already: use another --session"),
-        ));
+        return Err(taken(&session));
     }
     let swept = Swept(session);
     let contract = Contract::of(scene, args.pace.pace());
@@ -222,6 +227,11 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
     // Before there are any files: if we are killed at once, they clear up. Ours get ready while we do, the plant first, which
     // takes longest; it speaks, and anybody else's begins, when we listen.
     let held = args.plant.is_none().then(|| Role::hold("plant", &arguments(0), &bar)).transpose()?;
+    // Of those who start this session at once, one goes on.
+    let member = swept.0.enter()?;
+    if !member.lead() {
+        return Err(taken(&swept.0));
+    }
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
     swept.0.tell_scene(&load::text(scene))?;
@@ -249,7 +259,9 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         for (child, role) in roles.iter_mut().enumerate() {
             if let Some(cause) = role.death().filter(|_| lives > 0) {
                 lives -= 1;
-                bar.suspend(|| eprintln!("the {} died ({cause}): starting it anew; times left: {lives}", role.name));
+                bar.suspend(|| {
+                    tell(format_args!("the {} died ({cause}): starting it anew; times left: {lives}", role.name))
+                });
                 *role = start(child)?;
             }
         }
@@ -271,7 +283,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         children::rest(&roles, LOOK);
     };
     if let Some(rest) = succession.rest() {
-        bar.suspend(|| eprintln!("{rest}"));
+        bar.suspend(|| tell(rest));
     }
     children::end(&mut roles, || drop(watch.drain(&mut port)));
     watch.drain(&mut port)?;

@@ -4,7 +4,7 @@ mod table;
 
 use crate::exit::Failure;
 use crate::model::RunModel;
-use crate::record::{Recorder, Row};
+use crate::record::{Asked, Recorder, Row};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use std::time::Duration;
@@ -105,6 +105,11 @@ pub struct Summary {
     /// All of that in words, if there is anything.
     #[serde(skip)]
     pub met: String,
+    /// What was asked of the run, at most the first thousand; a run that nobody spoke to repeats to the bit.
+    pub requests: Vec<Asked>,
+    /// The same in words.
+    #[serde(skip)]
+    pub asked: String,
     /// Records left out because their pose was not finite.
     pub dropped: u64,
     /// What the model has that was simulated, and what the scene's own has if that is larger.
@@ -177,6 +182,8 @@ impl Summary {
             periods_skipped: tally.skipped,
             takeovers: tally.takeovers,
             met: tally.to_string(),
+            requests: recorder.requests.list.clone(),
+            asked: recorder.requests.words(),
             steps_per_period: recorder.steps_per_period,
             dropped: recorder.dropped,
             model: String::new(),

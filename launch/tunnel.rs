@@ -1,9 +1,11 @@
 //! `biped tunnel`: a session over two machines, by iceoryx2's own tunnel: sensors go one way, commands the other.
 
 use crate::exit::{Exit, Failure};
+use crate::output::unwritten;
 use clap::Args;
 use messages::session::Session;
-use std::path::Path;
+use nix::unistd::mkdtemp;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
@@ -48,7 +50,7 @@ pub fn run(args: &TunnelArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     // The last one out sweeps: not before the tunnel has carried the last words.
     let member = session.enter()?;
-    let folder = std::env::temp_dir().join(format!("biped-tunnel-{}", std::process::id()));
+    let folder = private_folder()?;
     let ended = settings(args, &session, &folder)
         .and_then(|()| start(args, &folder))
         .map_err(|error| match error.kind() {
@@ -59,6 +61,12 @@ pub fn run(args: &TunnelArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let _ = std::fs::remove_dir_all(&folder);
     drop(member);
     ended
+}
+
+/// A new folder for this user alone, under a name that nobody can lay something under beforehand.
+fn private_folder() -> Result<PathBuf, Failure> {
+    let folder = std::env::temp_dir().join("biped-tunnel-XXXXXX");
+    mkdtemp(&folder).map_err(|error| unwritten(&folder, &error))
 }
 
 /// What the tunnel reads of files: where the session lies in shared memory, and where the other machine is.

@@ -157,7 +157,8 @@ fn every_command_of_the_desk_is_heard_as_it_is_written() {
         ("step 3", "paused"),
         ("resume", "run"),
         ("rearm", "run"),
-        ("push 0,0.1,-0.1 --body 4 --duration 0.1", "run"),
+        ("push 0,0.1,-0.1 --body 4 --duration 0.1", "run; trunk is pushed by 0,0.1,-0.1 N·s within 0.1 s"),
+        ("push 0.1,0,0 --body trunk", "run; trunk is pushed by 0.1,0,0 N·s"),
         ("set --speed 0.1", "set"),
         ("set --period 0.65", "set"),
         ("set --speed -0.1 --period 0.6", "set"),
@@ -186,6 +187,54 @@ fn nobody_at_the_desk_and_a_choice_of_sessions_are_a_sentence_and_an_exit_code()
     for bad in [&["push", "1,2"][..], &["set"], &["step", "many"], &["set", "--speed", "fast"]] {
         assert_eq!(biped(bad).output().expect("the program runs").status.code(), Some(2), "{bad:?}");
     }
+}
+
+#[test]
+fn what_is_refused_at_the_desk_names_what_is_possible() {
+    let walk = walking("refuses", &[]);
+    for (command, words) in [
+        (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
+        (&["push", "0,1,0", "--body", "99"], "no such body"),
+        (&["set", "--speed", "99"], "m"),
+    ] {
+        let output =
+            biped(&[command, &["--session", walk.session.name()]].concat()).output().expect("the program runs");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && errors.contains(words), "{command:?}: {errors}");
+    }
+    walk.end();
+}
+
+#[test]
+fn what_was_asked_of_a_run_is_in_its_summary() {
+    let folder = std::env::temp_dir().join(format!("biped-test-asked-{}", std::process::id()));
+    let out = folder.to_string_lossy().into_owned();
+    // ten times as slow as real time: no scheduler keeps the controller waiting for a whole period
+    let walk = walking("asked", &["--speed", "0.1", "--set", "duration=0.4", "--out", &out]);
+    let push = Ask::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
+    let refused = Ask::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
+    let set = Ask::Set { period: None, speed: Some(0.1) };
+    let replies = [push, refused, set].map(|what| walk.ask(what));
+    let (code, table, errors) = walk.wait();
+    assert_eq!(code, Some(0), "{errors}");
+    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    let summary: Value = serde_json::from_str(&summary).expect("JSON");
+    let asked = summary["requests"].as_array().expect("a list");
+    // to find out whether the desks are open, two were made before
+    let last = &asked[asked.len() - 3..];
+    let of = |key: &str| last.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
+    assert_eq!(of("kind"), ["push", "push", "set"]);
+    assert_eq!(of("answer"), ["done", "no such body", "done"]);
+    assert_eq!(
+        (&last[0]["body"], &last[0]["impulse_ns"][1], &last[2]["speed_mps"]),
+        (&4.into(), &0.5.into(), &0.1.into())
+    );
+    for (one, reply) in last.iter().zip(&replies) {
+        let time = reply.stamp.sim_ns as f64 * 1e-9;
+        assert!((one["time_s"].as_f64().expect("a time") - time).abs() < 1e-9, "{one} at {time}");
+    }
+    assert!(table.contains("requests "), "{table}");
 }
 
 #[test]

@@ -37,7 +37,7 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
     while !stop.load(Relaxed) {
         while let Some(asked) = port.asked()? {
             let reply = at_the_desk(&mut controller, &asked.request, &answer.stamp);
-            asked.answer(reply)?;
+            port.answer(asked, reply)?;
         }
         let Some(sensors) = port.wait()?.filter(Sensors::is_sound) else {
             match waiting.is_over() {

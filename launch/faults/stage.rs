@@ -1,7 +1,7 @@
 //! Real processes under test: started, found by their session's name, hurt, and watched to their end.
 
 use crate::SceneArgs;
-use crate::children::end_rest;
+use crate::children::{end_rest, hear};
 use crate::exit::{Exit, Failure};
 use messages::port::{Ask, ask};
 use messages::scene::Scene;
@@ -91,8 +91,7 @@ impl Process {
     pub fn start(command: &mut Command) -> Result<Process, String> {
         let quiet = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut child = quiet.spawn().map_err(|error| format!("{command:?} cannot be started: {error}"))?;
-        let listen = |pipe| std::thread::spawn(move || std::io::read_to_string(pipe).unwrap_or_default());
-        let words = child.stderr.take().map(listen);
+        let words = child.stderr.take().map(|pipe| std::thread::spawn(move || hear(pipe)));
         Ok(Process { child, grouped: false, words })
     }
 

@@ -4,6 +4,7 @@ use super::lines::{self, Lines};
 use super::peer::Peer;
 use crate::children::Swept;
 use crate::exit::{Exit, Failure, unless};
+use crate::output::tell;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use messages::session::Session;
 use std::io::IsTerminal;
@@ -119,7 +120,7 @@ impl<'a> Bench<'a> {
     /// A group of measurements begins.
     pub fn tell(&self, what: &str) {
         if self.tells {
-            eprintln!("measuring {what}");
+            tell(format_args!("measuring {what}"));
         }
     }
 }

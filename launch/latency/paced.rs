@@ -13,6 +13,7 @@ use super::watch::Watch;
 use crate::children::{self, Role};
 use crate::exit::{Exit, Failure};
 use crate::guarded;
+use crate::output::tell;
 use crate::realtime::{RealtimeArgs, wake_on_time};
 use messages::clock::now_ns;
 use messages::port::{Contract, Pace, RecorderPort, Waiting};
@@ -98,7 +99,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         match roles.iter_mut().find_map(|role| role.verdict().err()) {
             // On a host too busy for a control loop the watchdog ends it, or the robot falls: a result like any other.
             Some(failure) if failure.exit == Exit::Fault => {
-                bench.bar.suspend(|| eprintln!("{WALK}: ended early: {}", failure.message));
+                bench.bar.suspend(|| tell(format_args!("{WALK}: ended early: {}", failure.message)));
                 ended_early = true;
                 break;
             }

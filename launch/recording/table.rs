@@ -2,7 +2,7 @@
 
 use super::{Content, Reader, Topic};
 use crate::exit::{Exit, Failure, unless};
-use crate::output::{folder, say, unwritten};
+use crate::output::{folder, say, tell, unwritten};
 use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::Message;
@@ -44,7 +44,7 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
         table.finish()?;
     }
     if let Some(why) = reader.cut {
-        eprintln!("{} is cut short: {why}; the tables have all before that", args.file.display());
+        tell(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
     }
     Ok(())
 }

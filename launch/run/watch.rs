@@ -33,7 +33,9 @@ impl Watch {
     /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
     pub fn take(&mut self, truth: &Truth) -> Result<(), Failure> {
         if self.latest.run != truth.stamp.run && self.latest.seq > 0 {
+            let requests = std::mem::take(&mut self.recorder.requests); // the reset is one of them
             self.recorder = (self.record)(&self.scene);
+            self.recorder.requests = requests;
             self.latest.seq = 0;
         }
         self.lost += truth.stamp.seq.saturating_sub(self.latest.seq + 1); // another program may count otherwise
@@ -46,9 +48,18 @@ impl Watch {
     /// Takes all there is.
     pub fn drain(&mut self, port: &mut RecorderPort) -> Result<(), Failure> {
         while let Some(truth) = port.read()? {
+            self.hear_requests(port)?; // that came before it
             self.take(&truth)?;
         }
+        self.hear_requests(port)?;
         self.show();
+        Ok(())
+    }
+
+    fn hear_requests(&mut self, port: &RecorderPort) -> Result<(), Failure> {
+        while let Some(served) = port.served()? {
+            self.recorder.requests.push(&served);
+        }
         Ok(())
     }
 

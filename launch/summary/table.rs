@@ -61,6 +61,7 @@ impl Summary {
             ),
             ("trajectory hash", true, self.trajectory_hash.clone()),
             ("link", !self.met.is_empty(), self.met.clone()),
+            ("requests", !self.asked.is_empty(), self.asked.clone()),
             ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
             ("model", !self.model.is_empty(), self.model.clone()),
             ("cost of the model", is_smaller, cost),

@@ -2,7 +2,7 @@
 
 use super::server::{Door, html, nothing};
 use crate::exit::{Exit, Failure, unless};
-use crate::output::{keeps, say, unwritten, write_whole};
+use crate::output::{keeps, say, tell, unwritten, write_whole};
 use crate::progress::Counter;
 use crate::record::Recorder;
 use crate::recording::Reader;
@@ -72,12 +72,12 @@ fn page(file: &Path, stop: &AtomicBool) -> Result<String, Failure> {
         return Err(Failure::new(Exit::Usage, format!("{}: there is nothing in it to be shown", file.display())));
     }
     if runs > 1 {
-        eprintln!("{} has {runs} runs: the page shows the last", file.display());
+        tell(format_args!("{} has {runs} runs: the page shows the last", file.display()));
     }
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new(&name, &recorder, Duration::ZERO, 0);
     if let Some(why) = reader.cut {
-        eprintln!("{} is cut short: {why}; the page has all before that", file.display());
+        tell(format_args!("{} is cut short: {why}; the page has all before that", file.display()));
         summary.cut_short_by = Some("the recording ends here");
     }
     Ok(report::page(&report::figures(&recorder), &recorder, &summary, &scene, &load::text(&scene)))

@@ -12,7 +12,7 @@
 #endif
 
 #define BIPED_MAGIC 0x42504944u
-#define BIPED_SCHEMA 0xd1b29d83b958e057ull
+#define BIPED_SCHEMA 0xcb822b76123a5e4bull
 #define BIPED_JOINTS 8
 #define BIPED_CONTACTS 16
 
@@ -258,5 +258,16 @@ BIPED_ASSERT(sizeof(biped_Reply) == 80, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, stamp) == 0, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, verdict) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, state) == 72, "layout");
+
+/* A request that was answered, for whoever records. */
+typedef struct {
+    biped_Stamp stamp; /* Head of the reply. Of the plant: the request took effect after the sensors of this number, before the next. Of the  controller: after its answer to the sensors `ack`. */
+    biped_Request request; /* As it was asked. */
+    uint64_t verdict; /* Index into VERDICTS. */
+} biped_Served;
+BIPED_ASSERT(sizeof(biped_Served) == 208, "layout");
+BIPED_ASSERT(offsetof(biped_Served, stamp) == 0, "layout");
+BIPED_ASSERT(offsetof(biped_Served, request) == 64, "layout");
+BIPED_ASSERT(offsetof(biped_Served, verdict) == 200, "layout");
 
 #endif

@@ -1,5 +1,6 @@
 //! The monotonic clock that both processes share, and sleeping to an absolute time on it.
 
+use crate::tell;
 use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, ClockNanosleepFlags, clock_nanosleep};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -48,7 +49,7 @@ impl Patience {
         let waited = self.since.elapsed();
         if waited.as_secs() > self.told && waited < self.limit {
             self.told = waited.as_secs();
-            eprintln!("waiting for the {}: {} of {} s", self.who, self.told, self.limit.as_secs_f64());
+            tell(format_args!("waiting for the {}: {} of {} s", self.who, self.told, self.limit.as_secs_f64()));
         }
         waited >= self.limit
     }

@@ -10,6 +10,7 @@
 //! | the link between two processes | [`port`], [`session`], [`clock`] |
 //! | sine, cosine, and what they turn | [`turn`] |
 //! | how a program learns where it takes part | [`invitation`] |
+//! | words for people | [`tell`] |
 
 pub mod ask;
 pub mod clock;
@@ -21,5 +22,8 @@ pub mod port;
 pub mod robot;
 pub mod scene;
 pub mod session;
+mod tell;
 pub mod turn;
 pub mod wire;
+
+pub use tell::tell;

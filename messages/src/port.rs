@@ -5,6 +5,7 @@
 //! | `biped/sensors` | plant → controller | 1 | the newest replaces the oldest |
 //! | `biped/command` | controller → plant | 1 | the newest replaces the oldest |
 //! | `biped/truth` | plant → recorders | 1024 | lockstep: the plant waits; real time: dropped and counted |
+//! | `biped/served` | plant, controller → recorders | 64 | the newest replaces the oldest |
 //! | `biped/plant/desk`, `biped/controller/desk` | whoever → plant, controller | 2 | request and response |
 //!
 //! A recorder rings once it has begun to read a run; a plant that has said all waits for that, so that nothing is lost.
@@ -30,13 +31,13 @@ pub use link::Waiting;
 pub use place::ROOM;
 
 use crate::session::Session;
-use crate::wire::{Command, Sensors, Truth};
+use crate::wire::{Command, Reply, Sensors, Served, Truth};
 use desk::Desk;
 use error::broken;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 use link::{Inlet, Outlet, Reader};
-use place::{Place, TRUTH, TRUTH_BUFFER};
+use place::{Place, SERVED_BUFFER, TRUTH, TRUTH_BUFFER};
 use std::ops::Deref;
 use std::time::Duration;
 use truth::TruthOutlet;
@@ -120,6 +121,14 @@ impl PlantPort {
     /// [`PortError::SharedMemory`].
     pub fn asked(&self) -> Result<Option<Asked>, PortError> {
         self.desk.next()
+    }
+
+    /// Seals and sends the answer, and tells whoever records; that the asker has gone is no error.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn answer(&self, asked: Asked, reply: Reply) -> Result<(), PortError> {
+        self.desk.answer(asked, reply)
     }
 
     /// Waits a little for a command, long enough to sleep and short enough to notice a stop request; meanwhile a
@@ -233,12 +242,21 @@ impl ControllerPort {
     pub fn asked(&self) -> Result<Option<Asked>, PortError> {
         self.desk.next()
     }
+
+    /// As [`PlantPort::answer`].
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn answer(&self, asked: Asked, reply: Reply) -> Result<(), PortError> {
+        self.desk.answer(asked, reply)
+    }
 }
 
 /// A recorder's end.
 #[derive(Debug)]
 pub struct RecorderPort {
     truth: Reader<Truth>,
+    served: Reader<Served>,
     bell: Notifier<ipc::Service>,
     /// Run of the last record read: a plant started anew waits for a ring of its own.
     run: Option<u64>,
@@ -264,15 +282,24 @@ impl RecorderPort {
 
     fn at(place: Place) -> Result<RecorderPort, PortError> {
         let truth = Reader::open(&place.truth()?, TRUTH_BUFFER)?;
+        let served = Reader::open(&place.served()?, SERVED_BUFFER)?;
         let bell = place.event(TRUTH)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(RecorderPort { truth, bell, run: None, _place: place })
+        Ok(RecorderPort { truth, served, bell, run: None, _place: place })
+    }
+
+    /// The next request that was answered, if there is one. Whatever took effect before a truth is here once that can be read.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn served(&self) -> Result<Option<Served>, PortError> {
+        self.served.next()
     }
 
     /// The next message of truth, in order, if there is one: in its slot, to be let go of before the next.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn read(&mut self) -> Result<Option<impl Deref<Target = Truth>>, PortError> {
+    pub fn read(&mut self) -> Result<Option<impl Deref<Target = Truth> + use<>>, PortError> {
         let truth = self.truth.look()?;
         let run = truth.as_ref().map(|truth| truth.stamp.run);
         if run.is_some() && run != self.run {

@@ -6,6 +6,7 @@
 
 mod half_done;
 mod member;
+mod own;
 mod remains;
 mod scene;
 
@@ -15,6 +16,7 @@ pub use member::Membership;
 use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
+use nix::unistd::getuid;
 pub use remains::Remains;
 use std::fs::{File, read_link};
 use std::os::unix::fs::MetadataExt;
@@ -24,6 +26,10 @@ use std::path::{Path, PathBuf};
 const SHARED_MEMORY: &str = "/dev/shm";
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
+/// Begin of the names that nobody gave.
+const UNNAMED: &str = "run-";
+/// Letters of a name.
+const LONGEST_NAME: usize = 32;
 
 /// Name of a session and of everything that belongs to it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -38,7 +44,7 @@ impl Session {
     /// [`PortError::SessionName`] if it is anything else.
     pub fn named(name: &str) -> Result<Session, PortError> {
         let good = name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-');
-        match good && (1..=32).contains(&name.len()) {
+        match good && (1..=LONGEST_NAME).contains(&name.len()) {
             true => Ok(Session { name: name.into() }),
             false => Err(PortError::SessionName { name: name.into() }),
         }
@@ -46,7 +52,12 @@ impl Session {
 
     /// A session that nobody else has.
     pub fn unique() -> Session {
-        Session { name: format!("run-{}-{:08x}", std::process::id(), crate::clock::random() as u32) }
+        Session { name: format!("{UNNAMED}{}-{:08x}", std::process::id(), crate::clock::random() as u32) }
+    }
+
+    /// Whether somebody gave it its name.
+    pub fn is_named(&self) -> bool {
+        !self.name.starts_with(UNNAMED)
     }
 
     /// Its name.
@@ -57,8 +68,30 @@ impl Session {
     /// Start of the name of every file of the session: a hash of user and name, because the paths of its sockets, which
     /// hold it twice, must stay below 108 bytes.
     pub fn prefix(&self) -> String {
-        let owner = fnv1a(FNV_START, &nix::unistd::getuid().as_raw().to_le_bytes());
+        self.prefix_of(getuid().as_raw())
+    }
+
+    /// The same of another user's.
+    fn prefix_of(&self, user: u32) -> String {
+        let owner = fnv1a(FNV_START, &user.to_le_bytes());
         format!("biped_{:08x}_", fnv1a(owner, self.name.as_bytes()) as u32)
+    }
+
+    /// Another user who has a session of this name: sessions are each user's own.
+    pub(crate) fn other_owner(&self) -> Option<String> {
+        let lists = files("biped_").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
+        let mut owners = lists.filter_map(|path| {
+            let user = path.symlink_metadata().ok()?.uid();
+            let theirs = path.file_name()?.to_str()? == self.prefix_of(user) + MEMBERS;
+            (theirs && user != getuid().as_raw()).then(|| own::owner(user))
+        });
+        owners.next()
+    }
+
+    /// Takes all rights to the session's files from other users: iceoryx2 0.10 lets everybody write to one of them, which counts
+    /// nodes.
+    pub(crate) fn close_to_others(&self) {
+        self.leftovers().iter().for_each(|path| own::close_to_others(path));
     }
 
     /// Folder of the session's other files.
@@ -82,7 +115,7 @@ impl Session {
     pub(crate) fn reserve(&self) -> Result<(), PortError> {
         for path in self.leftovers() {
             // a folder, or gone in the meantime
-            let Ok(file) = File::options().write(true).open(&path) else { continue };
+            let Ok(file) = own::open(&path, File::options().write(true)) else { continue };
             let lacking = || file.metadata().ok().filter(|found| 512 * found.blocks() < found.len());
             if lacking().is_none() {
                 continue; // whoever made it has taken it
@@ -101,14 +134,14 @@ impl Session {
     /// Every session of this user that somebody is in now.
     pub fn running() -> Vec<Session> {
         let names = files("").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
-        let mut names: Vec<String> = names.filter_map(|path| std::fs::read_to_string(path).ok()).collect();
+        let mut names: Vec<String> = names.filter_map(|path| own::read(&path, LONGEST_NAME as u64).ok()).collect();
         names.sort();
         names.iter().filter_map(|name| Session::named(name).ok()).filter(Session::is_running).collect()
     }
 
     /// Whether somebody is in it now.
     pub fn is_running(&self) -> bool {
-        File::open(self.list()).is_ok_and(|file| file.try_lock().is_err())
+        own::open(&self.list(), File::options().read(true)).is_ok_and(|file| file.try_lock().is_err())
     }
 
     /// Numbers of the processes that are in it, as far as they are this user's to see.

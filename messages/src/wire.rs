@@ -295,6 +295,17 @@ wire! {
         /// Index into [`STATES`]: the plant's state; 0 from the controller.
         state: u64,
     }
+
+    /// A request that was answered, for whoever records.
+    struct Served "biped.Served" 208 {
+        /// Head of the reply. Of the plant: the request took effect after the sensors of this number, before the next. Of the
+        /// controller: after its answer to the sensors `ack`.
+        stamp: Stamp,
+        /// As it was asked.
+        request: Request,
+        /// Index into [`VERDICTS`].
+        verdict: u64,
+    }
 }
 
 macro_rules! stamped {
@@ -305,7 +316,7 @@ macro_rules! stamped {
         }
     )*};
 }
-stamped!(Sensors Command Truth Request Reply);
+stamped!(Sensors Command Truth Request Reply Served);
 
 #[cfg(test)]
 mod tests {

@@ -91,6 +91,7 @@ impl<'a> Link<'a> {
                 None if self.serve(simulation, sensors)? == Next::Afresh => return Ok(Next::Afresh),
                 None => self.sign_of_life(sensors)?,
             }
+            self.remarks.on(simulation); // above all why no command has been accepted yet
             self.go_on()?;
             if self.patience.is_over() {
                 let met = simulation.intake().tally().to_string();
@@ -139,7 +140,7 @@ impl<'a> Link<'a> {
         loop {
             while let Some(asked) = self.port.asked()? {
                 let (reply, next) = self.desk.handle(&asked.request, simulation)?;
-                asked.answer(reply)?;
+                self.port.answer(asked, reply)?;
                 if next == Next::Afresh {
                     self.deadline = 0;
                     return Ok(next);

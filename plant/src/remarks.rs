@@ -4,6 +4,7 @@
 use crate::Simulation;
 use crate::watchdog::Mode;
 use messages::clock::now_ns;
+use messages::tell;
 
 const SECOND: u64 = 1_000_000_000;
 
@@ -50,7 +51,7 @@ impl Remarks {
         *self = Remarks { mode, refused, takeovers: tally.takeovers, told_ns: self.told_ns };
         if !said.is_empty() {
             self.told_ns = now_ns();
-            eprintln!("t {time:.3} s: {}", said.join("; "));
+            tell(format_args!("t {time:.3} s: {}", said.join("; ")));
         }
     }
 }

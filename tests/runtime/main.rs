@@ -4,6 +4,7 @@
 
 mod busy;
 mod ends;
+mod hostile;
 mod same;
 mod strangers;
 

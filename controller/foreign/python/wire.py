@@ -3,7 +3,7 @@
 import ctypes
 
 MAGIC = 0x42504944
-SCHEMA = 0xd1b29d83b958e057
+SCHEMA = 0xcb822b76123a5e4b
 JOINTS = 8
 CONTACTS = 16
 
@@ -232,3 +232,20 @@ class Reply(ctypes.Structure):
 
 
 assert ctypes.sizeof(Reply) == 80
+
+
+class Served(ctypes.Structure):
+    """A request that was answered, for whoever records."""
+
+    _fields_ = [
+        ("stamp", Stamp),
+        ("request", Request),
+        ("verdict", ctypes.c_uint64),
+    ]
+
+    @staticmethod
+    def type_name() -> str:
+        return "biped.Served"
+
+
+assert ctypes.sizeof(Served) == 208

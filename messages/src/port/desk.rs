@@ -4,8 +4,9 @@ use super::error::{PortError, broken};
 use super::place::Place;
 use crate::ask::Ask;
 use crate::session::Session;
-use crate::wire::{Reply, Request, Stamped};
+use crate::wire::{Reply, Request, Served, Stamped};
 use iceoryx2::active_request::ActiveRequest;
+use iceoryx2::port::publisher::Publisher;
 use iceoryx2::port::server::Server;
 use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::server::ServerCreateError;
@@ -20,13 +21,17 @@ const PATIENCE: Duration = Duration::from_secs(2);
 #[derive(Debug)]
 pub(super) struct Desk {
     server: Server<ipc::Service, Request, (), Reply, ()>,
+    served: Publisher<ipc::Service, Served, ()>,
 }
 
 impl Desk {
     /// The desk of a role, which has one place.
     pub fn open(place: &Place, name: &str, role: &'static str) -> Result<Desk, PortError> {
         match place.desk(name)?.server_builder().create() {
-            Ok(server) => Ok(Desk { server }),
+            Ok(server) => {
+                let served = place.served()?.publisher_builder().create().map_err(|e| broken("opening a desk", e))?;
+                Ok(Desk { server, served })
+            }
             Err(ServerCreateError::ExceedsMaxSupportedServers) => {
                 Err(PortError::Taken { session: place.session().into(), role })
             }
@@ -39,6 +44,19 @@ impl Desk {
         let active = self.server.receive().map_err(|e| broken("reading a request", e))?;
         Ok(active.map(|active| Asked { request: *active, active }))
     }
+
+    /// Seals and sends the answer, and tells whoever records; somebody who has gone is no error.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn answer(&self, asked: Asked, reply: Reply) -> Result<(), PortError> {
+        let served = Served { stamp: reply.stamp, request: asked.request, verdict: reply.verdict };
+        self.served.send_copy(served.sealed()).map_err(|e| broken("telling of a request", e))?;
+        if asked.active.is_connected() {
+            asked.active.send_copy(reply.sealed()).map_err(|e| broken("answering a request", e))?;
+        }
+        Ok(())
+    }
 }
 
 /// A request that waits for its answer.
@@ -47,20 +65,6 @@ pub struct Asked {
     /// The request.
     pub request: Request,
     active: ActiveRequest<ipc::Service, Request, (), Reply, ()>,
-}
-
-impl Asked {
-    /// Seals and sends the answer; somebody who has gone is no error.
-    ///
-    /// # Errors
-    /// [`PortError::SharedMemory`].
-    pub fn answer(self, reply: Reply) -> Result<(), PortError> {
-        if !self.active.is_connected() {
-            return Ok(());
-        }
-        self.active.send_copy(reply.sealed()).map_err(|e| broken("answering a request", e))?;
-        Ok(())
-    }
 }
 
 /// Asks the plant or the controller of a running session, and waits for the answer.
@@ -107,7 +111,7 @@ mod tests {
         while start.elapsed() < PATIENCE && !asker.is_finished() {
             for asked in std::iter::from_fn(|| desk.next().unwrap()) {
                 heard += asked.request.count;
-                asked.answer(Reply::default()).unwrap();
+                desk.answer(asked, Reply::default()).unwrap();
             }
         }
         assert!(asker.join().unwrap().is_ok());

@@ -45,10 +45,12 @@ pub enum PortError {
         role: &'static str,
     },
     /// Nobody has made it, or nobody is left.
-    #[error("no session `{session}` is running: `biped doctor` lists those that are")]
+    #[error("no session `{session}` is running: {}", advice(.other.as_deref()))]
     NoSession {
         /// Name of the session.
         session: String,
+        /// Another user who has one of that name.
+        other: Option<String>,
     },
     /// Nobody answers at a desk.
     #[error("session `{session}` has no {role} that answers")]
@@ -61,6 +63,12 @@ pub enum PortError {
     /// Shared memory is missing, full or unusable.
     #[error("shared memory: {0}")]
     SharedMemory(String),
+}
+
+/// Where to look for a session.
+fn advice(other: Option<&str>) -> String {
+    let of_other = |user| format!("that of user {user} is theirs alone, as sessions are each user's own");
+    other.map_or_else(|| "`biped doctor` lists those that are".into(), of_other)
 }
 
 /// What iceoryx2 said of a step that failed.

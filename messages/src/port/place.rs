@@ -3,7 +3,7 @@
 use super::contract::Contract;
 use super::error::{PortError, broken};
 use crate::session::{Membership, Room, Session};
-use crate::wire::{Reply, Request, SCHEMA_HASH, Stamped, Truth};
+use crate::wire::{Reply, Request, SCHEMA_HASH, Served, Stamped, Truth};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::{
@@ -27,6 +27,13 @@ const ENDED: usize = 2;
 /// Time to keep trying while another process is just making or removing the same topic.
 const OPENING: Duration = Duration::from_secs(2);
 
+/// Writers of what was served: plant and controller, and whoever takes the place of one that has just been killed.
+const DESKS: usize = 4;
+/// Requests that a recorder may lag behind: more in a few milliseconds than people ask.
+pub(super) const SERVED_BUFFER: usize = 64;
+
+/// The topic of requests that were answered.
+const SERVED: &str = "biped/served";
 /// The topic of the truth, and the bell by which a recorder says that it reads.
 pub(super) const TRUTH: &str = "biped/truth";
 
@@ -53,7 +60,7 @@ impl Place {
     /// A place in a session that others have made.
     pub fn visit(session: &Session) -> Result<Place, PortError> {
         if !session.is_running() {
-            return Err(PortError::NoSession { session: session.name().into() });
+            return Err(PortError::NoSession { session: session.name().into(), other: session.other_owner() });
         }
         Place::enter(session, None)
     }
@@ -74,6 +81,7 @@ impl Place {
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| broken("joining the session", e))?;
+        session.close_to_others();
         session.clear_half_removed(); // the new node has removed those of the dead
         Ok(Place { node, contract, membership })
     }
@@ -84,7 +92,7 @@ impl Place {
         let required = self.required()?;
         let open = || {
             let builder = builder()
-                .max_publishers(if self.has_tunnel() { 2 } else { 1 })
+                .max_publishers(shape.writers + usize::from(self.has_tunnel()))
                 .max_subscribers(shape.readers)
                 .history_size(shape.history)
                 .subscriber_max_buffer_size(shape.buffer)
@@ -113,11 +121,16 @@ impl Place {
     }
 
     pub fn truth(&self) -> Result<Topic<Truth>, PortError> {
-        self.topic(TRUTH, Shape { readers: RECORDERS, buffer: TRUTH_BUFFER, history: 0, overwrite: false })
+        self.topic(TRUTH, Shape { writers: 1, readers: RECORDERS, buffer: TRUTH_BUFFER, history: 0, overwrite: false })
+    }
+
+    pub fn served(&self) -> Result<Topic<Served>, PortError> {
+        let shape = Shape { writers: DESKS, readers: RECORDERS, buffer: SERVED_BUFFER, history: 0, overwrite: true };
+        self.topic(SERVED, shape)
     }
 
     pub fn link<M: Stamped>(&self, name: &str) -> Result<Topic<M>, PortError> {
-        self.topic(name, Shape { readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
+        self.topic(name, Shape { writers: 1, readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
     }
 
     pub fn event(&self, name: &str) -> Result<event::PortFactory<ipc::Service>, PortError> {
@@ -191,6 +204,7 @@ impl Place {
 
 /// Quality of service of a topic.
 struct Shape {
+    writers: usize,
     readers: usize,
     buffer: usize,
     history: usize,

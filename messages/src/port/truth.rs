@@ -3,6 +3,7 @@
 use super::contract::Pace;
 use super::error::{PortError, broken};
 use super::place::{Place, TRUTH, TRUTH_BUFFER, Topic};
+use crate::tell;
 use crate::wire::{Stamped, Truth};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::publisher::Publisher;
@@ -40,7 +41,10 @@ impl TruthOutlet {
                 return BackpressureAction::Retry;
             }
             if pace == Pace::Lockstep && !gave_up.swap(true, Relaxed) {
-                eprintln!("the recorder has not read for {} s: going on without it", RECORDER_PATIENCE.as_secs());
+                tell(format_args!(
+                    "the recorder has not read for {} s: going on without it",
+                    RECORDER_PATIENCE.as_secs()
+                ));
             }
             counter.fetch_add(1, Relaxed);
             BackpressureAction::DiscardData

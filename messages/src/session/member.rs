@@ -1,7 +1,9 @@
 //! Who is in a session: every member holds a shared lock on one file, which the system gives back even for the killed.
 
-use super::{Remains, Session};
+use super::{Remains, Session, own};
 use crate::port::PortError;
+use nix::fcntl::{FcntlArg, fcntl};
+use nix::libc::{F_WRLCK, SEEK_SET, flock};
 use std::fs::{File, Metadata};
 use std::os::unix::fs::{FileExt, MetadataExt};
 use std::os::unix::process::parent_id;
@@ -22,7 +24,8 @@ impl Session {
         let path = self.list();
         let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
         loop {
-            let file = File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(fail)?;
+            let options = &mut File::options();
+            let file = own::open(&path, options.read(true).write(true).create(true).truncate(false)).map_err(fail)?;
             if file.try_lock().is_ok() {
                 self.leftovers().iter().filter(|left| **left != path).for_each(|left| remove(left));
                 file.lock_shared().map_err(fail)?;
@@ -31,6 +34,7 @@ impl Session {
             file.lock_shared().map_err(fail)?;
             // The last one out may have removed the file just before it was locked here.
             if is_current(&file, &path) {
+                own::folder(&self.root()).map_err(fail)?;
                 // told to whoever looks for running sessions
                 file.write_all_at(self.name.as_bytes(), 0).map_err(fail)?;
                 return Ok(Membership { session: self.clone(), file, parent: parent_id() });
@@ -77,6 +81,12 @@ impl Membership {
         }
     }
 
+    /// Takes the lead, which one member has at a time, as long as it is in the session: says whether it got it.
+    pub fn lead(&self) -> bool {
+        let first_byte = flock { l_type: F_WRLCK as _, l_whence: SEEK_SET as _, l_start: 0, l_len: 1, l_pid: 0 };
+        fcntl(&self.file, FcntlArg::F_OFD_SETLK(&first_byte)).is_ok()
+    }
+
     pub(crate) fn session(&self) -> &Session {
         &self.session
     }
@@ -93,5 +103,40 @@ impl Drop for Membership {
         if last && is_current(&self.file, &self.session.list()) {
             Remains::at(&self.session.prefix()).clear();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::Barrier;
+
+    #[test]
+    fn of_those_who_enter_at_once_one_has_the_lead() {
+        for _ in 0..50 {
+            let (session, gate) = (Session::unique(), Barrier::new(4));
+            let enters = || {
+                gate.wait();
+                let member = session.enter().expect("shared memory");
+                let leads = member.lead();
+                gate.wait(); // nobody leaves before all have asked
+                leads
+            };
+            let leaders = std::thread::scope(|scope| {
+                let all: Vec<_> = (0..4).map(|_| scope.spawn(enters)).collect();
+                all.into_iter().filter_map(|one| one.join().ok()).filter(|leads| *leads).count()
+            });
+            assert_eq!(leaders, 1);
+            assert!(session.leftovers().is_empty());
+        }
+    }
+
+    #[test]
+    fn the_lead_is_free_again_once_its_holder_has_left() {
+        let session = Session::unique();
+        let [first, second] = [0, 1].map(|_| session.enter().expect("shared memory"));
+        assert!(first.lead() && !second.lead());
+        drop(first);
+        assert!(second.lead());
     }
 }

@@ -1,13 +1,19 @@
 //! What is left of sessions that nobody is in any more, because all of it was killed at once.
 
 use super::member::{is_current, remove};
-use super::{MEMBERS, SHARED_MEMORY, files};
+use super::{LONGEST_NAME, MEMBERS, SHARED_MEMORY, files, own};
 use std::fs::File;
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// Length of a session's prefix: `biped_`, eight digits, `_`.
 const PREFIX: usize = 15;
+
+/// Whether a session has such a prefix: files of others may begin like ours.
+fn is_ours(prefix: &str) -> bool {
+    let digits = prefix.strip_prefix("biped_").and_then(|rest| rest.strip_suffix('_'));
+    digits.is_some_and(|digits| digits.bytes().all(|digit| matches!(digit, b'0'..=b'9' | b'a'..=b'f')))
+}
 
 /// The files of one session.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -24,7 +30,7 @@ impl Remains {
         let ours = |path: &PathBuf| path.symlink_metadata().is_ok_and(|file| file.uid() == user);
         let prefix = |path: PathBuf| Some(path.file_name()?.to_str()?.get(..PREFIX)?.to_string());
         let mut prefixes: Vec<String> = files("biped_").into_iter().filter(ours).filter_map(prefix).collect();
-        prefixes.retain(|prefix| prefix.ends_with('_'));
+        prefixes.retain(|prefix| is_ours(prefix));
         prefixes.dedup();
         prefixes.iter().map(|prefix| Remains::at(prefix)).filter(Remains::is_dead).collect()
     }
@@ -35,7 +41,7 @@ impl Remains {
 
     /// Name of the session, if that can still be read.
     pub fn name(&self) -> Option<String> {
-        std::fs::read_to_string(self.list()).ok().filter(|name| !name.is_empty())
+        own::read(&self.list(), LONGEST_NAME as u64).ok().filter(|name| !name.is_empty())
     }
 
     /// Their room in shared memory [bytes].
@@ -47,7 +53,8 @@ impl Remains {
     pub fn remove(&self) -> bool {
         // The lock that whoever enters waits for.
         let list = self.list();
-        let Ok(file) = File::options().read(true).write(true).create(true).truncate(false).open(&list) else {
+        let options = &mut File::options();
+        let Ok(file) = own::open(&list, options.read(true).write(true).create(true).truncate(false)) else {
             return false;
         };
         let nobody = file.try_lock().is_ok() && is_current(&file, &list);
@@ -65,7 +72,7 @@ impl Remains {
     }
 
     fn is_dead(&self) -> bool {
-        File::open(self.list()).map_or(true, |file| file.try_lock().is_ok())
+        own::open(&self.list(), File::options().read(true)).map_or(true, |file| file.try_lock().is_ok())
     }
 
     fn list(&self) -> PathBuf {
