@@ -33,7 +33,7 @@ impl Progress {
         let target = if terminal && !quiet { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         // Milliseconds; no colours, so that there is nothing for NO_COLOR to switch off.
         let bar = ProgressBar::with_draw_target(Some((scene.duration * 1e3) as u64), target);
-        if let Ok(style) = ProgressStyle::with_template("[{bar:24}] {percent:>3} %  {msg}") {
+        if let Ok(style) = ProgressStyle::with_template("[{bar:10}] {percent:>3} %  {wide_msg}") {
             bar.set_style(style.progress_chars("=> "));
         }
         let now = Instant::now();
@@ -78,12 +78,11 @@ impl Progress {
         let phase = PHASES.get(telemetry.phase as usize).copied().unwrap_or("?");
         let support = if telemetry.support == 0 { "left" } else { "right" };
         format!(
-            "t {time:.1} of {:.1} s  x {:+.2} m  {:+.2} m/s  {phase}, {support} foot  E2 {:+.5}  {:.0}x real time",
+            "t {time:.1}/{:.1} s  {:.0}x  x {:+.2} m  {:+.2} m/s  {phase}, {support} foot",
             self.duration,
+            time / self.start.elapsed().as_secs_f64().max(1e-3),
             truth.base_position[0],
             self.speed,
-            telemetry.energy[1],
-            time / self.start.elapsed().as_secs_f64().max(1e-3),
         )
     }
 }

@@ -164,6 +164,9 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         tell_energy(&summary);
     }
     report?;
+    if let Some(folder) = &args.out {
+        say(format_args!("  {:<20} {}\n", "report", folder.join("report.html").display()));
+    }
     match (summary.fall_time_s, outcome) {
         // What fails after a fall fails because of it.
         (Some(time), Ok(())) => Err(fell(time)),

@@ -2,6 +2,8 @@
 
 mod table;
 
+pub use table::tiny;
+
 use crate::exit::Failure;
 use crate::model::RunModel;
 use crate::record::{Asked, Recorder, Row};

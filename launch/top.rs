@@ -3,6 +3,7 @@
 
 use crate::desk::SessionArgs;
 use crate::exit::Failure;
+use crate::summary::tiny;
 use clap::Args;
 use console::{Style, Term};
 use messages::port::RecorderPort;
@@ -148,7 +149,7 @@ impl Span {
             line("reply", times(&self.reply)),
             line("late", times(&self.late)),
             line("plant", times(&self.busy)),
-            line("residuals", format!("natural map {:.1e}, Signorini {:.1e}", truth.natural_map, truth.signorini)),
+            line("residuals", format!("natural map {}, Signorini {}", tiny(truth.natural_map), tiny(truth.signorini))),
             line("refused", refused),
             line(
                 "periods",
@@ -174,7 +175,7 @@ impl Span {
         let time = truth.stamp.sim_ns as f64 * 1e-9;
         let refused: u64 = truth.tally.refused.iter().sum();
         format!(
-            "t {time:.2} s  {rate:.0} Hz  {pace:.2}x  {}  {}  {speed:+.3} m/s  {}  age {}  reply {:.0} us  late {:.0} us  \
+            "t {time:.2} s  {rate:.0} Hz  {pace:.2}x  {}  {}  {speed:+.3} m/s  {}  age {}  reply {:.0} µs  late {:.0} µs  \
              refused {refused}  lost {}  skipped {}",
             name(&STATES, truth.state),
             support(truth),

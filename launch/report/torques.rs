@@ -45,7 +45,7 @@ fn panel(recorder: &Recorder, title: &str, joints: [usize; 4], names: [&'static 
         title: title.into(),
         height: 330,
         x: Axis::new("time [s]", around(rows.iter().map(|row| row.sample.time), 0.0, 1e-3)),
-        y: Axis::new("torque [N m]", around(all(), 0.06, 0.1)),
+        y: Axis::new("torque [N·m]", around(all(), 0.06, 0.1)),
     };
     plot(&frame, &marks)
 }

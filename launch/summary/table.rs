@@ -26,7 +26,7 @@ impl Summary {
         let sideways = format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg));
         let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);
         let support = format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m);
-        let residuals = format!("Signorini {:.1e}, natural map {:.1e}", self.signorini_max, self.natural_map_max);
+        let residuals = format!("Signorini {}, natural map {}", tiny(self.signorini_max), tiny(self.natural_map_max));
         let cost = format!("{:.2} of the full model's time", self.model_cost_ratio);
         let is_smaller = self.model_cost_ratio.is_finite() && self.model_cost_ratio != 1.0;
         let (walks, is_driven) = (self.steps > 0, self.peak_torque_nm.iter().any(|torque| *torque != 0.0));
@@ -42,21 +42,23 @@ impl Summary {
             ("steps", walks, self.steps.to_string()),
             ("period of two steps", walks && self.period_s.is_finite(), period),
             ("x2 min", walks && self.x2_min_m.is_finite(), format!("{:.2} mm", 1e3 * self.x2_min_m)),
-            ("peak torque, L to R", is_driven, format!("{} N m", list(&self.peak_torque_nm))),
+            ("peak torque, L to R", is_driven, format!("{} N·m", list(&self.peak_torque_nm))),
             ("peak power, L to R", is_driven, format!("{} W", list(&self.peak_power_w))),
             ("support foot", self.zmp_margin_m.is_finite(), support),
             ("contact residuals", true, residuals),
             (
                 "energy gain",
                 self.energy_gain_max_j != f64::NEG_INFINITY,
-                format!("{:.1e} J, {} fallbacks", self.energy_gain_max_j, self.fallbacks),
+                format!("{} J, {} fallbacks", tiny(self.energy_gain_max_j), self.fallbacks),
             ),
             (
                 "energy made",
                 self.kinetic_max_j > 0.0,
                 format!(
-                    "{:.1e} J, lost in flight {:.1e} J, of {:.1e} J of motion at most",
-                    self.energy_made_j, self.energy_lost_j, self.kinetic_max_j
+                    "{} J, lost in flight {} J, of {} J of motion at most",
+                    tiny(self.energy_made_j),
+                    tiny(self.energy_lost_j),
+                    tiny(self.kinetic_max_j)
                 ),
             ),
             ("trajectory hash", true, self.trajectory_hash.clone()),
@@ -79,6 +81,11 @@ impl Display for Summary {
 
 fn list(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" ")
+}
+
+/// A number of any size in two digits; nothing is 0.
+pub fn tiny(value: f64) -> String {
+    if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
 }
 
 /// Without the minus sign of a zero.

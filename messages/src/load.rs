@@ -4,6 +4,7 @@
 
 mod bodies;
 mod check;
+mod nearest;
 mod robot;
 mod setting;
 mod urdf;
@@ -24,7 +25,7 @@ pub type BuiltIn = (&'static str, &'static str);
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// Neither a built-in name nor a file.
-    #[error("there is no scene or file `{name}`; the built-in scenes are {known}")]
+    #[error("there is no scene or file `{name}`{}; the built-in scenes are {known}", nearest::hint(name, known.split(", ")))]
     Unknown {
         /// As it was asked for.
         name: String,
@@ -40,7 +41,7 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// Not TOML, an unknown key, or a value of the wrong type; the reason shows line and caret.
-    #[error("{origin}: {}", short(reason))]
+    #[error("{origin}: {}{}", short(reason), nearest::hint_of(reason.message()))]
     Malformed {
         /// File or built-in scene.
         origin: String,

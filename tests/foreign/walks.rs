@@ -95,6 +95,19 @@ fn another_robot_is_walked_by_the_paper_in_numpy_and_by_mujoco_as_by_ours() {
 }
 
 #[test]
+fn what_python_lacks_is_a_sentence_that_says_how_to_get_it() {
+    // -S: without any package that was installed
+    for (role, script) in
+        [("--controller", "controller/foreign/python/walk.py"), ("--plant", "plant/foreign/mujoco/plant.py")]
+    {
+        let (output, _) = run("walk", &[role, &format!("{} -S {script}", python().display())]);
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{errors}");
+        assert!(errors.contains("pip install iceoryx2==0.10.0 numpy") && !errors.contains("Traceback"), "{errors}");
+    }
+}
+
+#[test]
 fn a_foreign_controller_that_dies_or_never_answers_is_named_and_nothing_stays() {
     let crash = format!("{} -c \"raise ValueError('no legs')\"", python().display());
     let (output, _) = run("stand", &["--controller", &crash, "--respawn", "1"]);

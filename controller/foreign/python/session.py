@@ -17,8 +17,13 @@ import sys
 import time
 from pathlib import Path
 
-import iceoryx2 as iox2
-import xxhash
+try:
+    import iceoryx2 as iox2
+    import numpy  # noqa: F401, of those who use this
+    import xxhash
+except ModuleNotFoundError as missing:
+    print(f"error: Python has no {missing.name}: pip install iceoryx2==0.10.0 numpy xxhash", file=sys.stderr)
+    sys.exit(2)
 
 import wire
 

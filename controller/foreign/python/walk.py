@@ -8,9 +8,9 @@ robot.py: kinematics (25)-(27), rate QP (28), (29). gait.py: (30)-(43). Here: se
 
 from math import exp, tau
 
+import session  # first: it says what Python lacks
 import numpy as np
 
-import session
 from gait import AIRBORNE, WALK, Gait, right_supports
 from robot import Chain, Constants, level, mirror, resolve
 

@@ -29,6 +29,11 @@ pub fn points(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Wat
     let output = Command::new("python3").arg(SCRIPT).args(&files).output();
     let output = output.map_err(|error| fault(format!("python3 does not start: {error}")))?;
     files.iter().for_each(|file| drop(std::fs::remove_file(file)));
+    if !output.status.success() {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it said nothing");
+        return Err(fault(format!("{SCRIPT} failed ({}): {last}", output.status)));
+    }
     let text = String::from_utf8_lossy(&output.stdout);
     text.lines().filter(|line| line.contains("left out")).for_each(|line| watch.tell(line));
     let times = text.lines().filter_map(|line| line.strip_prefix("us ")?.parse().ok());

@@ -1,5 +1,6 @@
 //! `--set key=value`: one value of a scene replaced.
 
+use super::nearest::hint_of;
 use crate::scene::Scene;
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -15,10 +16,15 @@ pub(super) fn replaced(scene: &Scene, setting: &str) -> Result<Scene, String> {
     let (key, text) = setting.split_once('=').ok_or("an override is key=value, for example plant.dt=0.001")?;
     let (key, text) = (key.trim(), text.trim());
     let value = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
-    let value = value.unwrap_or_else(|| Value::String(text.into()));
+    // TOML wants a digit on both sides of the point; people do not
+    let value = value.or_else(|| text.parse().ok().map(Value::Float)).unwrap_or_else(|| Value::String(text.into()));
     let mut root = Value::try_from(scene).map_err(|error| error.to_string())?;
     *slot(&mut root, key)? = value;
-    Scene::deserialize(root).map_err(|error| error.to_string().trim().replace('\n', " "))
+    Scene::deserialize(root).map_err(|error| {
+        let words = error.to_string().trim().replace('\n', " ");
+        let hint = hint_of(&words);
+        words + &hint
+    })
 }
 
 /// The place that a dotted key names; missing tables and keys are made, serde judges their names afterwards.

@@ -7,11 +7,17 @@
 //! | `collision` spheres; of a box its bottom corners | balls; of 1 mm, and corners: points |
 //! | `effort`, `drake:rotor_inertia` times `drake:gear_ratio`², `damping` | drives |
 //! | `fixed` joints of links without mass | nothing |
+//!
+//! What joints here do not have is refused: [`unmodelled`].
+
+mod unmodelled;
 
 use crate::robot::{Body, Drives, Joint, JointKind, Robot, Sphere};
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 
+/// Rounding of a program that made the file: products of inertia by the greatest moment, angles in rad, that are as good as 0.
+const ROUNDING: f64 = 1e-9;
 /// Radius of the balls that stand for points [m].
 const POINT: f64 = 1e-3;
 
@@ -25,6 +31,7 @@ pub(super) fn parse(text: &str) -> Found<Robot> {
         return Err(format!("a URDF file is one `robot`, not `{}`", root.tag_name().name()));
     }
     let joints: Vec<Node> = children(root, "joint").collect();
+    unmodelled::refuse(&joints)?;
     let mut bodies = vec![];
     for link in children(root, "link") {
         let name = attribute(link, "name")?;
@@ -73,12 +80,14 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Found<Body> {
     let part = |tag| child(inertial, tag).ok_or(format!("the inertial of `{name}` has no {tag}"));
     let mass = number(part("mass")?, "value")?;
     let tensor = part("inertia")?;
+    let moments = [number(tensor, "ixx")?, number(tensor, "iyy")?, number(tensor, "izz")?];
+    let rounding = ROUNDING * moments.into_iter().fold(0.0, f64::max);
     for product in ["ixy", "ixz", "iyz"] {
-        if optional(tensor, product, 0.0)? != 0.0 {
-            return Err(format!("{product} of `{name}` is not 0: the principal axes must be x, y and z"));
+        let value = optional(tensor, product, 0.0)?;
+        if !(value.abs() <= rounding) {
+            return Err(format!("{product} of `{name}` is {value}, not 0: the principal axes must be x, y and z"));
         }
     }
-    let moments = [number(tensor, "ixx")?, number(tensor, "iyy")?, number(tensor, "izz")?];
     let com = origin(inertial, name)?;
     let drawn = children(link, "visual").find_map(|visual| child(child(visual, "geometry")?, "box"));
     // only drawn, for the moments are given
@@ -125,7 +134,7 @@ fn hinge(node: Node) -> Found<Joint> {
     let kind = match attribute(node, "type")? {
         "revolute" | "continuous" => JointKind::Revolute,
         "prismatic" => JointKind::Prismatic,
-        other => return Err(format!("joint `{name}` is {other}, but it must be revolute")),
+        other => return Err(format!("joint `{name}` is {other}, but it must turn or slide")),
     };
     let axis = child(node, "axis").map_or(Ok([1.0, 0.0, 0.0]), |axis| vector(axis, "xyz"))?;
     let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -174,7 +183,7 @@ fn alike(what: &str, values: &[f64]) -> Found<Option<f64>> {
 /// Where something is; nothing may be turned, for all frames are parallel at zero angles.
 fn origin(node: Node, of: &str) -> Found<[f64; 3]> {
     let Some(origin) = child(node, "origin") else { return Ok([0.0; 3]) };
-    if origin.attribute("rpy").is_some() && vector(origin, "rpy")? != [0.0; 3] {
+    if origin.attribute("rpy").is_some() && !vector(origin, "rpy")?.iter().all(|angle| angle.abs() <= ROUNDING) {
         return Err(format!(
             "`{of}` has an origin that is turned (rpy), but all frames must be parallel at zero angles"
         ));

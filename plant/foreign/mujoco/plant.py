@@ -7,12 +7,17 @@ MuJoCo's contacts give way and its friction creeps; STEP, TIME_CONSTANT, IMPEDAN
 stay stable. docs/WIRE.md says how close the walk comes, and how little it takes.
 """
 
+import sys
 from math import tau
 
-import mujoco
-import numpy as np
+try:
+    import link
+    import mujoco
+    import numpy as np
+except ModuleNotFoundError as missing:
+    print(f"error: Python has no {missing.name}: pip install iceoryx2==0.10.0 numpy mujoco xxhash", file=sys.stderr)
+    sys.exit(2)
 
-import link
 import session
 import wire
 
