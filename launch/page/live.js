@@ -7,7 +7,7 @@ const MOST = 60000; // rows that are kept
 class Live {
   constructor(about, film, player, plots, marks) {
     Object.assign(this, { about, film, player, plots, marks, run: 0, next: 0, isFollowing: true, filled: 0 });
-    this.token = new URLSearchParams(location.search).get("token");
+    this.headers = { Authorization: `Bearer ${token}` };
     this.answer = part("answer");
     part("desk").hidden = false;
     part("now").hidden = false;
@@ -30,13 +30,13 @@ class Live {
   }
 
   async ask(wish) {
-    const answer = await fetch(`ask?token=${this.token}`, { method: "POST", body: JSON.stringify(wish) }).catch(() => undefined);
+    const answer = await fetch("ask", { method: "POST", headers: this.headers, body: JSON.stringify(wish) }).catch(() => undefined);
     this.answer.textContent = answer ? `${wish.what}: ${await answer.text()}` : "the session has ended";
   }
 
   async fetch() {
     try {
-      const answer = await fetch(`frames?token=${this.token}&run=${this.run}&from=${this.next}`);
+      const answer = await fetch(`frames?run=${this.run}&from=${this.next}`, { headers: this.headers });
       if (!answer.ok) { this.answer.textContent = await answer.text(); return; }
       const run = Number(answer.headers.get("Run")), rows = await answer.arrayBuffer();
       this.next = Number(answer.headers.get("Next"));

@@ -1,6 +1,12 @@
 // All of it together.
 performance.mark("parsed");
 const part = (id) => document.getElementById(id);
+// Out of the address and its history, where others would read it; a reload finds it in this tab (`reload.js`).
+const token = new URLSearchParams(location.search).get("token");
+if (token) {
+  sessionStorage.setItem("token", token);
+  history.replaceState(null, "", location.pathname);
+}
 const about = JSON.parse(part("about").textContent);
 const film = new Film(about.layout);
 film.append(bytesOf(part("film").textContent));

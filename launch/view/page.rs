@@ -1,7 +1,10 @@
 //! The page, complete in itself: styles, scripts, libraries and data inline, so that it opens from disk and fetches nothing.
 
 use crate::report::plot::escaped;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 /// Looks of every page that the program writes.
 pub const STYLE: &str = include_str!("../page/page.css");
@@ -25,6 +28,26 @@ const SCRIPTS: &str = concat!(
     include_str!("../page/main.js"),
 );
 
+const RELOAD: &str = include_str!("../page/reload.js");
+/// What is said to whoever has not the token.
+pub const STALE: &str = concat!(
+    "<!DOCTYPE html><meta charset=\"utf-8\"><title>biped</title>\n",
+    "<p>This address is not, or no longer, good: open the one that `biped view` printed last.</p>\n",
+    "<script>",
+    include_str!("../page/reload.js"),
+    "</script>\n",
+);
+
+/// What a page may do: run the scripts above and no others, and fetch from where it came from.
+pub fn policy() -> String {
+    let scripts = [LIBRARIES, SCRIPTS, RELOAD].map(|script| format!(" 'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(script))));
+    format!(
+        "default-src 'none'; script-src{}; style-src 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; \
+         base-uri 'none'; form-action 'none'",
+        scripts.concat()
+    )
+}
+
 /// What the page has.
 pub struct Page<'a> {
     /// Its heading.
@@ -47,6 +70,7 @@ impl Page<'_> {
         // Whatever a scene contains cannot end the script that it stands in.
         let about = self.about.to_string().replace('<', "\\u003c");
         let parts = [
+            ("policy", policy()),
             ("title", escaped(self.title)),
             ("description", escaped(self.description)),
             ("style", [STYLE, VIEW_STYLE].concat()),
