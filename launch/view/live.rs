@@ -7,7 +7,7 @@ use super::page::Page;
 use super::server::Door;
 use crate::exit::{Exit, Failure};
 use crate::output::say;
-use crate::record::{Robot, Sample, Worst};
+use crate::record::{Extremes, Robot, Sample, Worst};
 use crate::top::has_ended;
 use hyper::Method;
 use hyper::body::Bytes;
@@ -64,13 +64,14 @@ pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<()
 struct Camera {
     robot: Robot,
     worst: Worst,
+    extremes: Extremes,
     run: u64,
     slot: u64,
 }
 
 impl Camera {
     fn new(scene: &Scene) -> Camera {
-        Camera { robot: Robot::new(scene), worst: Worst::default(), run: 0, slot: 0 }
+        Camera { robot: Robot::new(scene), worst: Worst::default(), extremes: Extremes::default(), run: 0, slot: 0 }
     }
 
     fn take(&mut self, truth: &Truth, reel: &Mutex<Reel>) {
@@ -80,7 +81,12 @@ impl Camera {
             return;
         }
         let sample = Sample::new(&self.robot, truth, &self.robot.place(truth));
-        let frame = bytes(&frame(&self.robot, truth, &sample, &self.worst)).collect();
+        if truth.stamp.run != self.run {
+            self.extremes = Extremes::default();
+        }
+        self.extremes.push(&self.robot, truth, &sample);
+        let fallen = self.extremes.fall.is_some();
+        let frame = bytes(&frame(&self.robot, truth, &sample, &self.worst, fallen)).collect();
         let mut reel = reel.lock().unwrap_or_else(|broken| broken.into_inner());
         if truth.stamp.run != self.run {
             reel.frames.clear();

@@ -22,6 +22,7 @@ const SCRIPTS: &str = concat!(
     include_str!("../page/marks.js"),
     include_str!("../page/stage.js"),
     include_str!("../page/plots.js"),
+    include_str!("../page/portrait.js"),
     include_str!("../page/player.js"),
     include_str!("../page/live.js"),
     include_str!("../page/drag.js"),

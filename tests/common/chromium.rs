@@ -119,20 +119,39 @@ impl Browser {
     pub fn drag(&mut self, places: &[[f64; 2]]) {
         for (index, place) in places.iter().enumerate() {
             if index == 0 {
-                self.mouse("mouseMoved", *place, 0);
+                self.mouse("mouseMoved", *place, 0, 0);
             }
-            self.mouse(if index == 0 { "mousePressed" } else { "mouseMoved" }, *place, 1);
+            self.mouse(if index == 0 { "mousePressed" } else { "mouseMoved" }, *place, 1, 1);
         }
     }
 
     /// Lets go of the left button.
     pub fn drop_at(&mut self, place: [f64; 2]) {
-        self.mouse("mouseReleased", place, 0);
+        self.mouse("mouseReleased", place, 0, 1);
     }
 
-    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32) {
+    /// Clicks so often in a row.
+    pub fn click(&mut self, place: [f64; 2], times: u32) {
+        self.mouse("mouseMoved", place, 0, 0);
+        for count in 1..=times {
+            self.mouse("mousePressed", place, 1, count);
+            self.mouse("mouseReleased", place, 0, count);
+        }
+    }
+
+    /// Presses a key and lets go of it, by its names on a keyboard and in text.
+    pub fn press(&mut self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            let text = if key.len() == 1 && kind == "keyDown" { key } else { "" };
+            let code = if key == "Escape" { 27 } else { 0 };
+            let event = json!({"type": kind, "key": key, "code": key, "text": text, "windowsVirtualKeyCode": code});
+            self.call("Input.dispatchKeyEvent", event);
+        }
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32, count: u32) {
         let button = if kind == "mouseMoved" { "none" } else { "left" };
-        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1});
+        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": count});
         self.call("Input.dispatchMouseEvent", event);
     }
 
