@@ -34,7 +34,8 @@ pub struct ViewArgs {
 }
 
 fn address(text: &str) -> Result<IpAddr, String> {
-    text.parse().map_err(|_| "an IP address of this machine is needed, such as 0.0.0.0 or ::1; the port is --port".into())
+    text.parse()
+        .map_err(|_| "an IP address of this machine is needed, such as 0.0.0.0 or ::1; the port is --port".into())
 }
 
 /// Shows it until the session or the user's patience ends.

@@ -1,24 +1,15 @@
 //! Claims about those who look on, `biped view` and `biped top`: they find the session or say why not, and never hold it up.
 
-#![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
-
 #[path = "common/live.rs"]
 mod live;
 
-use live::{Running, biped, eventually};
+use live::{Running, biped};
 use messages::port::{Contract, Pace, PlantPort};
 use messages::scene::Scene;
 use messages::session::Session;
 use std::io::{BufRead, BufReader};
 use std::net::TcpListener;
 use std::process::{Command, Output};
-
-/// A session in lockstep that lasts longer than any test, with nobody of ours listening.
-fn walking(name: &str) -> Running {
-    let mut walk = Running::start(name, &["--set", "duration=100000"]);
-    walk.leave();
-    walk
-}
 
 #[test]
 fn a_session_that_does_not_say_what_its_scene_is_cannot_be_drawn_and_that_is_said() {
@@ -47,12 +38,14 @@ fn a_port_in_use_and_a_missing_session_are_a_sentence_and_an_exit_code() {
         let (code, words) = failure(&[what, "--session", "nowhere"]);
         assert!(code == Some(3) && words.contains("no session `nowhere`"), "{what}: {code:?} {words}");
     }
-    let walk = walking("port");
+    let walk = Running::unheard("port");
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = taken.local_addr().expect("its number").port().to_string();
     let (code, words) = failure(&["view", "--session", walk.session.name(), "--port", &port]);
     assert!(code == Some(2) && words.contains(&port) && words.contains("--port"), "{code:?} {words}");
-    for (address, fault) in [("nowhere", "such as 0.0.0.0 or ::1"), ("192.0.2.1", "--listen takes an address of this machine")] {
+    for (address, fault) in
+        [("nowhere", "such as 0.0.0.0 or ::1"), ("192.0.2.1", "--listen takes an address of this machine")]
+    {
         let (code, words) = failure(&["view", "--session", walk.session.name(), "--listen", address, "--port", "0"]);
         assert!(code == Some(2) && words.contains(address) && words.contains(fault), "{code:?} {words}");
     }
@@ -61,7 +54,7 @@ fn a_port_in_use_and_a_missing_session_are_a_sentence_and_an_exit_code() {
 
 #[test]
 fn top_tells_rates_gait_and_drives_in_plain_lines_in_a_pipe_and_in_place_on_a_terminal() {
-    let walk = walking("top");
+    let walk = Running::unheard("top");
     let mut top = biped(&["top", "--session", walk.session.name()]).spawn().expect("the program starts");
     let lines: Vec<String> =
         BufReader::new(top.stdout.as_mut().expect("a pipe")).lines().take(3).map(|line| line.expect("text")).collect();

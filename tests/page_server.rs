@@ -6,11 +6,11 @@
 #[path = "common/live.rs"]
 mod live;
 
-use live::{Running, biped, eventually};
+use live::{LONG, Running, biped, eventually};
 use messages::port::Ask;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
-use std::io::{BufRead, BufReader, Read, Write};
+use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::process::{Child, Output};
 
@@ -68,20 +68,15 @@ impl View {
 /// All that still comes.
 fn rest(stream: &mut TcpStream) -> String {
     let mut answer = vec![];
-    let _ = stream.read_to_end(&mut answer); // a reset is an end, too
+    stream.set_read_timeout(Some(LONG)).expect("a socket");
+    let end = stream.read_to_end(&mut answer).map_err(|error| error.kind());
+    assert_ne!(end, Err(ErrorKind::WouldBlock), "nobody hangs up"); // a reset is an end, too
     String::from_utf8_lossy(&answer).into()
-}
-
-/// A session in lockstep that lasts longer than any test, with nobody of ours listening.
-fn walking(name: &str) -> Running {
-    let mut walk = Running::start(name, &["--set", "duration=100000"]);
-    walk.leave();
-    walk
 }
 
 #[test]
 fn whoever_lacks_the_token_or_means_another_host_is_refused() {
-    let walk = walking("token");
+    let walk = Running::unheard("token");
     walk.ask(Ask::Pause);
     let view = View::open(&walk, &[]);
     let (token, here) = (&view.token, &view.place.to_string());
@@ -93,7 +88,8 @@ fn whoever_lacks_the_token_or_means_another_host_is_refused() {
     }
     // What another site's page sends once its own name leads here.
     let port = view.place.port();
-    for host in ["evil.example", &format!("evil.example:{port}"), "192.0.2.1", "127.0.0.1.evil.example", "", "[", "a b"] {
+    for host in ["evil.example", &format!("evil.example:{port}"), "192.0.2.1", "127.0.0.1.evil.example", "", "[", "a b"]
+    {
         let answer = view.get(&format!("/?token={token}"), host);
         assert!(!answer.starts_with("HTTP/1.1 200") && !answer.contains("<title>biped: session"), "{host}: {answer}");
     }
@@ -103,7 +99,9 @@ fn whoever_lacks_the_token_or_means_another_host_is_refused() {
         assert!(view.get(&format!("/frames?token={token}"), host).starts_with("HTTP/1.1 200"), "{host}");
     }
     let bearer = |token: &str| {
-        let head = format!("GET /frames HTTP/1.1\r\nHost: {here}\r\nConnection: close\r\nAuthorization: Bearer {token}\r\n\r\n");
+        let head = format!(
+            "GET /frames HTTP/1.1\r\nHost: {here}\r\nConnection: close\r\nAuthorization: Bearer {token}\r\n\r\n"
+        );
         view.say(&head)
     };
     assert!(bearer(token).starts_with("HTTP/1.1 200") && bearer(&token[1..]).starts_with("HTTP/1.1 403"));
@@ -124,7 +122,7 @@ fn whoever_lacks_the_token_or_means_another_host_is_refused() {
 
 #[test]
 fn endless_headers_and_bodies_and_silence_cost_no_memory_and_keep_nobody_out() {
-    let walk = walking("onlooker");
+    let walk = Running::unheard("onlooker");
     walk.ask(Ask::Pause);
     let view = View::open(&walk, &[]);
     assert!(view.serves());
@@ -163,7 +161,8 @@ fn endless_headers_and_bodies_and_silence_cost_no_memory_and_keep_nobody_out() {
     let mut slow: Vec<TcpStream> = (0..100)
         .map(|_| {
             let mut stream = view.connect();
-            write!(stream, "POST /ask{query} HTTP/1.1\r\nHost: {place}\r\nContent-Length: 9\r\n\r\nx").expect("listening");
+            write!(stream, "POST /ask{query} HTTP/1.1\r\nHost: {place}\r\nContent-Length: 9\r\n\r\nx")
+                .expect("listening");
             stream
         })
         .collect();
@@ -178,7 +177,7 @@ fn endless_headers_and_bodies_and_silence_cost_no_memory_and_keep_nobody_out() {
 
 #[test]
 fn a_reader_that_stalls_stalls_nobody() {
-    let walk = walking("stall");
+    let walk = Running::unheard("stall");
     let view = View::open(&walk, &[]);
     // Browsers that ask for the page again and again and never read it: more than fits between us, from each.
     let before = view.files();
@@ -204,9 +203,10 @@ fn a_reader_that_stalls_stalls_nobody() {
 
 #[test]
 fn other_addresses_are_listened_on_if_asked_for_and_then_that_is_warned_of() {
-    let walk = walking("listen");
+    let walk = Running::unheard("listen");
     walk.ask(Ask::Pause);
-    for (listen, host, warnings) in [("0.0.0.0", "192.0.2.7:80", 1), ("::", "[2001:db8::7]:80", 1), ("::1", "[::1]", 0)] {
+    for (listen, host, warnings) in [("0.0.0.0", "192.0.2.7:80", 1), ("::", "[2001:db8::7]:80", 1), ("::1", "[::1]", 0)]
+    {
         let listening = listen.parse::<IpAddr>().expect("an address");
         if listening.is_ipv6() && TcpListener::bind("[::1]:0").is_err() {
             eprintln!("this machine has no IPv6: {listen} is not tested");
@@ -221,7 +221,10 @@ fn other_addresses_are_listened_on_if_asked_for_and_then_that_is_warned_of() {
         kill(Pid::from_raw(view.process.id() as i32), Signal::SIGTERM).expect("a signal");
         let Output { status, stderr, .. } = view.process.wait_with_output().expect("our own child");
         let words = String::from_utf8_lossy(&stderr);
-        assert!(status.success() && words.matches("warning: the page listens on ").count() == warnings, "{listen}: {words}");
+        assert!(
+            status.success() && words.matches("warning: the page listens on ").count() == warnings,
+            "{listen}: {words}"
+        );
     }
     walk.end();
 }

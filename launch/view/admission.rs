@@ -53,7 +53,10 @@ impl Admission {
         let bearer = || said(header::AUTHORIZATION)?.strip_prefix("Bearer ");
         let token = Query(head.uri.query().unwrap_or("")).value("token").or_else(bearer).unwrap_or("");
         if !constant_time_eq(token.as_bytes(), self.token.as_bytes()) {
-            return Err(with(text(403, page::STALE), header::CONTENT_TYPE, HTML));
+            return Err(match head.uri.path() {
+                "/" => with(text(403, &page::refusal(STALE)), header::CONTENT_TYPE, HTML),
+                _ => text(403, STALE),
+            });
         }
         is_known.store(true, Relaxed);
         match timeout(PATIENCE, Limited::new(body, LONGEST_BODY).collect()).await {
@@ -86,6 +89,7 @@ impl Admission {
     }
 }
 
+const STALE: &str = "This address is not, or no longer, good: open the one that `biped view` printed last.\n";
 const ELSEWHERE: &str = "This host is not here: open the address that `biped view` printed.\n";
 const HTML: &str = "text/html; charset=utf-8";
 

@@ -9,7 +9,13 @@ use serde_json::{Value, json};
 
 /// One instant: names of its quantities, and their values in SI units, W, or as the message has them. The page reads them in
 /// this order, as 32-bit floats: these are pictures.
-pub fn frame(robot: &Robot, truth: &Truth, sample: &Sample, worst: &Worst, fallen: bool) -> Vec<(&'static str, Vec<f64>)> {
+pub fn frame(
+    robot: &Robot,
+    truth: &Truth,
+    sample: &Sample,
+    worst: &Worst,
+    fallen: bool,
+) -> Vec<(&'static str, Vec<f64>)> {
     let joints = robot.joints().len().min(truth.angle.len());
     let lateral = Lateral::new(sample)
         .map_or([f64::NAN; 3], |lateral| [lateral.position, lateral.velocity, lateral.support as f64]);
@@ -86,7 +92,10 @@ pub fn film(recorder: &Recorder) -> String {
     let (rows, fall) = (recorder.rows.iter(), recorder.extremes.fall);
     let fallen = |time| fall.is_some_and(|fall| time >= fall);
     let bytes: Vec<u8> = rows
-        .flat_map(|row| bytes(&frame(&recorder.robot, &row.truth, &row.sample, &row.worst, fallen(row.sample.time))).collect::<Vec<_>>())
+        .flat_map(|row| {
+            bytes(&frame(&recorder.robot, &row.truth, &row.sample, &row.worst, fallen(row.sample.time)))
+                .collect::<Vec<_>>()
+        })
         .collect();
     BASE64_STANDARD.encode(bytes)
 }

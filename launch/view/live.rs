@@ -1,8 +1,8 @@
 //! The page of a running session. A process of its own that only listens; what a browser does not fetch in time is dropped here, so
 //! that no browser ever holds up a run.
 
-use super::film::{about, bytes, frame};
 use super::admission::{Answer, Query, data, html, nothing, text, with};
+use super::film::{about, bytes, frame};
 use super::page::Page;
 use super::server::Door;
 use crate::exit::{Exit, Failure};

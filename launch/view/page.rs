@@ -30,18 +30,18 @@ const SCRIPTS: &str = concat!(
 );
 
 const RELOAD: &str = include_str!("../page/reload.js");
-/// What is said to whoever has not the token.
-pub const STALE: &str = concat!(
-    "<!DOCTYPE html><meta charset=\"utf-8\"><title>biped</title>\n",
-    "<p>This address is not, or no longer, good: open the one that `biped view` printed last.</p>\n",
-    "<script>",
-    include_str!("../page/reload.js"),
-    "</script>\n",
-);
+/// A refusal as a page, from which a tab that was let in before finds back.
+pub fn refusal(why: &str) -> String {
+    format!(
+        "<!DOCTYPE html><meta charset=\"utf-8\"><title>biped</title>\n<p>{}</p>\n<script>{RELOAD}</script>\n",
+        escaped(why)
+    )
+}
 
 /// What a page may do: run the scripts above and no others, and fetch from where it came from.
 pub fn policy() -> String {
-    let scripts = [LIBRARIES, SCRIPTS, RELOAD].map(|script| format!(" 'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(script))));
+    let scripts = [LIBRARIES, SCRIPTS, RELOAD]
+        .map(|script| format!(" 'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(script))));
     format!(
         "default-src 'none'; script-src{}; style-src 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; \
          base-uri 'none'; form-action 'none'",

@@ -22,7 +22,8 @@ fn heads(page: &mut Browser) -> Vec<f64> {
 
 /// What the first plot spans [s].
 fn span(page: &mut Browser) -> [f64; 2] {
-    serde_json::from_value(page.value("[plots.panels[0].plot.scales.x.min, plots.panels[0].plot.scales.x.max]")).unwrap()
+    serde_json::from_value(page.value("[plots.panels[0].plot.scales.x.min, plots.panels[0].plot.scales.x.max]"))
+        .unwrap()
 }
 
 /// Labels of all axes, of which no two on one axis are equal.
@@ -72,7 +73,10 @@ fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoo
     let middle = place(&mut page, 0.5);
     page.value("player.seek(5), player.play(true)");
     page.click(middle, 2);
-    page.until(&format!("plots.panels.every(({{ plot }}) => plot.scales.x.max - plot.scales.x.min > {})", whole[1] - whole[0] - 0.1));
+    page.until(&format!(
+        "plots.panels.every(({{ plot }}) => plot.scales.x.max - plot.scales.x.min > {})",
+        whole[1] - whole[0] - 0.1
+    ));
     assert_eq!(page.value("player.isPlaying && player.time > 4.9 && player.time < 7"), json!(true));
     page.value("player.play(false)");
     page.click(middle, 1);
@@ -173,7 +177,13 @@ fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_te
     page.value("player.play(false), player.seek(.2)");
     page.until("!player.isStale && !stage.isStale");
     let titles = page.value("[...document.querySelectorAll('#plots h3 b')].map((title) => title.textContent)");
-    let own = ["Centre of gravity [m]", "Its velocity [m/s]", "Force of the ground [N]", "Contact residuals", "Joints [rad, m]"];
+    let own = [
+        "Centre of gravity [m]",
+        "Its velocity [m/s]",
+        "Force of the ground [N]",
+        "Contact residuals",
+        "Joints [rad, m]",
+    ];
     assert_eq!(titles, json!(own));
     assert!(page.value("part('facts').textContent").as_str().unwrap().starts_with("no controller\n"));
     let weight = page.number("film.get(film.row(.4), 'ground', 2)");
@@ -181,15 +191,22 @@ fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_te
     labels(&mut page);
     keep(&mut page, "passive");
 
-    assert_eq!(page.value("[typeof isHurt, document.querySelectorAll('img, header b').length]"), json!(["undefined", 0]));
-    let shown = "[document.querySelector('.lead').textContent, about.joints[0], document.querySelector('h1').textContent]";
+    assert_eq!(
+        page.value("[typeof isHurt, document.querySelectorAll('img, header b').length]"),
+        json!(["undefined", 0])
+    );
+    let shown =
+        "[document.querySelector('.lead').textContent, about.joints[0], document.querySelector('h1').textContent]";
     let description = HOSTILE.lines().next().unwrap().split('\'').nth(1).unwrap();
     let name = format!("biped: {}", scene.display());
     assert_eq!(page.value(shown), json!([description, "</script><img src=x onerror=alert(1)>", name]));
     // And what would stand there all the same would not run.
     page.value("document.body.append(Object.assign(document.createElement('script'), { textContent: 'globalThis.isHurt = true' }))");
     assert_eq!(page.value("typeof isHurt"), json!("undefined"));
-    assert!(page.complaints.iter().all(|complaint| complaint.contains("Content Security Policy")) && page.complaints.len() == 1);
+    assert!(
+        page.complaints.iter().all(|complaint| complaint.contains("Content Security Policy"))
+            && page.complaints.len() == 1
+    );
     drop(page);
     std::fs::remove_dir_all(folder).unwrap();
     std::fs::remove_file(scene).unwrap();
