@@ -37,7 +37,9 @@ class Player {
 
   /// That was the first half of a double click, which means something else.
   unpoint() {
+    if (!this.pointed) return; // that half went beside
     const [time, isPlaying, isFollowing] = this.pointed;
+    this.pointed = undefined;
     this.play(isPlaying);
     this.isFollowing = isFollowing;
     this.seek(time);

@@ -33,8 +33,8 @@ function labels(_, ticks, axis, space, increment) {
   return ticks.map((tick) => (tick === null ? null : (tick || 0).toFixed(decimals)));
 }
 
-/// Room for the labels of an axis across [px].
-const room = (_, labels) => Math.max(40, 12 + 6.5 * Math.max(...(labels ?? [""]).map((label) => (label ?? "").length)));
+/// Room for the labels of an axis across [px], in strides: what changes it lays out the plot anew.
+const room = (_, labels) => Math.max(48, 16 * Math.ceil((12 + 6.5 * Math.max(...(labels ?? [""]).map((label) => (label ?? "").length))) / 16));
 
 /// A range no narrower than rounding, or than a part of what it is around.
 function range(least) {
