@@ -35,13 +35,15 @@ function show(time) {
 function tell(row) {
   const get = (name, index) => film.get(row, name, index);
   const side = about.feet.length < 2 ? "" : `, ${["left", "right"][get("support")]} foot supports`;
-  const hasFallen = film.fall !== undefined && get("time") >= film.fall;
-  const speed = Math.hypot(get("velocity", 0), get("velocity", 1));
-  part("facts").textContent = [
-    hasFallen ? `fell at ${film.fall.toFixed(2)} s` : about.driven ? `${about.phases[get("phase")] ?? "?"}${side}` : "no controller",
-    about.driven ? `step ${get("steps")}, ${speed.toFixed(2)} m/s, x ${get("com", 0).toFixed(2)} m` : `${speed.toFixed(2)} m/s, x ${get("com", 0).toFixed(2)} m`,
+  const moves = `${Math.hypot(get("velocity", 0), get("velocity", 1)).toFixed(2)} m/s, x ${get("com", 0).toFixed(2)} m`;
+  const words = about.driven ? [
+    `${about.phases[get("phase")] ?? "?"}${side}`,
+    `step ${get("steps")}, ${moves}`,
     `drives: ${about.states[get("state")] ?? "?"}, ${get("refused")} commands refused, ${get("lost")} lost`,
-  ].slice(0, about.driven ? 3 : 2).join("\n");
+  ] : ["no controller", moves];
+  const hasFallen = get("fallen") > 0;
+  if (hasFallen) words[0] = `fell at ${film.fall.toFixed(2)} s`;
+  part("facts").textContent = words.join("\n");
   part("facts").classList.toggle("fell", hasFallen);
 }
 
