@@ -1,5 +1,6 @@
 //! `biped view`: the page in 3-D, of a session that is running or of a recording. The same page is in `report.html`.
 
+mod admission;
 pub mod film;
 mod live;
 pub mod page;
@@ -9,6 +10,7 @@ mod server;
 use crate::desk::SessionArgs;
 use crate::exit::Failure;
 use clap::Args;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -20,7 +22,10 @@ pub struct ViewArgs {
     file: Option<PathBuf>,
     #[command(flatten)]
     session: SessionArgs,
-    /// Port on this machine's own address; 0 takes one that is free
+    /// Address of this machine to listen on, for browsers on others: 0.0.0.0 or :: are all of its addresses
+    #[arg(long, value_name = "ADDRESS", value_parser = address, default_value_t = Ipv4Addr::LOCALHOST.into())]
+    listen: IpAddr,
+    /// Port on that address; 0 takes one that is free
     #[arg(long, default_value_t = 8642)]
     port: u16,
     /// Write the page of the recording into this file, instead of serving it
@@ -28,13 +33,19 @@ pub struct ViewArgs {
     out: Option<PathBuf>,
 }
 
+fn address(text: &str) -> Result<IpAddr, String> {
+    text.parse()
+        .map_err(|_| "an IP address of this machine is needed, such as 0.0.0.0 or ::1; the port is --port".into())
+}
+
 /// Shows it until the session or the user's patience ends.
 ///
 /// # Errors
-/// If there is no such session or recording, or the port is in use.
+/// If there is no such session or recording, or the address cannot be listened on.
 pub fn run(args: &ViewArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let place = SocketAddr::new(args.listen, args.port);
     match &args.file {
-        Some(file) => recorded::run(file, args.out.as_deref(), args.port, stop),
-        None => live::run(&args.session.find()?, args.port, stop),
+        Some(file) => recorded::run(file, args.out.as_deref(), place, stop),
+        None => live::run(&args.session.find()?, place, stop),
     }
 }

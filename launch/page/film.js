@@ -8,7 +8,13 @@ class Film {
       this.width += count;
     }
     this.floats = new Float32Array(0);
+    this.clear();
+  }
+
+  /// Begins anew.
+  clear() {
     this.length = 0;
+    this.fall = undefined; // when the robot fell, if it did
   }
 
   /// Adds rows, given as bytes.
@@ -20,7 +26,11 @@ class Film {
       this.floats = room;
     }
     this.floats.set(more, used);
+    const before = this.length;
     this.length += more.length / this.width;
+    for (let row = before; this.fall === undefined && row < this.length; row++) {
+      if (this.get(row, "fallen")) this.fall = this.get(row, "time");
+    }
   }
 
   /// Lets go of the oldest rows.

@@ -96,6 +96,14 @@ class Stage {
     return [(1 + x) / 2 * clientWidth, (1 - y) / 2 * clientHeight];
   }
 
+  /// How a way in W looks from a place on: its angle on the screen, clockwise from the right [rad], and the part of it that comes
+  /// towards the camera.
+  way(from, along) {
+    const sight = this.camera.position.clone().sub(from).normalize(), depth = along.clone().normalize().dot(sight);
+    const [[x, y], [toX, toY]] = [from, from.clone().addScaledVector(along, .1)].map((place) => this.onScreen(place));
+    return { angle: Math.atan2(toY - y, toX - x), depth };
+  }
+
   /// Goes along with a place on the ground.
   follow(x, y) {
     const move = new THREE.Vector3(x - this.controls.target.x, y - this.controls.target.y, 0);

@@ -9,12 +9,20 @@ use serde_json::{Value, json};
 
 /// One instant: names of its quantities, and their values in SI units, W, or as the message has them. The page reads them in
 /// this order, as 32-bit floats: these are pictures.
-pub fn frame(robot: &Robot, truth: &Truth, sample: &Sample, worst: &Worst) -> Vec<(&'static str, Vec<f64>)> {
+pub fn frame(
+    robot: &Robot,
+    truth: &Truth,
+    sample: &Sample,
+    worst: &Worst,
+    fallen: bool,
+) -> Vec<(&'static str, Vec<f64>)> {
     let joints = robot.joints().len().min(truth.angle.len());
     let lateral = Lateral::new(sample)
         .map_or([f64::NAN; 3], |lateral| [lateral.position, lateral.velocity, lateral.support as f64]);
     let soles = sample.soles.iter().flatten();
     let tally = &truth.tally;
+    let forces = &truth.contact_force[..3 * robot.contacts.len()];
+    let ground = [0, 1, 2].map(|axis| forces.iter().skip(axis).step_by(3).sum::<f64>());
     vec![
         ("time", vec![sample.time]),
         ("position", truth.base_position.to_vec()),
@@ -28,7 +36,8 @@ pub fn frame(robot: &Robot, truth: &Truth, sample: &Sample, worst: &Worst) -> Ve
             soles.flat_map(|sole| [sole.centre.x, sole.centre.y, sole.centre.z, sole.yaw(), sole.load]).collect(),
         ),
         ("lateral", lateral.to_vec()),
-        ("force", truth.contact_force[..3 * robot.contacts.len()].to_vec()),
+        ("force", forces.to_vec()),
+        ("ground", ground.to_vec()),
         ("torque", worst.torque[..joints].to_vec()),
         ("energy", truth.telemetry.energy.to_vec()),
         ("reference", truth.telemetry.energy_ref.to_vec()),
@@ -42,6 +51,7 @@ pub fn frame(robot: &Robot, truth: &Truth, sample: &Sample, worst: &Worst) -> Ve
         ("state", vec![f64::from(truth.state)]),
         ("refused", vec![tally.refused.iter().sum::<u64>() as f64]),
         ("lost", vec![tally.lost as f64]),
+        ("fallen", vec![f64::from(fallen)]),
     ]
 }
 
@@ -54,7 +64,7 @@ pub fn bytes(frame: &[(&'static str, Vec<f64>)]) -> impl Iterator<Item = u8> {
 pub fn about(robot: &Robot, scene: &Scene) -> Value {
     let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
     let sample = Sample::new(robot, &truth, &robot.place(&truth));
-    let layout: Vec<_> = frame(robot, &truth, &sample, &Worst::default())
+    let layout: Vec<_> = frame(robot, &truth, &sample, &Worst::default(), false)
         .into_iter()
         .map(|(name, values)| json!([name, values.len()]))
         .collect();
@@ -71,6 +81,7 @@ pub fn about(robot: &Robot, scene: &Scene) -> Value {
         "joints": robot.joints(),
         "phases": PHASES,
         "states": STATES,
+        "driven": scene.controller.is_some(),
         "duration": scene.duration,
         "period": 1.0 / scene.rate,
     })
@@ -78,9 +89,13 @@ pub fn about(robot: &Robot, scene: &Scene) -> Value {
 
 /// All that was recorded.
 pub fn film(recorder: &Recorder) -> String {
-    let rows = recorder.rows.iter();
+    let (rows, fall) = (recorder.rows.iter(), recorder.extremes.fall);
+    let fallen = |time| fall.is_some_and(|fall| time >= fall);
     let bytes: Vec<u8> = rows
-        .flat_map(|row| bytes(&frame(&recorder.robot, &row.truth, &row.sample, &row.worst)).collect::<Vec<_>>())
+        .flat_map(|row| {
+            bytes(&frame(&recorder.robot, &row.truth, &row.sample, &row.worst, fallen(row.sample.time)))
+                .collect::<Vec<_>>()
+        })
         .collect();
     BASE64_STANDARD.encode(bytes)
 }

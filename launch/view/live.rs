@@ -1,13 +1,17 @@
 //! The page of a running session. A process of its own that only listens; what a browser does not fetch in time is dropped here, so
 //! that no browser ever holds up a run.
 
+use super::admission::{Answer, Query, data, html, nothing, text, with};
 use super::film::{about, bytes, frame};
 use super::page::Page;
-use super::server::{Answer, Door, Query, html, nothing, text, with};
+use super::server::Door;
 use crate::exit::{Exit, Failure};
 use crate::output::say;
-use crate::record::{Robot, Sample, Worst};
+use crate::record::{Extremes, Robot, Sample, Worst};
 use crate::top::has_ended;
+use hyper::Method;
+use hyper::body::Bytes;
+use hyper::header::HeaderName;
 use messages::load;
 use messages::port::{Ask, RecorderPort, Verdict, ask};
 use messages::scene::Scene;
@@ -15,24 +19,23 @@ use messages::session::Session;
 use messages::wire::{STATES, Truth};
 use serde::Deserialize;
 use std::collections::VecDeque;
-use std::io::Read;
+use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
-use tiny_http::{Method, Request, Response};
 
 /// Frames come no closer than this [ns].
 const FRAME_NS: u64 = 5_000_000;
 /// Frames that are kept for a browser: ten seconds in real time.
 const KEPT: usize = 2000;
-/// A request is shorter [bytes].
-const LONGEST: u64 = 4096;
+const RUN: HeaderName = HeaderName::from_static("run");
+const NEXT: HeaderName = HeaderName::from_static("next");
 
 /// Serves the page until the session or the user's patience ends.
 ///
 /// # Errors
 /// If there is no such session, it does not say what its scene is, or the port is in use.
-pub fn run(session: &Session, port: u16, stop: &AtomicBool) -> Result<(), Failure> {
+pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<(), Failure> {
     let mut truths = RecorderPort::visit(session)?;
     let name = session.name();
     let unknown = || {
@@ -41,11 +44,11 @@ pub fn run(session: &Session, port: u16, stop: &AtomicBool) -> Result<(), Failur
         Failure::new(Exit::Incompatible, why)
     };
     let scene: Scene = session.scene().and_then(|text| toml::from_str(&text).ok()).ok_or_else(unknown)?;
-    let door = Door::open(port)?;
+    let door = Door::open(place)?;
     say(format_args!("session {name}: open {}\n", door.address));
     let desk = Arc::new(Desk::new(session.clone(), &scene));
     let behind = desk.clone();
-    std::thread::spawn(move || door.serve(|request, path, query| behind.answer(request, path, query)));
+    std::thread::spawn(move || door.serve(move |method, path, query, body| behind.answer(method, path, query, body)));
     let (mut film, mut heard) = (Camera::new(&scene), Instant::now());
     while !stop.load(Relaxed) && !has_ended(session, heard) {
         while let Some(truth) = truths.read()? {
@@ -61,13 +64,14 @@ pub fn run(session: &Session, port: u16, stop: &AtomicBool) -> Result<(), Failur
 struct Camera {
     robot: Robot,
     worst: Worst,
+    extremes: Extremes,
     run: u64,
     slot: u64,
 }
 
 impl Camera {
     fn new(scene: &Scene) -> Camera {
-        Camera { robot: Robot::new(scene), worst: Worst::default(), run: 0, slot: 0 }
+        Camera { robot: Robot::new(scene), worst: Worst::default(), extremes: Extremes::default(), run: 0, slot: 0 }
     }
 
     fn take(&mut self, truth: &Truth, reel: &Mutex<Reel>) {
@@ -77,7 +81,12 @@ impl Camera {
             return;
         }
         let sample = Sample::new(&self.robot, truth, &self.robot.place(truth));
-        let frame = bytes(&frame(&self.robot, truth, &sample, &self.worst)).collect();
+        if truth.stamp.run != self.run {
+            self.extremes = Extremes::default();
+        }
+        self.extremes.push(&self.robot, truth, &sample);
+        let fallen = self.extremes.fall.is_some();
+        let frame = bytes(&frame(&self.robot, truth, &sample, &self.worst, fallen)).collect();
         let mut reel = reel.lock().unwrap_or_else(|broken| broken.into_inner());
         if truth.stamp.run != self.run {
             reel.frames.clear();
@@ -117,7 +126,7 @@ impl Reel {
 /// Where browsers come to.
 struct Desk {
     session: Session,
-    page: String,
+    page: Bytes,
     trunk: usize,
     reel: Mutex<Reel>,
 }
@@ -136,14 +145,14 @@ impl Desk {
             below: "",
             scene: &load::text(scene),
         };
-        Desk { page: page.html(), trunk: robot.trunk, session, reel: Mutex::default() }
+        Desk { page: page.html().into(), trunk: robot.trunk, session, reel: Mutex::default() }
     }
 
-    fn answer(&self, request: &mut Request, path: &str, query: Query) -> Answer {
-        match (request.method(), path) {
-            (Method::Get, "/") => html(&self.page),
-            (Method::Get, "/frames") => self.frames(query.value("run"), query.value("from")),
-            (Method::Post, "/ask") => self.ask(request),
+    fn answer(&self, method: &Method, path: &str, query: Query, body: &str) -> Answer {
+        match (method, path) {
+            (&Method::GET, "/") => html(&self.page),
+            (&Method::GET, "/frames") => self.frames(query.value("run"), query.value("from")),
+            (&Method::POST, "/ask") => self.ask(body),
             _ => nothing(),
         }
     }
@@ -152,15 +161,12 @@ impl Desk {
         let reel = self.reel.lock().unwrap_or_else(|broken| broken.into_inner());
         let is_same = run == Some(&reel.runs.to_string());
         let from = from.filter(|_| is_same).and_then(|from| from.parse().ok()).unwrap_or(0);
-        let response = with(Response::from_data(reel.from(from)), "Run", &reel.runs.to_string());
-        with(response, "Next", &reel.next.to_string())
+        let answer = with(data(reel.from(from)), RUN, &reel.runs.to_string());
+        with(answer, NEXT, &reel.next.to_string())
     }
 
-    fn ask(&self, request: &mut Request) -> Answer {
-        let mut words = String::new();
-        let read = request.as_reader().take(LONGEST).read_to_string(&mut words);
-        let wish = read.ok().and_then(|_| serde_json::from_str::<Wish>(&words).ok());
-        let Some(wish) = wish else { return text(400, "This request cannot be read.\n") };
+    fn ask(&self, body: &str) -> Answer {
+        let Ok(wish) = serde_json::from_str::<Wish>(body) else { return text(400, "This request cannot be read.\n") };
         match ask(&self.session, wish.ask(self.trunk)) {
             Ok(reply) if reply.verdict == Verdict::Done as u64 => {
                 let state = STATES.get(reply.state as usize).copied().unwrap_or("?");

@@ -1,7 +1,10 @@
 //! The page, complete in itself: styles, scripts, libraries and data inline, so that it opens from disk and fetches nothing.
 
 use crate::report::plot::escaped;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
 use serde_json::Value;
+use sha2::{Digest, Sha256};
 
 /// Looks of every page that the program writes.
 pub const STYLE: &str = include_str!("../page/page.css");
@@ -19,11 +22,32 @@ const SCRIPTS: &str = concat!(
     include_str!("../page/marks.js"),
     include_str!("../page/stage.js"),
     include_str!("../page/plots.js"),
+    include_str!("../page/portrait.js"),
     include_str!("../page/player.js"),
     include_str!("../page/live.js"),
     include_str!("../page/drag.js"),
     include_str!("../page/main.js"),
 );
+
+const RELOAD: &str = include_str!("../page/reload.js");
+/// A refusal as a page, from which a tab that was let in before finds back.
+pub fn refusal(why: &str) -> String {
+    format!(
+        "<!DOCTYPE html><meta charset=\"utf-8\"><title>biped</title>\n<p>{}</p>\n<script>{RELOAD}</script>\n",
+        escaped(why)
+    )
+}
+
+/// What a page may do: run the scripts above and no others, and fetch from where it came from.
+pub fn policy() -> String {
+    let scripts = [LIBRARIES, SCRIPTS, RELOAD]
+        .map(|script| format!(" 'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(script))));
+    format!(
+        "default-src 'none'; script-src{}; style-src 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; \
+         base-uri 'none'; form-action 'none'",
+        scripts.concat()
+    )
+}
 
 /// What the page has.
 pub struct Page<'a> {
@@ -47,6 +71,7 @@ impl Page<'_> {
         // Whatever a scene contains cannot end the script that it stands in.
         let about = self.about.to_string().replace('<', "\\u003c");
         let parts = [
+            ("policy", policy()),
             ("title", escaped(self.title)),
             ("description", escaped(self.description)),
             ("style", [STYLE, VIEW_STYLE].concat()),

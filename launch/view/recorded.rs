@@ -1,6 +1,7 @@
 //! `biped view FILE`: the page of a recording, as the report of that run has it.
 
-use super::server::{Door, html, nothing};
+use super::admission::{html, nothing};
+use super::server::Door;
 use crate::exit::{Exit, Failure, unless};
 use crate::output::{keeps, say, tell, unwritten, write_whole};
 use crate::progress::Counter;
@@ -8,12 +9,14 @@ use crate::record::Recorder;
 use crate::recording::Reader;
 use crate::report;
 use crate::summary::Summary;
+use hyper::Method;
+use hyper::body::Bytes;
 use messages::load;
 use messages::wire::Truth;
+use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
-use tiny_http::Method;
 
 /// Between two looks at whether the user has had enough.
 const LOOK: Duration = Duration::from_millis(50);
@@ -24,7 +27,7 @@ const OFTEN: u64 = 1 << 12;
 ///
 /// # Errors
 /// See [`Reader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
-pub fn run(file: &Path, out: Option<&Path>, port: u16, stop: &AtomicBool) -> Result<(), Failure> {
+pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(out) = out {
         keeps(file, out)?;
     }
@@ -34,11 +37,12 @@ pub fn run(file: &Path, out: Option<&Path>, port: u16, stop: &AtomicBool) -> Res
         say(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }
-    let door = Door::open(port)?;
+    let door = Door::open(place)?;
     say(format_args!("{}: open {}\n", file.display(), door.address));
+    let page = Bytes::from(page);
     std::thread::spawn(move || {
-        door.serve(|request, path, _| match (request.method(), path) {
-            (Method::Get, "/") => html(&page),
+        door.serve(move |method, path, _, _| match (method, path) {
+            (&Method::GET, "/") => html(&page),
             _ => nothing(),
         });
     });

@@ -87,8 +87,7 @@ impl Browser {
 
     /// The value of an expression in the page.
     pub fn value(&mut self, expression: &str) -> Value {
-        let wish = json!({"expression": expression, "returnByValue": true, "awaitPromise": true});
-        let answer = self.call("Runtime.evaluate", wish);
+        let answer = self.call("Runtime.evaluate", evaluation(expression));
         assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
         answer["result"]["value"].clone()
     }
@@ -100,8 +99,14 @@ impl Browser {
 
     /// Waits until an expression is true.
     pub fn until(&mut self, expression: &str) {
-        let start = Instant::now();
-        while self.value(expression) != json!(true) {
+        let (start, wish) = (Instant::now(), evaluation(expression));
+        // Between two pages there is nobody to answer.
+        let holds = |answer: Result<Value, Value>| {
+            let answer = answer.unwrap_or_default();
+            assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
+            answer["result"]["value"] == json!(true)
+        };
+        while !holds(self.attempt("Runtime.evaluate", wish.clone())) {
             assert!(start.elapsed() < LONG, "{expression} did not come true; {:?}", self.complaints);
             std::thread::sleep(Duration::from_millis(20));
         }
@@ -119,20 +124,39 @@ impl Browser {
     pub fn drag(&mut self, places: &[[f64; 2]]) {
         for (index, place) in places.iter().enumerate() {
             if index == 0 {
-                self.mouse("mouseMoved", *place, 0);
+                self.mouse("mouseMoved", *place, 0, 0);
             }
-            self.mouse(if index == 0 { "mousePressed" } else { "mouseMoved" }, *place, 1);
+            self.mouse(if index == 0 { "mousePressed" } else { "mouseMoved" }, *place, 1, 1);
         }
     }
 
     /// Lets go of the left button.
     pub fn drop_at(&mut self, place: [f64; 2]) {
-        self.mouse("mouseReleased", place, 0);
+        self.mouse("mouseReleased", place, 0, 1);
     }
 
-    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32) {
+    /// Clicks so often in a row.
+    pub fn click(&mut self, place: [f64; 2], times: u32) {
+        self.mouse("mouseMoved", place, 0, 0);
+        for count in 1..=times {
+            self.mouse("mousePressed", place, 1, count);
+            self.mouse("mouseReleased", place, 0, count);
+        }
+    }
+
+    /// Presses a key and lets go of it, by its names on a keyboard and in text.
+    pub fn press(&mut self, key: &str) {
+        for kind in ["keyDown", "keyUp"] {
+            let text = if key.len() == 1 && kind == "keyDown" { key } else { "" };
+            let code = if key == "Escape" { 27 } else { 0 };
+            let event = json!({"type": kind, "key": key, "code": key, "text": text, "windowsVirtualKeyCode": code});
+            self.call("Input.dispatchKeyEvent", event);
+        }
+    }
+
+    fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], buttons: u32, count: u32) {
         let button = if kind == "mouseMoved" { "none" } else { "left" };
-        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": 1});
+        let event = json!({"type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": count});
         self.call("Input.dispatchMouseEvent", event);
     }
 
@@ -146,6 +170,10 @@ impl Browser {
     }
 
     fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.attempt(method, parameters).unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    fn attempt(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         self.count += 1;
         let mut message = json!({"id": self.count, "method": method, "params": parameters});
         if !self.page.is_empty() {
@@ -159,8 +187,9 @@ impl Browser {
             let answer: Value = serde_json::from_slice(&answer).expect("JSON");
             match answer["id"].as_u64() {
                 Some(id) if id == self.count => {
-                    assert!(answer.get("error").is_none(), "{method}: {answer}");
-                    return answer["result"].clone();
+                    return answer
+                        .get("error")
+                        .map_or_else(|| Ok(answer["result"].clone()), |error| Err(error.clone()));
                 }
                 _ => self.note(&answer),
             }
@@ -183,6 +212,10 @@ impl Browser {
             _ => (),
         }
     }
+}
+
+fn evaluation(expression: &str) -> Value {
+    json!({"expression": expression, "returnByValue": true, "awaitPromise": true})
 }
 
 impl Drop for Browser {

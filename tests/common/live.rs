@@ -59,6 +59,13 @@ impl Running {
         running
     }
 
+    /// A walk in lockstep that lasts longer than any test, with nobody of ours listening.
+    pub fn unheard(name: &str) -> Running {
+        let mut walk = Running::start(name, &["--set", "duration=100000"]);
+        walk.leave();
+        walk
+    }
+
     /// Asks, and there is an answer.
     pub fn ask(&self, what: Ask) -> Reply {
         ask(&self.session, what).expect("an answer")

@@ -1,0 +1,213 @@
+//! What the page tells of a run: plots, their marks and labels, words beside the picture, keys.
+
+use super::{keep, open, report, report_of};
+use crate::chromium::Browser;
+use crate::common::fresh_path;
+use serde_json::{Value, json};
+
+/// A place in the first plot, by its shares of width and height [px].
+fn place(page: &mut Browser, across: f64) -> [f64; 2] {
+    let place = format!(
+        "(() => {{ const {{ left, top, width, height }} = plots.panels[0].plot.over.getBoundingClientRect(); \
+         return [left + {across} * width, top + height / 2]; }})()"
+    );
+    serde_json::from_value(page.value(&place)).unwrap()
+}
+
+/// The times that the plots mark as now.
+fn heads(page: &mut Browser) -> Vec<f64> {
+    let heads = "plots.panels.map(({ plot, head }) => plot.posToVal(new DOMMatrix(head.style.transform).e, 'x'))";
+    serde_json::from_value(page.value(heads)).unwrap()
+}
+
+/// What the first plot spans [s].
+fn span(page: &mut Browser) -> [f64; 2] {
+    serde_json::from_value(page.value("[plots.panels[0].plot.scales.x.min, plots.panels[0].plot.scales.x.max]"))
+        .unwrap()
+}
+
+/// Labels of all axes, of which no two on one axis are equal.
+fn labels(page: &mut Browser) -> Vec<Vec<String>> {
+    page.until("!player.isStale && new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))");
+    let all = "plots.panels.flatMap(({ plot }) => plot.axes.map((axis) => axis._values.filter((label) => label !== null && label !== '')))";
+    let all: Vec<Vec<String>> = serde_json::from_value(page.value(all)).unwrap();
+    for labels in &all {
+        let different: std::collections::HashSet<&String> = labels.iter().collect();
+        assert!(different.len() == labels.len() && !labels.is_empty(), "{labels:?}");
+    }
+    all
+}
+
+#[test]
+fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoom_alone() {
+    let (folder, address) = report(&[], &[]);
+    let mut page = open(&address, 1280, 720);
+    page.value("player.play(false), player.seek(5)");
+    page.until("!player.isStale");
+    let (whole, [from, to]) = (span(&mut page), [place(&mut page, 0.25), place(&mut page, 0.75)]);
+    page.drag(&[from, [from[0] + 9.0, from[1]], to]);
+    page.drop_at(to);
+    page.until("plots.panels.every(({ plot }) => plot.scales.x.max < 12)");
+    let is_now = |heads: &[f64], time: f64| heads.iter().all(|head| (head - time).abs() < 1e-3);
+    let marked = heads(&mut page);
+    assert!(page.number("player.time") == 5.0 && is_now(&marked, 5.0), "{marked:?}");
+    labels(&mut page);
+    keep(&mut page, "zoomed");
+
+    // Into less than a frame, where the time is not: neither goes after the other.
+    page.value("plots.panels.forEach(({ plot }) => plot.setScale('x', { min: 9.0001, max: 9.0002 }))");
+    page.value("player.step(0)");
+    labels(&mut page);
+    let ([from, to], marked) = (span(&mut page), heads(&mut page));
+    assert!(from > 8.9 && to < 9.1 && to - from < 0.011 && is_now(&marked, 5.0), "{from} {to} {marked:?}");
+    keep(&mut page, "zoomed-far");
+    // Once it is there and leaves, the plot goes along.
+    page.value("player.seek(9)");
+    page.until("!player.isStale");
+    page.value("player.seek(10)");
+    page.until("!player.isStale");
+    let [from, to] = span(&mut page);
+    assert!(from < 10.0 && to > 10.0, "{from} {to}");
+
+    // A click goes there, a double click shows all, and goes on as before.
+    let middle = place(&mut page, 0.5);
+    page.value("player.seek(5), player.play(true)");
+    page.click(middle, 2);
+    page.until(&format!(
+        "plots.panels.every(({{ plot }}) => plot.scales.x.max - plot.scales.x.min > {})",
+        whole[1] - whole[0] - 0.1
+    ));
+    assert_eq!(page.value("player.isPlaying && player.time > 4.9 && player.time < 7"), json!(true));
+    page.value("player.play(false)");
+    page.click(middle, 1);
+    assert!((page.number("player.time") - (whole[0] + whole[1]) / 2.0).abs() < 0.1);
+
+    // Each torque has its joint's name, and room for it.
+    let caption = "globalThis.caption = plots.panels[2].plot.root.closest('figure').querySelector('h3')";
+    page.value(&format!("{caption}, 0"));
+    let names = "[...caption.querySelectorAll('span')].map((key) => [key.title, key.textContent.split(' ')[0]])";
+    let names: Vec<[String; 2]> = serde_json::from_value(page.value(names)).unwrap();
+    let joints: Vec<String> = serde_json::from_value(page.value("about.joints")).unwrap();
+    assert!(joints.len() == 8 && names.iter().map(|[joint, _]| joint).eq(&joints), "{names:?}");
+    assert!(names.iter().all(|[joint, name]| joint.ends_with(name.as_str()) && name.len() >= 4), "{names:?}");
+    let room = "[...caption.querySelectorAll('span')].every((key) => { const [a, b] = [key, caption].map((part) => part.getBoundingClientRect()); \
+                return a.right <= b.right + 6 && a.bottom <= b.bottom + 1; })";
+    page.until("!player.isStale");
+    for time in [3.0, 5.1, 7.2] {
+        page.value(&format!("player.seek({time})"));
+        page.until("!player.isStale");
+        assert_eq!(page.value(room), json!(true), "at {time}");
+    }
+    assert_eq!(page.complaints, Vec::<String>::new());
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn words_are_beside_the_picture_and_keys_go_to_both_ends_and_to_the_help() {
+    let (folder, address) = report(&["duration=2"], &[]);
+    let mut page = open(&address, 1280, 720);
+    for (width, height) in [(1280, 720), (390, 844)] {
+        page.resize(width, height);
+        page.until(&format!("innerWidth === {width} && !stage.isStale"));
+        let overlap = "[...document.querySelectorAll('#facts, #cameras, #player')].some((part) => { \
+             const [a, b] = [part, stage.renderer.domElement].map((part) => part.getBoundingClientRect()); \
+             return a.top < b.bottom - 1 && b.top < a.bottom - 1 && a.left < b.right && b.left < a.right; })";
+        assert_eq!(page.value(overlap), json!(false), "{width}");
+    }
+    page.value("player.play(false), player.seek(1)");
+    page.press("End");
+    assert_eq!(page.value("player.time === film.end"), json!(true));
+    page.press("Home");
+    assert_eq!(page.value("player.time === film.begin && !player.isPlaying"), json!(true));
+    page.press("?");
+    assert_eq!(page.value("part('help').open && part('help').textContent.includes('Home End')"), json!(true));
+    page.press("End");
+    assert_eq!(page.value("player.time === film.begin"), json!(true), "while it is read, keys are its own");
+    keep(&mut page, "help");
+    page.press("Escape");
+    page.until("!part('help').open");
+    assert_eq!(page.complaints, Vec::<String>::new());
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+#[test]
+fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
+    let (folder, address) = report(&["plant.push_impulse=[0,9,0]", "plant.push_time=4"], &[]);
+    let summary: Value = serde_json::from_slice(&std::fs::read(folder.join("summary.json")).unwrap()).unwrap();
+    let fall = summary["fall_time_s"].as_f64().unwrap();
+    let mut page = open(&address, 1280, 720);
+    assert!((0.0..0.006).contains(&(page.number("film.fall") - fall)), "{fall}");
+    let marks = "plots.panels.map(({ plot, fall }) => plot.posToVal(new DOMMatrix(fall.style.transform).e, 'x'))";
+    let marks: Vec<f64> = serde_json::from_value(page.value(marks)).unwrap();
+    assert!(marks.len() == 5 && marks.iter().all(|mark| (mark - fall).abs() < 0.01), "{marks:?}");
+    assert!((page.number("Number(part('falls').options[0].value)") - fall).abs() < 0.01);
+    for (time, is_over) in [(fall - 0.1, false), (fall + 0.1, true)] {
+        page.value(&format!("player.play(false), player.seek({time})"));
+        page.until("!player.isStale && !stage.isStale");
+        let words = page.value("part('facts').textContent");
+        assert_eq!(words.as_str().unwrap().starts_with(&format!("fell at {fall:.1}")), is_over, "{words}");
+    }
+    keep(&mut page, "fall");
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+
+    let (folder, address) = report(&["duration=2"], &[]);
+    let mut page = open(&address, 1280, 720);
+    assert_eq!(page.value("film.fall === undefined && plots.panels.every(({ fall }) => fall.hidden)"), json!(true));
+    assert_eq!(page.number("part('falls').options.length"), 0.0);
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+}
+
+/// A cube that slides, all of whose names are HTML.
+const HOSTILE: &str = "description = '</title></script><img src=x onerror=alert(1)><script>globalThis.isHurt = true</script>'\nduration = 0.5\n\
+    [initial]\nvelocity = [1.0, 0.0, 0.0]\n[[bodies]]\nname = '<script>globalThis.isHurt = true</script>'\nmass = 1.0\n\
+    size = [0.1, 0.1, 0.1]\ncontacts = [[0.05, 0.05, -0.05], [0.05, -0.05, -0.05], [-0.05, 0.0, -0.05]]\n\
+    [[bodies]]\nname = '</script><img src=x onerror=alert(1)>'\nmass = 0.1\nsize = [0.1, 0.1, 0.1]\n\
+    joint = { parent = '<script>globalThis.isHurt = true</script>', at = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], stiffness = 10.0 }\n";
+
+#[test]
+fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_text() {
+    let scene = fresh_path("<b>hostile<b>&.toml");
+    std::fs::write(&scene, HOSTILE).unwrap();
+    let (folder, address) = report_of(scene.to_str().unwrap(), &[], &[]);
+    let mut page = open(&address, 1280, 720);
+    page.value("player.play(false), player.seek(.2)");
+    page.until("!player.isStale && !stage.isStale");
+    let titles = page.value("[...document.querySelectorAll('#plots h3 b')].map((title) => title.textContent)");
+    let own = [
+        "Centre of gravity [m]",
+        "Its velocity [m/s]",
+        "Force of the ground [N]",
+        "Contact residuals",
+        "Joints [rad, m]",
+    ];
+    assert_eq!(titles, json!(own));
+    assert!(page.value("part('facts').textContent").as_str().unwrap().starts_with("no controller\n"));
+    let weight = page.number("film.get(film.row(.4), 'ground', 2)");
+    assert!((weight - 1.1 * 9.81).abs() < 2.0, "{weight} N carry 1.1 kg");
+    labels(&mut page);
+    keep(&mut page, "passive");
+
+    assert_eq!(
+        page.value("[typeof isHurt, document.querySelectorAll('img, header b').length]"),
+        json!(["undefined", 0])
+    );
+    let shown =
+        "[document.querySelector('.lead').textContent, about.joints[0], document.querySelector('h1').textContent]";
+    let description = HOSTILE.lines().next().unwrap().split('\'').nth(1).unwrap();
+    let name = format!("biped: {}", scene.display());
+    assert_eq!(page.value(shown), json!([description, "</script><img src=x onerror=alert(1)>", name]));
+    // And what would stand there all the same would not run.
+    page.value("document.body.append(Object.assign(document.createElement('script'), { textContent: 'globalThis.isHurt = true' }))");
+    assert_eq!(page.value("typeof isHurt"), json!("undefined"));
+    assert!(
+        page.complaints.iter().all(|complaint| complaint.contains("Content Security Policy"))
+            && page.complaints.len() == 1
+    );
+    drop(page);
+    std::fs::remove_dir_all(folder).unwrap();
+    std::fs::remove_file(scene).unwrap();
+}
