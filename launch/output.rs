@@ -1,7 +1,7 @@
 //! What is written: to the terminal, and into files, each whole or not at all.
 
 use crate::exit::{Exit, Failure};
-pub use messages::tell;
+pub use messages::{printable, tell};
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
@@ -12,25 +12,16 @@ const LONGEST_LINE: usize = 400;
 /// Lines of an error message: an excerpt of a file has six, a child's last words up to twenty.
 const MOST_LINES: usize = 30;
 
-/// Prints; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
+/// Prints, [`printable`], for names come from anybody; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
 pub fn say(text: impl std::fmt::Display) {
     let mut out = io::stdout();
-    match write!(out, "{text}").and_then(|()| out.flush()) {
+    match write!(out, "{}", printable(&text.to_string())).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
             tell(format_args!("error: what is printed cannot be written: {error}"));
             process::exit(Exit::Fault as i32);
         }
         _ => (),
     }
-}
-
-/// Text in which control characters, such as the escapes that steer a terminal, are shown and not obeyed.
-pub fn printable(text: &str) -> String {
-    let shown = |character: char| match character.is_control() && !matches!(character, '\t' | '\n') {
-        true => character.escape_default().to_string(),
-        false => character.to_string(),
-    };
-    text.chars().map(shown).collect()
 }
 
 /// A message in which names and excerpts, which come from anybody's file, are printable, and no line is longer than [`LONGEST_LINE`]:

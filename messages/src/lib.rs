@@ -26,4 +26,4 @@ mod tell;
 pub mod turn;
 pub mod wire;
 
-pub use tell::tell;
+pub use tell::{printable, tell};
