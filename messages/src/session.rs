@@ -101,7 +101,7 @@ impl Session {
     /// Every session of this user that somebody is in now.
     pub fn running() -> Vec<Session> {
         let names = files("").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
-        let mut names: Vec<String> = names.filter_map(|path| std::fs::read_to_string(path).ok()).collect();
+        let mut names: Vec<String> = names.filter_map(|path| crate::file::text(&path).ok()).collect();
         names.sort();
         names.iter().filter_map(|name| Session::named(name).ok()).filter(Session::is_running).collect()
     }

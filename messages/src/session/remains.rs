@@ -35,7 +35,7 @@ impl Remains {
 
     /// Name of the session, if that can still be read.
     pub fn name(&self) -> Option<String> {
-        std::fs::read_to_string(self.list()).ok().filter(|name| !name.is_empty())
+        crate::file::text(&self.list()).ok().filter(|name| !name.is_empty())
     }
 
     /// Their room in shared memory [bytes].

@@ -18,7 +18,7 @@ impl Session {
 
     /// What the scene is, if somebody has said so.
     pub fn scene(&self) -> Option<String> {
-        std::fs::read_to_string(self.file("scene")).ok()
+        crate::file::text(&self.file("scene")).ok()
     }
 
     fn file(&self, name: &str) -> PathBuf {
