@@ -8,8 +8,10 @@
 //! | bad commands | [`commands`] |
 //! | who does not belong into a session | [`peers`] |
 //! | full shared memory | [`memory`] |
+//! | a full disk under a recording | [`disk`] |
 
 mod commands;
+mod disk;
 mod kill;
 mod memory;
 mod peers;
@@ -62,6 +64,9 @@ enum Fault {
     StalledRecorder,
     FullMemory,
     FillingMemory,
+    FullDisk,
+    FilledDisk,
+    FileLimit,
     Flood,
     EveryOther,
     Second(Role),
@@ -72,7 +77,7 @@ use Fault::*;
 use Role::{Controller, Launcher, Plant};
 
 /// All of them, with trials of the whole and of the quick run; those of [`KillAtCall`] are at most as many as calls.
-const FAULTS: [(Fault, usize, usize); 22] = [
+const FAULTS: [(Fault, usize, usize); 25] = [
     (Second(Plant), 5, 1),
     (Second(Controller), 5, 1),
     (Second(Launcher), 5, 1),
@@ -88,6 +93,9 @@ const FAULTS: [(Fault, usize, usize); 22] = [
     (StalledRecorder, 1, 0),
     (FullMemory, 30, 2),
     (FillingMemory, 30, 2),
+    (FullDisk, 10, 1),
+    (FilledDisk, 10, 1),
+    (FileLimit, 10, 1),
     (EveryOther, 1_000_000, 2_000),
     (Flood, 1_000_000, 2_000),
     (Kill(Plant), 1000, 4),
@@ -109,6 +117,9 @@ impl fmt::Display for Fault {
             StalledRecorder => f.write_str("recorder stopped in real time"),
             FullMemory => f.write_str("/dev/shm too small"),
             FillingMemory => f.write_str("/dev/shm filled meanwhile"),
+            FullDisk => f.write_str("disk of a recording too small"),
+            FilledDisk => f.write_str("disk of a recording filled meanwhile"),
+            FileLimit => f.write_str("recording that reaches the limit of files"),
             Flood => f.write_str("bad commands beside good ones"),
             EveryOther => f.write_str("bad commands instead of good ones"),
             Second(role) => write!(f, "second {}", role.title()),
@@ -244,13 +255,16 @@ impl Fault {
             StopForEver(victim) => side_by_side(count, chance, stop, &|_, chance| stop::for_ever(victim, chance)),
             StoppedLauncher => times(count, &mut |_| stop::the_launcher_for_ever()),
             StalledRecorder => times(count, &mut |_| stop::the_recorder(5)),
-            FullMemory | FillingMemory if !memory::is_permitted() => {
+            FullMemory | FillingMemory | FullDisk | FilledDisk if !memory::is_permitted() => {
                 vec![Err("mount namespaces are not permitted here".into())]
             }
             FullMemory => times(count, &mut |_| memory::full(1 << chance.u32(5..16), None)),
             FillingMemory => times(count, &mut |_| {
                 memory::full(chance.u64(100..200) << 10, Some(Duration::from_millis(chance.u64(0..600))))
             }),
+            FullDisk => times(count, &mut |_| disk::small(chance.u64(20..32), None)),
+            FilledDisk => times(count, &mut |_| disk::small(200, Some(Duration::from_millis(chance.u64(100..400))))),
+            FileLimit => times(count, &mut |_| disk::limited(chance.u64(20..40))),
             Flood => vec![commands::flood(count as u64, chance)],
             EveryOther => vec![commands::every_other(count as u64, chance)],
             Second(role) => times(count, &mut |_| peers::second(role)),

@@ -66,6 +66,7 @@ use exit::{Exit, Failure};
 use messages::load::load;
 use messages::port::{Pace, PortError};
 use messages::scene::Scene;
+use nix::sys::signal::{SigSet, Signal};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -207,6 +208,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn main() -> ExitCode {
+    // A file that reaches the limit of `ulimit -f` is an error like a full disk, and no death.
+    let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {

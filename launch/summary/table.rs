@@ -62,6 +62,7 @@ impl Summary {
             ("trajectory hash", true, self.trajectory_hash.clone()),
             ("link", !self.met.is_empty(), self.met.clone()),
             ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
+            ("recording", self.recording_ended_by.is_some(), self.recording_ended_by.clone().unwrap_or_default()),
             ("model", !self.model.is_empty(), self.model.clone()),
             ("cost of the model", is_smaller, cost),
         ];
