@@ -63,7 +63,7 @@ impl Case {
 
     fn read(args: &ContactArgs) -> Result<Case, Failure> {
         let refused = |reason: String| Failure::new(Exit::Usage, format!("{}: {reason}", args.file.display()));
-        let text = std::fs::read_to_string(&args.file).map_err(|error| refused(error.to_string()))?;
+        let text = messages::file::text(&args.file).map_err(|error| refused(error.to_string()))?;
         let case: Case =
             serde_json::from_str(&text).map_err(|error| refused(format!("not a contact problem: {error}")))?;
         case.problem.check().map_err(|reason| refused(format!("not a contact problem: {reason}")))?;

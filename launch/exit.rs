@@ -32,6 +32,8 @@ pub enum Exit {
     Refused = 9,
     /// A program breaks a rule of the wire.
     Nonconforming = 10,
+    /// The run is over, but its recording ended before it.
+    Unrecorded = 11,
     /// Ctrl-C or TERM.
     Interrupted = 130,
 }
@@ -39,7 +41,8 @@ pub enum Exit {
 /// The same for people.
 pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
     5 incompatible processes, 6 shared memory, 7 the robot fell, \
-    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire broken, 130 interrupted";
+    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire broken, \
+    11 the recording is not whole, 130 interrupted";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -68,7 +71,7 @@ impl Exit {
     /// What cut a run short, in a few words; nothing for what is no early end.
     pub fn cause(self) -> Option<&'static str> {
         match self {
-            Exit::Ok | Exit::Fell | Exit::Nonconforming => None,
+            Exit::Ok | Exit::Fell | Exit::Nonconforming | Exit::Unrecorded => None,
             Exit::Usage | Exit::Refused => Some("refused"),
             Exit::PeerMissing => Some("other process missing"),
             Exit::Fault => Some("fault"),

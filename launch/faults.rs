@@ -7,11 +7,15 @@
 //! | SIGSTOP, stalled recorders | [`stop`] |
 //! | bad commands | [`commands`] |
 //! | who does not belong into a session | [`peers`] |
+//! | others who start it at once, lay files in its place, or shout | [`neighbours`] |
 //! | full shared memory | [`memory`] |
+//! | a full disk under a recording | [`disk`] |
 
 mod commands;
+mod disk;
 mod kill;
 mod memory;
+mod neighbours;
 mod peers;
 pub mod stage;
 mod stop;
@@ -62,21 +66,30 @@ enum Fault {
     StalledRecorder,
     FullMemory,
     FillingMemory,
+    FullDisk,
+    FilledDisk,
+    FileLimit,
     Flood,
     EveryOther,
     Second(Role),
     OtherContract,
+    Race,
+    Laid,
+    Loud,
 }
 
 use Fault::*;
 use Role::{Controller, Launcher, Plant};
 
 /// All of them, with trials of the whole and of the quick run; those of [`KillAtCall`] are at most as many as calls.
-const FAULTS: [(Fault, usize, usize); 22] = [
+const FAULTS: [(Fault, usize, usize); 28] = [
     (Second(Plant), 5, 1),
     (Second(Controller), 5, 1),
     (Second(Launcher), 5, 1),
     (OtherContract, 1, 1),
+    (Race, 50, 2),
+    (Laid, 30, 3),
+    (Loud, 10, 1),
     (KillAndRespawn(Plant), 100, 2),
     (KillAndRespawn(Controller), 100, 2),
     (StopAndContinue(Plant), 10, 1),
@@ -88,6 +101,9 @@ const FAULTS: [(Fault, usize, usize); 22] = [
     (StalledRecorder, 1, 0),
     (FullMemory, 30, 2),
     (FillingMemory, 30, 2),
+    (FullDisk, 10, 1),
+    (FilledDisk, 10, 1),
+    (FileLimit, 10, 1),
     (EveryOther, 1_000_000, 2_000),
     (Flood, 1_000_000, 2_000),
     (Kill(Plant), 1000, 4),
@@ -109,10 +125,16 @@ impl fmt::Display for Fault {
             StalledRecorder => f.write_str("recorder stopped in real time"),
             FullMemory => f.write_str("/dev/shm too small"),
             FillingMemory => f.write_str("/dev/shm filled meanwhile"),
+            FullDisk => f.write_str("disk of a recording too small"),
+            FilledDisk => f.write_str("disk of a recording filled meanwhile"),
+            FileLimit => f.write_str("recording that reaches the limit of files"),
             Flood => f.write_str("bad commands beside good ones"),
             EveryOther => f.write_str("bad commands instead of good ones"),
             Second(role) => write!(f, "second {}", role.title()),
             OtherContract => f.write_str("peer with another schema, model, rate or pace"),
+            Race => f.write_str("three launchers of one session at once"),
+            Laid => f.write_str("pipe, link or folder where a session's file belongs"),
+            Loud => f.write_str("controller that writes bytes that are no text"),
         }
     }
 }
@@ -244,17 +266,23 @@ impl Fault {
             StopForEver(victim) => side_by_side(count, chance, stop, &|_, chance| stop::for_ever(victim, chance)),
             StoppedLauncher => times(count, &mut |_| stop::the_launcher_for_ever()),
             StalledRecorder => times(count, &mut |_| stop::the_recorder(5)),
-            FullMemory | FillingMemory if !memory::is_permitted() => {
+            FullMemory | FillingMemory | FullDisk | FilledDisk if !memory::is_permitted() => {
                 vec![Err("mount namespaces are not permitted here".into())]
             }
             FullMemory => times(count, &mut |_| memory::full(1 << chance.u32(5..16), None)),
             FillingMemory => times(count, &mut |_| {
                 memory::full(chance.u64(100..200) << 10, Some(Duration::from_millis(chance.u64(0..600))))
             }),
+            FullDisk => times(count, &mut |_| disk::small(chance.u64(20..32), None)),
+            FilledDisk => times(count, &mut |_| disk::small(200, Some(Duration::from_millis(chance.u64(100..400))))),
+            FileLimit => times(count, &mut |_| disk::limited(chance.u64(20..40))),
             Flood => vec![commands::flood(count as u64, chance)],
             EveryOther => vec![commands::every_other(count as u64, chance)],
             Second(role) => times(count, &mut |_| peers::second(role)),
             OtherContract => times(count, &mut |_| peers::other_contract()),
+            Race => times(count, &mut |_| neighbours::race()),
+            Laid => times(count, &mut |_| neighbours::laid(chance)),
+            Loud => times(count, &mut |_| neighbours::loud(chance)),
         }
     }
 }

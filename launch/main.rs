@@ -68,6 +68,7 @@ use exit::{Exit, Failure};
 use messages::load::load;
 use messages::port::{Pace, PortError};
 use messages::scene::Scene;
+use nix::sys::signal::{SigSet, Signal};
 use output::{brief, tell};
 use std::process::ExitCode;
 use std::sync::Arc;
@@ -210,6 +211,8 @@ fn seconds(text: &str) -> Result<f64, String> {
 }
 
 fn main() -> ExitCode {
+    // A file that reaches the limit of `ulimit -f` is an error like a full disk, and no death.
+    let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {

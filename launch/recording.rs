@@ -8,7 +8,8 @@
 //! | `/events` | `foxglove.Log` | when something happens |
 //! | `/tf`, `/robot`, `/forces` | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` | 50 Hz, once, 50 Hz |
 //!
-//! The scene is the metadata record `biped`. Messages are Protocol Buffers ([`protobuf`]), those of Foxglove JSON. All times are
+//! The metadata record `biped` has the scene and `begun`, when by the calendar (UTC) the first record came; nothing else knows a calendar,
+//! so the states of two recordings of one run are equal, and so is the hash that `biped info` prints of them. Messages are Protocol Buffers ([`protobuf`]), those of Foxglove JSON. All times are
 //! simulated times; after a reset the clock of the file goes on.
 
 mod drawing;
@@ -18,12 +19,14 @@ mod protobuf;
 mod reader;
 mod records;
 pub mod replay;
+mod rewrite;
+mod sink;
 pub mod table;
 mod tape;
 mod writer;
 
 pub use reader::{Content, Reader};
-pub use tape::Tape;
+pub use tape::{End, RecordArgs, Tape};
 use writer::Writer;
 
 use messages::wire::{LAYOUT, Message};

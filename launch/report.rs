@@ -12,7 +12,8 @@ mod torques;
 mod trajectory;
 
 use crate::csv;
-use crate::output::write_whole;
+use crate::exit::{Exit, Failure};
+use crate::output::{MARK, folder, remove_drawings, replaces, write_whole};
 use crate::record::{Recorder, Row};
 use crate::summary::Summary;
 use crate::view::film;
@@ -63,7 +64,31 @@ pub fn figures(recorder: &Recorder) -> Vec<Figure> {
     figures.into_iter().flatten().collect()
 }
 
-/// Writes `summary.json`, `trajectory.csv`, `report.html` and `figures/*.svg` into the folder, which it makes if need
+/// What the scene in the folder begins with.
+const SCENE: &str = "# this scene as `biped run` had it\n";
+
+/// What the folder gets, and how each begins.
+const FILES: [(&str, &str); 4] = [
+    ("summary.json", "{\n  \"scene\":"),
+    ("trajectory.csv", "# World frame"),
+    ("report.html", MARK),
+    ("scene.toml", SCENE),
+];
+
+/// Makes the folder, unless somebody else's file is in the way, before the work and not after it.
+///
+/// # Errors
+/// That.
+pub fn prepare(path: &Path) -> Result<(), Failure> {
+    folder(path)?;
+    FILES.iter().try_for_each(|(name, head)| {
+        let file = path.join(name);
+        replaces(&file, head.as_bytes())
+            .map_err(|error| Failure::new(Exit::Usage, format!("{}: {error}", file.display())))
+    })
+}
+
+/// Writes [`FILES`] and `figures/*.svg` into the folder, which it makes if need
 /// be. A file is either written whole or not at all. `text` is the scene as the user would write it.
 ///
 /// # Errors
@@ -72,15 +97,11 @@ pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scen
     let figures = figures(recorder);
     let drawings = folder.join("figures");
     fs::create_dir_all(&drawings)?;
-    // none of a run before, which may have had others
-    for old in
-        fs::read_dir(&drawings)?.flatten().filter(|file| file.path().extension().is_some_and(|kind| kind == "svg"))
-    {
-        fs::remove_file(old.path())?;
-    }
+    remove_drawings(&drawings)?; // a run before may have had others
     write_whole(&folder.join("summary.json"), &summary.json())?;
     write_whole(&folder.join("trajectory.csv"), &csv::table(recorder))?;
     write_whole(&folder.join("report.html"), &page(&figures, recorder, summary, scene, text))?;
+    write_whole(&folder.join("scene.toml"), &format!("{SCENE}{text}"))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
         write_whole(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
     }
@@ -201,7 +222,7 @@ mod tests {
             names.sort();
             names
         };
-        assert_eq!(names(&folder), ["figures", "report.html", "summary.json", "trajectory.csv"]);
+        assert_eq!(names(&folder), ["figures", "report.html", "scene.toml", "summary.json", "trajectory.csv"]);
         assert!(names(&folder.join("figures")).iter().all(|name| name.ends_with(".svg")));
         fs::remove_dir_all(&folder).unwrap();
     }

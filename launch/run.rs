@@ -6,9 +6,9 @@ mod watch;
 use crate::children::{self, Role, Swept};
 use crate::exit::{Exit, Failure};
 use crate::model::RunModel;
-use crate::output::{folder, keeps, say, tell, unwritten};
+use crate::output::{keeps, say, tell, unwritten};
 use crate::realtime::RealtimeArgs;
-use crate::recording::Tape;
+use crate::recording::{RecordArgs, Tape};
 use crate::summary::Summary;
 use crate::swap::{Succession, Swap};
 use crate::{PaceArgs, SceneArgs, fitted, guarded, report};
@@ -47,9 +47,8 @@ pub struct RunArgs {
     /// Write summary, trajectory and report into this folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Record the run into this MCAP file, as it goes on
-    #[arg(long, value_name = "FILE")]
-    record: Option<PathBuf>,
+    #[command(flatten)]
+    record: RecordArgs,
     /// Name of the session, for `biped pause`, `push` and the like; without it, one that nobody else has
     #[arg(long, conflicts_with = "in_process")]
     session: Option<String>,
@@ -92,7 +91,7 @@ impl RunArgs {
             plant: None,
             swap: vec![],
             out: Some("out/walk".into()),
-            record: None,
+            record: RecordArgs::default(),
             quiet: false,
             in_process: false,
             smallest: false,
@@ -126,19 +125,22 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     tell_depth(scene);
     let mut watch = Watch::new(scene, args.out.is_some(), args.quiet);
-    for output in args.record.iter().chain(&args.out) {
+    for output in args.record.path().into_iter().chain(args.out.as_deref()) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
             keeps(Path::new(input), output)?;
         }
     }
-    args.out.as_deref().map_or(Ok(()), folder)?;
-    watch.tape = args.record.as_deref().map(|path| Tape::reserve(path, scene)).transpose()?;
+    args.out.as_deref().map_or(Ok(()), report::prepare)?;
+    watch.tape = args.record.tape(scene)?;
     let outcome = match args.in_process {
         true => one_process::run(scene, &mut watch, stop),
         false => two_processes(args, scene, &mut watch, stop),
     };
     watch.progress.finish();
-    let outcome = outcome.and(watch.tape.take().map_or(Ok(()), Tape::finish));
+    if let Some(Err(end)) = watch.tape.take().map(Tape::finish) {
+        tell(format_args!("{}", end.words));
+        watch.end = Some(end);
+    }
     if watch.lost > 0 {
         tell(format_args!("{} control periods were not recorded", watch.lost));
     }
@@ -149,13 +151,11 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let wall = begun.elapsed();
     let model = RunModel::of(&written, plan.as_ref())?;
     let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(model);
-    let summary = summary.ended(outcome.as_ref().err());
+    let summary = summary.ended(outcome.as_ref().err()).recorded(watch.end.as_ref());
     // The report before the summary is printed: a standard output that is full ends this program.
     let report = args.out.as_deref().map_or(Ok(()), |folder| {
-        let text = load::text(scene);
-        report::write(folder, &watch.recorder, &summary, scene, &text)
-            .and_then(|()| std::fs::write(folder.join("scene.toml"), &text))
-            .map_err(|error| unwritten(folder, &error))
+        let written = report::write(folder, &watch.recorder, &summary, scene, &load::text(scene));
+        written.map_err(|error| unwritten(folder, &error))
     });
     if outcome.is_ok() || summary.duration_s > 0.0 {
         say(&summary); // a start that failed has none
@@ -167,10 +167,13 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(folder) = &args.out {
         say(format_args!("  {:<20} {}\n", "report", folder.join("report.html").display()));
     }
-    match (summary.fall_time_s, outcome) {
+    let failed = watch.end.filter(|end| end.exit != Exit::Ok);
+    let recorded =
+        failed.map_or(Ok(()), |end| Err(Failure::new(end.exit, "the run is over, but not all of it is recorded")));
+    match (summary.fall_time_s, outcome.and(recorded)) {
         // What fails after a fall fails because of it.
         (Some(time), Ok(())) => Err(fell(time)),
-        (Some(time), Err(failure)) if failure.exit == Exit::Fault => {
+        (Some(time), Err(failure)) if matches!(failure.exit, Exit::Fault | Exit::Unrecorded) => {
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
         }
         (_, outcome) => outcome,

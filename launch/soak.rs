@@ -2,9 +2,11 @@
 
 use crate::exit::{Exit, Failure, unless};
 use crate::faults::stage::{Process, Role, Stage, is_finite, walk};
-use crate::output::{folder, say, unwritten, write_whole};
+use crate::output::{folder, say, tell, unwritten, write_whole};
+use crate::recording::{End, RecordArgs, Tape};
 use clap::Args;
 use messages::port::{Ask, Contract, Pace, RecorderPort, ask};
+use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
 use std::fmt::Write as _;
@@ -31,6 +33,8 @@ pub struct SoakArgs {
     /// At the pace of the clock instead of as fast as possible
     #[arg(long)]
     realtime: bool,
+    #[command(flatten)]
+    record: RecordArgs,
     /// Write every sample into this folder, as soak.csv
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -64,7 +68,10 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.out.as_deref().map_or(Ok(()), folder)?;
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
-    let (samples, simulated, falls) = soak(pace, Duration::from_secs_f64(args.minutes * 60.0), stop).map_err(fault)?;
+    let (_, scene) = walk(&["duration=1000000"]).map_err(fault)?;
+    let tape = args.record.tape(&scene)?;
+    let time = Duration::from_secs_f64(args.minutes * 60.0);
+    let Soaked { samples, simulated, falls, end } = soak(&scene, tape, pace, time, stop).map_err(fault)?;
     if let Some(folder) = &args.out {
         write_whole(&folder.join("soak.csv"), &table(&samples)).map_err(|error| unwritten(folder, &error))?;
     }
@@ -84,10 +91,22 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
     }
     unless(stop)?;
-    match grown.is_empty() {
-        true => Ok(()),
-        false => Err(fault(grown.join("; "))),
+    match (grown.is_empty(), end.filter(|end| end.exit != Exit::Ok)) {
+        (true, None) => Ok(()),
+        (true, Some(end)) => Err(Failure::new(end.exit, end.words)),
+        (false, _) => Err(fault(grown.join("; "))),
     }
+}
+
+/// What came out.
+struct Soaked {
+    samples: Vec<Sample>,
+    /// How long the robot walked meanwhile [s].
+    simulated: f64,
+    /// How often it fell.
+    falls: u32,
+    /// Why the recording ended before the walk.
+    end: Option<End>,
 }
 
 fn table(samples: &[Sample]) -> String {
@@ -99,13 +118,18 @@ fn table(samples: &[Sample]) -> String {
     csv + "\n"
 }
 
-/// Samples over a time, how long the robot walked meanwhile [s], and how often it fell.
-fn soak(pace: Pace, time: Duration, stop: &AtomicBool) -> Result<(Vec<Sample>, f64, u32), String> {
+/// Walks for a time.
+fn soak(
+    scene: &Scene,
+    mut tape: Option<Tape>,
+    pace: Pace,
+    time: Duration,
+    stop: &AtomicBool,
+) -> Result<Soaked, String> {
     let stage = Stage::empty();
     let session = &stage.session;
-    let (_, scene) = walk(&["duration=1000000"])?;
     let words = |error: &dyn ToString| error.to_string();
-    let mut port = RecorderPort::open(session, &Contract::of(&scene, pace)).map_err(|e| words(&e))?;
+    let mut port = RecorderPort::open(session, &Contract::of(scene, pace)).map_err(|e| words(&e))?;
     let start_role = |role: Role| {
         let how: &[&str] = if pace == Pace::RealTime { &["--realtime"] } else { &[] };
         Process::biped(
@@ -116,7 +140,7 @@ fn soak(pace: Pace, time: Duration, stop: &AtomicBool) -> Result<(Vec<Sample>, f
     let numbers = [stage.wait_for(Role::Plant)?, stage.wait_for(Role::Controller)?];
     let (start, interval) = (Instant::now(), time / SAMPLES);
     let (mut samples, mut replies, mut truth, mut walked) = (vec![], vec![], Truth::default(), 0.0);
-    let (mut reset, mut falls) = (0, 0); // the last run that was ended
+    let (mut reset, mut falls, mut end) = (0, 0, None); // the last run that was ended
     // The first interval is for warming up.
     let mut due = interval;
     while start.elapsed() < time + interval && !stop.load(Relaxed) {
@@ -126,6 +150,10 @@ fn soak(pace: Pace, time: Duration, stop: &AtomicBool) -> Result<(Vec<Sample>, f
                 walked += seconds(&truth);
             }
             truth = *next;
+            if let Some(Err(early)) = tape.as_mut().map(|tape| tape.push(&truth)) {
+                tell(format_args!("{}; the walk goes on", early.words));
+                (tape, end) = (None, Some(early));
+            }
             replies.extend(Some(truth.reply_ns).filter(|ns| *ns > 0));
         }
         if roles.iter_mut().any(Process::has_ended) {
@@ -145,7 +173,8 @@ fn soak(pace: Pace, time: Duration, stop: &AtomicBool) -> Result<(Vec<Sample>, f
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    Ok((samples, walked + seconds(&truth), falls))
+    let end = tape.map(Tape::finish).and_then(Result::err).or(end);
+    Ok(Soaked { samples, simulated: walked + seconds(&truth), falls, end })
 }
 
 fn look(session: &Session, [plant, controller]: [u32; 2], replies: &mut Vec<u64>) -> [f64; COLUMNS.len()] {

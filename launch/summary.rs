@@ -7,6 +7,7 @@ pub use table::tiny;
 use crate::exit::Failure;
 use crate::model::RunModel;
 use crate::record::{Asked, Recorder, Row};
+use crate::recording::End;
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use std::time::Duration;
@@ -121,6 +122,8 @@ pub struct Summary {
     pub model_cost_ratio: f64,
     /// What ended the run before its time.
     pub cut_short_by: Option<&'static str>,
+    /// What ended the recording before the run.
+    pub recording_ended_by: Option<String>,
     /// Time from the first record to the last, without start and end of the processes [s].
     pub loop_s: f64,
 }
@@ -191,6 +194,7 @@ impl Summary {
             model: String::new(),
             model_cost_ratio: f64::NAN,
             cut_short_by: None,
+            recording_ended_by: None,
             loop_s: over(&|first, last| {
                 last.truth.stamp.mono_ns.saturating_sub(first.truth.stamp.mono_ns) as f64 * 1e-9
             }),
@@ -205,6 +209,11 @@ impl Summary {
     /// With what ended the run, if it was not the end of the scene.
     pub fn ended(self, failure: Option<&Failure>) -> Self {
         Summary { cut_short_by: failure.and_then(|failure| failure.exit.cause()), ..self }
+    }
+
+    /// With what ended its recording before it.
+    pub fn recorded(self, end: Option<&End>) -> Self {
+        Summary { recording_ended_by: end.map(|end| end.words.clone()), ..self }
     }
 
     /// As JSON, one key per line.

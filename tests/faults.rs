@@ -10,12 +10,21 @@ fn nothing_hangs_lies_or_is_left_whatever_is_done_to_the_processes() {
     let Output { status, stdout, stderr } = command.output().expect("the program runs");
     let told = String::from_utf8_lossy(&stdout); // with the seed that repeats it
     assert_eq!(status.code(), Some(0), "{told}\n{}", String::from_utf8_lossy(&stderr));
-    for kind in ["kill -9 of the plant", "kill -9 of the launcher", "stopped", "/dev/shm", "bad commands", "second"] {
+    for kind in [
+        "kill -9 of the plant",
+        "kill -9 of the launcher",
+        "stopped",
+        "/dev/shm",
+        "bad commands",
+        "second",
+        "disk",
+        "limit",
+    ] {
         assert!(told.contains(kind), "{told}");
     }
 }
 
-/// A step of the calendar's clock reaches nothing: nobody reads that clock.
+/// A step of the calendar's clock reaches nothing: nobody reads that clock but a recording, once, to say when it began.
 #[test]
 fn no_source_names_a_clock_that_can_be_set() {
     fn search(folder: &Path, found: &mut Vec<String>, files: &mut usize) {
@@ -36,5 +45,5 @@ fn no_source_names_a_clock_that_can_be_set() {
         search(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found, &mut files);
     }
     assert!(files > 100, "only {files} sources");
-    assert_eq!(found, Vec::<String>::new());
+    assert!(found.len() == 1 && found[0].ends_with("launch/recording/writer.rs"), "{found:?}");
 }

@@ -149,9 +149,14 @@ fn what_is_no_recording_is_refused() {
     let file = fresh_path("no.mcap");
     for text in ["", "hello", "\u{89}MCAP0\r\n"] {
         std::fs::write(&file, text).expect("a file");
-        for command in
-            [&["info"][..], &["replay"], &["replay", "--plant"], &["convert", "--csv", "/nonexistent"], &["view"]]
-        {
+        for command in [
+            &["info"][..],
+            &["replay"],
+            &["replay", "--plant"],
+            &["convert", "--csv", "/nonexistent"],
+            &["convert", "--mcap", "/nonexistent/x"],
+            &["view"],
+        ] {
             let (code, words) = on(&file, command);
             assert!(code == Some(2) && words.contains("no.mcap: this is no recording"), "{code:?}: {words}");
         }

@@ -56,7 +56,7 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
             }
         }
         if args.peers.is_some() {
-            let theirs = peers::points(curve, &scenes, &args.out, watch)?;
+            let theirs = peers::points(curve, &scenes, watch)?;
             theirs.into_iter().for_each(|point| keep_least(&mut points, point));
         }
     }

@@ -3,6 +3,7 @@
 use super::Watch;
 use super::csv::{Row, parse};
 use crate::exit::{Exit, Failure, unless};
+use crate::output::replaces;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -21,6 +22,7 @@ pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: 
 pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
     let table = folder.join("peers.csv");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
+    replaces(&table, b"view,scene,engine").map_err(|error| fault(format!("{}: {error}", table.display())))?;
     let mut command = Command::new("python3");
     command.arg(SCRIPT).arg("--out").arg(&table).args(quick.then_some("--quick")).stdout(Stdio::piped());
     if !scenes.is_empty() {
@@ -51,6 +53,6 @@ pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Res
 /// A file that cannot be read, or is no such table.
 pub fn read(table: &Path) -> Result<Vec<Row>, Failure> {
     let named = |error: String| Failure::new(Exit::Usage, format!("--peers: {}: {error}", table.display()));
-    let text = std::fs::read_to_string(table).map_err(|error| named(error.to_string()))?;
+    let text = messages::file::text(table).map_err(|error| named(error.to_string()))?;
     parse(&text).map_err(named)
 }

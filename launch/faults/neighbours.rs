@@ -55,8 +55,10 @@ pub fn laid(random: &mut fastrand::Rng) -> Trial {
 pub fn loud(random: &mut fastrand::Rng) -> Trial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let bytes = random.u32(1 << 20..1 << 24);
-    let controller =
-        format!("sh -c \"echo 'error: early' >&2; head -c {bytes} /dev/urandom >&2; exec '{}' controller\"", program.display());
+    let controller = format!(
+        "sh -c \"echo 'error: early' >&2; head -c {bytes} /dev/urandom >&2; exec '{}' controller\"",
+        program.display()
+    );
     let start = Instant::now();
     let session = Session::unique();
     let walk = ["run", "walk", "--quiet", "--session", session.name(), "--controller", &controller];

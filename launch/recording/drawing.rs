@@ -1,16 +1,14 @@
 //! The robot for 3-D panels: a frame for each body, boxes fixed to the frames, and an arrow for each force of the ground.
 
 use super::events::Time;
-use super::writer::{json_channel, json_message};
+use super::writer::{Mcap, json_channel, json_message};
 use crate::record::Robot;
-use mcap::{McapResult, Writer};
+use mcap::McapResult;
 use messages::scene::Scene;
 use messages::wire::Truth;
 use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
-use std::fs::File;
-use std::io::BufWriter;
 
 /// Length of an arrow [m/N].
 const METRES_PER_NEWTON: f64 = 2e-3;
@@ -28,7 +26,7 @@ pub(super) struct Drawing {
 
 impl Drawing {
     /// Makes the channels.
-    pub fn begin(file: &mut Writer<BufWriter<File>>, scene: &Scene) -> McapResult<Drawing> {
+    pub fn begin(file: &mut Mcap, scene: &Scene) -> McapResult<Drawing> {
         Ok(Drawing {
             robot: Robot::new(scene),
             frames: json_channel::<FrameTransforms>(file, "/tf", "foxglove.FrameTransforms")?,
@@ -39,7 +37,7 @@ impl Drawing {
     }
 
     /// Draws one instant.
-    pub fn draw(&mut self, file: &mut Writer<BufWriter<File>>, truth: &Truth, time: u64) -> McapResult<()> {
+    pub fn draw(&mut self, file: &mut Mcap, truth: &Truth, time: u64) -> McapResult<()> {
         let timestamp = Time::new(time);
         let placed = self.robot.place(truth);
         if !std::mem::replace(&mut self.is_there, true) {
@@ -110,7 +108,24 @@ struct Entity {
     frame_locked: bool,
     arrows: Vec<Arrow>,
     cubes: Vec<Cube>,
+    #[serde(flatten)]
+    rest: Rest,
 }
+
+/// What else an entity may have, and readers want to find.
+#[derive(Default, Serialize, JsonSchema)]
+struct Rest {
+    metadata: [Nothing; 0],
+    spheres: [Nothing; 0],
+    cylinders: [Nothing; 0],
+    lines: [Nothing; 0],
+    triangles: [Nothing; 0],
+    texts: [Nothing; 0],
+    models: [Nothing; 0],
+}
+
+#[derive(Serialize, JsonSchema)]
+struct Nothing {}
 
 impl Entity {
     /// Nothing yet, for as long as nobody replaces it.
@@ -124,6 +139,7 @@ impl Entity {
             frame_locked: false,
             arrows: vec![],
             cubes: vec![],
+            rest: Rest::default(),
         }
     }
 }

@@ -6,22 +6,22 @@ use super::{METADATA, Topic};
 use crate::exit::{Exit, Failure};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
+use messages::file;
 use messages::load::{parse, validate};
 use messages::scene::Scene;
 use messages::wire::{Command, SCHEMA_HASH, Sensors, Telemetry, Truth};
 use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A recording that is being read.
 pub struct Reader {
-    path: PathBuf,
     records: Records,
     channels: HashMap<u16, Channel>,
     codecs: [Codec; 4],
-    /// Of the metadata record: scene, schema and version.
+    /// Of the metadata record: scene, schema, version and when it began.
     about: BTreeMap<String, String>,
+    scene: Scene,
     /// Why the file ends before its end, once that is known.
     pub cut: Option<String>,
 }
@@ -54,20 +54,19 @@ pub enum Content {
 }
 
 impl Reader {
-    /// Opens a file and reads as far as it says of what run it is.
+    /// Opens a file and reads as far as it says of what run it is; the scene is checked like any other.
     ///
     /// # Errors
-    /// If it is not there, no MCAP file, no recording of ours, or of another wire format.
+    /// If it is not there, no MCAP file, no recording of ours, of another wire format, or of a scene that cannot be run.
     pub fn open(path: &Path) -> Result<Reader, Failure> {
         let refuse = |why: String| Err(Failure::new(Exit::Usage, format!("{}: {why}", path.display())));
-        let file = match File::open(path) {
-            Ok(file) if file.metadata().is_ok_and(|about| about.is_file()) => file,
-            Ok(_) => return refuse("this is no file".into()),
+        let file = match file::open(path) {
+            Ok(file) => file,
             Err(error) => return refuse(format!("cannot be opened: {error}")),
         };
         let (records, codecs) = (Records::of(file), Topic::ALL.map(Topic::codec));
         let (channels, about) = (HashMap::new(), BTreeMap::new());
-        let mut reader = Reader { path: path.into(), records, channels, codecs, about, cut: None };
+        let mut reader = Reader { records, channels, codecs, about, scene: Scene::default(), cut: None };
         while reader.about.is_empty() {
             // what is ours says so before its first message
             if reader.record().is_none_or(|message| message.is_some()) {
@@ -76,16 +75,14 @@ impl Reader {
             }
         }
         let (ours, theirs) = (format!("{SCHEMA_HASH:016x}"), reader.word("schema").to_string());
-        match ours == theirs {
-            true => Ok(reader),
-            false => Err(Failure::new(
-                Exit::Incompatible,
-                format!(
-                    "{}: its wire schema is {theirs}, ours is {ours}: use the version that wrote it",
-                    path.display()
-                ),
-            )),
+        if ours != theirs {
+            let words = format!("its wire schema is {theirs}, ours is {ours}: use the version that wrote it");
+            return Err(Failure::new(Exit::Incompatible, format!("{}: {words}", path.display())));
         }
+        let origin = format!("the scene in {}", path.display());
+        reader.scene = parse(reader.word("scene"), &origin)?;
+        validate(&reader.scene, &origin)?;
+        Ok(reader)
     }
 
     /// A word of the metadata.
@@ -93,15 +90,9 @@ impl Reader {
         self.about.get(key).map_or("unknown", String::as_str)
     }
 
-    /// The scene that was run, checked like any other.
-    ///
-    /// # Errors
-    /// If its text is damaged, or a value is none that can be run.
-    pub fn scene(&self) -> Result<Scene, Failure> {
-        let origin = format!("the scene in {}", self.path.display());
-        let scene = parse(self.word("scene"), &origin)?;
-        validate(&scene, &origin)?;
-        Ok(scene)
+    /// The scene that was run.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
     }
 
     /// The next message; none at the end, or where the file is cut short.
@@ -113,17 +104,18 @@ impl Reader {
         }
     }
 
-    /// The next truth, put together from all its topics; the messages between come with it.
-    pub fn next_truth(&mut self, latest: &mut Truth) -> Option<()> {
+    /// The next truth, put together from all its topics; the messages between come with it. Its time by the clock of the file [ns].
+    pub fn next_truth(&mut self, latest: &mut Truth) -> Option<u64> {
         loop {
-            match self.next()?.content {
+            let Item { time, content, .. } = self.next()?;
+            match content {
                 Content::Sensors(sensors) => latest.encoders = sensors.encoders,
                 Content::Command(command) => (latest.command, latest.asked) = (command.stamp, command.torques),
                 Content::Telemetry(telemetry) => latest.telemetry = telemetry,
                 Content::Truth(truth) => {
                     let Truth { command, asked, telemetry, encoders, .. } = *latest;
                     *latest = Truth { command, asked, telemetry, encoders, ..*truth };
-                    return Some(());
+                    return Some(time);
                 }
                 Content::Other => (),
             }
@@ -150,6 +142,9 @@ impl Reader {
                     Some(content) => return Some(Some(Item { topic: name, time: header.log_time, content })),
                     None => self.cut = Some(format!("a message of {name} is damaged")),
                 }
+            }
+            Ok(Record::Footer(footer)) if footer.summary_start == 0 => {
+                self.cut = Some("it was not ended in order".into())
             }
             Ok(_) => (),
             Err(error) => self.cut = Some(error.to_string()),

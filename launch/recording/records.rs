@@ -6,8 +6,8 @@ use std::fs::File;
 use std::io::Read;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// No record of ours is longer; a damaged length asks for more [bytes].
-const LONGEST: usize = 1 << 28;
+/// No record or chunk of ours is longer, nor of those who rewrote them; a damaged length asks for more [bytes].
+const LONGEST: usize = 1 << 24;
 /// What goes over at once; it stays in a cache [bytes].
 const BATCH: usize = 1 << 18;
 /// Batches that may wait.

@@ -90,7 +90,7 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// Recorded sensors to a controller: each of its commands beside the recorded one that answers the same sensors.
 fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
-    let scene = reader.scene()?;
+    let scene = reader.scene().clone();
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
     while reader.next_truth(&mut truth).is_some() {
@@ -104,10 +104,10 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
                 found.beginnings += 1;
             }
             // What came between the last two sensors that were answered was never heard, or its answers were lost.
-            let between = command.ack.saturating_sub(last.ack + 1);
-            let lost = command.seq.saturating_sub(last.seq + 1);
+            let between = command.ack.saturating_sub(last.ack.saturating_add(1));
+            let lost = command.seq.saturating_sub(last.seq.saturating_add(1));
             let heard = match lost {
-                lost if lost >= between => last.ack + 1..=command.ack, // none if it says the same again
+                lost if lost >= between => last.ack.saturating_add(1)..=command.ack, // none if it says the same again
                 0 => command.ack..=command.ack,
                 _ => {
                     let time = stamp.sim_ns as f64 * 1e-9;
@@ -140,7 +140,7 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
 /// Recorded torques to a plant: each of its states beside the recorded one.
 fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     // What the link did to the commands is in the record already.
-    let scene = Scene { link: LinkScene::default(), ..reader.scene()? };
+    let scene = Scene { link: LinkScene::default(), ..reader.scene().clone() };
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let mut simulation = None::<Simulation>;
     while reader.next_truth(&mut truth).is_some() {

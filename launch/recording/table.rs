@@ -1,25 +1,42 @@
-//! `biped convert`: a recording as tables, one for each topic of numbers.
+//! `biped convert`: a recording as tables, one for each topic of numbers, or one of all of them; or as a whole MCAP file.
 
-use super::{Content, Reader, Topic};
+use super::{Content, Reader, Topic, rewrite};
 use crate::exit::{Exit, Failure, unless};
-use crate::output::{folder, say, tell, unwritten};
+use crate::output::{Draft, folder, say, tell, unwritten};
 use bytemuck::bytes_of;
 use clap::Args;
-use messages::wire::Message;
+use messages::wire::{Message, Truth};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
+/// What every table begins with.
+const HEAD: &[u8] = b"time_s,";
+
 /// Arguments of `biped convert`.
 #[derive(Args)]
 pub struct ConvertArgs {
     /// The recording
     file: PathBuf,
+    #[command(flatten)]
+    to: To,
+}
+
+/// What it is made into.
+#[derive(Args)]
+#[group(required = true, multiple = false)]
+struct To {
     /// Write sensors.csv, command.csv, telemetry.csv and truth.csv into this folder
     #[arg(long, value_name = "DIR")]
-    csv: PathBuf,
+    csv: Option<PathBuf>,
+    /// Write one table into this file: a row for each control period, with the latest of every topic
+    #[arg(long, value_name = "FILE")]
+    table: Option<PathBuf>,
+    /// Write it anew as an MCAP file with its index, also if it was cut short
+    #[arg(long, value_name = "FILE")]
+    mcap: Option<PathBuf>,
 }
 
 /// Converts it.
@@ -27,35 +44,30 @@ pub struct ConvertArgs {
 /// # Errors
 /// See [`Reader::open`]; or if the folder cannot be written.
 pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    if let Some(file) = &args.to.mcap {
+        return rewrite::run(&args.file, file, stop);
+    }
     let mut reader = Reader::open(&args.file)?;
-    folder(&args.csv)?;
-    let mut tables = BTreeMap::new();
-    if let Err(failure) = fill(&mut reader, &args.csv, &mut tables, stop) {
-        tables.values().for_each(|table: &Table| _ = std::fs::remove_file(&table.path)); // half of one is none
-        return Err(failure);
-    }
+    let tables = match (&args.to.csv, &args.to.table) {
+        (Some(folder), _) => each(&mut reader, folder, stop)?,
+        (_, Some(file)) => all(&mut reader, file, stop)?,
+        (None, None) => vec![],
+    };
     if tables.is_empty() {
-        return Err(Failure::new(
-            Exit::Usage,
-            format!("{}: there is nothing in it to make tables of", args.file.display()),
-        ));
+        let words = format!("{}: there is nothing in it to make tables of", args.file.display());
+        return Err(Failure::new(Exit::Usage, words));
     }
-    for table in tables.into_values() {
-        table.finish()?;
-    }
+    tables.into_iter().try_for_each(Table::finish)?;
     if let Some(why) = reader.cut {
         tell(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
     }
     Ok(())
 }
 
-/// Takes all there is into the table of its topic.
-fn fill(
-    reader: &mut Reader,
-    folder: &Path,
-    tables: &mut BTreeMap<&'static str, Table>,
-    stop: &AtomicBool,
-) -> Result<(), Failure> {
+/// All there is, in the table of its topic.
+fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
+    folder(into)?;
+    let mut tables = BTreeMap::new();
     while let Some(item) = reader.next() {
         unless(stop)?;
         let (topic, bytes) = match &item.content {
@@ -66,17 +78,34 @@ fn fill(
             Content::Other => continue,
         };
         if !tables.contains_key(topic.name()) {
-            tables.insert(topic.name(), Table::create(folder, topic)?);
+            let path = into.join(format!("{}.csv", &topic.name()[1..]));
+            tables.insert(topic.name(), Table::create(path, topic, topic.without())?);
         }
         if let Some(table) = tables.get_mut(topic.name()) {
             table.row(item.time, bytes)?;
         }
     }
-    Ok(())
+    Ok(tables.into_values().collect())
 }
 
+/// A table of whole truths.
+fn all(reader: &mut Reader, path: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
+    let (mut table, mut truth) = (None, Truth::default());
+    while let Some(time) = reader.next_truth(&mut truth) {
+        unless(stop)?;
+        let table = match &mut table {
+            Some(table) => table,
+            none => none.insert(Table::create(path.into(), Topic::Truth, &[])?),
+        };
+        table.row(time, bytes_of(&truth))?;
+    }
+    Ok(table.into_iter().collect())
+}
+
+/// A table that is being written; half of one is none.
 struct Table {
     path: PathBuf,
+    draft: Draft,
     file: BufWriter<File>,
     message: &'static Message,
     without: &'static [&'static str],
@@ -84,11 +113,12 @@ struct Table {
 }
 
 impl Table {
-    fn create(folder: &Path, topic: Topic) -> Result<Table, Failure> {
-        let path = folder.join(format!("{}.csv", &topic.name()[1..]));
-        let file = File::create(&path).map_err(|error| unwritten(&path, &error))?;
-        let (message, without) = (topic.message(), topic.without());
-        let mut table = Table { path, file: BufWriter::new(file), message, without, rows: 0 };
+    fn create(path: PathBuf, topic: Topic, without: &'static [&'static str]) -> Result<Table, Failure> {
+        let failed = |error| unwritten(&path, &error);
+        let draft = Draft::of(&path, HEAD).map_err(failed)?;
+        let file = BufWriter::new(draft.file.try_clone().map_err(failed)?);
+        let message = topic.message();
+        let mut table = Table { path, draft, file, message, without, rows: 0 };
         let mut names = vec!["time_s".to_string()];
         columns(message, without, "", &mut names);
         table.line(&names.join(","))?;
@@ -107,7 +137,7 @@ impl Table {
     }
 
     fn finish(mut self) -> Result<(), Failure> {
-        self.file.flush().map_err(|error| unwritten(&self.path, &error))?;
+        self.file.flush().and_then(|()| self.draft.keep()).map_err(|error| unwritten(&self.path, &error))?;
         say(format_args!("{}: {} rows\n", self.path.display(), self.rows));
         Ok(())
     }

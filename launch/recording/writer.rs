@@ -1,31 +1,39 @@
-//! A run, written while it goes on: whatever stops it, the file is readable up to the last flush.
+//! A run, written while it goes on: whatever stops it, the file is readable up to its last chunk.
 
 use super::drawing::Drawing;
 use super::events::Events;
 use super::protobuf::{self, Codec};
+use super::sink::Sink;
 use super::{METADATA, Topic};
-use crate::exit::Failure;
-use crate::output::unwritten;
 use mcap::records::{MessageHeader, Metadata};
-use mcap::{Compression, McapError, McapResult, WriteOptions};
+use mcap::write::NoSeek;
+use mcap::{Compression, McapResult, WriteOptions};
 use messages::load;
 use messages::scene::Scene;
 use messages::wire::{Command, SCHEMA_HASH, Sensors, Stamp, Stamped, Truth};
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::BufWriter;
-use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 
-/// A killed run loses no more than this, and no more than a chunk of 1 MB.
+/// A killed run loses no more than this,
 const FLUSH: Duration = Duration::from_millis(500);
+/// and no more than a chunk of this length before compression [bytes].
+pub(super) const CHUNK: usize = 1 << 20;
 /// Time between two pictures [ns].
 const PICTURE_NS: u64 = 20_000_000;
 
+/// An MCAP file that is being written.
+pub(super) type Mcap = mcap::Writer<NoSeek<Sink>>;
+
+/// Begins an empty file; a chunk ends where it is flushed.
+pub(super) fn create(file: File) -> McapResult<Mcap> {
+    let options = WriteOptions::new().compression(Some(Compression::Lz4)).library("biped");
+    options.chunk_size(None).disable_seeking(true).create(NoSeek::new(Sink::new(file)))
+}
+
 /// Writes a recording.
 pub struct Writer {
-    path: PathBuf,
-    file: mcap::Writer<BufWriter<File>>,
+    file: Mcap,
     topics: [u16; 4],
     codecs: [Codec; 4],
     events: u16,
@@ -35,6 +43,8 @@ pub struct Writer {
     /// What the clock of the file is ahead of simulated time: the length of earlier runs [ns].
     ahead_ns: u64,
     flushed: Instant,
+    /// Of the chunk so far [bytes].
+    waiting: usize,
     encoded: Vec<u8>,
 }
 
@@ -43,17 +53,14 @@ impl Writer {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn begin(path: &Path, file: File, scene: &Scene) -> Result<Writer, Failure> {
-        Writer::head(path, file, scene).map_err(|error| failed(path, &error))
-    }
-
-    fn head(path: &Path, file: File, scene: &Scene) -> McapResult<Writer> {
-        let options = WriteOptions::new().compression(Some(Compression::Lz4)).library("biped");
-        let mut file = options.create(BufWriter::new(file))?;
+    pub fn begin(file: File, scene: &Scene) -> McapResult<Writer> {
+        let mut file = create(file)?;
         let about = [
             ("scene", load::text(scene)),
             ("schema", format!("{SCHEMA_HASH:016x}")),
             ("version", env!("CARGO_PKG_VERSION").into()),
+            // The one look at the calendar: for people, and for logs beside this one. No message has it.
+            ("begun", prost_types::Timestamp::from(SystemTime::now()).to_string()),
         ];
         let metadata = about.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
         file.write_metadata(&Metadata { name: METADATA.into(), metadata })?;
@@ -65,7 +72,6 @@ impl Writer {
         }
         let events = json_channel::<super::events::Log>(&mut file, "/events", "foxglove.Log")?;
         Ok(Writer {
-            path: path.into(),
             drawing: Drawing::begin(&mut file, scene)?,
             file,
             topics,
@@ -75,26 +81,23 @@ impl Writer {
             before: None,
             ahead_ns: 0,
             flushed: Instant::now(),
+            waiting: 0,
             encoded: vec![],
         })
     }
 
-    /// Takes the next truth.
+    /// Takes the next truth; whether the file has grown by a chunk.
     ///
     /// # Errors
     /// If the file cannot be written, as on a full disk.
-    pub fn push(&mut self, truth: &Truth) -> Result<(), Failure> {
-        self.write(truth).map_err(|error| failed(&self.path, &error))
-    }
-
-    fn write(&mut self, truth: &Truth) -> McapResult<()> {
+    pub fn push(&mut self, truth: &Truth) -> McapResult<bool> {
         let before = self.before.replace(*truth);
         if let Some(before) = before.filter(|before| before.stamp.run != truth.stamp.run) {
-            self.ahead_ns += before.stamp.sim_ns + PICTURE_NS;
+            self.ahead_ns = self.ahead_ns.saturating_add(before.stamp.sim_ns).saturating_add(PICTURE_NS);
             self.noticed = Events::default();
         }
         let before = before.filter(|before| before.stamp.run == truth.stamp.run);
-        let time = self.ahead_ns + truth.stamp.sim_ns;
+        let time = self.ahead_ns.saturating_add(truth.stamp.sim_ns);
         let Truth { stamp, command, asked: torques, encoders, telemetry, .. } = *truth;
         let is_new =
             before.is_none_or(|before| before.command.seq != command.seq || before.command.epoch != command.epoch);
@@ -112,16 +115,18 @@ impl Writer {
         if before.is_none_or(|before| before.stamp.sim_ns / PICTURE_NS < stamp.sim_ns / PICTURE_NS) {
             self.drawing.draw(&mut self.file, truth, time)?;
         }
-        if self.flushed.elapsed() > FLUSH {
+        let is_full = self.waiting > CHUNK || self.flushed.elapsed() > FLUSH;
+        if is_full {
             self.file.flush()?;
-            self.flushed = Instant::now();
+            (self.flushed, self.waiting) = (Instant::now(), 0);
         }
-        Ok(())
+        Ok(is_full)
     }
 
     fn put(&mut self, topic: Topic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
         self.encoded.clear();
         self.codecs[topic as usize].encode(bytes, &mut self.encoded);
+        self.waiting += self.encoded.len();
         let header = header(self.topics[topic as usize], time, seq);
         self.file.write_to_known_channel(&header, &self.encoded)
     }
@@ -130,25 +135,13 @@ impl Writer {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn finish(mut self) -> Result<(), Failure> {
-        self.file.finish().map(drop).map_err(|error| failed(&self.path, &error))
-    }
-}
-
-/// In the words of whatever is behind it, such as a full disk.
-fn failed(path: &Path, error: &McapError) -> Failure {
-    match error {
-        McapError::Io(error) => unwritten(path, error),
-        error => unwritten(path, error),
+    pub fn finish(mut self) -> McapResult<()> {
+        self.file.finish().map(drop)
     }
 }
 
 /// A channel of messages that serde writes, with their schema.
-pub(super) fn json_channel<M: schemars::JsonSchema>(
-    file: &mut mcap::Writer<BufWriter<File>>,
-    topic: &str,
-    name: &str,
-) -> McapResult<u16> {
+pub(super) fn json_channel<M: schemars::JsonSchema>(file: &mut Mcap, topic: &str, name: &str) -> McapResult<u16> {
     // Readers want one object, without references.
     let settings = schemars::generate::SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let schema = settings.into_generator().into_root_schema_for::<M>();
@@ -157,7 +150,7 @@ pub(super) fn json_channel<M: schemars::JsonSchema>(
 }
 
 pub(super) fn json_message(
-    file: &mut mcap::Writer<BufWriter<File>>,
+    file: &mut Mcap,
     channel: u16,
     time: u64,
     message: &impl serde::Serialize,

@@ -2,7 +2,7 @@
 
 use super::grid::{Case, Grid};
 use crate::exit::{Exit, Failure};
-use crate::output::{alone, unwritten, write_whole};
+use crate::output::{alone, replaces, unwritten, write_whole};
 use crate::study::Outcome;
 use crate::summary::Summary;
 use std::fs::{File, OpenOptions};
@@ -31,6 +31,7 @@ impl Table {
     pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
         let failed = |error: std::io::Error| unwritten(path, &error);
         let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
+        replaces(path, begin.as_bytes()).map_err(failed)?;
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
         alone(&file, || format!("another sweep is writing {}: wait for it, or choose another --out", path.display()))?;
         file.read_to_string(&mut old).map_err(|error| unreadable(path, &error))?;
@@ -78,7 +79,7 @@ impl Table {
 pub fn merge(paths: &[PathBuf], grid: &Grid, cases: &[Case]) -> Result<Vec<Option<String>>, Failure> {
     let mut rows = vec![None; cases.len()];
     for path in paths {
-        let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error))?;
+        let text = messages::file::text(path).map_err(|error| unreadable(path, &error))?;
         take(path, &text, grid, cases, &mut rows)?;
     }
     let missing = rows.iter().filter(|row| row.is_none()).count();
@@ -146,7 +147,7 @@ fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option
     let refuse = |words: String| Failure::new(Exit::Usage, format!("{} {words}", path.display()));
     let (whole, begin) = (whole(text), begin(grid));
     let Some(body) = whole.strip_prefix(&begin) else {
-        return match begin.starts_with(whole) {
+        return match begin.starts_with(text) {
             true => Ok(()),
             false => Err(refuse("is the table of another sweep: another scene, grid or version".into())),
         };

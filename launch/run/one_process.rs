@@ -20,7 +20,7 @@ pub fn run(scene: &Scene, watch: &mut Watch, stop: &AtomicBool) -> Result<(), Fa
     let listen = move || {
         for mut batch in heard {
             for truth in &batch {
-                watch.take(truth)?;
+                watch.take(truth);
                 goes_on(&watch.recorder, stop)?;
             }
             batch.clear();

@@ -1,9 +1,10 @@
 //! What is made of the truth while a run goes on: record, progress, tape; and whether it goes on.
 
 use crate::exit::{Exit, Failure, unless};
+use crate::output::tell;
 use crate::progress::Progress;
 use crate::record::Recorder;
-use crate::recording::Tape;
+use crate::recording::{End, Tape};
 use messages::port::RecorderPort;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Truth};
@@ -18,6 +19,8 @@ pub struct Watch {
     pub progress: Progress,
     pub latest: Stamp,
     pub tape: Option<Tape>,
+    /// Why that has ended already.
+    pub end: Option<End>,
     /// Gaps in the sequence: records that were dropped on the way.
     pub lost: u64,
 }
@@ -27,29 +30,41 @@ impl Watch {
     pub fn new(scene: &Scene, reports: bool, quiet: bool) -> Watch {
         let record = if reports { Recorder::new } else { Recorder::without_rows };
         let (recorder, progress) = (record(scene), Progress::new(scene, quiet));
-        Watch { scene: scene.clone(), record, recorder, progress, latest: Stamp::default(), tape: None, lost: 0 }
+        Watch {
+            scene: scene.clone(),
+            record,
+            recorder,
+            progress,
+            latest: Stamp::default(),
+            tape: None,
+            end: None,
+            lost: 0,
+        }
     }
 
     /// Takes the next truth. One of another run, after a reset or of a plant started anew, begins the record anew.
-    pub fn take(&mut self, truth: &Truth) -> Result<(), Failure> {
+    pub fn take(&mut self, truth: &Truth) {
         if self.latest.run != truth.stamp.run && self.latest.seq > 0 {
             let requests = std::mem::take(&mut self.recorder.requests); // the reset is one of them
             self.recorder = (self.record)(&self.scene);
             self.recorder.requests = requests;
             self.latest.seq = 0;
         }
-        self.lost += truth.stamp.seq.saturating_sub(self.latest.seq + 1); // another program may count otherwise
+        self.lost += truth.stamp.seq.saturating_sub(self.latest.seq.saturating_add(1)); // another program may count otherwise
         self.latest = truth.stamp;
         self.recorder.push(truth);
         self.progress.update(truth);
-        self.tape.as_mut().map_or(Ok(()), |tape| tape.push(truth))
+        if let Some(Err(end)) = self.tape.as_mut().map(|tape| tape.push(truth)) {
+            self.progress.bar.suspend(|| tell(format_args!("{}; the run goes on", end.words)));
+            (self.tape, self.end) = (None, Some(end));
+        }
     }
 
     /// Takes all there is.
     pub fn drain(&mut self, port: &mut RecorderPort) -> Result<(), Failure> {
         while let Some(truth) = port.read()? {
             self.hear_requests(port)?; // that came before it
-            self.take(&truth)?;
+            self.take(&truth);
         }
         self.hear_requests(port)?;
         self.show();

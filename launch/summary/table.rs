@@ -65,6 +65,7 @@ impl Summary {
             ("link", !self.met.is_empty(), self.met.clone()),
             ("requests", !self.asked.is_empty(), self.asked.clone()),
             ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
+            ("recording", self.recording_ended_by.is_some(), self.recording_ended_by.clone().unwrap_or_default()),
             ("model", !self.model.is_empty(), self.model.clone()),
             ("cost of the model", is_smaller, cost),
         ];

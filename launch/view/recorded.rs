@@ -55,7 +55,7 @@ pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, stop: &AtomicBool
 /// The page of the last run that is recorded.
 fn page(file: &Path, stop: &AtomicBool) -> Result<String, Failure> {
     let mut reader = Reader::open(file)?;
-    let scene = reader.scene()?;
+    let scene = reader.scene().clone();
     let (mut recorder, mut truth, mut runs, mut count) = (Recorder::new(&scene), Truth::default(), 0, 0);
     let megabytes = std::fs::metadata(file).map_or(0, |about| about.len() >> 20);
     let progress = Counter::new(false, megabytes as usize, 0, "MB");

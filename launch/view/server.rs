@@ -2,6 +2,7 @@
 
 use super::admission::{Admission, Answer, Query};
 use crate::exit::{Exit, Failure};
+use crate::output::tell;
 use hyper::Method;
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
@@ -61,10 +62,10 @@ impl Door {
         let admission = Admission::new(place.ip()).map_err(refused)?;
         let shown = SocketAddr::new(here(place.ip()), place.port());
         if !place.ip().is_loopback() {
-            eprintln!(
+            tell(format_args!(
                 "warning: the page listens on {place}, unencrypted: whoever has its address with the token, or reads along, \
                  sees and commands what it shows"
-            );
+            ));
         }
         let address = format!("http://{shown}/?token={}", admission.token);
         Ok(Door { runtime, listener, admission, address })

@@ -7,6 +7,7 @@
 //! | robots as data, Table 1 of the paper | [`robot`] |
 //! | scenes: TOML in, checked values out | [`scene`], [`load`] |
 //! | what may be asked of a running session | [`ask`] |
+//! | files that somebody names | [`file`] |
 //! | the link between two processes | [`port`], [`session`], [`clock`] |
 //! | sine, cosine, and what they turn | [`turn`] |
 //! | how a program learns where it takes part | [`invitation`] |
@@ -15,6 +16,7 @@
 pub mod ask;
 pub mod clock;
 pub mod describe;
+pub mod file;
 pub mod invitation;
 mod law;
 pub mod load;

@@ -121,7 +121,7 @@ fn short(error: &toml::de::Error) -> String {
 }
 
 fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
-    std::fs::read_to_string(path).map_err(|reason| match reason.kind() {
+    crate::file::text(path.as_ref()).map_err(|reason| match reason.kind() {
         std::io::ErrorKind::NotFound => {
             let known = built_in.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
             SceneError::Unknown { name: path.into(), known }

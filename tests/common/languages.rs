@@ -12,7 +12,7 @@ use std::process::Command;
 use std::sync::OnceLock;
 
 /// The wheels that controllers, plant and the comparisons need.
-const WHEELS: [&str; 9] = [
+const WHEELS: [&str; 10] = [
     "iceoryx2==0.10.0",
     "numpy",
     "xxhash==4.1.0",
@@ -22,6 +22,7 @@ const WHEELS: [&str; 9] = [
     "mcap-protobuf-support==0.6.0",
     "foxglove-schemas-protobuf==0.4.0",
     "jsonschema==4.26.0",
+    "pandas",
 ];
 
 /// A Python that has them.

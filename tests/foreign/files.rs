@@ -10,7 +10,9 @@ use plant::kinematics::{self, Pose};
 use plant::model::Model;
 use plant::state::State;
 use serde_json::{Value, json};
+use std::path::Path;
 use std::process::Command;
+use std::time::Instant;
 
 /// H and b of random states, for the comparison.
 fn states(scene: &Scene) -> Value {
@@ -99,18 +101,82 @@ fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot(
     }
 }
 
+/// What Python's reader of MCAP finds in a recording.
+fn read(file: &Path) -> Value {
+    let output = Command::new(python()).arg("tests/foreign/recording.py").arg(file).output().expect("Python");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
 #[test]
 fn a_recording_reads_as_its_own_schemas_and_foxglove_s_say() {
     let file = fresh_path("walk.mcap");
     let (output, summary) = run("walk", &["--record", &file.to_string_lossy(), "--set", "duration=4"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
-    let output = Command::new(python()).arg("tests/foreign/recording.py").arg(&file).output().expect("Python");
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words}");
-    let seen: Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let seen = read(&file);
     std::fs::remove_file(file).expect("our own file");
     let counts = ["/truth", "/sensors", "/command", "/telemetry", "/tf", "/forces", "/robot"]
         .map(|topic| seen["counts"][topic].as_u64().unwrap_or(0));
     assert_eq!(counts, [4001, 4001, 4000, 4000, 201, 201, 1], "{seen}");
     assert_eq!(seen["steps"], summary["steps"], "{summary}");
+    assert_eq!(seen["indexed"], seen["linear"], "{seen}");
+    let begun = seen["begun"].as_str().expect("when it began");
+    assert!(begun.starts_with("20") && begun.ends_with('Z') && begun.contains('T'), "{begun}");
+}
+
+#[test]
+fn a_recording_that_is_killed_anywhere_opens_and_converts_into_a_whole_one() {
+    for bytes in [1_000_000, 2_500_000, 4_000_000] {
+        killed_at(bytes);
+    }
+}
+
+fn killed_at(bytes: u64) {
+    let [file, whole] = ["killed.mcap", "whole.mcap"].map(fresh_path);
+    let mut walk = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args("run walk --in-process --quiet --set duration=1000 --record".split(' '))
+        .arg(&file)
+        .spawn()
+        .expect("the program starts");
+    let begun = Instant::now();
+    while file.metadata().map_or(0, |about| about.len()) < bytes {
+        assert!(begun.elapsed().as_secs() < 60, "nothing is recorded");
+        std::thread::yield_now(); // so that it is often amid a chunk
+    }
+    walk.kill().and_then(|()| walk.wait()).expect("our own child");
+    let killed = read(&file);
+    assert!(killed["linear"].as_u64() > Some(bytes / 2000) && killed["indexed"].is_null(), "{killed}");
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["convert".as_ref(), file.as_os_str(), "--mcap".as_ref(), whole.as_os_str()])
+        .output()
+        .expect("the program starts");
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && words.contains("is cut short"), "{words}");
+    let converted = read(&whole);
+    assert_eq!(converted["indexed"], killed["linear"]);
+    assert_eq!((&converted["counts"], &converted["x"]), (&killed["counts"], &killed["x"]));
+    [file, whole].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
+}
+
+/// The line of docs/WIRE.md.
+#[test]
+fn pandas_reads_a_recording_as_one_table() {
+    let [file, table] = ["table.mcap", "table.csv"].map(fresh_path);
+    let (_, summary) = run("walk", &["--record", &file.to_string_lossy(), "--set", "duration=2"]);
+    let output = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["convert".as_ref(), file.as_os_str(), "--table".as_ref(), table.as_os_str()])
+        .output()
+        .expect("the program starts");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let text = std::fs::read_to_string("docs/WIRE.md").expect("a document");
+    let line = text.lines().map(str::trim).find(|line| line.contains("pandas.read_csv(")).expect("the line");
+    let script = format!(
+        "import pandas\n{}\nprint(len(walk), walk.index[-1], '%016x' % walk['hash'].iloc[-1], walk['telemetry.steps'].iloc[-1])",
+        line.replace("walk.csv", &table.to_string_lossy())
+    );
+    let output = Command::new(python()).args(["-c", &script]).output().expect("Python");
+    let said = String::from_utf8_lossy(&output.stdout).trim().to_string();
+    let hash = summary["trajectory_hash"].as_str().expect("a hash");
+    assert_eq!(said, format!("2001 2.0 {hash} {}", summary["steps"]), "{}", String::from_utf8_lossy(&output.stderr));
+    [file, table].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
 }

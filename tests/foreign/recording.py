@@ -8,7 +8,7 @@ from foxglove_schemas_protobuf.Log_pb2 import Log
 from foxglove_schemas_protobuf.SceneUpdate_pb2 import SceneUpdate
 from google.protobuf import json_format
 from jsonschema import Draft7Validator
-from mcap.reader import make_reader
+from mcap.reader import NonSeekingReader, make_reader
 from mcap_protobuf.decoder import DecoderFactory
 
 KNOWN = {"foxglove.FrameTransforms": FrameTransforms, "foxglove.SceneUpdate": SceneUpdate, "foxglove.Log": Log}
@@ -23,18 +23,26 @@ def foreign(text):
     return [foreign(value) for value in text] if isinstance(text, list) else text
 
 
+# What Foxglove's schema of an entity has, all of which its panels want to find.
+ENTITY = {field.name for field in SceneUpdate.DESCRIPTOR.fields_by_name["entities"].message_type.fields}
 counts, last = {}, {}
 with open(sys.argv[1], "rb") as file:
+    linear = sum(1 for _ in NonSeekingReader(file, validate_crcs=True).iter_messages())
+with open(sys.argv[1], "rb") as file:
     reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
-    assert reader.get_summary().statistics.message_count > 0
+    summary = reader.get_summary()
+    indexed = summary.statistics.message_count if summary and summary.statistics else None
+    about = next(record.metadata for record in reader.iter_metadata()) if indexed else {}
     validators = {}
     for schema, channel, message in reader.iter_messages():
         counts[channel.topic] = counts.get(channel.topic, 0) + 1
         if channel.message_encoding == "json" and counts[channel.topic] % 50 == 1:
             text = json.loads(message.data)
             validators.setdefault(schema.name, Draft7Validator(json.loads(schema.data))).validate(text)
+            assert all(set(entity) == ENTITY for entity in text.get("entities", [])), text
             json_format.ParseDict(foreign(text), KNOWN[schema.name]())
     ours = ["/truth", "/sensors", "/command", "/telemetry"]
     for schema, channel, message, decoded in reader.iter_decoded_messages(topics=ours):
         last[channel.topic] = decoded
-print(json.dumps({"counts": counts, "x": last["/truth"].base_position[0], "steps": last["/telemetry"].steps}))
+seen = {"linear": linear, "indexed": indexed, "begun": about.get("begun")}
+print(json.dumps({**seen, "counts": counts, "x": last["/truth"].base_position[0], "steps": last["/telemetry"].steps}))

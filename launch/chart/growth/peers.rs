@@ -18,7 +18,17 @@ const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/launch/chart/peers/gr
 ///
 /// # Errors
 /// No Python, or a file that cannot be written.
-pub fn points(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Watch) -> Result<Vec<Point>, Failure> {
+pub fn points(curve: &Curve, scenes: &[(f64, Scene)], watch: &Watch) -> Result<Vec<Point>, Failure> {
+    let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
+    let folder = std::env::temp_dir().join(format!("biped-growth-{}-{}", std::process::id(), curve.name));
+    std::fs::create_dir(&folder).map_err(|error| fault(format!("{} cannot be made: {error}", folder.display())))?;
+    let ended = measured(curve, scenes, &folder, watch);
+    let _ = std::fs::remove_dir_all(&folder);
+    ended
+}
+
+/// The same, with files in a folder of their own.
+fn measured(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Watch) -> Result<Vec<Point>, Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
     let mut files: Vec<PathBuf> = Vec::new();
     for (x, scene) in scenes {
@@ -28,7 +38,6 @@ pub fn points(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Wat
     }
     let output = Command::new("python3").arg(SCRIPT).args(&files).output();
     let output = output.map_err(|error| fault(format!("python3 does not start: {error}")))?;
-    files.iter().for_each(|file| drop(std::fs::remove_file(file)));
     if !output.status.success() {
         let errors = String::from_utf8_lossy(&output.stderr);
         let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it said nothing");

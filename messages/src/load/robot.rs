@@ -21,7 +21,7 @@ use toml::{Table, Value};
 pub fn read(path: &Path) -> Result<Robot, SceneError> {
     let origin = path.display().to_string();
     let refused = |reason| SceneError::Robot { origin: origin.clone(), reason };
-    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+    let text = crate::file::text(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => refused("there is no such file of a robot".into()),
         _ => SceneError::Unreadable { path: origin.clone(), reason: error },
     })?;

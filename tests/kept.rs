@@ -1,0 +1,125 @@
+//! Claims about what is written and read: no command replaces or removes what somebody else wrote, and none waits for what never ends.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod common;
+
+#[path = "common/live.rs"]
+mod live;
+
+use common::fresh_path;
+use live::biped;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Exit code and words of a command in a folder.
+fn within(folder: &Path, command: &str) -> (Option<i32>, String) {
+    let output = biped(&command.split(' ').collect::<Vec<_>>()).current_dir(folder).output().expect("it starts");
+    (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+}
+
+/// Every file below a folder, with its content.
+fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
+    let entries = std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path());
+    let each = entries.flat_map(|path| match path.is_dir() {
+        true => files(&path),
+        false => BTreeMap::from([(path.clone(), std::fs::read(&path).expect("a file"))]),
+    });
+    each.collect()
+}
+
+/// Commands that write, short ones, and what each writes into.
+const WRITERS: [(&str, &[&str]); 9] = [
+    (
+        "run stand --in-process --quiet --set duration=0.1 --out out",
+        &["out/summary.json", "out/trajectory.csv", "out/report.html", "out/scene.toml"],
+    ),
+    ("run stand --in-process --quiet --set duration=0.1 --record new.mcap", &["new.mcap"]),
+    ("view run.mcap --out view.html", &["view.html"]),
+    ("convert run.mcap --csv tables", &["tables/truth.csv", "tables/sensors.csv"]),
+    ("convert run.mcap --table table.csv", &["table.csv"]),
+    ("convert run.mcap --mcap copy.mcap", &["copy.mcap"]),
+    ("study problems --count 2 --quiet --out study", &["study/problems.md", "study/problems.csv"]),
+    (
+        "robustness --quiet --loss 0 --delay 0 --jitter 0 --seeds 1 --set duration=0.1 --out map",
+        &["map/robustness.csv", "map/robustness.svg"],
+    ),
+    ("faults --quick --only second --seed 1 --out faults", &["faults/faults.md", "faults/faults.csv"]),
+];
+
+#[test]
+fn what_somebody_else_wrote_survives_every_command_and_our_own_is_replaced() {
+    let folder = fresh_path("kept");
+    std::fs::create_dir(&folder).expect("a folder");
+    let record = "run stand --in-process --quiet --set duration=0.1 --record run.mcap";
+    assert_eq!(within(&folder, record).0, Some(0));
+    for (command, outputs) in WRITERS {
+        // beside ours, and where drafts and drawings of ours could be
+        let mut theirs = BTreeMap::new();
+        for output in outputs {
+            let output = folder.join(output);
+            let beside = output.parent().expect("a folder");
+            std::fs::create_dir_all(beside.join("figures")).expect("a folder");
+            for path in [output.with_extension("part"), beside.join("figures/mine.svg"), beside.join("mine.csv")] {
+                std::fs::write(&path, "mine").expect("a file");
+                theirs.insert(path, b"mine".to_vec());
+            }
+        }
+        let survives = |words: &str| {
+            let now = files(&folder);
+            theirs.iter().for_each(|(path, text)| assert_eq!(now.get(path), Some(text), "{command}: {words}"));
+        };
+        for _ in 0..2 {
+            let (code, words) = within(&folder, command); // the second replaces what the first wrote
+            assert_eq!(code, Some(0), "{command}: {words}");
+            survives(&words);
+        }
+        let is_draft = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        assert!(!files(&folder).keys().any(is_draft), "{command} leaves a draft");
+        for output in outputs.iter().map(|output| folder.join(output)) {
+            assert!(output.exists(), "{command} writes {}", output.display());
+            std::fs::write(&output, "<!DOCTYPE html>\nmine alone").expect("a file");
+            let (code, words) = within(&folder, command);
+            let name = output.file_name().expect("a name").to_string_lossy();
+            assert!(matches!(code, Some(2 | 4)) && words.contains(&*name), "{command}, {name}: {code:?} {words}");
+            assert_eq!(std::fs::read(&output).expect("a file"), b"<!DOCTYPE html>\nmine alone", "{command}: {words}");
+            survives(&words);
+            std::fs::remove_file(&output).expect("our own file");
+        }
+    }
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn what_never_ends_is_refused_by_whatever_reads() {
+    let folder = fresh_path("endless");
+    std::fs::create_dir(&folder).expect("a folder");
+    nix::unistd::mkfifo(&folder.join("pipe"), nix::sys::stat::Mode::S_IRWXU).expect("a pipe");
+    let commands = [
+        "run FILE",
+        "plant FILE",
+        "model FILE",
+        "export toml FILE",
+        "run walk --robot FILE",
+        "run walk --set robot=FILE",
+        "contact FILE",
+        "info FILE",
+        "replay FILE",
+        "view FILE",
+        "convert FILE --csv x",
+        "convert FILE --mcap x.mcap",
+        "robustness --merge FILE",
+        "chart --peers=FILE",
+    ];
+    for (file, what) in [("pipe", "pipe"), ("/dev/zero", "device"), (".", "folder")] {
+        for command in commands {
+            let (code, words) = within(&folder, &command.replace("FILE", file));
+            assert!(code == Some(2) && words.contains(what), "{command} {file}: {code:?} {words}");
+        }
+    }
+    for command in ["run walk --record pipe", "view run.mcap --out pipe"] {
+        let (code, words) = within(&folder, command);
+        assert!(code == Some(2) && !words.is_empty(), "{command}: {code:?} {words}");
+    }
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}

@@ -1,0 +1,216 @@
+//! Claims about recordings that end before their run: the robot walks on, the exit code tells, and what was recorded is whole; and about
+//! recordings whose content lies.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod common;
+
+#[path = "common/live.rs"]
+mod live;
+
+use common::fresh_path;
+use live::biped;
+use mcap::records::Record;
+use mcap::{McapResult, Writer};
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+/// Exit code and both outputs.
+fn told(output: Output) -> (Option<i32>, String) {
+    let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(!words.contains("panicked"), "{words}");
+    (output.status.code(), words)
+}
+
+fn on(arguments: &[&str]) -> (Option<i32>, String) {
+    told(biped(arguments).output().expect("it starts"))
+}
+
+/// A walk of some seconds in one process, recorded; with what the shell does before.
+fn walk(before: &str, more: &str, file: &Path, out: &Path) -> (Option<i32>, String) {
+    let script = format!(
+        "{before}\n exec '{}' run walk --in-process --quiet --set duration=8 {more} --record '{}' --out '{}'",
+        env!("CARGO_BIN_EXE_biped"),
+        file.display(),
+        out.display()
+    );
+    told(Command::new("sh").args(["-c", &script]).output().expect("a shell"))
+}
+
+fn summary(out: &Path) -> serde_json::Value {
+    serde_json::from_slice(&std::fs::read(out.join("summary.json")).expect("a summary")).expect("JSON")
+}
+
+/// That all of it can be replayed; its length.
+fn replays(file: &Path) -> u64 {
+    let (code, words) = on(&["replay", &file.to_string_lossy()]);
+    assert!(code == Some(0) && words.contains(" 0 differ"), "{code:?}: {words}");
+    file.metadata().expect("a file").len()
+}
+
+#[test]
+fn a_recording_ends_where_it_has_to_and_the_robot_walks_on() {
+    let (file, out) = (fresh_path("end.mcap"), fresh_path("end"));
+    let clean = |file: &Path| std::fs::remove_dir_all(&out).and_then(|()| std::fs::remove_file(file)).expect("our own");
+    let (code, words) = walk("", "", &file, &out);
+    assert_eq!(code, Some(0), "{words}");
+    let (whole, hash) = (replays(&file), summary(&out)["trajectory_hash"].clone());
+    assert!(summary(&out)["recording_ended_by"].is_null() && !words.contains("the recording"), "{words}");
+    clean(&file);
+    // a limit that was asked for, and one that the system sets
+    for (before, more, ends, limit, why) in [
+        ("", "--record-limit 5M", 0, 5_000_000, "--record-limit of 5 MB is reached"),
+        ("ulimit -f 8000", "", 11, 4_096_000, "File too large"),
+    ] {
+        let (code, words) = walk(before, more, &file, &out);
+        assert!(code == Some(ends) && words.contains(why) && words.contains("the run goes on"), "{code:?}: {words}");
+        let summary = summary(&out);
+        let end = summary["recording_ended_by"].as_str().expect("a sentence");
+        assert!(end.contains(why) && summary["trajectory_hash"] == hash && summary["fell"] == false, "{end}");
+        let report = std::fs::read_to_string(out.join("report.html")).expect("a report");
+        assert!(report.contains(why), "the report says it");
+        let length = replays(&file);
+        assert!((limit / 3..=limit).contains(&length) && length < whole, "{length} of {whole} bytes, limit {limit}");
+        let (_, words) = on(&["info", &file.to_string_lossy()]);
+        assert_eq!(words.contains("cut short"), ends != 0, "one that was ended in order has its index: {words}");
+        clean(&file);
+    }
+    let (code, words) = walk("", "", Path::new("/dev/full"), &out);
+    assert!(code == Some(11) && words.contains("No space left") && summary(&out)["trajectory_hash"] == hash, "{words}");
+    std::fs::remove_dir_all(&out).expect("our own");
+}
+
+#[test]
+fn a_limit_must_be_a_size_and_too_little_room_is_told_before_the_run() {
+    for bad in ["5", "3M", "fast", "nanG", "1Q", "infM"] {
+        let (code, words) = on(&["run", "walk", "--record", "x.mcap", "--record-limit", bad]);
+        assert!(code == Some(2) && words.contains("200M or 1.5G"), "{bad}: {words}");
+    }
+    assert_eq!(on(&["run", "walk", "--record-limit", "200M"]).0, Some(2), "a limit of nothing");
+    let file = fresh_path("long.mcap");
+    let name = file.to_string_lossy().into_owned();
+    let push = "plant.push_impulse=[0,200,0] --set plant.push_time=0.1";
+    let long = format!("run walk --in-process --quiet --set duration=1e12 --set {push} --record");
+    let long: Vec<&str> = long.split(' ').collect();
+    let (code, words) = on(&[&long[..], &[&name]].concat());
+    assert!(code == Some(7) && words.contains("the run will take some 95"), "{code:?}: {words}");
+    let (_, words) = on(&[&long[..], &[&name, "--record-limit", "8M"]].concat());
+    assert!(!words.contains("will take"), "{words}");
+    std::fs::remove_file(file).expect("our own file");
+}
+
+/// A recording of a moment, written anew with other records.
+fn forged(name: &str, mut change: impl FnMut(&mut Record)) -> PathBuf {
+    let (file, forged) = (fresh_path("true.mcap"), fresh_path(name));
+    let (code, words) =
+        on(&["run", "walk", "--in-process", "--quiet", "--set", "duration=0.1", "--record", &file.to_string_lossy()]);
+    assert_eq!(code, Some(0), "{words}");
+    let bytes = std::fs::read(&file).expect("a recording");
+    let mut writer = Writer::new(File::create(&forged).expect("a file")).expect("it begins");
+    for record in mcap::read::ChunkFlattener::new(&bytes).expect("MCAP") {
+        let mut record = record.expect("a record").into_owned();
+        change(&mut record);
+        copy(&mut writer, &record).expect("it is written");
+    }
+    writer.finish().expect("it ends");
+    std::fs::remove_file(file).expect("our own file");
+    forged
+}
+
+fn copy(writer: &mut Writer<File>, record: &Record) -> McapResult<()> {
+    match record {
+        Record::Metadata(metadata) => writer.write_metadata(metadata),
+        Record::Schema { header, data } => {
+            writer.add_schema_with_id(header.id, &header.name, &header.encoding, data).map(drop)
+        }
+        Record::Channel(channel) => {
+            let mcap::records::Channel { id, schema_id, topic, message_encoding, metadata } = channel;
+            writer.add_channel_with_id(*id, *schema_id, topic, message_encoding, metadata).map(drop)
+        }
+        Record::Message { header, data } => writer.write_to_known_channel(header, data),
+        _ => Ok(()),
+    }
+}
+
+/// Whatever opens a recording; each needs a place to write to.
+fn commands(file: &Path, to: &Path) -> [Vec<String>; 8] {
+    let all = [
+        "info FILE",
+        "info FILE --scene",
+        "replay FILE",
+        "replay FILE --plant",
+        "view FILE --out TO.html",
+        "convert FILE --csv TO",
+        "convert FILE --table TO.csv",
+        "convert FILE --mcap TO.mcap",
+    ];
+    let named = |word: &str| word.replace("FILE", &file.to_string_lossy()).replace("TO", &to.to_string_lossy());
+    all.map(|command| command.split(' ').map(named).collect())
+}
+
+fn clean(to: &Path) {
+    let _ = std::fs::remove_dir_all(to);
+    for end in ["html", "csv", "mcap"] {
+        let _ = std::fs::remove_file(to.with_extension(end));
+    }
+}
+
+#[test]
+fn the_scene_in_a_recording_is_checked_like_any_other() {
+    for (from, to, word) in [
+        ("mass = ", "mass = nan #", "finite"),
+        ("mass = ", "mass = 0.0 #", "greater than 0"),
+        ("duration = ", "duration = -1.0 #", "greater than 0"),
+        ("rate = 1000.0", "rate = 1e-300", "plant.dt"),
+        ("friction", "frixion", "frixion"),
+    ] {
+        let file = forged("scene.mcap", |record| {
+            if let Record::Metadata(about) = record {
+                let scene = about.metadata.get_mut("scene").expect("a scene");
+                assert!(scene.contains(from));
+                *scene = scene.replacen(from, to, 1);
+            }
+        });
+        let place = fresh_path("forged");
+        for command in commands(&file, &place) {
+            let words: Vec<&str> = command.iter().map(String::as_str).collect();
+            let (code, said) = on(&words);
+            assert!(
+                code == Some(2) && said.contains("the scene in") && said.contains(word),
+                "{command:?}: {code:?} {said}"
+            );
+        }
+        assert!(!place.exists(), "what is refused makes no folder");
+        std::fs::remove_file(file).expect("our own file");
+    }
+}
+
+#[test]
+fn messages_that_lie_are_read_or_refused_but_never_panic() {
+    let seed = std::process::id().into();
+    println!("seed {seed}");
+    let mut random = fastrand::Rng::with_seed(seed);
+    for trial in 0..12 {
+        let file = forged("lies.mcap", |record| {
+            if let Record::Message { header, data } = record
+                && random.u8(..) < 100
+            {
+                let at = random.usize(..data.len());
+                let lie = *random.choice(&[u64::MAX, 1 << 63, f64::NAN.to_bits(), f64::MAX.to_bits(), 0]).expect("one");
+                let place = &mut data.to_mut()[at..];
+                let length = place.len().min(8);
+                place[..length].copy_from_slice(&lie.to_le_bytes()[..length]);
+                header.log_time = if random.u8(..) < 9 { u64::MAX } else { header.log_time };
+            }
+        });
+        let place = fresh_path("lies");
+        for command in commands(&file, &place) {
+            let words: Vec<&str> = command.iter().map(String::as_str).collect();
+            let (code, said) = on(&words);
+            assert!(matches!(code, Some(0 | 2 | 4 | 7 | 8)), "trial {trial}: {command:?}: {code:?} {said}");
+        }
+        clean(&place);
+        std::fs::remove_file(file).expect("our own file");
+    }
+}
