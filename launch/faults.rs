@@ -3,6 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | starting, finding and hurting processes | [`stage`] |
+//! | trials side by side | [`abreast`] |
 //! | kill −9, and processes started anew | [`kill`] |
 //! | SIGSTOP, stalled recorders | [`stop`] |
 //! | bad commands | [`commands`] |
@@ -11,6 +12,7 @@
 //! | full shared memory | [`memory`] |
 //! | a full disk under a recording | [`disk`] |
 
+mod abreast;
 mod commands;
 mod disk;
 mod kill;
@@ -23,17 +25,16 @@ mod stop;
 use crate::exit::{Exit, Failure, unless};
 use crate::output::{folder, say, unwritten, write_whole};
 use crate::progress::Counter;
+use abreast::side_by_side;
 use clap::Args;
 use stage::{Outcome, Role, Trial};
 use std::fmt;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 /// A process started anew is to drive within this time.
 const RESPAWN: Duration = Duration::from_millis(250);
-/// Trials at a time of those that mostly wait.
-const ABREAST: usize = 4;
 /// Failures that are told of each kind.
 const TOLD: usize = 3;
 
@@ -285,40 +286,4 @@ impl Fault {
             Loud => times(count, &mut |_| neighbours::loud(chance)),
         }
     }
-}
-
-/// Trials that mostly wait, [`ABREAST`] at a time, each worker with a shared memory of its own; one by one, where that is
-/// not permitted.
-fn side_by_side(
-    count: usize,
-    random: &mut fastrand::Rng,
-    stop: &AtomicBool,
-    trial: &(dyn Fn(usize, &mut fastrand::Rng) -> Trial + Sync),
-) -> Vec<Trial> {
-    let progress = Counter::new(false, count, 0, "trials");
-    let next = AtomicUsize::new(0);
-    let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
-    let work = &|first: bool| {
-        let mut told: Vec<(usize, Trial)> = vec![];
-        // the first may work in the memory of all
-        if memory::of_ones_own().is_err() && !first {
-            return told;
-        }
-        while !stop.load(Relaxed)
-            && let nth = next.fetch_add(1, Relaxed)
-            && nth < count
-        {
-            told.push((nth, trial(nth, &mut fastrand::Rng::with_seed(seeds[nth]))));
-            progress.step();
-        }
-        told
-    };
-    let mut all = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..ABREAST.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
-        let failed = || vec![(count, Err("the thread of the trials failed".into()))];
-        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|_| failed())).collect::<Vec<_>>()
-    });
-    progress.finish();
-    all.sort_by_key(|(nth, _)| *nth);
-    all.into_iter().map(|(_, told)| told).collect()
 }

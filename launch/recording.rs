@@ -45,11 +45,13 @@ pub enum Topic {
     Telemetry,
     /// `/truth`.
     Truth,
+    /// `/served`.
+    Served,
 }
 
 impl Topic {
     /// All of them.
-    pub const ALL: [Topic; 4] = [Topic::Sensors, Topic::Command, Topic::Telemetry, Topic::Truth];
+    pub const ALL: [Topic; 5] = [Topic::Sensors, Topic::Command, Topic::Telemetry, Topic::Truth, Topic::Served];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -58,6 +60,7 @@ impl Topic {
             Topic::Command => "/command",
             Topic::Telemetry => "/telemetry",
             Topic::Truth => "/truth",
+            Topic::Served => "/served",
         }
     }
 
@@ -68,6 +71,7 @@ impl Topic {
             Topic::Command => "Command",
             Topic::Telemetry => "Telemetry",
             Topic::Truth => "Truth",
+            Topic::Served => "Served",
         };
         LAYOUT.iter().find(|message| message.name == name).unwrap_or(&LAYOUT[0])
     }
@@ -77,7 +81,7 @@ impl Topic {
         match self {
             Topic::Sensors => &["last"],
             Topic::Command => &["telemetry"],
-            Topic::Telemetry => &[],
+            Topic::Telemetry | Topic::Served => &[],
             Topic::Truth => &["telemetry", "command", "asked", "encoders"],
         }
     }

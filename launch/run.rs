@@ -151,7 +151,8 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let wall = begun.elapsed();
     let model = RunModel::of(&written, plan.as_ref())?;
     let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(model);
-    let summary = summary.ended(outcome.as_ref().err()).recorded(watch.end.as_ref());
+    let recording_ended_by = watch.end.as_ref().map(|end| end.words.clone());
+    let summary = Summary { recording_ended_by, ..summary.ended(outcome.as_ref().err()) };
     // The report before the summary is printed: a standard output that is full ends this program.
     let report = args.out.as_deref().map_or(Ok(()), |folder| {
         let written = report::write(folder, &watch.recorder, &summary, scene, &load::text(scene));

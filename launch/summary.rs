@@ -7,7 +7,6 @@ pub use table::tiny;
 use crate::exit::Failure;
 use crate::model::RunModel;
 use crate::record::{Asked, Recorder, Row};
-use crate::recording::End;
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use std::time::Duration;
@@ -209,11 +208,6 @@ impl Summary {
     /// With what ended the run, if it was not the end of the scene.
     pub fn ended(self, failure: Option<&Failure>) -> Self {
         Summary { cut_short_by: failure.and_then(|failure| failure.exit.cause()), ..self }
-    }
-
-    /// With what ended its recording before it.
-    pub fn recorded(self, end: Option<&End>) -> Self {
-        Summary { recording_ended_by: end.map(|end| end.words.clone()), ..self }
     }
 
     /// As JSON, one key per line.

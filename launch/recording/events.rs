@@ -15,6 +15,17 @@ pub(super) struct Log {
     line: u32,
 }
 
+impl Log {
+    fn new(time: u64, level: u8, message: String) -> Log {
+        Log { timestamp: Time::new(time), level, message, name: "biped", file: "", line: 0 }
+    }
+
+    /// Something that is not of the run itself.
+    pub fn warning(time: u64, message: String) -> Log {
+        Log::new(time, WARNING, message)
+    }
+}
+
 /// A time of Foxglove's messages.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
 pub(super) struct Time {
@@ -41,7 +52,7 @@ pub(super) struct Events {
 impl Events {
     /// What this truth tells that the one before did not.
     pub fn of(&mut self, truth: &Truth, time: u64) -> Vec<Log> {
-        let log = |level, message| Log { timestamp: Time::new(time), level, message, name: "biped", file: "", line: 0 };
+        let log = |level, message| Log::new(time, level, message);
         let Some(before) = self.before.replace(*truth) else {
             return vec![log(INFO, format!("run {:016x} begins", truth.stamp.run))];
         };
@@ -57,7 +68,6 @@ impl Events {
         // What is counted at every period says so once it begins.
         let news = [
             (truth.tally.takeovers > before.tally.takeovers, "another controller has taken over"),
-            (truth.tally.requests > before.tally.requests, "a request was served"),
             (truth.fallbacks > before.fallbacks, "a contact problem needed a fallback"),
             (truth.tally.refused != before.tally.refused, "a command was refused"),
             (truth.tally.skipped > before.tally.skipped, "real time was ahead: periods are skipped"),

@@ -8,9 +8,10 @@ use bytemuck::bytes_of_mut;
 use mcap::records::Record;
 use messages::file;
 use messages::load::{parse, validate};
+use messages::port::{Ask, Verdict};
 use messages::scene::Scene;
-use messages::wire::{Command, SCHEMA_HASH, Sensors, Telemetry, Truth};
-use std::collections::{BTreeMap, HashMap};
+use messages::wire::{Command, SCHEMA_HASH, Sensors, Served, Stamp, Telemetry, Truth};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 use std::path::Path;
 use std::sync::Arc;
 
@@ -18,10 +19,12 @@ use std::sync::Arc;
 pub struct Reader {
     records: Records,
     channels: HashMap<u16, Channel>,
-    codecs: [Codec; 4],
+    codecs: [Codec; Topic::ALL.len()],
     /// Of the metadata record: scene, schema, version and when it began.
     about: BTreeMap<String, String>,
     scene: Scene,
+    /// Requests that were answered, and that nobody has taken out yet.
+    served: VecDeque<Served>,
     /// Why the file ends before its end, once that is known.
     pub cut: Option<String>,
 }
@@ -49,6 +52,8 @@ pub enum Content {
     Telemetry(Telemetry),
     /// `/truth`.
     Truth(Box<Truth>),
+    /// `/served`.
+    Served(Box<Served>),
     /// For people.
     Other,
 }
@@ -66,7 +71,8 @@ impl Reader {
         };
         let (records, codecs) = (Records::of(file), Topic::ALL.map(Topic::codec));
         let (channels, about) = (HashMap::new(), BTreeMap::new());
-        let mut reader = Reader { records, channels, codecs, about, scene: Scene::default(), cut: None };
+        let mut reader =
+            Reader { records, channels, codecs, about, scene: Scene::default(), served: VecDeque::new(), cut: None };
         while reader.about.is_empty() {
             // what is ours says so before its first message
             if reader.record().is_none_or(|message| message.is_some()) {
@@ -117,9 +123,29 @@ impl Reader {
                     *latest = Truth { command, asked, telemetry, encoders, ..*truth };
                     return Some(time);
                 }
+                Content::Served(served) => self.served.push_back(*served),
                 Content::Other => (),
             }
         }
+    }
+
+    /// Whether it has a topic of requests, as recordings of earlier versions have not.
+    pub fn tells_requests(&self) -> bool {
+        self.channels.values().any(|(topic, _)| *topic == Some(Topic::Served))
+    }
+
+    /// Takes out the requests that were granted and took effect by now, as `is_due` sees it.
+    pub fn granted(&mut self, is_due: impl Fn(&Stamp, Ask) -> bool) -> Vec<Ask> {
+        let mut asks = vec![];
+        self.served.retain(|served| match Ask::of(&served.request) {
+            Ok(ask) if served.verdict == Verdict::Done as u64 => {
+                let is_due = is_due(&served.stamp, ask);
+                asks.extend(is_due.then_some(ask));
+                !is_due
+            }
+            _ => false,
+        });
+        asks
     }
 
     /// Bytes of the file that the messages so far are from.
@@ -175,6 +201,11 @@ fn content(topic: Topic, codec: &Codec, data: &[u8]) -> Option<Content> {
             let mut truth = Box::<Truth>::default();
             codec.decode(data, bytes_of_mut(&mut *truth))?;
             Content::Truth(truth)
+        }
+        Topic::Served => {
+            let mut served = Box::<Served>::default();
+            codec.decode(data, bytes_of_mut(&mut *served))?;
+            Content::Served(served)
         }
     })
 }

@@ -7,6 +7,7 @@ use crate::output::say;
 use clap::Args;
 use controller::Controller;
 use controller::process::ProcessError;
+use messages::port::Ask;
 use messages::scene::{LinkScene, Scene};
 use messages::wire::{Command, Stamp, Stamped, Truth};
 use plant::Simulation;
@@ -42,8 +43,10 @@ struct Comparison {
     beginnings: u64,
     /// What else is worth knowing.
     remark: Option<String>,
-    /// Whether somebody asked for something at the plant's desk, which is not recorded.
+    /// Whether the plant answered a request that is not recorded, such as one by another program.
     is_asked: bool,
+    /// Requests that were done here as they were there.
+    done: u64,
 }
 
 impl Comparison {
@@ -66,10 +69,13 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut reader = Reader::open(&args.file)?;
     let found = if args.plant { plant(&mut reader, stop)? } else { controller(&mut reader, stop)? };
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
-    let Comparison { count, differ, greatest, first, beginnings, remark, is_asked } = found;
+    let Comparison { count, differ, greatest, first, beginnings, remark, is_asked, done } = found;
     say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
     if beginnings > 1 {
         say(format_args!("begun anew {} times, as recorded\n", beginnings - 1));
+    }
+    if done > 0 {
+        say(format_args!("{done} recorded requests done again\n"));
     }
     if let Some(remark) = remark {
         say(format_args!("{remark}\n"));
@@ -77,7 +83,7 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(why) = reader.cut {
         say(format_args!("the file is cut short after them: {why}\n"));
     }
-    let asked = if is_asked { "; what was asked for at the desks is not recorded, and something was" } else { "" };
+    let asked = if is_asked { "; the plant did what was asked for, which is not recorded" } else { "" };
     match first {
         Some(first) => Err(Failure::new(
             Exit::Fault,
@@ -95,7 +101,6 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
     while reader.next_truth(&mut truth).is_some() {
         unless(stop)?;
-        found.is_asked |= truth.tally.requests > 0;
         let Truth { stamp, command, asked, encoders, .. } = truth;
         if (command.run, command.epoch, command.seq) != (last.run, last.epoch, last.seq) && command.run == stamp.run {
             if (command.run, command.epoch) != (last.run, last.epoch) {
@@ -121,7 +126,13 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
                 none => none.insert(Controller::new(&scene).map_err(ProcessError::from)?),
             };
             let mut torques = None;
-            for (_, encoders) in sensors.iter().filter(|(seq, _)| heard.contains(seq)) {
+            for (seq, encoders) in sensors.iter().filter(|(seq, _)| heard.contains(seq)) {
+                for ask in reader.granted(|at, ask| ask.is_for_controller() && at.run == stamp.run && at.ack < *seq) {
+                    if let Ask::Set { period, speed } = ask {
+                        controller.set(period, speed).map_err(ProcessError::from)?;
+                        found.done += 1;
+                    }
+                }
                 torques = Some(controller.tick(encoders).map_err(ProcessError::from)?.torque);
             }
             if let Some(torques) = torques {
@@ -140,15 +151,18 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
 /// Recorded torques to a plant: each of its states beside the recorded one.
 fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     // What the link did to the commands is in the record already.
-    let scene = Scene { link: LinkScene::default(), ..reader.scene().clone() };
+    let mut scene = Scene { link: LinkScene::default(), ..reader.scene().clone() };
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let mut simulation = None::<Simulation>;
     while reader.next_truth(&mut truth).is_some() {
         unless(stop)?;
-        found.is_asked |= truth.tally.requests > 0;
         let Truth { stamp, command, asked: torques, telemetry, .. } = truth;
+        found.is_asked |= truth.tally.requests > 0 && !reader.tells_requests();
         let simulation = match &mut simulation {
             Some(simulation) if simulation.sensors().stamp.run == stamp.run => {
+                for ask in reader.granted(|at, _| at.run == stamp.run && at.seq < stamp.seq) {
+                    found.done += u64::from(again(simulation, ask));
+                }
                 if command.run == stamp.run {
                     simulation.hear(&Command { stamp: command, torques, telemetry }.sealed());
                 }
@@ -157,12 +171,30 @@ fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> 
             }
             other => {
                 found.beginnings += 1;
+                for ask in reader.granted(|at, ask| at.run != stamp.run || matches!(ask, Ask::Reset { .. })) {
+                    if let Ask::Reset { seed: Some(seed) } = ask {
+                        (scene.plant.seed, found.done) = (seed, found.done + 1);
+                    }
+                }
                 other.insert(Simulation::new(&scene, stamp.run, stamp.epoch)?)
             }
         };
         found.of(stamp.sim_ns, &state(&simulation.truth()), &state(&truth));
     }
     Ok(found)
+}
+
+/// Does what the plant was asked for; whether it is of any effect here.
+fn again(simulation: &mut Simulation, ask: Ask) -> bool {
+    match ask {
+        Ask::Push { body, impulse, duration } => simulation.push(body, impulse, duration),
+        Ask::Rearm => {
+            simulation.intake().rearm();
+            true
+        }
+        // time that stands still is not recorded, a reset begins another run, and set-points are the controller's
+        Ask::Pause | Ask::Resume | Ask::Step { .. } | Ask::Reset { .. } | Ask::Set { .. } => false,
+    }
 }
 
 /// Pose and velocity of the base and the joints.

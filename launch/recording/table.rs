@@ -28,7 +28,7 @@ pub struct ConvertArgs {
 #[derive(Args)]
 #[group(required = true, multiple = false)]
 struct To {
-    /// Write sensors.csv, command.csv, telemetry.csv and truth.csv into this folder
+    /// Write sensors.csv, command.csv, telemetry.csv, truth.csv and, of what was asked at the desks, served.csv into this folder
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
     /// Write one table into this file: a row for each control period, with the latest of every topic
@@ -75,6 +75,7 @@ fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table
             Content::Command(command) => (Topic::Command, bytes_of(command)),
             Content::Telemetry(telemetry) => (Topic::Telemetry, bytes_of(telemetry)),
             Content::Truth(truth) => (Topic::Truth, bytes_of(&**truth)),
+            Content::Served(served) => (Topic::Served, bytes_of(&**served)),
             Content::Other => continue,
         };
         if !tables.contains_key(topic.name()) {

@@ -7,7 +7,7 @@ use crate::output::{alone, tell, unwritten};
 use clap::Args;
 use mcap::{MAGIC, McapError, McapResult};
 use messages::scene::Scene;
-use messages::wire::Truth;
+use messages::wire::{Served, Stamp, Truth};
 use nix::sys::statvfs::fstatvfs;
 use std::fs::{File, OpenOptions};
 use std::io::Read;
@@ -135,7 +135,7 @@ impl Tape {
         match (full, self.writer.take()) {
             (Some((exit, why)), Some(writer)) => {
                 writer.finish().map_err(|error| self.failed(&error, truth))?;
-                Err(self.end(exit, &why, truth))
+                Err(self.end(exit, &why, &truth.stamp))
             }
             (_, writer) => {
                 self.writer = writer;
@@ -144,15 +144,27 @@ impl Tape {
         }
     }
 
-    fn write(&mut self, truth: &Truth) -> McapResult<bool> {
-        let writer = match &mut self.writer {
-            Some(writer) => writer,
+    /// Takes a request that was answered.
+    ///
+    /// # Errors
+    /// As [`Tape::push`].
+    pub fn served(&mut self, served: &Served) -> Result<(), End> {
+        let written = self.writer().and_then(|writer| writer.served(served));
+        written.map_err(|error| self.end(Exit::Unrecorded, &words(&error), &served.stamp))
+    }
+
+    fn writer(&mut self) -> McapResult<&mut Writer> {
+        match &mut self.writer {
+            Some(writer) => Ok(writer),
             none => {
                 let _ = self.file.set_len(0); // what is no file has no length
-                none.insert(Writer::begin(self.file.try_clone()?, &self.scene)?)
+                Ok(none.insert(Writer::begin(self.file.try_clone()?, &self.scene)?))
             }
-        };
-        writer.push(truth)
+        }
+    }
+
+    fn write(&mut self, truth: &Truth) -> McapResult<bool> {
+        self.writer()?.push(truth)
     }
 
     /// Why there is no room for more.
@@ -190,11 +202,11 @@ impl Tape {
     }
 
     fn failed(&self, error: &McapError, truth: &Truth) -> End {
-        self.end(Exit::Unrecorded, &words(error), truth)
+        self.end(Exit::Unrecorded, &words(error), &truth.stamp)
     }
 
-    fn end(&self, exit: Exit, why: &str, truth: &Truth) -> End {
-        let time = truth.stamp.sim_ns as f64 * 1e-9;
+    fn end(&self, exit: Exit, why: &str, stamp: &Stamp) -> End {
+        let time = stamp.sim_ns as f64 * 1e-9;
         End { words: format!("the recording {} ends at {time:.3} s: {why}", self.path.display()), exit }
     }
 }

@@ -1,16 +1,17 @@
 //! A run, written while it goes on: whatever stops it, the file is readable up to its last chunk.
 
 use super::drawing::Drawing;
-use super::events::Events;
+use super::events::{Events, Log};
 use super::protobuf::{self, Codec};
 use super::sink::Sink;
 use super::{METADATA, Topic};
+use crate::record::Asked;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Compression, McapResult, WriteOptions};
 use messages::load;
 use messages::scene::Scene;
-use messages::wire::{Command, SCHEMA_HASH, Sensors, Stamp, Stamped, Truth};
+use messages::wire::{Command, SCHEMA_HASH, Sensors, Served, Stamp, Stamped, Truth};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::time::{Duration, Instant, SystemTime};
@@ -34,8 +35,8 @@ pub(super) fn create(file: File) -> McapResult<Mcap> {
 /// Writes a recording.
 pub struct Writer {
     file: Mcap,
-    topics: [u16; 4],
-    codecs: [Codec; 4],
+    topics: [u16; Topic::ALL.len()],
+    codecs: [Codec; Topic::ALL.len()],
     events: u16,
     drawing: Drawing,
     noticed: Events,
@@ -65,7 +66,7 @@ impl Writer {
         let metadata = about.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
         file.write_metadata(&Metadata { name: METADATA.into(), metadata })?;
         let descriptors = protobuf::descriptors();
-        let mut topics = [0; 4];
+        let mut topics = [0; Topic::ALL.len()];
         for (id, topic) in topics.iter_mut().zip(Topic::ALL) {
             let schema = file.add_schema(&format!("biped.{}", topic.message().name), "protobuf", &descriptors)?;
             *id = file.add_channel(schema, topic.name(), "protobuf", &BTreeMap::new())?;
@@ -121,6 +122,19 @@ impl Writer {
             (self.flushed, self.waiting) = (Instant::now(), 0);
         }
         Ok(is_full)
+    }
+
+    /// Takes a request that was answered.
+    ///
+    /// # Errors
+    /// As [`Writer::push`].
+    pub fn served(&mut self, served: &Served) -> McapResult<()> {
+        let before = self.before.as_ref().map(|before| before.stamp);
+        // that of another run, which a reset has begun, is told at the end of this one
+        let sim_ns = before.filter(|before| before.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
+        let time = self.ahead_ns.saturating_add(sim_ns);
+        self.put(Topic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
+        json_message(&mut self.file, self.events, time, &Log::warning(time, Asked::of(served).words()))
     }
 
     fn put(&mut self, topic: Topic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {

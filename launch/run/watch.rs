@@ -54,7 +54,13 @@ impl Watch {
         self.latest = truth.stamp;
         self.recorder.push(truth);
         self.progress.update(truth);
-        if let Some(Err(end)) = self.tape.as_mut().map(|tape| tape.push(truth)) {
+        let written = self.tape.as_mut().map_or(Ok(()), |tape| tape.push(truth));
+        self.outlive(written);
+    }
+
+    /// Goes on without a recording that has ended.
+    fn outlive(&mut self, written: Result<(), End>) {
+        if let Err(end) = written {
             self.progress.bar.suspend(|| tell(format_args!("{}; the run goes on", end.words)));
             (self.tape, self.end) = (None, Some(end));
         }
@@ -74,6 +80,8 @@ impl Watch {
     fn hear_requests(&mut self, port: &RecorderPort) -> Result<(), Failure> {
         while let Some(served) = port.served()? {
             self.recorder.requests.push(&served);
+            let written = self.tape.as_mut().map_or(Ok(()), |tape| tape.served(&served));
+            self.outlive(written);
         }
         Ok(())
     }
