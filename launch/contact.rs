@@ -4,6 +4,7 @@ use crate::exit::{Exit, Failure};
 use crate::output::{say, write_whole};
 use crate::study::table;
 use clap::Args;
+use messages::load::text_of;
 use messages::scene::Law;
 use plant::PlantError;
 use plant::contact::{Memory, Problem, Solver, tangents};
@@ -63,7 +64,7 @@ impl Case {
 
     fn read(args: &ContactArgs) -> Result<Case, Failure> {
         let refused = |reason: String| Failure::new(Exit::Usage, format!("{}: {reason}", args.file.display()));
-        let text = std::fs::read_to_string(&args.file).map_err(|error| refused(error.to_string()))?;
+        let text = text_of(&args.file).map_err(|error| refused(error.to_string()))?;
         let case: Case =
             serde_json::from_str(&text).map_err(|error| refused(format!("not a contact problem: {error}")))?;
         case.problem.check().map_err(|reason| refused(format!("not a contact problem: {reason}")))?;

@@ -12,8 +12,13 @@ pub use check::validate;
 pub use robot::{read, with_robot};
 
 use crate::scene::Scene;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
 use thiserror::Error;
 
+/// Longest text that is read [bytes].
+const MOST: u64 = 16 << 20;
 /// Longest line of a file that an error repeats, in characters.
 const LONGEST: usize = 200;
 
@@ -87,7 +92,7 @@ pub enum SceneError {
 pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Scene, SceneError> {
     let (mut origin, text) = match built_in.iter().find(|(known, _)| *known == name) {
         Some((_, text)) => (format!("scene {name}"), text.to_string()),
-        None => (name.to_string(), text_of(name, built_in)?),
+        None => (name.to_string(), scene_of(name, built_in)?),
     };
     let parsed = parse(&text, &origin).map_err(|error| match read(name.as_ref()) {
         Ok(_) => {
@@ -119,8 +124,20 @@ fn short(error: &toml::de::Error) -> String {
     error.to_string().lines().map(cut).collect::<String>().trim_end().to_string()
 }
 
-fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
-    std::fs::read_to_string(path).map_err(|reason| match reason.kind() {
+/// The text of a file that somebody wrote; one that never ends is not read for ever.
+///
+/// # Errors
+/// As of reading, or if it is longer than any of ours.
+pub fn text_of(path: &Path) -> io::Result<String> {
+    let mut text = String::new();
+    match File::open(path)?.take(MOST).read_to_string(&mut text)? as u64 {
+        MOST => Err(io::Error::new(io::ErrorKind::FileTooLarge, format!("it has more than {} MB", MOST >> 20))),
+        _ => Ok(text),
+    }
+}
+
+fn scene_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
+    text_of(path.as_ref()).map_err(|reason| match reason.kind() {
         std::io::ErrorKind::NotFound => {
             let known = built_in.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
             SceneError::Unknown { name: path.into(), known }

@@ -7,7 +7,7 @@
 //! | drives where the robot's file says nothing: J_r M L², D M L√L, limit M L | payload, pushes, delays |
 //! | posture at the start: the centre of gravity over the same place of the soles | |
 
-use super::{SceneError, check, urdf};
+use super::{SceneError, check, text_of, urdf};
 use crate::robot::{CROUCH, Robot, Scale, arranged, stance};
 use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
 use serde::Deserialize;
@@ -21,7 +21,7 @@ use toml::{Table, Value};
 pub fn read(path: &Path) -> Result<Robot, SceneError> {
     let origin = path.display().to_string();
     let refused = |reason| SceneError::Robot { origin: origin.clone(), reason };
-    let text = std::fs::read_to_string(path).map_err(|error| match error.kind() {
+    let text = text_of(path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => refused("there is no such file of a robot".into()),
         _ => SceneError::Unreadable { path: origin.clone(), reason: error },
     })?;

@@ -1,0 +1,46 @@
+//! That what nothing drives only loses energy: of seeds by the tests, of all that a fuzzer makes of them by its harness.
+
+use messages::scene::{Law, Method, Scene};
+use messages::wire::Torques;
+use plant::kinematics::{self, Pose};
+use plant::{Plant, PlantError};
+
+/// Whether nothing in a scene gives energy back or makes it: no springs, pushes, bounces, controller, nor a method that says it does.
+pub fn only_loses(scene: &Scene) -> bool {
+    let plant = &scene.plant;
+    let lawful = plant.method == Method::MidpointContact && matches!(plant.law, Law::Cone | Law::Aligned);
+    let passive = scene.controller.is_none() && scene.bodies.iter().all(|body| body.joint.is_none());
+    lawful && passive && plant.restitution == 0.0 && plant.push_impulse == [0.0; 3]
+}
+
+/// Runs that many periods of such a scene and compares the energy of each with the one before: `most` of it may be made, as a part of the
+/// greatest that there was.
+///
+/// # Errors
+/// As the plant.
+///
+/// # Panics
+/// If it has risen, unless the scene began inside the ground, which lifts it out.
+pub fn check(scene: &Scene, periods: usize, most: f64) -> Result<(), PlantError> {
+    let mut plant = Plant::new(scene)?;
+    let is_lifted = plant.truth().penetration > 0.0;
+    let (mut before, mut scale) = energy(&plant);
+    for period in 0..periods {
+        plant.advance(&Torques::default())?;
+        let (now, size) = energy(&plant);
+        scale = scale.max(size);
+        let made = now - before;
+        assert!(made <= most * scale || is_lifted, "{made:e} J of {scale:e} J are made in period {period}");
+        before = now;
+    }
+    Ok(())
+}
+
+/// Kinetic energy and that in the field of gravity [J], and the greatest part of it that was ever looked at.
+fn energy(plant: &Plant) -> (f64, f64) {
+    let mut pose = Pose::new(plant.model());
+    kinematics::pose(plant.model(), plant.state(), &mut pose);
+    let totals = kinematics::totals(plant.model(), plant.state(), &pose);
+    let height = -totals.mass * plant.model().gravity.dot(&totals.com);
+    (totals.kinetic + height, totals.kinetic + height.abs())
+}
