@@ -1,6 +1,6 @@
 //! What a fuzzer calls, built by `tests/fuzz/run` alone, which says how: bytes in; out comes a run, or a sentence and its exit code.
 //!
-//! A panic, five seconds, energy out of nothing, a state that is no number, or a refusal that is no sentence are findings.
+//! A panic, five seconds of the processor, energy out of nothing, a state that is no number, or a refusal that is no sentence are findings.
 
 #![allow(unsafe_code, reason = "the fuzzer calls a function by its name")]
 #![expect(clippy::expect_used, clippy::panic, reason = "a panic is a finding")]
@@ -16,6 +16,7 @@ use clap::Parser;
 use libfuzzer_sys::fuzz_target;
 use messages::load::{load, parse, validate};
 use messages::scene::{Law, Method, Scene};
+use nix::time::{ClockId, clock_gettime};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
@@ -25,6 +26,8 @@ const STEPS: f64 = 500.0;
 const PERIODS: f64 = 50.0;
 /// Energy that a period may make, as a part of what there is: a run tells of a hundredth of its motion [-].
 const MADE: f64 = 1e-6;
+/// Longest time of the processor for one input [s]; `tests/fuzz/run` ends what never ends, by the clock.
+const LONGEST: f64 = 5.0;
 /// Longest sentence [bytes].
 const SENTENCE: usize = 1500;
 
@@ -53,6 +56,7 @@ static TARGET: LazyLock<Target> = LazyLock::new(|| match std::env::var("BIPED_FU
 });
 
 fuzz_target!(init: begin(), |input: &[u8]| {
+    let begun = seconds();
     let outcome = match *TARGET {
         Target::Scene => scene(&String::from_utf8_lossy(input)),
         Target::Set => set(&String::from_utf8_lossy(input)),
@@ -60,11 +64,19 @@ fuzz_target!(init: begin(), |input: &[u8]| {
         Target::Contact => commands(input, &[&["contact"]]),
         Target::Recording => commands(input, &[&["info"], &["replay"], &["replay", "--plant"]]),
     };
+    let took = seconds() - begun;
+    assert!(took < LONGEST, "it took {took} s");
     if let Err(Failure { exit, message, .. }) = outcome {
         let known = [Exit::Usage, Exit::Fault, Exit::Incompatible, Exit::Fell, Exit::Unsolved].contains(&exit);
         assert!(known && !message.is_empty() && message.len() < SENTENCE, "{exit:?}: {message}");
     }
 });
+
+/// Time of the processor so far [s]: other programs take none of it.
+fn seconds() -> f64 {
+    let time = clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID).expect("a clock");
+    time.tv_sec() as f64 + time.tv_nsec() as f64 * 1e-9
+}
 
 /// A recording of this version to begin with, in the folder that is named last.
 fn begin() {
