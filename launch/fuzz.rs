@@ -79,7 +79,16 @@ fn seconds() -> f64 {
 }
 
 /// A recording of this version to begin with, in the folder that is named last.
+///
+/// mcap 0.26 subtracts the length of a record from what is left of its chunk, however long it says it is. As a release that wraps, and what
+/// follows is refused; with checks it panics, which ends the file.
 fn begin() {
+    let abort = std::panic::take_hook();
+    std::panic::set_hook(Box::new(move |panic| {
+        if !panic.location().is_some_and(|place| place.file().contains("/mcap-0.26.")) {
+            abort(panic);
+        }
+    }));
     if let Target::Recording = *TARGET {
         let file = format!("{}/good.mcap", std::env::args().next_back().expect("a folder"));
         let wish = ["biped", "run", "stand", "--in-process", "--quiet", "--set", "duration=0.01", "--record", &file];
