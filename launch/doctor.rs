@@ -2,16 +2,19 @@
 
 use crate::exit::{Exit, Failure};
 use crate::output::say;
+use crate::place::Place;
 use crate::realtime;
 use messages::port::{ROOM, TRANSPORT};
-use messages::session::{Remains, Room, Session};
+use messages::session::{FILES, Remains, Room, SHARED_MEMORY, Session};
 use messages::wire::SCHEMA_HASH;
 use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
+use nix::sys::statvfs::{FsFlags, statvfs};
 use nix::sys::utsname::uname;
 use std::fmt;
+use std::os::unix::fs::MetadataExt;
 
 /// Open files that a role needs, with room to spare.
-const FILES: u64 = 256;
+const HANDLES: u64 = 256;
 /// Clocks that are read in nanoseconds and without the kernel's help.
 const CLOCKS: [&str; 4] = ["tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page"];
 
@@ -142,24 +145,40 @@ fn limits() -> Vec<Finding> {
     vec![
         granted("limit memlock", format!("{} bytes", text(locked)), memory),
         granted("limit rtprio", text(priority), fifo),
-        Finding::judged("limit nofile", text(files), files >= FILES, || {
-            State::Wrong(format!("a session needs {FILES} open files: `ulimit -n {FILES}`"))
+        Finding::judged("limit nofile", text(files), files >= HANDLES, || {
+            State::Wrong(format!("a session needs {HANDLES} open files: `ulimit -n {HANDLES}`"))
         }),
     ]
 }
 
 fn memory() -> Vec<Finding> {
-    let what = "/dev/shm";
+    let what = SHARED_MEMORY;
     let finding = match Room::now() {
-        Err(error) => Finding { what, found: error.to_string(), state: State::Wrong("mount a tmpfs there".into()) },
-        Ok(Room { size, free }) => {
-            let found = format!("{} MB, {} MB free; a session needs {} MB", size >> 20, free >> 20, ROOM >> 20);
-            Finding::judged(what, found, free >= ROOM, || {
-                State::Wrong("remove files there, or `mount -o remount,size=1G /dev/shm`".into())
+        Err(error) => Finding { what, found: error.to_string(), state: State::Wrong(unusable()) },
+        Ok(Room { size, free, files }) => {
+            let mut found = format!("{} MB, {} MB free; a session needs {} MB", size >> 20, free >> 20, ROOM >> 20);
+            if files < FILES {
+                found += &format!(", and {FILES} files of which {files} can be made");
+            }
+            Finding::judged(what, found, free >= ROOM && files >= FILES, || {
+                State::Wrong(format!("remove files there, or {}", Place::here().enlarges()))
             })
         }
     };
     vec![finding]
+}
+
+/// What would let this user write to shared memory.
+fn unusable() -> String {
+    let is_read_only = statvfs(SHARED_MEMORY).is_ok_and(|about| about.flags().contains(FsFlags::ST_RDONLY));
+    match std::fs::metadata(SHARED_MEMORY) {
+        Err(_) => format!("mount a tmpfs there: `mount -t tmpfs -o mode=1777 tmpfs {SHARED_MEMORY}`"),
+        Ok(_) if is_read_only => format!("`mount -o remount,rw {SHARED_MEMORY}`"),
+        Ok(about) => {
+            let (owner, mode) = (about.uid(), about.mode() & 0o7777);
+            format!("it belongs to user {owner}, with the mode {mode:o}: `chmod 1777 {SHARED_MEMORY}`")
+        }
+    }
 }
 
 fn sessions() -> Vec<Finding> {

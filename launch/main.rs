@@ -10,8 +10,8 @@
 //! | how much delay, jitter and loss it bears | [`robustness`] |
 //! | latency and jitter | [`latency`] |
 //! | starting, watching and ending processes | [`children`] |
-//! | real-time scheduling | [`realtime`] |
-//! | what this machine must have and allow | [`processor`], [`allowance`] |
+//! | real-time scheduling, and what grants it where | [`realtime`], [`place`] |
+//! | what the system must allow | [`allowance`] |
 //! | progress bar and live line | [`progress`] |
 //! | scenes, their keys and their bits | [`list`], [`hashes`] |
 //! | what goes wrong, exit codes; what is written | [`exit`], [`output`] |
@@ -21,6 +21,7 @@
 //! | the robot for other programs | [`export`] |
 //! | asking a running session | [`desk`] |
 //! | whether somebody else's program keeps to the wire | [`conform`] |
+//! | what a fuzzer calls in the place of `main` | `fuzz` |
 //! | faults on purpose, a long time | [`faults`], [`soak`] |
 //! | this machine, and what is left on it | [`doctor`] |
 //! | contact problems as files | [`contact`] |
@@ -28,6 +29,8 @@
 //! | recordings and their replay | [`recording`] |
 //! | the run in 3-D, in the terminal | [`view`], [`top`] |
 //! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
+
+#![cfg_attr(fuzzing, no_main, allow(dead_code, reason = "the fuzzer begins elsewhere"))]
 
 mod allowance;
 mod chart;
@@ -40,12 +43,14 @@ mod doctor;
 mod exit;
 mod export;
 mod faults;
+#[cfg(fuzzing)]
+mod fuzz;
 mod hashes;
 mod latency;
 mod list;
 mod model;
 mod output;
-mod processor;
+mod place;
 mod progress;
 mod realtime;
 mod record;
@@ -218,48 +223,52 @@ fn main() -> ExitCode {
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
         tell(format_args!("Ctrl-C will not end this in order: {error}"));
     }
-    let command = Cli::parse().command;
-    let result = processor::check().and_then(|()| allowance::check()).and_then(|()| match command {
-        Some(Command::Run(args)) => run::run(&args, &stop),
-        Some(Command::Study(args)) => study::run(&args, &stop),
-        Some(Command::Chart(args)) => chart::run(&args, &stop),
-        Some(Command::Robustness(args)) => robustness::run(&args, &stop),
-        Some(Command::Latency(args)) => latency::run(&args, &stop),
-        Some(Command::LatencyPeer(args)) => latency::peer(&args, &stop),
-        Some(Command::Model(args)) => model::run(&args),
-        Some(Command::Contact(args)) => contact::run(&args),
-        Some(Command::Plant(args)) => roles::plant(&args, &stop),
-        Some(Command::Controller(args)) => roles::controller(&args, &stop),
-        Some(Command::Desk(wish)) => desk::run(wish),
-        Some(Command::View(args)) => view::run(&args, &stop),
-        Some(Command::Top(args)) => top::run(&args, &stop),
-        Some(Command::Conform(args)) => conform::run(&args, &stop),
-        Some(Command::Faults(args)) => faults::run(&args, &stop),
-        Some(Command::Soak(args)) => soak::run(&args, &stop),
-        Some(Command::Doctor) => doctor::doctor(),
-        Some(Command::Clean) => doctor::clean(),
-        Some(Command::Wire(args)) => {
-            wire::run(&args);
-            Ok(())
-        }
-        Some(Command::Tunnel(args)) => tunnel::run(&args, &stop),
-        Some(Command::Become(args)) => children::become_other(&args),
-        Some(Command::Export(args)) => export::run(&args),
-        Some(Command::Info(args)) => recording::info::run(&args, &stop),
-        Some(Command::Convert(args)) => recording::table::run(&args, &stop),
-        Some(Command::Replay(args)) => recording::replay::run(&args, &stop),
-        Some(Command::List { hashes: true, .. }) => hashes::print(),
-        Some(Command::List { keys: false, .. }) => list::scenes(),
-        Some(Command::List { keys: true, .. }) => list::keys(),
-        None => run::run(&run::RunArgs::main_job(), &stop),
-    });
-    match result {
+    match obey(Cli::parse().command, &stop) {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
             let case = failure.case.map_or(String::new(), |case| case.keep());
             tell(format_args!("error: {}{case}", brief(&failure.message)));
             failure.exit.into()
         }
+    }
+}
+
+/// Does what was asked for.
+fn obey(command: Option<Command>, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+    allowance::check()?;
+    match command {
+        Some(Command::Run(args)) => run::run(&args, stop),
+        Some(Command::Study(args)) => study::run(&args, stop),
+        Some(Command::Chart(args)) => chart::run(&args, stop),
+        Some(Command::Robustness(args)) => robustness::run(&args, stop),
+        Some(Command::Latency(args)) => latency::run(&args, stop),
+        Some(Command::LatencyPeer(args)) => latency::peer(&args, stop),
+        Some(Command::Model(args)) => model::run(&args),
+        Some(Command::Contact(args)) => contact::run(&args),
+        Some(Command::Plant(args)) => roles::plant(&args, stop),
+        Some(Command::Controller(args)) => roles::controller(&args, stop),
+        Some(Command::Desk(wish)) => desk::run(wish),
+        Some(Command::View(args)) => view::run(&args, stop),
+        Some(Command::Top(args)) => top::run(&args, stop),
+        Some(Command::Conform(args)) => conform::run(&args, stop),
+        Some(Command::Faults(args)) => faults::run(&args, stop),
+        Some(Command::Soak(args)) => soak::run(&args, stop),
+        Some(Command::Doctor) => doctor::doctor(),
+        Some(Command::Clean) => doctor::clean(),
+        Some(Command::Wire(args)) => {
+            wire::run(&args);
+            Ok(())
+        }
+        Some(Command::Tunnel(args)) => tunnel::run(&args, stop),
+        Some(Command::Become(args)) => children::become_other(&args),
+        Some(Command::Export(args)) => export::run(&args),
+        Some(Command::Info(args)) => recording::info::run(&args, stop),
+        Some(Command::Convert(args)) => recording::table::run(&args, stop),
+        Some(Command::Replay(args)) => recording::replay::run(&args, stop),
+        Some(Command::List { hashes: true, .. }) => hashes::print(),
+        Some(Command::List { keys: false, .. }) => list::scenes(),
+        Some(Command::List { keys: true, .. }) => list::keys(),
+        None => run::run(&run::RunArgs::main_job(), stop),
     }
 }
 

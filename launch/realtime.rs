@@ -1,13 +1,14 @@
 //! What a process asks of the system before a real-time loop: no paging, no early eviction, its own processor.
 
 use crate::exit::{Exit, Failure};
+use crate::place::{Place, Right};
 use clap::Args;
 use messages::port::Pace;
 use nix::errno::Errno;
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::mman::{MlockAllFlags, mlockall};
 use nix::sys::prctl::set_timerslack;
-use nix::unistd::{Pid, User, getuid};
+use nix::unistd::Pid;
 use serde::{Deserialize, Serialize};
 use std::hint::black_box;
 use thread_priority::{
@@ -84,19 +85,11 @@ impl Step {
 
     /// The line that makes the system grant it.
     fn remedy(self) -> String {
-        let user = User::from_uid(getuid()).ok().flatten().map_or("*".into(), |user| user.name);
-        let program = std::env::current_exe().map_or("biped".into(), |path| path.display().to_string());
-        let limit = |item: &str, value: &str, flag: &str| {
-            format!(
-                "`sudo setcap cap_sys_nice,cap_ipc_lock+ep {program}`; or `{user} - {item} {value}` in \
-                 /etc/security/limits.conf, a new login and `ulimit -{flag} {value}`"
-            )
-        };
         match self {
-            Step::Memory => limit("memlock", "unlimited", "l"),
+            Step::Memory => Place::here().grants(Right::Memory),
             Step::Stack => "`ulimit -s unlimited`".into(),
             Step::Processor(_) => format!("--cpu with one of those that `taskset -cp {}` names", std::process::id()),
-            Step::Fifo(priority) => limit("rtprio", &priority.to_string(), "r"),
+            Step::Fifo(priority) => Place::here().grants(Right::Fifo(priority)),
         }
     }
 }

@@ -31,6 +31,15 @@ fn a_bad_value_is_refused_by_its_key_in_every_role() {
     }
 }
 
+/// A file without an end, which would take all memory.
+#[test]
+fn a_file_that_never_ends_is_not_read_for_ever() {
+    let endless = "/dev/zero";
+    for arguments in [&["run", endless][..], &["run", "walk", "--robot", endless], &["contact", endless]] {
+        refused(arguments, &[endless, "it has more than 16 MB"]);
+    }
+}
+
 #[test]
 fn a_bad_file_is_shown_with_line_and_caret() {
     let path = std::env::temp_dir().join(format!("biped-test-{}-bad.toml", std::process::id()));

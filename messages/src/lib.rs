@@ -12,6 +12,7 @@
 //! | sine, cosine, and what they turn | [`turn`] |
 //! | how a program learns where it takes part | [`invitation`] |
 //! | words for people | [`tell`] |
+//! | whether the processor is one that this was built for | `processor` |
 
 pub mod ask;
 pub mod clock;
@@ -21,6 +22,8 @@ pub mod invitation;
 mod law;
 pub mod load;
 pub mod port;
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+mod processor;
 pub mod robot;
 pub mod scene;
 pub mod session;

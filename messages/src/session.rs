@@ -16,14 +16,16 @@ pub use member::Membership;
 use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
-use nix::unistd::getuid;
+use nix::unistd::{AccessFlags, access, getuid};
 pub use remains::Remains;
 use std::fs::{File, read_link};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
 /// Where POSIX shared memory shows as files on Linux.
-const SHARED_MEMORY: &str = "/dev/shm";
+pub const SHARED_MEMORY: &str = "/dev/shm";
+/// Files that a session needs, with room to spare: it has 24.
+pub const FILES: u64 = 64;
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
 /// Begin of the names that nobody gave.
@@ -166,25 +168,32 @@ impl Session {
     }
 }
 
-/// Size of shared memory and what is free of it [bytes].
+/// Size of shared memory and what is free of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Room {
-    /// All of it.
+    /// All of it [bytes].
     pub size: u64,
-    /// What is left.
+    /// What is left [bytes].
     pub free: u64,
+    /// Files that may still be made.
+    pub files: u64,
 }
 
 impl Room {
     /// As it is now.
     ///
     /// # Errors
-    /// [`PortError::SharedMemory`] if there is none.
+    /// [`PortError::SharedMemory`] if there is none, or this user may not write to it.
     pub fn now() -> Result<Room, PortError> {
-        let stat = statvfs(SHARED_MEMORY)
-            .map_err(|reason| PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be examined: {reason}")))?;
+        let unusable = |what: &str, reason: Errno| {
+            PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be {what}: {}", reason.desc()))
+        };
+        let stat = statvfs(SHARED_MEMORY).map_err(|reason| unusable("examined", reason))?;
+        access(SHARED_MEMORY, AccessFlags::W_OK | AccessFlags::X_OK)
+            .map_err(|reason| unusable("written to", reason))?;
         let unit = stat.fragment_size() as u64;
-        Ok(Room { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit })
+        let files = if stat.files() == 0 { u64::MAX } else { stat.files_available() }; // of 0 there is no limit
+        Ok(Room { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit, files })
     }
 
     /// Full shared memory kills by SIGBUS instead of an error, so room is demanded beforehand.
@@ -192,14 +201,16 @@ impl Room {
     /// # Errors
     /// [`PortError::SharedMemory`] if there is less.
     pub fn demand(bytes: u64) -> Result<(), PortError> {
-        let free = Room::now()?.free;
-        match free >= bytes {
-            true => Ok(()),
-            false => Err(PortError::SharedMemory(format!(
-                "{SHARED_MEMORY} has {} MB free, but {} MB are needed: remove files there, or enlarge it",
-                free >> 20,
-                bytes >> 20,
-            ))),
+        let Room { free, files, .. } = Room::now()?;
+        let lack = |has: String, needed: String| {
+            let words =
+                format!("{SHARED_MEMORY} has {has} free, but {needed} are needed: remove files there, or enlarge it");
+            Err(PortError::SharedMemory(words))
+        };
+        match (free >= bytes, files >= FILES) {
+            (true, true) => Ok(()),
+            (false, _) => lack(format!("{} MB", free >> 20), format!("{} MB", bytes >> 20)),
+            _ => lack(format!("room for {files} more files"), FILES.to_string()),
         }
     }
 }

@@ -2,7 +2,7 @@
 //!
 //! `controller.h` is made of this file. Whoever calls gets a code and a sentence, never a panic: see [`failure`].
 
-#![allow(unsafe_code, reason = "pointers from C; nowhere else in this project")]
+#![allow(unsafe_code, reason = "pointers from C")]
 #![deny(clippy::undocumented_unsafe_blocks)]
 
 pub mod end;

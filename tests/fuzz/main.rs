@@ -1,13 +1,13 @@
 //! Claims about inputs that a fuzzer found: each is refused with one sentence and its exit code, or runs and loses energy as it must.
 //!
-//! `tests/data/fuzz/`: `scene-*` scenes, `set-*` settings of the walk, one a line, `robot-*` robots, `contact-*` contact problems.
+//! `tests/data/fuzz/`: `scene-*` scenes, `set-*` settings of the walk, one a line, `robot-*` robots, `contact-*` contact
+//! problems. `tests/fuzz/run` looks for more.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod energy;
+
 use messages::load::load;
-use messages::wire::Torques;
-use plant::Plant;
-use plant::kinematics::{self, Pose};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -52,35 +52,13 @@ fn text(path: &Path) -> &str {
     path.to_str().expect("plain letters")
 }
 
-/// Kinetic energy and that in the field of gravity [J], and the greatest part of it that was ever looked at.
-fn energy(plant: &Plant) -> (f64, f64) {
-    let mut pose = Pose::new(plant.model());
-    kinematics::pose(plant.model(), plant.state(), &mut pose);
-    let totals = kinematics::totals(plant.model(), plant.state(), &pose);
-    let height = -totals.mass * plant.model().gravity.dot(&totals.com);
-    (totals.kinetic + height, totals.kinetic + height.abs())
-}
-
-/// That no step of a scene without springs has more energy than the one before.
-fn only_loses_energy(path: &Path) {
-    let scene = load(text(path), &[], &[]).expect("a scene");
-    assert!(scene.plant.restitution == 0.0 && scene.bodies.iter().all(|body| body.joint.is_none()));
-    let mut plant = Plant::new(&scene).expect("a plant");
-    let (mut before, mut scale) = energy(&plant);
-    for period in 0..(scene.duration * scene.rate).round() as usize {
-        plant.advance(&Torques::default()).expect("a step");
-        let (now, size) = energy(&plant);
-        scale = scale.max(size);
-        assert!(now - before <= ROUNDING * scale, "{path:?}: {:e} J of {scale:e} J in period {period}", now - before);
-        before = now;
-    }
-}
-
 #[test]
 fn a_scene_is_refused_or_fails_with_a_sentence_or_loses_energy() {
     for path in files("scene-") {
         if ends(&["run", text(&path), "--in-process", "--quiet"], &[0, 2, 4, 7, 8]) == 0 {
-            only_loses_energy(&path);
+            let scene = load(text(&path), &[], &[]).expect("a scene");
+            assert!(scene.plant.restitution == 0.0 && scene.bodies.iter().all(|body| body.joint.is_none()));
+            energy::check(&scene, (scene.duration * scene.rate).round() as usize, ROUNDING).expect("it runs");
         }
     }
 }
