@@ -28,17 +28,17 @@ pub fn check() -> Result<(), Failure> {
     {
         let _ = setrlimit(Resource::RLIMIT_NOFILE, hard, hard); // who may not has what he had
     }
-    let mega = |bytes: u64| format!("{} MB", bytes >> 20);
-    let limits: [(_, _, u64, &str, fn(u64) -> String); 4] = [
-        (Resource::RLIMIT_NOFILE, "open files", FILES, "ulimit -n 1024", |count| count.to_string()),
-        (Resource::RLIMIT_DATA, "memory", MEMORY, "ulimit -d unlimited", mega),
-        (Resource::RLIMIT_AS, "address space", MEMORY, "ulimit -v unlimited", mega),
-        (Resource::RLIMIT_STACK, "the stack", STACK, "ulimit -s 8192", mega),
-    ];
-    for (resource, what, needed, remedy, shown) in limits {
+    for (resource, what, needed, remedy) in [
+        (Resource::RLIMIT_NOFILE, "open files", FILES, "ulimit -n 1024"),
+        (Resource::RLIMIT_DATA, "memory", MEMORY, "ulimit -d unlimited"),
+        (Resource::RLIMIT_AS, "address space", MEMORY, "ulimit -v unlimited"),
+        (Resource::RLIMIT_STACK, "the stack", STACK, "ulimit -s 8192"),
+    ] {
         let allowed = getrlimit(resource).map_or(RLIM_INFINITY, |(soft, _)| soft);
         if allowed < needed {
-            let (allowed, needed) = (shown(allowed), shown(needed));
+            let bytes = resource != Resource::RLIMIT_NOFILE;
+            let [allowed, needed] =
+                [allowed, needed].map(|limit| if bytes { format!("{} MB", limit >> 20) } else { limit.to_string() });
             let words = format!("the limit of {what} is {allowed}, but {needed} are needed: `{remedy}`");
             return Err(Failure::new(Exit::Fault, words));
         }

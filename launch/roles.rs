@@ -101,7 +101,7 @@ fn begin(args: &RoleArgs, side: usize) -> Result<Invitation, Failure> {
 
 /// What both roles ask of the system, now that all their shared memory is there.
 fn ready(args: &RoleArgs) -> Result<(), Failure> {
-    args.system.prepare()?.iter().for_each(|line| tell(line));
+    args.system.prepare()?.iter().for_each(tell);
     Ok(())
 }
 

@@ -84,7 +84,7 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Found<Body> {
     let rounding = ROUNDING * moments.into_iter().fold(0.0, f64::max);
     for product in ["ixy", "ixz", "iyz"] {
         let value = optional(tensor, product, 0.0)?;
-        if !(value.abs() <= rounding) {
+        if value.is_nan() || value.abs() > rounding {
             return Err(format!("{product} of `{name}` is {value}, not 0: the principal axes must be x, y and z"));
         }
     }
