@@ -50,6 +50,9 @@ pub struct FaultsArgs {
     /// Seed of when and how faults strike; without it, another one each time
     #[arg(long)]
     seed: Option<u64>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
     /// Only the kinds of fault whose name contains this
     #[arg(long, value_name = "WORDS")]
     only: Option<String>,
@@ -201,7 +204,7 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
         if trials == 0 || stop.load(Relaxed) {
             continue;
         }
-        let mut row = Row::new(fault, fault.trials(trials, &mut random, stop));
+        let mut row = Row::new(fault, fault.trials(trials, &mut random, args.quiet, stop));
         if let (KillAndRespawn(_), false, Some(median)) =
             (fault, args.quick, row.median().filter(|time| *time > RESPAWN))
         {
@@ -235,10 +238,10 @@ fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<(
 
 impl Fault {
     /// Strikes `count` times.
-    fn trials(self, count: usize, random: &mut fastrand::Rng, stop: &AtomicBool) -> Vec<Trial> {
+    fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<Trial> {
         let chance = &mut random.fork(); // the same for this kind, whatever the others draw
         let times = |count: usize, trial: &mut dyn FnMut(usize) -> Trial| {
-            let progress = Counter::new(false, count, 0, "trials");
+            let progress = Counter::new(quiet, count, 0, "trials");
             let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {
                 let told = trial(nth);
                 progress.step();
@@ -249,14 +252,14 @@ impl Fault {
             all
         };
         match self {
-            Kill(victim) => side_by_side(count, chance, stop, &|_, chance| kill::at_random(victim, chance)),
+            Kill(victim) => side_by_side(count, chance, quiet, stop, &|_, chance| kill::at_random(victim, chance)),
             KillAtCall(victim) => match kill::calls(victim) {
                 Err(error) => vec![Err(error)],
                 Ok(calls) => {
                     let step = (calls.len() / count).max(1);
                     let first = if step > 1 { chance.usize(0..step) } else { 0 };
                     let chosen: Vec<_> = calls.iter().skip(first).step_by(step).collect();
-                    side_by_side(chosen.len(), chance, stop, &|nth, _| kill::at_call(victim, chosen[nth]))
+                    side_by_side(chosen.len(), chance, quiet, stop, &|nth, _| kill::at_call(victim, chosen[nth]))
                 }
             },
             KillAndRespawn(victim) => kill::and_respawn(victim, count, chance).unwrap_or_else(|error| vec![Err(error)]),
@@ -264,7 +267,9 @@ impl Fault {
                 Err(error) => vec![Err(error)],
                 Ok(reference) => times(count, &mut |_| stop::and_continue(victim, &reference, chance)),
             },
-            StopForEver(victim) => side_by_side(count, chance, stop, &|_, chance| stop::for_ever(victim, chance)),
+            StopForEver(victim) => {
+                side_by_side(count, chance, quiet, stop, &|_, chance| stop::for_ever(victim, chance))
+            }
             StoppedLauncher => times(count, &mut |_| stop::the_launcher_for_ever()),
             StalledRecorder => times(count, &mut |_| stop::the_recorder(5)),
             FullMemory | FillingMemory | FullDisk | FilledDisk if !memory::is_permitted() => {

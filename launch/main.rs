@@ -90,6 +90,9 @@ struct Cli {
     /// What every run does that is not on the smallest model: keep the model that the scene names
     #[arg(long, global = true, hide = true)]
     full: bool,
+    /// Show no progress
+    #[arg(long, global = true)]
+    quiet: bool,
 }
 
 #[derive(Subcommand)]
@@ -223,7 +226,8 @@ fn main() -> ExitCode {
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
         tell(format_args!("Ctrl-C will not end this in order: {error}"));
     }
-    match obey(Cli::parse().command, &stop) {
+    let Cli { command, quiet, .. } = Cli::parse();
+    match obey(command, quiet, &stop) {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
             let case = failure.case.map_or(String::new(), |case| case.keep());
@@ -234,7 +238,7 @@ fn main() -> ExitCode {
 }
 
 /// Does what was asked for.
-fn obey(command: Option<Command>, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+fn obey(command: Option<Command>, quiet: bool, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     allowance::check()?;
     match command {
         Some(Command::Run(args)) => run::run(&args, stop),
@@ -268,7 +272,7 @@ fn obey(command: Option<Command>, stop: &Arc<AtomicBool>) -> Result<(), Failure>
         Some(Command::List { hashes: true, .. }) => hashes::print(),
         Some(Command::List { keys: false, .. }) => list::scenes(),
         Some(Command::List { keys: true, .. }) => list::keys(),
-        None => run::run(&run::RunArgs::main_job(), stop),
+        None => run::run(&run::RunArgs::main_job(quiet), stop),
     }
 }
 

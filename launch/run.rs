@@ -32,6 +32,11 @@ pub use watch::goes_on;
 
 /// A look at children and progress this often; the truth's buffer holds longer.
 const LOOK: Duration = Duration::from_millis(2);
+/// The session's files are looked for this often.
+const LOOK_AT_FILES: Duration = Duration::from_millis(200);
+/// What it means that they are not there.
+const GONE: &str = "nobody can join the session any more, for its files are gone from /dev/shm: somebody removed them, or logind did at the \
+    end of the last login (RemoveIPC, docs/DEPLOY.md)";
 /// Time for the controller to hear the plant's goodbye, or for the plant to end after it.
 const GOODBYE: Duration = Duration::from_secs(1);
 
@@ -80,7 +85,7 @@ pub struct RunArgs {
 
 impl RunArgs {
     /// What `biped` does without arguments.
-    pub fn main_job() -> RunArgs {
+    pub fn main_job(quiet: bool) -> RunArgs {
         RunArgs {
             scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![] },
             pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
@@ -92,7 +97,7 @@ impl RunArgs {
             swap: vec![],
             out: Some("out/walk".into()),
             record: RecordArgs::default(),
-            quiet: false,
+            quiet,
             in_process: false,
             smallest: false,
         }
@@ -252,6 +257,7 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         Role::foreign("controller", command, &children::environment(&heir)?, &bar)
     };
     let mut left_alone: Option<Instant> = None;
+    let (mut is_gone, mut looked) = (false, Instant::now());
     let outcome = loop {
         watch.drain(&mut port)?;
         if let Err(failure) = goes_on(&watch.recorder, stop) {
@@ -265,11 +271,22 @@ fn two_processes(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &Atomic
         }
         for (child, role) in roles.iter_mut().enumerate() {
             if let Some(cause) = role.death().filter(|_| lives > 0) {
+                if !member.can_be_joined() {
+                    tell(format_args!("the {} died ({cause}) and cannot be started anew: {GONE}", role.name));
+                    lives = 0;
+                    continue;
+                }
                 lives -= 1;
                 bar.suspend(|| {
                     tell(format_args!("the {} died ({cause}): starting it anew; times left: {lives}", role.name))
                 });
                 *role = start(child)?;
+            }
+        }
+        if !is_gone && looked.elapsed() > LOOK_AT_FILES {
+            (is_gone, looked) = (!member.can_be_joined(), Instant::now());
+            if is_gone {
+                bar.suspend(|| tell(format_args!("the run goes on, but {GONE}")));
             }
         }
         // No second look: who has died since is started anew next time.

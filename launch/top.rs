@@ -5,7 +5,7 @@ use crate::desk::SessionArgs;
 use crate::exit::Failure;
 use crate::summary::tiny;
 use clap::Args;
-use console::{Style, Term};
+use console::{Style, Term, truncate_str};
 use messages::port::RecorderPort;
 use messages::session::Session;
 use messages::wire::{PHASES, REFUSALS, STATES, Truth};
@@ -47,7 +47,8 @@ pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
         let shown = if term.is_term() {
             let lines = span.lines(&session);
-            let text: String = lines.iter().map(|line| format!("{line}\n")).collect();
+            let width = usize::from(term.size().1); // a line that wraps would be two to clear away
+            let text: String = lines.iter().map(|line| format!("{}\n", truncate_str(line, width, "…"))).collect();
             let shown = term.clear_last_lines(drawn).and_then(|()| term.write_all(text.as_bytes()));
             drawn = lines.len();
             shown
@@ -159,12 +160,10 @@ impl Span {
                 ),
             ),
             line(
-                "counts",
-                format!(
-                    "{} commands lost, {} takeovers, {} requests, {} unrecorded, {} fallbacks",
-                    tally.lost, tally.takeovers, tally.requests, tally.unrecorded, truth.fallbacks
-                ),
+                "commands",
+                format!("{} lost, {} takeovers, {} requests", tally.lost, tally.takeovers, tally.requests),
             ),
+            line("steps", format!("{} fallbacks, {} periods not recorded", truth.fallbacks, tally.unrecorded)),
         ]
     }
 
@@ -225,4 +224,21 @@ fn support(truth: &Truth) -> String {
 fn energies(truth: &Truth) -> String {
     let ([e1, e2], [ref1, ref2]) = (truth.telemetry.energy, truth.telemetry.energy_ref);
     format!("E1 {e1:+.4} of {ref1:+.4}, E2 {e2:+.4} of {ref2:+.4}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::fake::FakeWalk;
+
+    #[test]
+    fn of_an_ordinary_walk_every_line_fits_a_narrow_terminal() {
+        let mut span = Span::new();
+        for period in 0..2000 {
+            span.take(&FakeWalk::new(0.06).truth(period, 9.0 + period as f64 * 1e-3));
+        }
+        for line in span.lines(&Session::named("laboratory").expect("a good name")) {
+            assert!(console::measure_text_width(&line) <= 60, "{line}");
+        }
+    }
 }

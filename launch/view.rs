@@ -28,6 +28,9 @@ pub struct ViewArgs {
     /// Port on that address; 0 takes one that is free
     #[arg(long, default_value_t = 8642)]
     port: u16,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
     /// Write the page of the recording into this file, instead of serving it
     #[arg(long, value_name = "FILE", requires = "file", conflicts_with = "session")]
     out: Option<PathBuf>,
@@ -45,7 +48,7 @@ fn address(text: &str) -> Result<IpAddr, String> {
 pub fn run(args: &ViewArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let place = SocketAddr::new(args.listen, args.port);
     match &args.file {
-        Some(file) => recorded::run(file, args.out.as_deref(), place, stop),
+        Some(file) => recorded::run(file, args.out.as_deref(), place, args.quiet, stop),
         None => live::run(&args.session.find()?, place, stop),
     }
 }

@@ -13,10 +13,11 @@ const ABREAST: usize = 4;
 pub fn side_by_side(
     count: usize,
     random: &mut fastrand::Rng,
+    quiet: bool,
     stop: &AtomicBool,
     trial: &(dyn Fn(usize, &mut fastrand::Rng) -> Trial + Sync),
 ) -> Vec<Trial> {
-    let progress = Counter::new(false, count, 0, "trials");
+    let progress = Counter::new(quiet, count, 0, "trials");
     let next = AtomicUsize::new(0);
     let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
     let work = &|first: bool| {

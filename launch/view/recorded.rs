@@ -27,11 +27,11 @@ const OFTEN: u64 = 1 << 12;
 ///
 /// # Errors
 /// See [`Reader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
-pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, stop: &AtomicBool) -> Result<(), Failure> {
+pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(out) = out {
         keeps(file, out)?;
     }
-    let page = page(file, stop)?;
+    let page = page(file, quiet, stop)?;
     if let Some(out) = out {
         write_whole(out, &page).map_err(|error| unwritten(out, &error))?;
         say(format_args!("{}: open {}\n", file.display(), out.display()));
@@ -53,12 +53,12 @@ pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, stop: &AtomicBool
 }
 
 /// The page of the last run that is recorded.
-fn page(file: &Path, stop: &AtomicBool) -> Result<String, Failure> {
+fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> {
     let mut reader = Reader::open(file)?;
     let scene = reader.scene().clone();
     let (mut recorder, mut truth, mut runs, mut count) = (Recorder::new(&scene), Truth::default(), 0, 0);
     let megabytes = std::fs::metadata(file).map_or(0, |about| about.len() >> 20);
-    let progress = Counter::new(false, megabytes as usize, 0, "MB");
+    let progress = Counter::new(quiet, megabytes as usize, 0, "MB");
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
         if run.replace(truth.stamp.run) != Some(truth.stamp.run) {

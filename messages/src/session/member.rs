@@ -81,6 +81,12 @@ impl Membership {
         }
     }
 
+    /// Whether the session's files are still there. Somebody may have removed them, as logind does (RemoveIPC) when a user's last login
+    /// ends: who is in the session goes on, but nobody can join any more.
+    pub fn can_be_joined(&self) -> bool {
+        is_current(&self.file, &self.session.list())
+    }
+
     /// Takes the lead, which one member has at a time, as long as it is in the session: says whether it got it.
     pub fn lead(&self) -> bool {
         let first_byte = flock { l_type: F_WRLCK as _, l_whence: SEEK_SET as _, l_start: 0, l_len: 1, l_pid: 0 };
