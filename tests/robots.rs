@@ -184,7 +184,7 @@ fn a_file_that_is_no_biped_is_refused_with_a_sentence() {
     edited("urdf", "<mass value=\"1\"/>", "<mass value=\"1.1\"/>", &["mirror image", "mass"]);
     edited("urdf", "ixy=\"0\"", "ixy=\"0.001\"", &["ixy of `left_foot`"]);
     edited("urdf", "effort=\"40\"", "effort=\"50\"", &["effort differs"]);
-    edited("urdf", "type=\"revolute\"", "type=\"floating\"", &["left_foot_joint", "floating"]);
+    edited("urdf", "type=\"revolute\"", "type=\"floating\"", &["left_foot_joint", "neither revolute"]);
     edited("urdf", "xyz=\"-1 0 0\"", "xyz=\"0 0 1\"", &["must roll about x"]);
     let start = urdf.find("  <joint name=\"left_foot_joint\"").expect("the ankle");
     refused(

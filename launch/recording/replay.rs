@@ -99,9 +99,13 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
     let scene = reader.scene().clone();
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
+    let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
         unless(stop)?;
         let Truth { stamp, command, asked, encoders, .. } = truth;
+        if run.replace(stamp.run) != Some(stamp.run) {
+            sensors.clear(); // those of another run have the same numbers
+        }
         if (command.run, command.epoch, command.seq) != (last.run, last.epoch, last.seq) && command.run == stamp.run {
             if (command.run, command.epoch) != (last.run, last.epoch) {
                 let (seq, ack) = (command.seq.saturating_sub(1), command.ack.saturating_sub(1));

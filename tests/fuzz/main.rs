@@ -80,6 +80,38 @@ fn a_robot_that_cannot_walk_is_told_so() {
     }
 }
 
+/// Who reads the error need not know in how many processes it happened.
+#[test]
+fn one_process_and_two_refuse_with_the_same_sentence() {
+    let settings = |path: &Path| -> Vec<String> {
+        let text = std::fs::read_to_string(path).expect("settings");
+        let lines: Vec<_> = text.lines().filter(|line| !line.is_empty()).collect();
+        lines.into_iter().flat_map(|line| ["--set".into(), line.into()]).collect()
+    };
+    let robots = files("robot-").into_iter().map(|path| vec!["--robot".into(), text(&path).into()]);
+    let all: Vec<Vec<String>> = robots.chain(files("set-").iter().map(|path| settings(path))).collect();
+    let mut compared = 0;
+    for extra in all {
+        let run = |flags: &[&str]| {
+            let extra: Vec<&str> = extra.iter().map(String::as_str).collect();
+            biped(&[&["run", "walk", "--quiet"], flags, &extra].concat())
+        };
+        let (code, alone) = run(&["--in-process"]);
+        if !matches!(code, 2 | 4) {
+            continue;
+        }
+        let (twofold, words) = run(&["--patience", "20"]);
+        let sentence = |words: &str| words.lines().find(|line| line.starts_with("error: ")).expect("one").to_string();
+        let (alone, words) = (sentence(&alone), sentence(&words));
+        // which of the two failed is told as well
+        let bare = words.split_once("): ").map_or(words.clone(), |(_, rest)| format!("error: {rest}"));
+        assert!(code == twofold && (words == alone || bare == alone), "{code} {alone}\n{twofold} {words}");
+        compared += 1;
+    }
+    println!("{compared} compared");
+    assert!(compared > 10);
+}
+
 /// Coulomb's law with the round cone is solved, whatever the others make of it.
 #[test]
 fn contact_problems_that_were_slow_are_solved() {
@@ -119,8 +151,16 @@ fn a_recording_that_lies_is_refused() {
     }
     std::fs::remove_file(&file).expect("our own file");
     for path in files("lie") {
+        // as if this version had written it: else nothing further in it is looked at
+        let mut bytes = std::fs::read(&path).expect("a recording");
+        let key = b"schema\x10\0\0\0"; // and sixteen digits
+        let at = bytes.windows(key.len()).position(|here| here == key).expect("its schema") + key.len();
+        bytes[at..at + 16].copy_from_slice(format!("{:016x}", messages::wire::SCHEMA_HASH).as_bytes());
+        let path = std::env::temp_dir().join(format!("biped-test-{}-lie.mcap", std::process::id()));
+        std::fs::write(&path, bytes).expect("a file");
         for command in [&["replay", text(&path)][..], &["replay", "--plant", text(&path)], &["info", text(&path)]] {
             ends(command, &[0, 2, 4]);
         }
+        std::fs::remove_file(&path).expect("our own file");
     }
 }
