@@ -210,3 +210,31 @@ fn a_controller_whose_commands_are_refused_is_told_why_long_before_patience_ends
     std::fs::remove_dir_all(folder).expect("our own");
     assert!(words.contains("refused: beyond four times the torque limit"), "{words}");
 }
+
+#[test]
+fn a_run_whose_files_are_gone_goes_on_and_says_that_nobody_can_join() {
+    for respawn in [&[][..], &["--respawn", "3"]] {
+        let session = session(&format!("gone{}", respawn.len()));
+        let walk = ["run", "walk", "--realtime", "--speed", "0.2", "--quiet", "--set", "duration=0.6"];
+        let launcher = start(&[&walk[..], &["--session", session.name()], respawn].concat());
+        let mut roles = vec![];
+        eventually("two processes that speak", || {
+            roles = super::roles_of(launcher.id());
+            roles.len() == 2 && session.leftovers().len() > 10
+        });
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        for path in session.leftovers() {
+            let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+        }
+        if !respawn.is_empty() {
+            let plant = roles.iter().find(|role| role.name == "plant").expect("a plant");
+            super::send(plant.number, nix::sys::signal::Signal::SIGKILL);
+        }
+        let (code, errors) = ends(launcher);
+        let expected =
+            if respawn.is_empty() { (Some(0), "the run goes on") } else { (Some(4), "cannot be started anew") };
+        assert!(code == expected.0 && errors.contains(expected.1), "{code:?}: {errors}");
+        assert!(errors.contains("gone from /dev/shm"), "{errors}");
+        eventually("an empty shared memory", || session.leftovers().is_empty());
+    }
+}
