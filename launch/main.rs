@@ -226,8 +226,7 @@ fn main() -> ExitCode {
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
         tell(format_args!("Ctrl-C will not end this in order: {error}"));
     }
-    let Cli { command, quiet, .. } = Cli::parse();
-    match obey(command, quiet, &stop) {
+    match obey(Cli::parse(), &stop) {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
             let case = failure.case.map_or(String::new(), |case| case.keep());
@@ -238,7 +237,7 @@ fn main() -> ExitCode {
 }
 
 /// Does what was asked for.
-fn obey(command: Option<Command>, quiet: bool, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     allowance::check()?;
     match command {
         Some(Command::Run(args)) => run::run(&args, stop),
