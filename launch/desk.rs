@@ -157,15 +157,9 @@ pub enum Wish {
 /// # Errors
 /// If nobody is there, or it cannot be done.
 pub fn run(wish: Wish) -> Result<(), Failure> {
-    let args = match &wish {
-        Wish::Pause(args) | Wish::Resume(args) | Wish::Rearm(args) => &args.session,
-        Wish::Step(args) => &args.session,
-        Wish::Reset(args) => &args.session,
-        Wish::Set(args) => &args.session,
-        Wish::Push(args) => &args.session,
-    };
-    let session = args.find_named()?;
-    let scene = session.scene().and_then(|text| parse(&text, session.name()).ok());
+    let session = wish.session().find_named()?;
+    let name = session.name();
+    let scene = || session.scene().and_then(|text| parse(&text, name).ok());
     let what = match &wish {
         Wish::Pause(_) => Ask::Pause,
         Wish::Resume(_) => Ask::Resume,
@@ -174,51 +168,67 @@ pub fn run(wish: Wish) -> Result<(), Failure> {
         Wish::Reset(args) => Ask::Reset { seed: args.seed },
         Wish::Set(args) => Ask::Set { period: args.period, speed: args.speed },
         Wish::Push(args) => {
-            let body = number(&args.body, scene.as_ref())?;
+            let body = number(&args.body, scene)?;
             Ask::Push { body, impulse: args.impulse, duration: args.duration }
         }
     };
     let reply = ask(&session, what)?;
-    let name = session.name();
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
-        let words = refusal(what, scene.as_ref()).unwrap_or_else(|| Verdict::words(reply.verdict).into());
+        let words = refusal(what, scene).unwrap_or_else(|| Verdict::words(reply.verdict).into());
         return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
     let time = reply.stamp.sim_ns as f64 * 1e-9;
     let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
-    match (what, scene) {
-        (Ask::Set { .. }, _) => say(format_args!("session {name}: set at t {time:.3} s\n")),
-        (Ask::Push { body, impulse: [x, y, z], duration }, Some(scene)) => {
-            let mass: f64 = scene.bodies.iter().map(|body| body.mass).sum();
-            let speed = (x * x + y * y + z * z).sqrt() / mass;
-            let body = scene.bodies.get(body).map_or("?", |body| &body.name);
-            say(format_args!(
-                "session {name}: t {time:.3} s, {state}; {body} is pushed by {x},{y},{z} N·s within {duration} s, which gives all {mass:.1} kg \
-                 {speed:.2} m/s\n"
-            ));
+    let told = match what {
+        Ask::Set { .. } => format!("set at t {time:.3} s"),
+        Ask::Push { body, impulse, duration } => {
+            let given = scene().map_or(String::new(), |scene| given(&scene, body, impulse, duration));
+            format!("t {time:.3} s, {state}{given}")
         }
-        _ => say(format_args!("session {name}: t {time:.3} s, {state}\n")),
-    }
+        _ => format!("t {time:.3} s, {state}"),
+    };
+    say(format_args!("session {name}: {told}\n"));
     Ok(())
 }
 
+impl Wish {
+    /// Whom it is for.
+    fn session(&self) -> &SessionArgs {
+        match self {
+            Wish::Pause(args) | Wish::Resume(args) | Wish::Rearm(args) => &args.session,
+            Wish::Step(args) => &args.session,
+            Wish::Reset(args) => &args.session,
+            Wish::Set(args) => &args.session,
+            Wish::Push(args) => &args.session,
+        }
+    }
+}
+
+/// What a push gives the robot, in words.
+fn given(scene: &Scene, body: usize, [x, y, z]: [f64; 3], duration: f64) -> String {
+    let mass: f64 = scene.bodies.iter().map(|body| body.mass).sum();
+    let speed = (x * x + y * y + z * z).sqrt() / mass;
+    let body = scene.bodies.get(body).map_or("?", |body| &body.name);
+    format!("; {body} is pushed by {x},{y},{z} N·s within {duration} s, which gives all {mass:.1} kg {speed:.2} m/s")
+}
+
 /// Number of a body, which may be named.
-fn number(body: &str, scene: Option<&Scene>) -> Result<usize, Failure> {
+fn number(body: &str, scene: impl Fn() -> Option<Scene>) -> Result<usize, Failure> {
     if let Ok(number) = body.parse() {
         return Ok(number);
     }
-    let names: Vec<&str> = scene.map_or(vec![], |scene| scene.bodies.iter().map(|body| body.name.as_str()).collect());
-    names.iter().position(|name| *name == body).ok_or_else(|| {
+    let names: Vec<String> = scene().map_or(vec![], |scene| scene.bodies.into_iter().map(|body| body.name).collect());
+    names.iter().position(|name| name == body).ok_or_else(|| {
         let words = format!("the scene has no body `{body}`; its bodies are {}", names.join(", "));
         Failure::new(Exit::Usage, words)
     })
 }
 
 /// What the controller would say of set-points that it refuses: what is possible.
-fn refusal(what: Ask, scene: Option<&Scene>) -> Option<String> {
+fn refusal(what: Ask, scene: impl Fn() -> Option<Scene>) -> Option<String> {
     let Ask::Set { period, speed } = what else { return None };
-    let refused = Controller::new(scene?).ok()?.set(period, speed).err()?;
+    let refused = Controller::new(&scene()?).ok()?.set(period, speed).err()?;
     Some(refused.to_string())
 }
 

@@ -18,7 +18,7 @@ pub use energy::Energy;
 pub use extremes::Extremes;
 pub use gait::{Gait, Lateral};
 pub use histogram::Histogram;
-pub use requests::{Asked, Requests};
+pub use requests::{Answered, Requests};
 pub use robot::{Foot, Placed, Robot};
 pub use sample::{Sample, normal_forces};
 pub use worst::Worst;

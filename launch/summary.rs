@@ -6,7 +6,7 @@ pub use table::tiny;
 
 use crate::exit::Failure;
 use crate::model::RunModel;
-use crate::record::{Asked, Recorder, Row};
+use crate::record::{Answered, Recorder, Row};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use std::time::Duration;
@@ -108,7 +108,7 @@ pub struct Summary {
     #[serde(skip)]
     pub met: String,
     /// What was asked of the run, at most the first thousand; a run that nobody spoke to repeats to the bit.
-    pub requests: Vec<Asked>,
+    pub requests: Vec<Answered>,
     /// The same in words.
     #[serde(skip)]
     pub asked: String,

@@ -12,14 +12,14 @@ const LISTED: usize = 1000;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Requests {
     /// The first of them.
-    pub list: Vec<Asked>,
+    pub list: Vec<Answered>,
     /// All.
     pub count: u64,
 }
 
 /// A request that was answered: its values are those of its kind alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Asked {
+pub struct Answered {
     /// Simulated time at which it took effect [s].
     pub time_s: f64,
     /// As the wire names it.
@@ -49,10 +49,10 @@ pub struct Asked {
     pub speed_mps: Option<f64>,
 }
 
-impl Asked {
+impl Answered {
     /// As it came over the wire.
-    pub fn of(served: &Served) -> Asked {
-        let mut asked = Asked {
+    pub fn of(served: &Served) -> Answered {
+        let mut asked = Answered {
             time_s: served.stamp.sim_ns as f64 * 1e-9,
             kind: REQUESTS.get(served.request.kind as usize).copied().unwrap_or("unknown"),
             answer: Verdict::words(served.verdict),
@@ -78,7 +78,7 @@ impl Asked {
 
     /// In a few words, for a line.
     pub fn words(&self) -> String {
-        let Asked { kind, answer, time_s, .. } = self;
+        let Answered { kind, answer, time_s, .. } = self;
         let values = [
             self.impulse_ns.map(|[x, y, z]| format!("{x},{y},{z} N·s")),
             self.body.map(|body| format!("body {body}")),
@@ -88,8 +88,10 @@ impl Asked {
             self.speed_mps.map(|speed| format!("speed {speed} m/s")),
         ];
         let values: String = values.into_iter().flatten().map(|value| format!(" {value}")).collect();
-        let refused = if *answer == Verdict::words(Verdict::Done as u64) { "" } else { answer };
-        let refused = if refused.is_empty() { String::new() } else { format!(" (refused: {refused})") };
+        let refused = match *answer == Verdict::words(Verdict::Done as u64) {
+            true => String::new(),
+            false => format!(" (refused: {answer})"),
+        };
         format!("{kind}{values} at {time_s:.3} s{refused}")
     }
 }
@@ -99,14 +101,14 @@ impl Requests {
     pub fn push(&mut self, served: &Served) {
         self.count += 1;
         if self.list.len() < LISTED {
-            self.list.push(Asked::of(served));
+            self.list.push(Answered::of(served));
         }
     }
 
     /// The first few in words; nothing if there were none.
     pub fn words(&self) -> String {
         const SHOWN: usize = 5;
-        let mut words: Vec<String> = self.list.iter().take(SHOWN).map(Asked::words).collect();
+        let mut words: Vec<String> = self.list.iter().take(SHOWN).map(Answered::words).collect();
         if self.count > SHOWN as u64 {
             words.push(format!("{} more", self.count - SHOWN as u64));
         }
@@ -127,12 +129,12 @@ mod tests {
     #[test]
     fn a_request_is_told_with_its_values_and_its_answer() {
         let push = Ask::Push { body: 4, impulse: [0.0, 3.0, 0.0], duration: 0.05 };
-        let asked = Asked::of(&served(push, Verdict::Done));
+        let asked = Answered::of(&served(push, Verdict::Done));
         assert_eq!(asked.words(), "push 0,3,0 N·s body 4 at 1.500 s");
         let json = serde_json::to_value(&asked).unwrap();
         let keys = json.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys, ["answer", "body", "impulse_ns", "kind", "over_s", "time_s"]);
-        let refused = Asked::of(&served(Ask::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
+        let refused = Answered::of(&served(Ask::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
         assert_eq!(refused, "set speed 99 m/s at 1.500 s (refused: a number is out of range)");
     }
 

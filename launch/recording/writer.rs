@@ -5,7 +5,7 @@ use super::events::{Events, Log};
 use super::protobuf::{self, Codec};
 use super::sink::Sink;
 use super::{METADATA, Topic};
-use crate::record::Asked;
+use crate::record::Answered;
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use mcap::{Compression, McapResult, WriteOptions};
@@ -135,7 +135,7 @@ impl Writer {
         let sim_ns = before.filter(|before| before.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
         let time = self.ahead_ns.saturating_add(sim_ns);
         self.put(Topic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
-        json_message(&mut self.file, self.events, time, &Log::warning(time, Asked::of(served).words()))
+        json_message(&mut self.file, self.events, time, &Log::warning(time, Answered::of(served).words()))
     }
 
     fn put(&mut self, topic: Topic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
