@@ -8,15 +8,15 @@
 #[path = "../tests/fuzz/energy.rs"]
 mod energy;
 
-use crate::exit::{Exit, Failure};
-use crate::list::SCENES;
-use crate::run::in_process;
 use crate::{Cli, obey};
 use clap::Parser;
 use libfuzzer_sys::fuzz_target;
 use messages::load::{load, parse, validate};
 use messages::scene::{Law, Method, Scene};
 use nix::time::{ClockId, clock_gettime};
+use sessions::run::in_process;
+use shared::exit::{Exit, Failure};
+use shared::list::SCENES;
 use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;

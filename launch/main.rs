@@ -1,93 +1,39 @@
 //! `biped`: one program, three roles. It starts plant and controller as processes of their own and watches over them;
 //! as `biped plant` and `biped controller` it is either of them.
 //!
-//! | what | where |
+//! | crate | what it has |
 //! |---|---|
-//! | the main job | [`run`] |
-//! | plant and controller by themselves | [`roles`] |
-//! | tables of many runs | [`study`] |
-//! | speed against accuracy | [`chart`] |
-//! | how much delay, jitter and loss it bears | [`robustness`] |
-//! | latency and jitter | [`latency`] |
-//! | starting, watching and ending processes | [`children`] |
-//! | real-time scheduling, and what grants it where | [`realtime`], [`place`] |
-//! | what the system must allow | [`allowance`] |
-//! | progress bar and live line | [`progress`] |
-//! | scenes, their keys and their bits | [`list`], [`hashes`] |
-//! | what goes wrong, exit codes; what is written | [`exit`], [`output`] |
-//! | another controller amid the walk | [`swap`] |
-//! | the wire format for other languages | [`wire`] |
-//! | plant and controller on two machines | [`tunnel`] |
-//! | the robot for other programs | [`export`] |
-//! | asking a running session | [`desk`] |
-//! | whether somebody else's program keeps to the wire | [`conform`] |
-//! | what a fuzzer calls in the place of `main` | `fuzz` |
-//! | faults on purpose, a long time | [`faults`], [`soak`] |
-//! | this machine, and what is left on it | [`doctor`] |
-//! | contact problems as files | [`contact`] |
-//! | how large a model is, and what a smaller one saves | [`model`] |
-//! | recordings and their replay | [`recording`] |
-//! | the run in 3-D, in the terminal | [`view`], [`top`] |
-//! | what a run leaves: record, summary, report | [`record`], [`summary`], [`csv`], [`report`] |
+//! | [`shared`] | what all commands use: arguments, built-in scenes, exit codes, output, progress |
+//! | [`records`] | what a run leaves, and how people look at it: figures, report, recordings, pages |
+//! | [`sessions`] | plant and controller as processes: started, watched, asked, swapped, ended |
+//! | [`laboratory`] | measurements: accuracy, speed, latency, robustness, faults, conformance |
 
 #![cfg_attr(fuzzing, no_main, allow(dead_code, reason = "the fuzzer begins elsewhere"))]
 
-mod allowance;
-mod chart;
-mod children;
-mod conform;
-mod contact;
-mod csv;
-mod desk;
-mod doctor;
-mod exit;
-mod export;
-mod faults;
 #[cfg(fuzzing)]
 mod fuzz;
-mod hashes;
-mod latency;
-mod list;
-mod model;
-mod output;
-mod place;
-mod progress;
-mod realtime;
-mod record;
-mod recording;
-mod report;
-mod robustness;
-mod roles;
-mod run;
-mod soak;
-mod study;
-mod summary;
-mod swap;
-mod top;
-mod tunnel;
-mod view;
-mod wire;
+mod help;
 
-use clap::{Args, Parser, Subcommand};
-use exit::{Exit, Failure};
-use messages::load::load;
-use messages::port::{Pace, PortError};
-use messages::scene::Scene;
+use clap::{FromArgMatches, Parser, Subcommand};
+use laboratory::{chart, conform, contact, faults, hashes, latency, robustness, soak, study};
 use nix::sys::signal::{SigSet, Signal};
-use output::{brief, tell};
+use records::{recording, top, view};
+use sessions::{allowance, children, desk, doctor, export, model, roles, run, tunnel, wire};
+use shared::args::SceneArgs;
+use shared::exit::{self, Exit, Failure};
+use shared::list;
+use shared::output::{brief, tell};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
-use std::sync::mpsc;
-use std::time::Duration;
 
-/// Walks an eight-axis biped robot, plant and controller in two processes. Without a command: `run walk --out out/walk`.
+/// Simulates and controls an eight-axis biped robot: plant and controller are two processes. Without a command: `run walk --out out/walk`.
 #[derive(Parser)]
 #[command(version, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// What every run does that is not on the smallest model: keep the model that the scene names
+    /// Keep the model that the scene names, as every run without --smallest does
     #[arg(long, global = true, hide = true)]
     full: bool,
     /// Show no progress
@@ -97,136 +43,80 @@ struct Cli {
 
 #[derive(Subcommand)]
 enum Command {
-    /// Run a scene: start both processes, show progress, sum up
+    /// Run a scene: start both processes, show progress, print a summary
     Run(run::RunArgs),
-    /// Run the cases of a table, in parallel, and write it
+    /// Run a table of cases in parallel, and print it
     Study(study::StudyArgs),
-    /// Chart speed against accuracy: every law, integrator and model size, beside other engines
+    /// Chart speed against accuracy of contact laws, integration methods and model sizes, also beside other engines
     Chart(chart::ChartArgs),
-    /// Map how much delay, jitter and loss of commands the walk bears
+    /// Map the delay, jitter and loss of commands that the walk survives
     Robustness(robustness::RobustnessArgs),
-    /// Measure latency and jitter of the link, and of the walk over it, beside the limits of the host
+    /// Measure latency and jitter of the link between the processes, beside the limits of this machine
     Latency(latency::LatencyArgs),
-    /// The other process of `latency`
+    /// The second process of `latency`
     #[command(hide = true)]
     LatencyPeer(latency::PeerArgs),
-    /// Say how large the model of a scene is, how large the smallest that gives the same answer, and what that costs
+    /// Print the size of a scene's model, the smallest model with the same answer, and its cost
     Model(SceneArgs),
-    /// Solve the contact problem that a run could not solve, by every law
+    /// Solve the contact problem that ended a run, by every law
     Contact(contact::ContactArgs),
-    /// Be the plant of a session
+    /// Start the plant of a session
     Plant(roles::RoleArgs),
-    /// Be the controller of a session
+    /// Start the controller of a session
     Controller(roles::RoleArgs),
     #[command(flatten)]
     Desk(desk::Wish),
-    /// Show a running session in a browser, in 3-D, and let it be pushed and led from there; or a recording
+    /// Show a running session or a recording in a browser, in 3-D; a session can be pushed and led from there
     View(view::ViewArgs),
-    /// Show how a running session is, in the terminal
+    /// Show the state of a running session in the terminal
     Top(top::TopArgs),
-    /// Check whether a controller or plant of yours keeps to the rules of the wire
+    /// Check a controller or plant of yours against the rules of the wire
     Conform(conform::ConformArgs),
-    /// Hurt real processes in many ways, and check that nothing hangs, lies or is left
+    /// Injure real processes in many ways, and check that nothing hangs, lies or is left behind
     Faults(faults::FaultsArgs),
     /// Walk for a long time, and watch memory, open files, shared memory and latency
     Soak(soak::SoakArgs),
-    /// Say whether this machine is fit to run, what is running, and what dead sessions left
+    /// Check this machine; list running sessions, and what dead ones have left
     Doctor,
-    /// Remove what dead sessions left in shared memory
+    /// Remove what dead sessions have left in shared memory
     Clean,
-    /// Carry a session to another machine
+    /// Connect a session with another machine
     Tunnel(tunnel::TunnelArgs),
-    /// Print the wire format, for controllers and plants in other languages
+    /// Print the message format, for controllers and plants in other languages
     Wire(wire::WireArgs),
-    /// Print the robot of a scene for other programs
+    /// Print the robot of a scene as URDF, MJCF or TOML
     Export(export::ExportArgs),
-    /// Be somebody else's program
+    /// Become another program
     #[command(hide = true)]
     Become(children::BecomeArgs),
-    /// Say what a recording has
+    /// Print what a recording contains
     Info(recording::info::InfoArgs),
-    /// Make tables of a recording
+    /// Convert a recording to tables
     Convert(recording::table::ConvertArgs),
-    /// Feed recorded sensors to a controller, or recorded torques to a plant, and compare
+    /// Feed recorded sensors to a controller, or recorded torques to a plant, and compare the results
     Replay(recording::replay::ReplayArgs),
     /// List the built-in scenes
     List {
-        /// List every key of a scene instead: type, default, meaning
+        /// List every key of a scene: type, default, meaning
         #[arg(long)]
         keys: bool,
-        /// List the hashes of the states that every scene runs through
+        /// List the hash of all states of every scene
         #[arg(long, conflicts_with = "keys")]
         hashes: bool,
     },
 }
 
-/// Which scene, and what is different in it.
-#[derive(Args, Clone)]
-struct SceneArgs {
-    /// Built-in scene (see `biped list`) or path of a TOML file
-    scene: String,
-    /// Put the robot of this TOML or URDF file into the scene, which is fitted to it; `biped export toml` prints one to edit
-    #[arg(long, value_name = "FILE")]
-    robot: Option<String>,
-    /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
-}
-
-impl SceneArgs {
-    fn load(&self) -> Result<Scene, Failure> {
-        Ok(load(&self.scene, &fitted(&self.robot, &self.settings), list::SCENES)?)
-    }
-}
-
-/// The settings of a scene, its robot before all others.
-fn fitted(robot: &Option<String>, settings: &[String]) -> Vec<String> {
-    robot.iter().map(|path| format!("robot={path}")).chain(settings.iter().cloned()).collect()
-}
-
-/// How the two processes speak.
-#[derive(Args, Clone, Copy)]
-struct PaceArgs {
-    /// Run at the pace of the clock instead of as fast as possible
-    #[arg(long)]
-    realtime: bool,
-    /// Simulated time per real time
-    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = factor, requires = "realtime")]
-    speed: f64,
-    /// Give up when the other process has not been heard of for this long [s]
-    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = seconds)]
-    patience: f64,
-}
-
-impl PaceArgs {
-    fn pace(self) -> Pace {
-        if self.realtime { Pace::RealTime } else { Pace::Lockstep }
-    }
-
-    fn patience(self) -> Duration {
-        Duration::from_secs_f64(self.patience)
-    }
-}
-
-fn factor(text: &str) -> Result<f64, String> {
-    let good = text.parse().ok().filter(|factor| (0.001..=100.0).contains(factor));
-    good.ok_or_else(|| "a factor from 0.001 to 100 is needed".into())
-}
-
-fn seconds(text: &str) -> Result<f64, String> {
-    let good = text.parse().ok().filter(|seconds| (0.1..=1e6).contains(seconds));
-    good.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
-}
-
 fn main() -> ExitCode {
-    // A file that reaches the limit of `ulimit -f` is an error like a full disk, and no death.
+    // A file that reaches the limit of `ulimit -f` gives an error, as a full disk does, and no signal.
     let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
     let stop = Arc::new(AtomicBool::new(false));
     let asked = stop.clone();
     if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
         tell(format_args!("Ctrl-C will not end this in order: {error}"));
     }
-    match obey(Cli::parse(), &stop) {
+    let matches = help::grouped::<Cli>().get_matches();
+    let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
+    match obey(cli, &stop) {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
             let case = failure.case.map_or(String::new(), |case| case.keep());
@@ -236,7 +126,7 @@ fn main() -> ExitCode {
     }
 }
 
-/// Does what was asked for.
+/// Dispatches the command.
 fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     allowance::check()?;
     match command {
@@ -273,21 +163,4 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
         Some(Command::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::main_job(quiet), stop),
     }
-}
-
-/// Opening a session takes milliseconds; but the remains of a process killed at the wrong instant can block it for
-/// ever, so it gets 3 s before this process ends itself with advice.
-fn guarded<T>(open: impl FnOnce() -> Result<T, PortError>) -> Result<T, PortError> {
-    let (done, waiting) = mpsc::channel::<()>();
-    std::thread::spawn(move || {
-        if waiting.recv_timeout(Duration::from_secs(3)) == Err(mpsc::RecvTimeoutError::Timeout) {
-            tell(format_args!(
-                "error: shared memory: the session could not be opened within 3 s; another --session will work"
-            ));
-            std::process::exit(Exit::SharedMemory as i32);
-        }
-    });
-    let opened = open();
-    drop(done);
-    opened
 }

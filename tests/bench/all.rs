@@ -14,7 +14,7 @@
 #![expect(clippy::expect_used, reason = "a bench may panic")]
 
 mod contact;
-#[path = "../../launch/chart/core.rs"]
+#[path = "../../launch/laboratory/src/chart/core.rs"]
 mod core;
 mod dynamics;
 mod link;

@@ -4,7 +4,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "launch/chart/peers"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "launch/laboratory/peers"))
 import run
 
 run.PACKAGES |= {

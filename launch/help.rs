@@ -1,0 +1,48 @@
+//! `biped --help`: the commands, grouped by what people want.
+
+use clap::{Command, CommandFactory};
+
+/// Headings, and the commands below each. A test holds that every command that is not hidden has its place.
+const GROUPS: [(&str, &[&str]); 6] = [
+    ("Run", &["run", "list", "model"]),
+    ("Look at a run", &["view", "top", "info", "convert", "replay"]),
+    ("Talk to a running session", &["pause", "resume", "step", "reset", "push", "set", "rearm"]),
+    ("Bring your own", &["plant", "controller", "wire", "conform", "export", "tunnel"]),
+    ("Measure", &["chart", "study", "robustness", "latency", "faults", "soak", "contact"]),
+    ("Look after the machine", &["doctor", "clean"]),
+];
+
+/// The command line with grouped help.
+pub fn grouped<Cli: CommandFactory>() -> Command {
+    let command = Cli::command();
+    let width = command.get_subcommands().map(|known| known.get_name().len()).max().unwrap_or(0);
+    let about = |name: &str| {
+        let known = command.find_subcommand(name);
+        known.and_then(Command::get_about).map_or(String::new(), ToString::to_string)
+    };
+    let line = |name: &&str| format!("  {name:<width$}  {}\n", about(name));
+    let groups: String = GROUPS
+        .iter()
+        .map(|(heading, names)| format!("{heading}:\n{}\n", names.iter().map(line).collect::<String>()))
+        .collect();
+    let template =
+        format!("{{about-with-newline}}\n{{usage-heading}} {{usage}}\n\n{groups}Options:\n{{options}}{{after-help}}");
+    command.help_template(template)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Cli;
+
+    #[test]
+    fn every_command_stands_in_one_group() {
+        let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
+        let command = Cli::command();
+        let mut known: Vec<&str> =
+            command.get_subcommands().filter(|known| !known.is_hide_set()).map(Command::get_name).collect();
+        grouped.sort_unstable();
+        known.sort_unstable();
+        assert_eq!(grouped, known);
+    }
+}

@@ -1,0 +1,208 @@
+//! View (i) of a scene: a curve for each method, named where it ends.
+
+use super::{Family, label};
+use crate::chart::cases::Case;
+use crate::chart::csv::{Row, View};
+use crate::chart::precision::is_hollow;
+use records::report::draw::plot;
+use records::report::plot::{Axis, Frame, Mark};
+
+/// An error that is as good as none: the rounding of a double.
+const NOTHING: f64 = 1e-16;
+/// Width of a label beside the curves, as a share of the axis.
+const MARGIN: f64 = 0.62;
+/// Height of a drawing, and of the plane within it [px].
+const HEIGHT: [f64; 2] = [430.0, 345.0];
+/// Height of a line of labels [px].
+const LINE: f64 = 13.5;
+
+/// One method in one scene, from coarse to fine steps.
+struct Curve {
+    family: Family,
+    engine: String,
+    label: String,
+    /// Common logarithms of cost and error.
+    points: Vec<(f64, f64)>,
+    hollow: bool,
+    /// Cost and error of the step of 1 ms, or of the finest.
+    at_1_ms: (f64, f64),
+    /// Whether it is drawn strongly and named.
+    named: bool,
+}
+
+/// View (i) of a scene; none without measurements.
+pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
+    let mut curves = distinct(curves(case, rows));
+    name_peers(&mut curves);
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let (left, right) = (floor(all().map(|point| point.0)), all().map(|point| point.0).fold(f64::MIN, f64::max));
+    let (low, high) = (floor(all().map(|point| point.1)), all().map(|point| point.1).fold(f64::MIN, f64::max));
+    if curves.is_empty() {
+        return None;
+    }
+    let (y, width) = (low - 0.4..high.ceil().max(low + 2.0) + 0.2, (right - left).max(1.0) / MARGIN);
+    let mut marks = Vec::new();
+    for curve in curves.iter().filter(|curve| !curve.named) {
+        marks.push(Mark::thin(curve.points.clone(), curve.family.colour(false)).faint(0.35));
+    }
+    for curve in curves.iter().filter(|curve| curve.named) {
+        let (points, colour) = (curve.points.clone(), curve.family.colour(curve.hollow));
+        marks.push(Mark::line(points.clone(), colour));
+        marks.push(if curve.hollow { Mark::rings(points, 3.0, colour) } else { Mark::dots(points, 3.0, colour) });
+    }
+    let ends: Vec<_> = curves
+        .iter()
+        .filter(|curve| curve.named)
+        .filter_map(|curve| curve.points.last().map(|end| (*end, curve)))
+        .collect();
+    let unit = (y.end - y.start) / HEIGHT[1];
+    let heights = apart(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), LINE * unit, y.start, y.end);
+    let at = right + 0.045 * width;
+    for ((end, curve), height) in ends.iter().zip(heights) {
+        let colour = curve.family.colour(curve.hollow);
+        marks.push(Mark::thin(vec![*end, (at - 0.008 * width, height)], colour).faint(0.5));
+        marks.push(Mark::note((at, height), curve.label.clone(), colour));
+    }
+    let frame = Frame {
+        title: case.title.into(),
+        height: HEIGHT[0] as u32,
+        x: Axis::powers("CPU time per simulated time", left - 0.1..left - 0.1 + width),
+        y: Axis::powers(case.words, y),
+    };
+    Some(plot(&frame, &marks))
+}
+
+/// Of each other engine only the setting with the least error at 1 ms is named; ties go to the fastest.
+fn name_peers(curves: &mut [Curve]) {
+    let merit = |curve: &Curve| curve.at_1_ms.1.max(-14.0) + 1e-3 * curve.at_1_ms.0;
+    for i in 0..curves.len() {
+        let better = |other: &Curve| other.engine == curves[i].engine && merit(other) < merit(&curves[i]);
+        curves[i].named = curves[i].family != Family::Peer || !curves.iter().any(better);
+    }
+}
+
+/// The power of ten at or below the least.
+fn floor(values: impl Iterator<Item = f64>) -> f64 {
+    values.fold(f64::INFINITY, f64::min).floor()
+}
+
+/// The curves of a scene, those of other engines first.
+fn curves(case: &Case, rows: &[Row]) -> Vec<Curve> {
+    let mut names: Vec<(&str, &str)> = Vec::new();
+    let of_scene: Vec<_> = rows.iter().filter(|row| row.view == View::Precision && row.scene == case.name).collect();
+    for row in &of_scene {
+        if !names.contains(&(&row.engine, &row.method)) {
+            names.push((&row.engine, &row.method));
+        }
+    }
+    let curve = |(engine, method): (&str, &str)| {
+        let runs: Vec<_> =
+            of_scene.iter().copied().filter(|row| row.engine == engine && row.method == method).collect();
+        let points = points(case, &runs);
+        let at_1_ms = points.iter().find(|point| point.0 == 1e-3).or(points.last()).map_or((0.0, 0.0), |point| point.1);
+        Curve {
+            family: Family::of(runs[0]),
+            engine: engine.into(),
+            label: label(runs[0]),
+            points: points.into_iter().map(|point| point.1).collect(),
+            hollow: is_hollow(&runs),
+            at_1_ms,
+            named: true,
+        }
+    };
+    let mut curves: Vec<_> = names.into_iter().map(curve).filter(|curve| !curve.points.is_empty()).collect();
+    curves.sort_by_key(|curve| curve.family);
+    curves
+}
+
+/// Each step with logarithms of its cost and its error, the greatest of the scene's metrics, from coarse to fine.
+fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, (f64, f64))> {
+    let mut steps: Vec<f64> = runs.iter().map(|row| row.dt).collect();
+    steps.sort_by(|a, b| b.total_cmp(a));
+    steps.dedup();
+    let point = |dt: f64| {
+        let metrics = case.question.metrics();
+        let asked = runs.iter().filter(|row| row.dt == dt && metrics.contains(&row.metric.as_str()));
+        let (cost, error) = asked.fold((f64::NAN, 0.0), |(_, error), row| (row.cost, row.error.max(error)));
+        (dt, (cost.log10(), error.max(NOTHING).log10()))
+    };
+    steps.into_iter().map(point).filter(|(_, point)| point.0.is_finite() && point.1 < 3.0).collect()
+}
+
+/// Curves of one family with the same errors become one, at the cost of the fastest, with all their names.
+fn distinct(curves: Vec<Curve>) -> Vec<Curve> {
+    let mut kept: Vec<Curve> = Vec::new();
+    for curve in curves {
+        let same = |other: &&mut Curve| {
+            let near = |(a, b): (&(f64, f64), &(f64, f64))| (a.1 - b.1).abs() < 0.03 || a.1.max(b.1) < -13.0;
+            other.family == curve.family
+                && other.hollow == curve.hollow
+                && other.points.len() == curve.points.len()
+                && other.points.iter().zip(&curve.points).all(near)
+        };
+        match kept.iter_mut().find(same).filter(|_| curve.family != Family::Peer) {
+            None => kept.push(curve),
+            Some(other) => {
+                let cost = |curve: &Curve| curve.points.iter().map(|point| point.0).sum::<f64>();
+                if cost(&curve) < cost(other) {
+                    other.points = curve.points;
+                    other.label = format!("{}, {}", curve.label, other.label);
+                } else {
+                    other.label = format!("{}, {}", other.label, curve.label);
+                }
+            }
+        }
+    }
+    kept.iter_mut().for_each(|curve| curve.label = short(&curve.label));
+    kept
+}
+
+/// A list of names that fits beside the curves.
+fn short(label: &str) -> String {
+    let names: Vec<_> = label.split(", ").collect();
+    match names.as_slice() {
+        [first, second, _, ..] => match first.len() + second.len() {
+            0..=20 => format!("{first}, {second}, +{}", names.len() - 2),
+            _ => format!("{first}, +{}", names.len() - 1),
+        },
+        _ if label.len() > 28 => format!("{}, +{}", names[0], names.len() - 1),
+        _ => label.into(),
+    }
+}
+
+/// The places nearest to the wanted ones that are `gap` apart, between `low` and `high`.
+fn apart(wanted: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..wanted.len()).collect();
+    order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
+    let mut places = wanted.to_vec();
+    // Pushed up in order, then down from the top, a few times: settles near the wanted places.
+    for _ in 0..60 {
+        for pair in order.windows(2) {
+            let lack = gap - (places[pair[1]] - places[pair[0]]);
+            if lack > 0.0 {
+                places[pair[0]] -= 0.5 * lack;
+                places[pair[1]] += 0.5 * lack;
+            }
+        }
+        for (i, &k) in order.iter().enumerate() {
+            let room = gap * (i as f64 + 0.5);
+            let above = gap * ((order.len() - i) as f64 - 0.5);
+            places[k] = places[k].clamp((low + room).min(high), (high - above).max(low + room).min(high));
+        }
+    }
+    places
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn labels_keep_their_distance_and_their_order() {
+        let places = apart(&[0.0, 0.1, 0.05, 5.0], 1.0, -3.0, 7.0);
+        let mut sorted = places.clone();
+        sorted.sort_by(f64::total_cmp);
+        assert!(sorted.windows(2).all(|pair| pair[1] - pair[0] > 0.95), "{places:?}");
+        assert!(places[0] < places[2] && places[2] < places[1] && (places[3] - 5.0).abs() < 1e-9);
+    }
+}

@@ -1,0 +1,213 @@
+//! `biped chart --growth`: how the cost of a step grows with contacts, links and step length, also MuJoCo's of the same
+//! robots, and how much more several processors sweep through.
+
+mod drawing;
+mod peers;
+mod scenes;
+
+use super::ChartArgs;
+use super::core::Core;
+use super::csv::OURS;
+use super::trial::{periods, time};
+use super::watch::{Job, Watch};
+use crate::study::table;
+use messages::load::load;
+use rayon::ThreadPoolBuilder;
+use rayon::prelude::*;
+use scenes::Curve;
+use sessions::run::in_process;
+use shared::csv;
+use shared::exit::{Exit, Failure};
+use shared::list::SCENES;
+use shared::output::{say, unwritten, write_whole};
+use std::time::Instant;
+
+/// All is measured so often, and the least counts: a machine may be slower for seconds.
+const ROUNDS: usize = 4;
+
+/// One measurement.
+pub struct Point {
+    curve: &'static str,
+    engine: &'static str,
+    x: f64,
+    /// Time of a step [µs].
+    us: f64,
+}
+
+/// Measures, prints, and writes a table and a drawing of each curve into the folder.
+///
+/// # Errors
+/// Ctrl-C, a table of peers, peers that cannot be measured, or a folder that cannot be written.
+pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
+    let failed = |error| unwritten(&args.out, &error);
+    if let Some(Some(table)) = &args.peers {
+        let other = format!("--growth measures peers itself: --peers without {}", table.display());
+        return Err(Failure::new(Exit::Usage, other));
+    }
+    let mut points = Vec::new();
+    let held = Core::hold();
+    let rounds = if args.quick { 1 } else { ROUNDS };
+    for curve in (0..rounds).flat_map(|_| &Curve::ALL) {
+        let scenes = curve.scenes(args.quick)?;
+        watch.expect(scenes.len());
+        for (x, scene) in &scenes {
+            watch.step(Job::Timing)?;
+            if let Ok((seconds, _)) = time(scene, &[]) {
+                let us = 1e6 * seconds / periods(scene) as f64;
+                keep_least(&mut points, Point { curve: curve.name, engine: OURS, x: *x, us });
+            }
+        }
+        if args.peers.is_some() {
+            let theirs = peers::points(curve, &scenes, watch)?;
+            theirs.into_iter().for_each(|point| keep_least(&mut points, point));
+        }
+    }
+    drop(held);
+    let sweeps = sweeps(if args.quick { 0.5 } else { 4.0 }, watch)?;
+    watch.finish();
+    for curve in Curve::ALL {
+        write_whole(&args.out.join(format!("growth-{}.svg", curve.name)), &drawing::draw(&curve, &points))
+            .map_err(failed)?;
+    }
+    let header = ["curve", "engine", "x", "us_per_step"].map(String::from);
+    let row =
+        |point: &Point| [point.curve.into(), point.engine.into(), point.x.to_string(), format!("{:.3}", point.us)];
+    let table = csv::text([header].into_iter().chain(points.iter().map(row)));
+    write_whole(&args.out.join("growth.csv"), &table).map_err(failed)?;
+    say(format!("{}\n{}\n{}", times(&points), exponents(&points), processors(&sweeps)));
+    Ok(())
+}
+
+/// A measurement, or the least of one and those before it.
+fn keep_least(points: &mut Vec<Point>, new: Point) {
+    let same = |old: &&mut Point| (old.curve, old.engine, old.x) == (new.curve, new.engine, new.x);
+    match points.iter_mut().find(same) {
+        Some(old) => old.us = old.us.min(new.us),
+        None => points.push(new),
+    }
+}
+
+/// Points of one engine on a curve.
+pub fn of<'a>(points: &'a [Point], curve: &Curve, engine: &str) -> Vec<&'a Point> {
+    points.iter().filter(|point| point.curve == curve.name && point.engine == engine).collect()
+}
+
+/// The p of us ~ xᵖ to two digits, by least squares of logarithms from where the curve says on; none of fewer than two points.
+pub fn exponent(points: &[&Point], from: f64) -> Option<f64> {
+    let logs = points.iter().filter(|point| point.x >= from).map(|point| (point.x.ln(), point.us.ln()));
+    let logs: Vec<_> = logs.collect();
+    let n = logs.len() as f64;
+    let mean = logs.iter().fold((0.0, 0.0), |(x, y), log| (x + log.0 / n, y + log.1 / n));
+    let (above, below) = logs.iter().fold((0.0, 0.0), |(above, below), (x, y)| {
+        (above + (x - mean.0) * (y - mean.1), below + (x - mean.0) * (x - mean.0))
+    });
+    (logs.len() > 1).then(|| (100.0 * above / below).round() / 100.0 + 0.0) // two digits, and no -0
+}
+
+fn times(points: &[Point]) -> String {
+    let mut rows = vec![["what grows", "to", "ours µs", "MuJoCo µs", "its / ours"].map(String::from).to_vec()];
+    for curve in Curve::ALL {
+        let theirs = of(points, &curve, peers::NAME);
+        for own in of(points, &curve, OURS) {
+            let other = theirs.iter().find(|other| other.x == own.x).map_or(f64::NAN, |other| other.us);
+            let numbers =
+                [own.x.to_string(), format!("{:.2}", own.us), format!("{other:.2}"), format!("{:.2}", other / own.us)];
+            rows.push([curve.name.to_string()].into_iter().chain(numbers).collect());
+        }
+    }
+    table(&rows)
+}
+
+fn exponents(points: &[Point]) -> String {
+    let mut rows = vec![["exponent", "from", "ours", "MuJoCo"].map(String::from).to_vec()];
+    for curve in Curve::ALL {
+        let of = |engine| exponent(&of(points, &curve, engine), curve.from).map_or("-".into(), |p| format!("{p:.2}"));
+        rows.push(vec![curve.name.into(), curve.from.to_string(), of(OURS), of(peers::NAME)]);
+    }
+    table(&rows)
+}
+
+/// Simulated time of walks by time taken, on one processor and on more, the most of three turns.
+fn sweeps(seconds: f64, watch: &Watch) -> Result<Vec<(usize, f64)>, Failure> {
+    let scene = load("walk", &[format!("duration={seconds}")], SCENES)?;
+    let all = std::thread::available_parallelism().map_or(1, usize::from);
+    let mut sweeps: Vec<_> = (1..=all).map(|threads| (threads, 0.0)).collect();
+    watch.expect(3 * all);
+    for (threads, most) in (0..3).flat_map(|_| 0..all).map(|k| (k + 1, k)).collect::<Vec<_>>() {
+        watch.step(Job::Timing)?;
+        let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+        let pool = pool.map_err(|error| Failure::new(Exit::Fault, format!("no threads: {error}")))?;
+        let walks = 4 * threads;
+        let begun = Instant::now();
+        pool.install(|| (0..walks).into_par_iter().try_for_each(|_| in_process(&scene, |_| Ok(()))))?;
+        let rate = walks as f64 * seconds / begun.elapsed().as_secs_f64();
+        sweeps[most].1 = f64::max(sweeps[most].1, rate);
+    }
+    Ok(sweeps)
+}
+
+fn processors(sweeps: &[(usize, f64)]) -> String {
+    let mut rows = vec![["processors", "walks at once, simulated s per s", "of one"].map(String::from).to_vec()];
+    let one = sweeps.first().map_or(f64::NAN, |sweep| sweep.1);
+    rows.extend(sweeps.iter().map(|(n, rate)| vec![n.to_string(), format!("{rate:.0}"), format!("{:.2}", rate / one)]));
+    table(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_power_law_has_its_exponent() {
+        let points =
+            [1.0, 2.0, 4.0, 8.0].map(|x: f64| Point { curve: "links", engine: OURS, x, us: 3.0 * x.powf(1.5) });
+        let fitted = exponent(&points.iter().collect::<Vec<_>>(), 2.0).expect("three points");
+        assert_eq!(fitted, 1.5);
+        assert!(exponent(&[&points[0]], 0.0).is_none());
+    }
+
+    #[test]
+    fn every_scene_of_every_curve_can_be_simulated_and_grows_as_it_says() {
+        for curve in Curve::ALL {
+            for (x, scene) in curve.scenes(true).expect("good scenes") {
+                let mut plant = plant::Plant::new(&scene).expect("a good scene");
+                for _ in 0..50 {
+                    plant.advance(&Default::default()).expect("a step");
+                }
+                match curve.name {
+                    "contacts" => assert_eq!(plant.problem().contacts as f64, x),
+                    "links" => assert_eq!(plant.model().dofs() as f64, x),
+                    _ => assert_eq!(scene.plant.dt, 1e-3 * x),
+                }
+            }
+        }
+    }
+
+    /// Twenty-four equations hold ten degrees of freedom: what is redundant has to be told from rounding.
+    #[test]
+    fn a_table_that_does_not_tip_is_welded_and_stands_as_corner_by_corner() {
+        for (points, scene) in Curve::ALL[0].scenes(false).expect("good scenes") {
+            let plant = || plant::Plant::new(&scene).expect("a good scene");
+            let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_welds(), 0.0_f64, 0);
+            for _ in 0..300 {
+                for plant in [&mut ours, &mut theirs] {
+                    plant.advance(&Default::default()).expect("a step");
+                }
+                let [a, b] = [ours.state(), theirs.state()];
+                let pairs = a.x.iter().zip(&b.x).chain(a.xdot.iter().zip(&b.xdot));
+                worst = pairs.fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
+                welded += usize::from(points > 0.0 && ours.problem().delassus.is_empty());
+                assert!(points == 0.0 || !theirs.problem().delassus.is_empty());
+            }
+            println!("{points} corners: states differ by {worst:.1e}, {welded} of 300 steps welded");
+            assert!(worst < 1e-9, "{points} corners: {worst}");
+            // of three and of five corners, one carries nothing; on one it tips, and is welded while that one stands still
+            let held = match points {
+                0.0 | 3.0 | 5.0 => 0..=0,
+                1.0 => 1..=60,
+                _ => 291..=300,
+            };
+            assert!(held.contains(&welded), "{points} corners: {welded} steps welded");
+        }
+    }
+}

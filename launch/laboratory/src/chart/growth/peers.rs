@@ -1,0 +1,50 @@
+//! MuJoCo on the same robots: each goes as MJCF to a script, which loops in C.
+
+use super::Point;
+use super::scenes::Curve;
+use crate::chart::watch::Watch;
+use messages::scene::Scene;
+use sessions::export::mjcf;
+use shared::exit::{Exit, Failure};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Whose points they are.
+pub const NAME: &str = "MuJoCo";
+/// The script, in the folder that this was built from.
+const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/growth.py");
+
+/// Points of a curve; none, said aloud, where MuJoCo does not install.
+///
+/// # Errors
+/// No Python, or a file that cannot be written.
+pub fn points(curve: &Curve, scenes: &[(f64, Scene)], watch: &Watch) -> Result<Vec<Point>, Failure> {
+    let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
+    let folder = std::env::temp_dir().join(format!("biped-growth-{}-{}", std::process::id(), curve.name));
+    std::fs::create_dir(&folder).map_err(|error| fault(format!("{} cannot be made: {error}", folder.display())))?;
+    let ended = measured(curve, scenes, &folder, watch);
+    let _ = std::fs::remove_dir_all(&folder);
+    ended
+}
+
+/// The same, with files in a folder of their own.
+fn measured(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Watch) -> Result<Vec<Point>, Failure> {
+    let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
+    let mut files: Vec<PathBuf> = Vec::new();
+    for (x, scene) in scenes {
+        let file = folder.join(format!("growth-{}-{x}.xml", curve.name));
+        std::fs::write(&file, mjcf(scene)?).map_err(|error| fault(error.to_string()))?;
+        files.push(file);
+    }
+    let output = Command::new("python3").arg(SCRIPT).args(&files).output();
+    let output = output.map_err(|error| fault(format!("python3 does not start: {error}")))?;
+    if !output.status.success() {
+        let errors = String::from_utf8_lossy(&output.stderr);
+        let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it said nothing");
+        return Err(fault(format!("{SCRIPT} failed ({}): {last}", output.status)));
+    }
+    let text = String::from_utf8_lossy(&output.stdout);
+    text.lines().filter(|line| line.contains("left out")).for_each(|line| watch.tell(line));
+    let times = text.lines().filter_map(|line| line.strip_prefix("us ")?.parse().ok());
+    Ok(scenes.iter().zip(times).map(|((x, _), us)| Point { curve: curve.name, engine: NAME, x: *x, us }).collect())
+}

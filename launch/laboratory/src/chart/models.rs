@@ -1,0 +1,184 @@
+//! View (iv): model no more than a scene needs. The same scene on models of growing size: the same answer, at what cost?
+
+use super::cases::{self, LAW, METHOD, Way};
+use super::core::Core;
+use super::csv::{OURS, Row, View};
+use super::trial::{Log, Outcome, periods, time, watch};
+use super::watch::{Job, Watch};
+use messages::load::parse;
+use messages::scene::{Base, Law, Scene};
+use shared::exit::{Exit, Failure};
+
+/// The step [s].
+const H: f64 = 1e-3;
+
+/// Models of one scene from small to large; the last one is the full model, whose answer the others are held to.
+pub struct Group {
+    /// Its name in the table.
+    pub name: &'static str,
+    /// What grows.
+    pub title: &'static str,
+    models: fn() -> Result<Vec<Model>, Failure>,
+}
+
+/// A model: what it is called, its scene, and the law.
+type Model = (String, Scene, Law);
+
+/// The groups, in the order of the page.
+pub const GROUPS: [Group; 5] = [
+    Group { name: "pendulum", title: "base: an inverted pendulum on its foot", models: pendulum },
+    Group { name: "base", title: "base: a cube slides along x", models: bases },
+    Group { name: "points", title: "points that can touch: the same cube", models: points },
+    Group { name: "feet", title: "points that can touch: a biped in flight", models: feet },
+    Group { name: "directions", title: "directions of friction: a cube slides across the axes", models: directions },
+];
+
+/// Difference of the answer and cost of every model.
+///
+/// # Errors
+/// Ctrl-C, or a scene that is refused.
+pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
+    let mut rows = Vec::new();
+    let _core = Core::hold();
+    for group in GROUPS {
+        let models = (group.models)()?;
+        progress.expect(models.len());
+        let mut answers = Vec::new();
+        for (name, mut scene, law) in models {
+            progress.step(Job::Sizing)?;
+            (scene.plant.law, scene.plant.method, scene.plant.dt, scene.rate) = (law, METHOD, H, 1.0 / H);
+            let Outcome::Done(log) = watch(&scene, &[]) else {
+                return Err(Failure::new(
+                    Exit::Fault,
+                    format!("the model {} / {name} cannot be simulated", group.name),
+                ));
+            };
+            let (seconds, _) = time(&scene, &[])?;
+            answers.push((name, answer(&log), seconds, scene.duration, periods(&scene)));
+        }
+        let Some(full) = answers.last().map(|last| last.1) else { continue };
+        rows.extend(answers.into_iter().map(|(method, answer, seconds, duration, steps)| Row {
+            view: View::Models,
+            scene: group.name.into(),
+            engine: OURS.into(),
+            method,
+            dt: H,
+            metric: "difference".into(),
+            error: difference(answer, full),
+            cost: seconds / duration,
+            us_per_step: 1e6 * seconds / steps as f64,
+        }));
+    }
+    Ok(rows)
+}
+
+/// Momentum and kinetic energy at the end [N·s, J].
+fn answer(log: &Log) -> [f64; 4] {
+    let totals = log.sights.last().map(|sight| sight.totals).unwrap_or_default();
+    [totals.linear.x, totals.linear.y, totals.linear.z, totals.kinetic]
+}
+
+fn difference(answer: [f64; 4], full: [f64; 4]) -> f64 {
+    let norm = |of: [f64; 4]| of.iter().map(|part| part * part).sum::<f64>().sqrt();
+    norm(std::array::from_fn(|i| answer[i] - full[i])) / norm(full)
+}
+
+/// One of the scenes for a time in which everything still moves.
+fn scene(name: &str, duration: f64) -> Result<Scene, Failure> {
+    let mut scene = cases::scene(name, Way { law: LAW, method: METHOD }, H, &[])?;
+    scene.duration = duration;
+    Ok(scene)
+}
+
+fn on(base: Base, scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.plant.base = base;
+    scene
+}
+
+const ROD: &str = r#"
+duration = 0.5
+
+[initial]
+orientation_deg = [0.0, 5.0, 0.0]
+
+[[bodies]]
+name = "rod"
+mass = 1.0
+size = [0.02, 0.02, 0.02]
+com = [0.0, 0.0, 0.8]
+contacts = [[0.0, 0.0, 0.0]]
+"#;
+
+const HINGE: &str = r#"
+duration = 0.5
+
+[plant]
+base = "fixed"
+drive_inertia = 0.0
+
+[initial]
+joints = [0.08726646259971647]
+
+[[bodies]]
+name = "ground"
+mass = 1.0
+size = [0.1, 0.1, 0.1]
+
+[[bodies]]
+name = "rod"
+mass = 1.0
+size = [0.02, 0.02, 0.02]
+com = [0.0, 0.0, 0.8]
+joint = { parent = "ground", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }
+"#;
+
+fn pendulum() -> Result<Vec<Model>, Failure> {
+    let (hinge, rod) = (parse(HINGE, "hinge")?, parse(ROD, "rod")?);
+    Ok(vec![
+        ("fixed: a hinge, 1 degree of freedom".into(), hinge, LAW),
+        ("planar: 3, and a contact point".into(), on(Base::Planar, &rod), LAW),
+        ("virtual joints: 6".into(), on(Base::Virtual, &rod), LAW),
+        ("quaternion: 6".into(), on(Base::Quaternion, &rod), LAW),
+    ])
+}
+
+fn bases() -> Result<Vec<Model>, Failure> {
+    let slide = scene("slide", 0.3)?;
+    let names =
+        [(Base::Planar, "planar: 3"), (Base::Virtual, "virtual joints: 6"), (Base::Quaternion, "quaternion: 6")];
+    Ok(names.into_iter().map(|(base, name)| (name.into(), on(base, &slide), LAW)).collect())
+}
+
+/// On a planar base an edge of the cube is one point; the upper corners are never needed.
+fn points() -> Result<Vec<Model>, Failure> {
+    let slide = scene("slide", 0.3)?;
+    let (mut two, mut eight) = (on(Base::Planar, &slide), slide.clone());
+    two.bodies[0].contacts.retain(|point| point[1] > 0.0);
+    eight.bodies[0].contacts.extend(slide.bodies[0].contacts.iter().map(|point| [point[0], point[1], -point[2]]));
+    Ok(vec![
+        ("2, planar base".into(), two, LAW),
+        ("4, the sole".into(), slide, LAW),
+        ("8, every corner".into(), eight, LAW),
+    ])
+}
+
+fn feet() -> Result<Vec<Model>, Failure> {
+    let free = scene("free", 0.5)?;
+    let mut none = free.clone();
+    none.bodies.iter_mut().for_each(|body| body.contacts.clear());
+    Ok(vec![("0".into(), none, LAW), ("8, both soles".into(), free, LAW)])
+}
+
+fn directions() -> Result<Vec<Model>, Failure> {
+    let slide = scene("slide30", 0.3)?;
+    let model = |name: &str, law| (name.into(), slide.clone(), law);
+    Ok(vec![
+        model("1, along the slip: Complementarity", Law::Complementarity),
+        model("2, with across it: Aligned", Law::Aligned),
+        model("4, fixed: Facets(4)", Law::Facets(4)),
+        model("8, fixed: Facets(8)", Law::Facets(8)),
+        model("16, fixed: Facets(16)", Law::Facets(16)),
+        model("all of them: Cone", Law::Cone),
+    ])
+}

@@ -1,0 +1,193 @@
+//! `biped chart --orders`: how fast each integration method comes nearer to the answer as its step shrinks, and what it costs.
+//!
+//! The error is the greatest of the final state, in proportion to 1 + |entry|, against `EventDriven` in steps of 1e-12. The order is the
+//! slope of its logarithm between 4 ms and .5 ms, fitted, for at a landing the error also hangs on where in a step that falls.
+
+use super::cases::{LAW, word};
+use super::watch::{Job, Watch};
+use crate::study::table;
+use messages::load::parse;
+use messages::scene::{Method, Scene};
+use plant::{Plant, PlantError};
+use shared::csv;
+use shared::exit::Failure;
+use shared::output::{say, unwritten, write_whole};
+use std::path::Path;
+use std::time::Instant;
+
+/// Motions that a method must follow, with the scenes of them.
+pub const MOTIONS: [(&str, &str); 11] = [
+    ("flight", include_str!("orders/flight.toml")),
+    ("spin", include_str!("orders/spin.toml")),
+    ("chain", include_str!("orders/chain.toml")),
+    ("pivot", include_str!("orders/pivot.toml")),
+    ("roll", include_str!("orders/roll.toml")),
+    ("slip", include_str!("orders/slip.toml")),
+    ("impact", include_str!("orders/impact.toml")),
+    ("reversal", include_str!("orders/reversal.toml")),
+    ("spring", include_str!("orders/spring.toml")),
+    ("damper", include_str!("orders/damper.toml")),
+    ("bounce", include_str!("orders/bounce.toml")),
+];
+
+/// Steps, coarse to fine [s].
+const STEPS: [f64; 4] = [4e-3, 2e-3, 1e-3, 5e-4];
+/// The one whose error is told.
+const TOLD: usize = 2;
+/// Errors below this are rounding, and have no order [-].
+const EXACT: f64 = 1e-11;
+/// The reference's error in a step [-].
+const REFERENCE: f64 = 1e-12;
+
+/// What a method makes of a motion.
+pub struct Found {
+    /// Errors with each of [`STEPS`].
+    pub errors: [f64; STEPS.len()],
+    /// Time of a step [µs].
+    pub cost: f64,
+}
+
+/// Prints the table, and writes it into the folder of the chart.
+///
+/// # Errors
+/// Ctrl-C, or a folder that cannot be written.
+pub fn run(out: &Path, progress: &Watch) -> Result<(), Failure> {
+    progress.expect(MOTIONS.len() * Method::ALL.len());
+    let mut rows = vec![["method".to_string()].into_iter().chain(MOTIONS.map(|(name, _)| name.into())).collect()];
+    let mut long =
+        vec![vec!["method".to_string(), "motion".into(), "h_s".into(), "error".into(), "us_per_step".into()]];
+    let mut columns = Vec::new();
+    for (name, text) in MOTIONS {
+        let scene = parse(text, name)?;
+        let truth = reference(&scene);
+        let mut column = Vec::new();
+        for method in Method::ALL {
+            progress.step(Job::Timing)?;
+            let found = truth.as_ref().map_err(Clone::clone).and_then(|truth| measure(&scene, method, truth));
+            if let Ok(found) = &found {
+                long.extend(STEPS.iter().zip(found.errors).map(|(h, error)| {
+                    vec![word(&method), name.into(), h.to_string(), format!("{error:e}"), format!("{:.3}", found.cost)]
+                }));
+            }
+            column.push(found.map_or_else(|error| word_of(&error).into(), |found| found.cell()));
+        }
+        columns.push(column);
+    }
+    for (i, method) in Method::ALL.iter().enumerate() {
+        rows.push([word(method)].into_iter().chain(columns.iter().map(|column| column[i].clone())).collect());
+    }
+    progress.finish();
+    write_whole(&out.join("orders.csv"), &csv::text(&long)).map_err(|error| unwritten(out, &error))?;
+    say(format!("order, error at 1 ms, µs a step; law {LAW}\n\n"));
+    say(table(&rows));
+    Ok(())
+}
+
+/// The final state by the reference method.
+fn reference(scene: &Scene) -> Result<Vec<f64>, PlantError> {
+    let mut scene = scene.clone();
+    scene.plant.tolerance_step = REFERENCE;
+    end(&scene, Method::EventDriven, STEPS[TOLD]).map(|(state, _)| state)
+}
+
+/// Errors and cost of a method.
+///
+/// # Errors
+/// If it cannot have the scene, or breaks off.
+pub fn measure(scene: &Scene, method: Method, truth: &[f64]) -> Result<Found, PlantError> {
+    let mut found = Found { errors: [0.0; STEPS.len()], cost: 0.0 };
+    for (error, h) in found.errors.iter_mut().zip(STEPS) {
+        let (state, cost) = end(scene, method, h)?;
+        let pairs = state.iter().zip(truth);
+        (*error, found.cost) = (pairs.fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs() / (1.0 + b.abs()))), cost);
+    }
+    Ok(found)
+}
+
+/// Final x and ẋ, and the time of a step [µs].
+fn end(scene: &Scene, method: Method, h: f64) -> Result<(Vec<f64>, f64), PlantError> {
+    let mut scene = scene.clone();
+    (scene.plant.law, scene.plant.method, scene.plant.dt, scene.rate) = (LAW, method, h, 1.0 / h);
+    let (mut plant, steps, begun) = (Plant::new(&scene)?, (scene.duration / h).round(), Instant::now());
+    for _ in 0..steps as u64 {
+        plant.step()?;
+    }
+    let cost = begun.elapsed().as_secs_f64() * 1e6 / steps;
+    Ok(([&plant.state().x[..], &plant.state().xdot].concat(), cost))
+}
+
+impl Found {
+    /// Slope of log error over log step; none where the error is rounding.
+    pub fn order(&self) -> Option<f64> {
+        if self.errors[TOLD] < EXACT {
+            return None;
+        }
+        let points = STEPS.iter().zip(self.errors).map(|(h, error)| (h.ln(), error.ln()));
+        let n = STEPS.len() as f64;
+        let [x, y, xx, xy] = points.fold([0.0; 4], |[x, y, xx, xy], (a, b)| [x + a, y + b, xx + a * a, xy + a * b]);
+        Some((n * xy - x * y) / (n * xx - x * x))
+    }
+
+    fn cell(&self) -> String {
+        let order = self.order().map_or("exact".into(), |order| format!("{order:.1}"));
+        format!("{order}, {:.0e}, {:.1}", self.errors[TOLD], self.cost)
+    }
+}
+
+/// Why there is no figure.
+fn word_of(error: &PlantError) -> &'static str {
+    match error {
+        PlantError::Value { .. } => "refused",
+        _ => "breaks off",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a method makes of a motion.
+    fn found(name: &str, method: Method) -> Result<Found, PlantError> {
+        let (_, text) = MOTIONS.iter().find(|(known, _)| *known == name).unwrap_or_else(|| panic!("{name}"));
+        let scene = parse(text, name).unwrap_or_else(|error| panic!("{error}"));
+        let truth = reference(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));
+        measure(&scene, method, &truth)
+    }
+
+    #[test]
+    fn the_default_is_of_second_order_in_every_motion_but_where_a_slip_turns_round() {
+        for (name, _) in MOTIONS {
+            let found = found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));
+            println!("{name}: {:?}, order {:?}", found.errors, found.order());
+            // between the coarsest and the finest it falls as h² does, by 64, or nearly
+            let falls = found.order().is_none() || found.errors[0] / found.errors[3] > 16.0;
+            assert_eq!(falls, name != "reversal", "{name}: {:?}", found.errors);
+            assert!(found.errors[TOLD] < if name == "spin" { 5e-3 } else { 3e-4 }, "{name}: {:?}", found.errors);
+        }
+    }
+
+    /// Negative control: the paper's step, and what stops velocities in the middle, are of first order there.
+    #[test]
+    fn other_methods_are_of_first_order_where_contact_pivots_rolls_or_turns() {
+        for name in ["pivot", "roll", "slip"] {
+            for method in [Method::SemiImplicitEuler, Method::MidpointMoreau, Method::MoreauJean] {
+                let found = found(name, method).unwrap_or_else(|error| panic!("{name}: {error}"));
+                let order = found.order().unwrap_or_else(|| panic!("{name}, {method:?}"));
+                assert!((0.85..1.2).contains(&order), "{name}, {method:?}: {order}, {:?}", found.errors);
+                let default =
+                    self::found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));
+                assert!(found.errors[TOLD] > 30.0 * default.errors[TOLD], "{name}, {method:?}: {:?}", found.errors);
+            }
+        }
+    }
+
+    #[test]
+    fn what_a_method_cannot_do_is_refused() {
+        for method in [Method::ExplicitEuler, Method::MoreauJean, Method::Rk4, Method::Rk4Impact] {
+            assert!(matches!(found("damper", method), Err(PlantError::Value { .. })), "{method:?}");
+        }
+        for method in Method::ALL.into_iter().filter(|method| !method.bounces()) {
+            assert!(matches!(found("bounce", method), Err(PlantError::Value { .. })), "{method:?}");
+        }
+    }
+}

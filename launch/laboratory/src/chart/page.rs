@@ -1,0 +1,105 @@
+//! The page: every drawing, with what to read in it, complete in itself.
+
+use super::cases::{Case, LAW, word};
+use super::csv::{OURS, Row, View};
+use super::failures::{Cause, columns};
+use super::models::GROUPS;
+use super::steps::LOADS;
+use super::{bounds, draw, failures};
+use records::report::inline;
+use records::report::plot::escaped;
+use records::view::page::STYLE;
+use shared::output::write_whole;
+use std::fmt::Write;
+use std::io;
+use std::path::Path;
+
+/// Draws all views and writes them, alone as SVG and together as `chart.html`, into the folder.
+///
+/// # Errors
+/// As the file system has them, with the file's name.
+pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::Result<()> {
+    let views = [precision(chosen, rows), steps(rows), failures(chosen, rows), models(rows)];
+    for (name, svg) in views.iter().flatten() {
+        write_whole(&folder.join(name).with_extension("svg"), svg)?;
+    }
+    let [precision, steps, failures, models] =
+        views.map(|view| view.iter().map(|(_, svg)| inline(svg)).collect::<String>());
+    let page = include_str!("page.html")
+        .replace("{{style}}", STYLE)
+        .replace("{{remark}}", &escaped(remark))
+        .replace("{{law}}", &word(&LAW))
+        .replace("{{precision}}", &precision)
+        .replace("{{bounds}}", &bounds(chosen, rows))
+        .replace("{{steps}}", &steps)
+        .replace("{{failures}}", &failures)
+        .replace("{{causes}}", &causes())
+        .replace("{{thresholds}}", &thresholds(rows))
+        .replace("{{models}}", &models);
+    write_whole(&folder.join("chart.html"), &page)
+}
+
+/// Names of files and drawings.
+type Drawings = Vec<(String, String)>;
+
+fn precision(chosen: &[Case], rows: &[Row]) -> Drawings {
+    let drawing = |case: &Case| Some((format!("precision-{}", case.name), draw::precision(case, rows)?));
+    chosen.iter().filter_map(drawing).collect()
+}
+
+fn steps(rows: &[Row]) -> Drawings {
+    let drawing =
+        |(scene, title, _): (&str, &str, f64)| Some((format!("step-{scene}"), draw::steps(scene, title, rows)?));
+    LOADS.into_iter().filter_map(drawing).collect()
+}
+
+fn failures(chosen: &[Case], rows: &[Row]) -> Drawings {
+    draw::failures(&columns(chosen), rows).map(|svg| ("failures".into(), svg)).into_iter().collect()
+}
+
+fn models(rows: &[Row]) -> Drawings {
+    GROUPS.iter().filter_map(|group| Some((format!("model-{}", group.name), draw::models(group, rows)?))).collect()
+}
+
+/// The table of what it costs to come below a small error, if others were measured.
+fn bounds(chosen: &[Case], rows: &[Row]) -> String {
+    let lines = bounds::table(chosen, rows);
+    let line = |(i, cells): (usize, &Vec<String>)| {
+        let tag = if i == 0 { "th" } else { "td" };
+        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    lines.iter().enumerate().map(line).collect()
+}
+
+/// The letters of the map.
+fn causes() -> String {
+    Cause::ALL.into_iter().fold(String::new(), |mut text, cause| {
+        let (letter, name) = cause.name().split_at(1);
+        let _ = write!(text, "<li><b>{letter}</b>{name}: {}</li>", cause.rule());
+        text
+    })
+}
+
+/// The table of thresholds, as measured and exact side by side.
+fn thresholds(rows: &[Row]) -> String {
+    let mut text = String::new();
+    let of = |row: &Row, kind: &str| row.view == View::Failures && row.engine == OURS && row.metric.ends_with(kind);
+    for measured in rows.iter().filter(|row| of(row, failures::MEASURED)) {
+        let quantity = measured.metric.trim_end_matches(failures::MEASURED);
+        let same = |row: &&Row| {
+            of(row, failures::EXACT)
+                && (&row.scene, &row.method) == (&measured.scene, &measured.method)
+                && row.metric.starts_with(quantity)
+        };
+        let exact = rows.iter().find(same).map_or(f64::NAN, |row| row.error);
+        let _ = writeln!(
+            text,
+            "<tr><td>{}</td><td>{}</td><td>{quantity}</td><td>{:.6}</td><td>{exact:.6}</td></tr>",
+            escaped(&measured.scene),
+            escaped(&measured.method),
+            measured.error,
+        );
+    }
+    text
+}

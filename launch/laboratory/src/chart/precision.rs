@@ -1,0 +1,131 @@
+//! View (i): error against CPU time per simulated second, the step swept from coarse to fine.
+
+use super::cases::{self, Case, Way, steps, ways};
+use super::core::Core;
+use super::csv::{OURS, Row, View};
+use super::metrics::{HOP, Metric, PENETRATION, SIGNORINI, metrics};
+use super::trial::{Outcome, periods, time, watch};
+use super::watch::{Job, Watch};
+use messages::scene::Scene;
+use nalgebra::Vector3;
+use plant::PlantError;
+use rayon::prelude::*;
+use shared::exit::{Exit, Failure};
+
+/// Why a run has no metrics.
+#[derive(Clone, Debug)]
+pub enum Fate {
+    /// The scene cannot be simulated this way, so nothing ran.
+    Refused,
+    /// The run broke off.
+    Broken(PlantError),
+}
+
+/// One run of the sweep.
+#[derive(Clone, Debug)]
+pub struct Trial {
+    /// The scene.
+    pub case: Case,
+    /// Law and integrator.
+    pub way: Way,
+    /// Step [s].
+    pub h: f64,
+    /// The scene as it ran.
+    pub scene: Scene,
+    /// What came out.
+    pub result: Result<Vec<Metric>, Fate>,
+    /// Steps that needed the solver's fallback.
+    pub fallbacks: u64,
+    /// Where the centre of mass ended [m].
+    pub end: Option<Vector3<f64>>,
+    /// Hash of every state.
+    pub hash: u64,
+    /// CPU time [s].
+    pub seconds: f64,
+}
+
+/// Every way to simulate every case, with every step: watched in parallel, then timed one after the other.
+///
+/// # Errors
+/// Ctrl-C, a scene that is refused, or a timed run that differs from the watched one.
+pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>, Failure> {
+    let mut plan = Vec::new();
+    for case in chosen {
+        for way in ways(case) {
+            let duration = cases::scene(case.name, way, 1e-3, &[])?.duration;
+            plan.extend(steps(case, way, duration, quick).into_iter().map(|h| (*case, way, h)));
+        }
+    }
+    watch.expect(2 * plan.len());
+    let mut trials: Vec<Trial> = plan.into_par_iter().map(|plan| run(plan, watch)).collect::<Result<_, Failure>>()?;
+    let _core = Core::hold();
+    for trial in trials.iter_mut().filter(|trial| trial.result.is_ok()) {
+        watch.step(Job::Timing)?;
+        let (seconds, hash) = time(&trial.scene, &[])?;
+        if hash != trial.hash {
+            let message =
+                format!("{} with {}: the timed run differs from the watched one", trial.case.name, trial.way.name());
+            return Err(Failure::new(Exit::Fault, message));
+        }
+        trial.seconds = seconds;
+    }
+    Ok(trials)
+}
+
+fn run((case, way, h): (Case, Way, f64), progress: &Watch) -> Result<Trial, Failure> {
+    progress.step(Job::Watching)?;
+    let scene = cases::scene(case.name, way, h, &[])?;
+    let mut trial =
+        Trial { case, way, h, scene, result: Ok(Vec::new()), fallbacks: 0, end: None, hash: 0, seconds: f64::NAN };
+    match watch(&trial.scene, &[]) {
+        Outcome::Refused => trial.result = Err(Fate::Refused),
+        Outcome::Broken(error) => trial.result = Err(Fate::Broken(error)),
+        Outcome::Done(log) => {
+            trial.end = log.end();
+            trial.result = Ok(metrics(case.question, &trial.scene, &log));
+            (trial.fallbacks, trial.hash) = (log.fallbacks, log.hash);
+        }
+    }
+    Ok(trial)
+}
+
+impl Trial {
+    /// Its rows of the table; of a run that broke off the errors are infinite.
+    pub fn rows(&self) -> Vec<Row> {
+        let row = |metric: &str, error: f64| Row {
+            view: View::Precision,
+            scene: self.case.name.into(),
+            engine: OURS.into(),
+            method: self.way.name(),
+            dt: self.h,
+            metric: metric.into(),
+            error,
+            cost: self.seconds / self.scene.duration,
+            us_per_step: 1e6 * self.seconds / periods(&self.scene) as f64,
+        };
+        match &self.result {
+            Ok(metrics) => metrics.iter().map(|metric| row(metric.0, metric.1)).collect(),
+            Err(Fate::Broken(_)) => self.case.question.metrics().iter().map(|name| row(name, f64::INFINITY)).collect(),
+            Err(Fate::Refused) => Vec::new(),
+        }
+    }
+}
+
+/// The gate: of a method that converges to Coulomb's law, (19) and the gap hold better with smaller steps.
+///
+/// `runs` are rows of one method in one scene. Hollow is whoever misses (19) or the ground by more than rounding, and
+/// by no less at its finest step than a third of its coarsest.
+pub fn is_hollow(runs: &[&Row]) -> bool {
+    [(SIGNORINI, 1e-8), (HOP, 1e-7), (PENETRATION, 1e-7)].iter().any(|&(metric, rounding)| {
+        let mut values: Vec<_> =
+            runs.iter().filter(|row| row.metric == metric).map(|row| (row.dt, row.error)).collect();
+        values.sort_by(|a, b| a.0.total_cmp(&b.0));
+        match values.as_slice() {
+            [finest, .., coarsest] => {
+                let expected = (finest.0 / coarsest.0).sqrt();
+                finest.1 > rounding && finest.1 > expected * coarsest.1
+            }
+            _ => false,
+        }
+    })
+}

@@ -1,0 +1,94 @@
+//! View (ii): CPU time per step of 1 ms, for scenes of growing contact.
+
+use super::cases::{self, LAW, METHOD, Way};
+use super::core::Core;
+use super::csv::{OURS, Row, View};
+use super::trial::{Outcome, periods, quantile, times, watch};
+use super::watch::{Job, Watch};
+use messages::scene::{Law, Method, Scene};
+use messages::wire::Torques;
+use shared::exit::{Exit, Failure};
+
+/// A scene whose step is timed, what it shows, and for how long [s].
+pub const LOADS: [(&str, &str, f64); 4] = [
+    ("free", "flight", 1.0),
+    ("slide", "a cube slides", 0.4),
+    ("stand0", "a biped stands on 8 points", 1.0),
+    ("walk", "a biped walks", 2.5),
+];
+/// The step [s].
+const H: f64 = 1e-3;
+/// What half of all steps do not exceed, in the table.
+pub const MEDIAN: &str = "median";
+/// What 99 of 100 steps do not exceed.
+pub const P99: &str = "p99";
+
+/// The time per step of every law, and of every integrator under one law.
+///
+/// # Errors
+/// Ctrl-C, or a scene that is refused. A way that cannot do a scene, or in which the robot falls, has no row.
+pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
+    let mut rows = Vec::new();
+    let _core = Core::hold();
+    for (name, _, duration) in LOADS {
+        let ways = ways(name, quick);
+        progress.expect(ways.len());
+        for way in ways {
+            progress.step(Job::Timing)?;
+            let mut scene = cases::scene(name, way, H, &[])?;
+            let duration = if way.share() < 1.0 { 0.1 * duration } else { duration };
+            scene.duration = if quick { duration.min(0.4) } else { duration };
+            let Some(mut times) = measure(&scene)? else { continue };
+            rows.extend([(MEDIAN, 0.5), (P99, 0.99)].map(|(metric, share)| {
+                let seconds = quantile(&mut times, share);
+                Row {
+                    view: View::Steps,
+                    scene: name.into(),
+                    engine: OURS.into(),
+                    method: way.name(),
+                    dt: H,
+                    metric: metric.into(),
+                    error: f64::NAN,
+                    cost: seconds / H,
+                    us_per_step: 1e6 * seconds,
+                }
+            }));
+        }
+    }
+    Ok(rows)
+}
+
+/// Every integrator, then every law. Flight knows none, and what takes milliseconds a step would walk for minutes.
+fn ways(name: &str, quick: bool) -> Vec<Way> {
+    let methods = Method::ALL.iter().map(|&method| Way { law: LAW, method });
+    let laws = Law::ALL.iter().filter(|&&law| law != LAW && name != "free").map(|&law| Way { law, method: METHOD });
+    let ways = methods.chain(laws).filter(|way| way.share() == 1.0 || name != "walk");
+    if quick { ways.skip(1).take(3).collect() } else { ways.collect() }
+}
+
+/// Time of every step [s]: torques are those that the scene's controller gave in a run before, whose states must come again.
+fn measure(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
+    let Some(torques) = driven(scene) else { return Ok(None) };
+    let Outcome::Done(log) = watch(scene, &torques) else { return Ok(None) };
+    match times(scene, &torques)? {
+        (times, hash) if hash == log.hash => Ok(Some(times)),
+        _ => Err(Failure::new(Exit::Fault, "the timed run differs from the watched one")),
+    }
+}
+
+/// The torques of each control period; none if the controller or the plant gives up.
+fn driven(scene: &Scene) -> Option<Vec<Torques>> {
+    if scene.controller.is_none() {
+        return Some(Vec::new());
+    }
+    let mut controller = controller::Controller::new(scene).ok()?;
+    let mut plant = plant::Plant::new(scene).ok()?;
+    let mut encoders = plant.encoders();
+    let mut all = Vec::with_capacity(periods(scene));
+    for _ in 0..periods(scene) {
+        let torques = controller.tick(&encoders).ok()?;
+        encoders = plant.advance(&torques).ok()?;
+        all.push(torques);
+    }
+    (plant.truth().base_position[2] > 0.2).then_some(all)
+}

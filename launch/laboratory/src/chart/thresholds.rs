@@ -1,0 +1,225 @@
+//! View (iii), thresholds: from which step, friction, stiffness or mass ratio on a method fails, found by bisection,
+//! beside the exact value.
+
+use super::cases::{LAW, METHOD, Way, scene, word};
+use super::csv::{OURS, Row, View};
+use super::failures::{EXACT, MEASURED};
+use super::trial::{Log, Outcome, Sight, watch};
+use super::watch::{Job, Watch};
+use messages::load::parse;
+use messages::scene::{Law, Method, Scene};
+use plant::contact::{Memory, Problem, Solver};
+use shared::exit::Failure;
+
+/// One threshold.
+struct Threshold {
+    /// Where it is met.
+    scene: &'static str,
+    /// By whom.
+    method: String,
+    /// Of what.
+    quantity: &'static str,
+    exact: f64,
+    measured: f64,
+}
+
+type Found = Result<Vec<Threshold>, Failure>;
+
+/// A ball on one point, pressed into its spring by its weight and nudged; rows of ω²h² decide whether it settles.
+const SPRING: &str = r#"
+[plant]
+base = "planar"
+law = "SpringDamper"
+friction = 0.0
+
+[[bodies]]
+name = "ball"
+mass = 1.0
+size = [0.1, 0.1, 0.1]
+contacts = [[0.0, 0.0, 0.0]]
+"#;
+
+/// A rod on its tip, leaning so that tan θ = 2 and sliding with its foot ahead.
+const ROD: &str = r#"
+[plant]
+base = "planar"
+
+[initial]
+clearance = 0.0
+velocity = [1.0, 0.0, 0.0]
+
+[[bodies]]
+name = "rod"
+mass = 1.0
+size = [2.0, 0.01, 0.01]
+inertia = [0.3333333333333333, 0.3333333333333333, 0.3333333333333333]
+contacts = [[FOOT, 0.0, -0.8944271909999159]]
+"#;
+
+/// Each threshold as two rows, as measured and exact.
+///
+/// # Errors
+/// Ctrl-C, or a bad scene, which a test excludes.
+pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
+    let jobs: [fn() -> Found; 4] = [springs, sticking, painleve, masses];
+    progress.expect(jobs.len());
+    let mut rows = Vec::new();
+    for job in jobs {
+        progress.step(Job::Bisecting)?;
+        for threshold in job()? {
+            for (kind, value) in [(MEASURED, threshold.measured), (EXACT, threshold.exact)] {
+                rows.push(Row {
+                    view: View::Failures,
+                    scene: threshold.scene.into(),
+                    engine: OURS.into(),
+                    method: threshold.method.clone(),
+                    dt: f64::NAN,
+                    metric: format!("{}{kind}", threshold.quantity),
+                    error: value,
+                    cost: f64::NAN,
+                    us_per_step: f64::NAN,
+                });
+            }
+        }
+    }
+    Ok(rows)
+}
+
+/// Where a property that holds at `low` and not at `high` ends, to a part in 10⁷.
+fn bisect(mut low: f64, mut high: f64, mut holds: impl FnMut(f64) -> Result<bool, Failure>) -> Result<f64, Failure> {
+    while high / low > 1.0 + 1e-7 {
+        let middle = (low * high).sqrt();
+        if holds(middle)? {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    Ok(low)
+}
+
+/// h* and k* of springs and dampers: ω h < 2 (√(1 + ζ²) - ζ) under semi-implicit Euler.
+fn springs() -> Found {
+    let limit = |ratio: f64| 2.0 * ((1.0 + ratio * ratio).sqrt() - ratio);
+    let method = format!("{}/{}", word(&Law::SpringDamper), word(&Method::SemiImplicitEuler));
+    let mut found = Vec::new();
+    for (ratio, place) in [(0.0, "spring, ζ 0"), (0.1, "spring, ζ 0.1"), (1.0, "spring, ζ 1")] {
+        let stiffness = 1e4;
+        let measured = bisect(1e-4, 1e-1, |h| settles(stiffness, ratio, h))?;
+        let exact = limit(ratio) / f64::sqrt(stiffness);
+        found.push(Threshold { scene: place, method: method.clone(), quantity: "h* [s]", exact, measured });
+    }
+    let measured = bisect(1e4, 1e8, |stiffness| settles(stiffness, 0.5, 1e-3))?;
+    let exact = (limit(0.5) / 1e-3).powi(2);
+    found.push(Threshold { scene: "spring, ζ 0.5, 1 ms", method, quantity: "k* [N/m]", exact, measured });
+    Ok(found)
+}
+
+/// Whether a nudge of a millionth of the depth does not grow in 4000 steps.
+fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
+    let mut scene = parse(SPRING, "spring")?;
+    let depth = scene.plant.gravity / stiffness;
+    scene.initial.position[2] = -depth * (1.0 + 1e-6);
+    (scene.plant.contact_stiffness, scene.plant.contact_damping_ratio) = (stiffness, ratio);
+    (scene.plant.method, scene.plant.dt, scene.rate, scene.duration) = (Method::SemiImplicitEuler, h, 1.0 / h, 4e3 * h);
+    let Outcome::Done(log) = watch(&scene, &[]) else { return Ok(false) };
+    let nudge = |part: &[Sight]| part.iter().fold(0.0, |most: f64, sight| most.max((sight.low + depth).abs()));
+    let (early, late) = (nudge(&log.sights[..100]), nudge(&log.sights[3900..]));
+    Ok(late < 2.0 * early && late < 0.01 * depth)
+}
+
+/// μ* of the block that rests at 26°, and of the one that rocks without slipping.
+fn sticking() -> Found {
+    let way = Way { law: LAW, method: METHOD };
+    let run = |name: &str, h: f64, friction: f64, duration: f64| -> Result<Option<(Scene, Log)>, Failure> {
+        let settings = [format!("plant.friction={friction}"), format!("duration={duration:?}")];
+        let scene = scene(name, way, h, &settings)?;
+        Ok(match watch(&scene, &[]) {
+            Outcome::Done(log) => Some((scene, log)),
+            _ => None,
+        })
+    };
+    let slips = |friction: f64| -> Result<bool, Failure> {
+        let way = |(_, log): (Scene, Log)| match log.sights.as_slice() {
+            [first, .., last] => (last.totals.com - first.totals.com).norm(),
+            _ => 0.0,
+        };
+        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| way(run) > 1e-9))
+    };
+    let rocks = |friction: f64| -> Result<bool, Failure> {
+        let slip = |(_, log): (Scene, Log)| log.sights.iter().fold(0.0, |slip: f64, sight| slip.max(sight.slip));
+        // An edge that sticks has the velocity ω²lh, 2e-5 m/s, at the end of a step that it turned in.
+        Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > 1e-4))
+    };
+    let threshold =
+        |scene, exact, measured| Threshold { scene, method: way.name(), quantity: "μ* [-]", exact, measured };
+    Ok(vec![
+        threshold("stick", 26f64.to_radians().tan(), bisect(0.3, 0.7, slips)?),
+        threshold("rock", 12.0 / 65.0, bisect(0.05, 0.6, rocks)?),
+    ])
+}
+
+/// μ* above which a sliding rod jams, (t² + 4)/(3t) with t = tan θ = 2.
+fn painleve() -> Found {
+    let mut found = Vec::new();
+    for law in [Law::Aligned, LAW] {
+        let jams = |friction: f64| -> Result<bool, Failure> {
+            let mut scene = parse(&ROD.replace("FOOT", "0.4472135954999579"), "rod")?;
+            (scene.plant.law, scene.plant.method, scene.plant.friction) = (law, Method::SemiImplicitEuler, friction);
+            (scene.plant.dt, scene.rate, scene.duration) = (1e-6, 1e6, 1e-6);
+            let Outcome::Done(log) = watch(&scene, &[]) else { return Ok(true) };
+            Ok(log.sights.last().is_some_and(|sight| sight.load > 0.1))
+        };
+        let measured = bisect(0.5, 3.0, |friction| Ok(!jams(friction)?))?;
+        let method = Way { law, method: Method::SemiImplicitEuler }.name();
+        found.push(Threshold { scene: "Painlevé's rod", method, quantity: "μ* [-]", exact: 4.0 / 3.0, measured });
+    }
+    Ok(found)
+}
+
+/// r* of sweeps: the heavy on the light, mass ratio r, is solved to 1 % if (r/(1 + r))ⁿ < .01.
+fn masses() -> Found {
+    let mut found = Vec::new();
+    for sweeps in [4_u16, 8, 50] {
+        let measured = bisect(1e-2, 1e9, |ratio| Ok(stacked(Law::Sweep(sweeps), ratio) < 0.01))?;
+        let exact = 1.0 / (0.01_f64.powf(-1.0 / f64::from(sweeps)) - 1.0);
+        let method = word(&Law::Sweep(sweeps));
+        found.push(Threshold { scene: "heavy on light", method, quantity: "r* [-]", exact, measured });
+    }
+    Ok(found)
+}
+
+/// Relative error of the ground's impulse below two masses on top of each other, the upper one `ratio` times the lower.
+fn stacked(law: Law, ratio: f64) -> f64 {
+    let mut problem = Problem::default();
+    problem.reset(2, plant::contact::tangents(law));
+    let (rows, stride) = (problem.rows(), 1 + problem.tangents);
+    for row in 0..rows {
+        problem.delassus[row * rows + row] = 1.0;
+    }
+    problem.delassus[stride] = -1.0;
+    problem.delassus[stride * rows] = -1.0;
+    problem.delassus[stride * rows + stride] = 1.0 + 1.0 / ratio;
+    problem.drift[0] = -1.0;
+    let mut solver = Solver::default();
+    solver.solve(&problem, law, &mut Memory::default());
+    (solver.impulse[0] / (1.0 + ratio) - 1.0).abs()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bisection_finds_an_end() {
+        let end = bisect(1.0, 100.0, |value| Ok(value < 7.0)).expect("no error");
+        assert!((end / 7.0 - 1.0).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_stack_is_solved_whatever_its_mass_ratio() {
+        for ratio in [1.0, 1e3, 1e6] {
+            assert!(stacked(LAW, ratio) < 1e-6, "{ratio}: {}", stacked(LAW, ratio));
+        }
+    }
+}

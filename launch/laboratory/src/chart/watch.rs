@@ -1,0 +1,59 @@
+//! Progress of the chart, and the wish to stop.
+
+use shared::exit::{Failure, unless};
+use shared::progress::Counter;
+use std::sync::atomic::AtomicBool;
+
+/// What is being done.
+#[derive(Clone, Copy, Debug)]
+pub enum Job {
+    /// A run, for its errors.
+    Watching,
+    /// A run, for its time.
+    Timing,
+    /// A run that may fail.
+    Failing,
+    /// A threshold, by bisection.
+    Bisecting,
+    /// A model of another size.
+    Sizing,
+}
+
+/// Progress, and the wish to stop.
+pub struct Watch<'a> {
+    counter: Counter,
+    /// Whether the user wants to stop.
+    pub stop: &'a AtomicBool,
+}
+
+impl<'a> Watch<'a> {
+    /// Nothing is to be done yet.
+    pub fn new(quiet: bool, stop: &'a AtomicBool) -> Watch<'a> {
+        Watch { counter: Counter::new(quiet, 0, 0, "runs"), stop }
+    }
+
+    /// More runs are to be done.
+    pub fn expect(&self, runs: usize) {
+        self.counter.expect(runs);
+    }
+
+    /// A run begins.
+    ///
+    /// # Errors
+    /// Ctrl-C.
+    pub fn step(&self, job: Job) -> Result<(), Failure> {
+        self.counter.show(&format!("{job:?}").to_lowercase());
+        self.counter.add(1);
+        unless(self.stop)
+    }
+
+    /// Tells something beside the bar.
+    pub fn tell(&self, line: &str) {
+        self.counter.tell(line);
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.counter.finish();
+    }
+}

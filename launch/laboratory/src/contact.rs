@@ -1,0 +1,75 @@
+//! `biped contact`: a contact problem that ended a run, as a file, and what each law makes of it.
+
+use crate::study::table;
+use clap::Args;
+use messages::scene::Law;
+use plant::contact::{Memory, Problem, Solver, tangents};
+use shared::case::Case;
+use shared::exit::{Exit, Failure};
+use shared::output::say;
+use std::path::PathBuf;
+use std::time::{Duration, Instant};
+
+/// Solves of each law, of which the fastest counts; fewer of a law that is slow.
+const TRIALS: usize = 20;
+const PATIENCE: Duration = Duration::from_millis(100);
+
+/// Arguments of `biped contact`.
+#[derive(Args)]
+pub struct ContactArgs {
+    /// File that a run has written
+    file: PathBuf,
+    /// Law to solve it with, also Facets(12) and any Sweep(n); repeatable. Without it: all others
+    #[arg(long = "law", value_name = "NAME")]
+    laws: Vec<Law>,
+}
+
+/// Solves the problem of a file and prints a table.
+///
+/// # Errors
+/// A file that cannot be read or is no contact problem.
+pub fn run(args: &ContactArgs) -> Result<(), Failure> {
+    let refused = |reason| Failure::new(Exit::Usage, format!("{}: {reason}", args.file.display()));
+    let case = Case::read(&args.file).map_err(refused)?;
+    let laws = if args.laws.is_empty() { &Law::ALL[..] } else { &args.laws };
+    let Problem { contacts, tangents, .. } = case.problem;
+    let residual = case.residual.map_or("none".into(), |residual| format!("{residual:.1e}"));
+    say(format!(
+        "Step {} at t = {:.4} s: {contacts} contacts, {tangents} tangents; {} left {residual}, not {:.1e}.\n\n",
+        case.step, case.time, case.law, case.tolerance
+    ));
+    let columns =
+        ["law", "own residual", "natural map", "Signorini", "energy J", "pivots", "fallback", "least time µs"];
+    let rows = [columns.map(String::from).to_vec()].into_iter().chain(laws.iter().map(|&law| row(&case.problem, law)));
+    say(table(&rows.collect::<Vec<_>>()));
+    Ok(())
+}
+
+/// What one law makes of it, from a fresh start.
+fn row(problem: &Problem, law: Law) -> Vec<String> {
+    if tangents(law) > problem.tangents {
+        return [law.to_string(), "needs two tangents".into()].into_iter().chain(vec!["-".into(); 6]).collect();
+    }
+    let problem = problem.narrowed(tangents(law));
+    let mut solver = Solver::default();
+    let (mut report, mut least) = (Default::default(), f64::INFINITY);
+    let begun = Instant::now();
+    for trial in 0..TRIALS {
+        if trial > 0 && begun.elapsed() > PATIENCE {
+            break;
+        }
+        let start = Instant::now();
+        report = solver.solve(&problem, law, &mut Memory::default());
+        least = least.min(start.elapsed().as_secs_f64());
+    }
+    vec![
+        law.to_string(),
+        format!("{:.1e}", report.own),
+        format!("{:.1e}", report.natural_map),
+        format!("{:.1e}", report.signorini),
+        format!("{:.2e}", report.energy_gain),
+        report.pivots.to_string(),
+        if report.fallback { "yes" } else { "no" }.into(),
+        format!("{:.1}", 1e6 * least),
+    ]
+}

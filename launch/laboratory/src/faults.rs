@@ -1,0 +1,294 @@
+//! `biped faults`: hurts real processes in every way of [`Fault`], and checks that nothing hangs, lies or is left.
+//!
+//! | what | where |
+//! |---|---|
+//! | starting, finding and hurting processes | [`stage`] |
+//! | trials side by side | [`abreast`] |
+//! | kill −9, and processes started anew | [`kill`] |
+//! | SIGSTOP, stalled recorders | [`stop`] |
+//! | bad commands | [`commands`] |
+//! | who does not belong into a session | [`peers`] |
+//! | others who start it at once, lay files in its place, or shout | [`neighbours`] |
+//! | full shared memory | [`memory`] |
+//! | a full disk under a recording | [`disk`] |
+
+mod abreast;
+mod commands;
+mod disk;
+mod kill;
+mod memory;
+mod neighbours;
+mod peers;
+pub mod stage;
+mod stop;
+
+use abreast::side_by_side;
+use clap::Args;
+use shared::exit::{Exit, Failure, unless};
+use shared::output::{folder, say, unwritten, write_whole};
+use shared::progress::Counter;
+use stage::{Outcome, Role, Trial};
+use std::fmt;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+
+/// A process started anew is to drive within this time.
+const RESPAWN: Duration = Duration::from_millis(250);
+/// Failures that are told of each kind.
+const TOLD: usize = 3;
+
+/// Arguments of `biped faults`.
+#[derive(Args)]
+pub struct FaultsArgs {
+    /// A few of each kind, for half a minute
+    #[arg(long)]
+    quick: bool,
+    /// Write the table into this folder, as faults.md and faults.csv
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Seed of when and how faults strike; without it, another one each time
+    #[arg(long)]
+    seed: Option<u64>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+    /// Only the kinds of fault whose name contains this
+    #[arg(long, value_name = "WORDS")]
+    only: Option<String>,
+}
+
+/// A kind of fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Fault {
+    Kill(Role),
+    KillAtCall(Role),
+    KillAndRespawn(Role),
+    StopAndContinue(Role),
+    StopForEver(Role),
+    StoppedLauncher,
+    StalledRecorder,
+    FullMemory,
+    FillingMemory,
+    FullDisk,
+    FilledDisk,
+    FileLimit,
+    Flood,
+    EveryOther,
+    Second(Role),
+    OtherContract,
+    Race,
+    Laid,
+    Loud,
+}
+
+use Fault::*;
+use Role::{Controller, Launcher, Plant};
+
+/// All of them, with trials of the whole and of the quick run; those of [`KillAtCall`] are at most as many as calls.
+const FAULTS: [(Fault, usize, usize); 28] = [
+    (Second(Plant), 5, 1),
+    (Second(Controller), 5, 1),
+    (Second(Launcher), 5, 1),
+    (OtherContract, 1, 1),
+    (Race, 50, 2),
+    (Laid, 30, 3),
+    (Loud, 10, 1),
+    (KillAndRespawn(Plant), 100, 2),
+    (KillAndRespawn(Controller), 100, 2),
+    (StopAndContinue(Plant), 10, 1),
+    (StopAndContinue(Controller), 10, 1),
+    (StopAndContinue(Launcher), 10, 1),
+    (StopForEver(Plant), 10, 1),
+    (StopForEver(Controller), 10, 1),
+    (StoppedLauncher, 1, 0),
+    (StalledRecorder, 1, 0),
+    (FullMemory, 30, 2),
+    (FillingMemory, 30, 2),
+    (FullDisk, 10, 1),
+    (FilledDisk, 10, 1),
+    (FileLimit, 10, 1),
+    (EveryOther, 1_000_000, 2_000),
+    (Flood, 1_000_000, 2_000),
+    (Kill(Plant), 1000, 4),
+    (Kill(Controller), 1000, 4),
+    (Kill(Launcher), 1000, 4),
+    (KillAtCall(Plant), usize::MAX, 0),
+    (KillAtCall(Controller), usize::MAX, 0),
+];
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Kill(role) => write!(f, "kill -9 of the {} at a random time", role.title()),
+            KillAtCall(role) => write!(f, "kill -9 of the {} at a system call", role.title()),
+            KillAndRespawn(role) => write!(f, "kill -9 of the {}, started anew", role.title()),
+            StopAndContinue(role) => write!(f, "{} stopped for up to 2 s", role.title()),
+            StopForEver(role) => write!(f, "{} stopped for ever", role.title()),
+            StoppedLauncher => f.write_str("launcher stopped until the others have ended"),
+            StalledRecorder => f.write_str("recorder stopped in real time"),
+            FullMemory => f.write_str("/dev/shm too small"),
+            FillingMemory => f.write_str("/dev/shm filled meanwhile"),
+            FullDisk => f.write_str("disk of a recording too small"),
+            FilledDisk => f.write_str("disk of a recording filled meanwhile"),
+            FileLimit => f.write_str("recording that reaches the limit of files"),
+            Flood => f.write_str("bad commands beside good ones"),
+            EveryOther => f.write_str("bad commands instead of good ones"),
+            Second(role) => write!(f, "second {}", role.title()),
+            OtherContract => f.write_str("peer with another schema, model, rate or pace"),
+            Race => f.write_str("three launchers of one session at once"),
+            Laid => f.write_str("pipe, link or folder where a session's file belongs"),
+            Loud => f.write_str("controller that writes bytes that are no text"),
+        }
+    }
+}
+
+/// What came out of one kind of fault.
+struct Row {
+    fault: Fault,
+    trials: usize,
+    failures: Vec<String>,
+    times: Vec<Duration>,
+    remark: String,
+}
+
+impl Row {
+    fn new(fault: Fault, trials: Vec<Trial>) -> Row {
+        let (mut times, mut failures, mut remark) = (vec![], vec![], String::new());
+        let count = trials.len();
+        for trial in trials {
+            match trial {
+                Ok(Outcome { time, remark: told }) => {
+                    times.extend(time);
+                    remark = if told.is_empty() { remark } else { told };
+                }
+                Err(error) => failures.push(error),
+            }
+        }
+        times.sort_unstable();
+        Row { fault, trials: count, failures, times, remark }
+    }
+
+    fn median(&self) -> Option<Duration> {
+        self.times.get(self.times.len() / 2).copied()
+    }
+
+    fn cells(&self) -> [String; 6] {
+        let text =
+            |time: Option<Duration>| time.map_or(String::new(), |time| format!("{:.0}", time.as_secs_f64() * 1e3));
+        let passed = self.trials - self.failures.len();
+        let (median, greatest) = (text(self.median()), text(self.times.last().copied()));
+        [self.fault.to_string(), self.trials.to_string(), passed.to_string(), median, greatest, self.remark.clone()]
+    }
+}
+
+const HEAD: &str = "| fault | trials | passed | median ms | greatest ms | |\n|---|---|---|---|---|---|\n";
+
+/// Runs the table.
+///
+/// # Errors
+/// If something hung, lied or was left.
+pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let wanted = |fault: Fault| args.only.as_ref().is_none_or(|words| fault.to_string().contains(words));
+    if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
+        return Err(Failure::new(Exit::Usage, "no fault has the words of --only in its name"));
+    }
+    args.out.as_deref().map_or(Ok(()), folder)?;
+    let seed = args.seed.unwrap_or_else(|| fastrand::u64(..1 << 32));
+    let mut random = fastrand::Rng::with_seed(seed);
+    let quick = if args.quick { " --quick" } else { "" };
+    say(format_args!("biped faults{quick} --seed {seed}\n\n{HEAD}"));
+    let (mut rows, mut failures) = (vec![], vec![]);
+    for (fault, whole, few) in FAULTS.into_iter().filter(|(fault, ..)| wanted(*fault)) {
+        let trials = if args.quick { few } else { whole };
+        if trials == 0 || stop.load(Relaxed) {
+            continue;
+        }
+        let mut row = Row::new(fault, fault.trials(trials, &mut random, args.quiet, stop));
+        if let (KillAndRespawn(_), false, Some(median)) =
+            (fault, args.quick, row.median().filter(|time| *time > RESPAWN))
+        {
+            row.failures.push(format!("a new process drives after {median:?}, not {RESPAWN:?}"));
+        }
+        say(format_args!("| {} |\n", row.cells().join(" | ")));
+        let told = row.failures.iter().take(TOLD).map(|failure| format!("{fault}: {failure}"));
+        failures.extend(told);
+        rows.push(row);
+    }
+    if let Some(folder) = &args.out {
+        write(folder, &rows, seed).map_err(|error| unwritten(folder, &error))?;
+    }
+    unless(stop)?;
+    match rows.iter().map(|row| row.failures.len()).sum() {
+        0_usize => Ok(()),
+        count => Err(Failure::new(Exit::Fault, format!("{count} trials failed, such as\n{}", failures.join("\n")))),
+    }
+}
+
+fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<()> {
+    let mut csv = String::from("fault,trials,passed,median_ms,greatest_ms,remark\n");
+    let mut markdown = format!("Seed {seed}.\n\n{HEAD}");
+    for cells in rows.iter().map(Row::cells) {
+        markdown += &format!("| {} |\n", cells.join(" | "));
+        csv += &(cells.map(|cell| format!("\"{}\"", cell.replace('"', "'"))).join(",") + "\n");
+    }
+    write_whole(&folder.join("faults.md"), &markdown)?;
+    write_whole(&folder.join("faults.csv"), &csv)
+}
+
+impl Fault {
+    /// Strikes `count` times.
+    fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<Trial> {
+        let chance = &mut random.fork(); // the same for this kind, whatever the others draw
+        let times = |count: usize, trial: &mut dyn FnMut(usize) -> Trial| {
+            let progress = Counter::new(quiet, count, 0, "trials");
+            let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {
+                let told = trial(nth);
+                progress.add(1);
+                told
+            });
+            let all: Vec<Trial> = all.collect();
+            progress.finish();
+            all
+        };
+        match self {
+            Kill(victim) => side_by_side(count, chance, quiet, stop, &|_, chance| kill::at_random(victim, chance)),
+            KillAtCall(victim) => match kill::calls(victim) {
+                Err(error) => vec![Err(error)],
+                Ok(calls) => {
+                    let step = (calls.len() / count).max(1);
+                    let first = if step > 1 { chance.usize(0..step) } else { 0 };
+                    let chosen: Vec<_> = calls.iter().skip(first).step_by(step).collect();
+                    side_by_side(chosen.len(), chance, quiet, stop, &|nth, _| kill::at_call(victim, chosen[nth]))
+                }
+            },
+            KillAndRespawn(victim) => kill::and_respawn(victim, count, chance).unwrap_or_else(|error| vec![Err(error)]),
+            StopAndContinue(victim) => match stop::reference() {
+                Err(error) => vec![Err(error)],
+                Ok(reference) => times(count, &mut |_| stop::and_continue(victim, &reference, chance)),
+            },
+            StopForEver(victim) => {
+                side_by_side(count, chance, quiet, stop, &|_, chance| stop::for_ever(victim, chance))
+            }
+            StoppedLauncher => times(count, &mut |_| stop::the_launcher_for_ever()),
+            StalledRecorder => times(count, &mut |_| stop::the_recorder(5)),
+            FullMemory | FillingMemory | FullDisk | FilledDisk if !memory::is_permitted() => {
+                vec![Err("mount namespaces are not permitted here".into())]
+            }
+            FullMemory => times(count, &mut |_| memory::full(1 << chance.u32(5..16), None)),
+            FillingMemory => times(count, &mut |_| {
+                memory::full(chance.u64(100..200) << 10, Some(Duration::from_millis(chance.u64(0..600))))
+            }),
+            FullDisk => times(count, &mut |_| disk::small(chance.u64(20..32), None)),
+            FilledDisk => times(count, &mut |_| disk::small(200, Some(Duration::from_millis(chance.u64(100..400))))),
+            FileLimit => times(count, &mut |_| disk::limited(chance.u64(20..40))),
+            Flood => vec![commands::flood(count as u64, chance)],
+            EveryOther => vec![commands::every_other(count as u64, chance)],
+            Second(role) => times(count, &mut |_| peers::second(role)),
+            OtherContract => times(count, &mut |_| peers::other_contract()),
+            Race => times(count, &mut |_| neighbours::race()),
+            Laid => times(count, &mut |_| neighbours::laid(chance)),
+            Loud => times(count, &mut |_| neighbours::loud(chance)),
+        }
+    }
+}

@@ -1,0 +1,46 @@
+//! Trials that mostly wait, side by side.
+
+use super::memory;
+use super::stage::Trial;
+use shared::progress::Counter;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
+
+/// Trials at a time of those that mostly wait.
+const ABREAST: usize = 4;
+
+/// Trials that mostly wait, [`ABREAST`] at a time, each worker with a shared memory of its own; one by one, where that is
+/// not permitted.
+pub fn side_by_side(
+    count: usize,
+    random: &mut fastrand::Rng,
+    quiet: bool,
+    stop: &AtomicBool,
+    trial: &(dyn Fn(usize, &mut fastrand::Rng) -> Trial + Sync),
+) -> Vec<Trial> {
+    let progress = Counter::new(quiet, count, 0, "trials");
+    let next = AtomicUsize::new(0);
+    let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
+    let work = &|first: bool| {
+        let mut told: Vec<(usize, Trial)> = vec![];
+        // the first may work in the memory of all
+        if memory::of_ones_own().is_err() && !first {
+            return told;
+        }
+        while !stop.load(Relaxed)
+            && let nth = next.fetch_add(1, Relaxed)
+            && nth < count
+        {
+            told.push((nth, trial(nth, &mut fastrand::Rng::with_seed(seeds[nth]))));
+            progress.add(1);
+        }
+        told
+    };
+    let mut all = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..ABREAST.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
+        let failed = || vec![(count, Err("the thread of the trials failed".into()))];
+        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|_| failed())).collect::<Vec<_>>()
+    });
+    progress.finish();
+    all.sort_by_key(|(nth, _)| *nth);
+    all.into_iter().map(|(_, told)| told).collect()
+}

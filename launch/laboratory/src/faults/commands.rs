@@ -1,0 +1,207 @@
+//! Bad commands over the real wire: a rogue sits in the controller's place and speaks to a real plant.
+
+use super::stage::{LIMIT, Outcome, Stage, Trial, is_finite, walk};
+use crate::subject::Subject;
+use controller::Controller;
+use messages::port::{Contract, ControllerPort, Pace, RecorderPort};
+use messages::scene::Scene;
+use messages::wire::{Command, REFUSALS, Sensors, Stamp, Stamped, Truth};
+use plant::Simulation;
+use std::time::{Duration, Instant};
+
+/// Bad commands that come before each good one.
+const BEFORE: usize = 8;
+/// Time that the plant gets to read a bad one before the next replaces it, unread.
+const READ: Duration = Duration::from_micros(10);
+
+/// A flood lasts no longer.
+const LONGEST: Duration = Duration::from_secs(1800);
+
+/// How a command is bad.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flaw {
+    /// A torque is not a number.
+    NotANumber,
+    /// A torque is infinite.
+    Infinite,
+    /// A torque that no drive has.
+    Huge,
+    /// It has been sent before.
+    Duplicated,
+    /// Older than the one before.
+    Stale,
+    /// A bit of it has flipped.
+    Flipped,
+    /// For another run.
+    WrongRun,
+    /// Answers what has not been sent.
+    Early,
+}
+
+impl Flaw {
+    /// All of them.
+    pub const ALL: [Flaw; 8] = [
+        Flaw::NotANumber,
+        Flaw::Infinite,
+        Flaw::Huge,
+        Flaw::Duplicated,
+        Flaw::Stale,
+        Flaw::Flipped,
+        Flaw::WrongRun,
+        Flaw::Early,
+    ];
+
+    /// The bad brother of a good command, whose predecessor is `sent`.
+    fn spoil(self, good: Command, sent: &Command, random: &mut fastrand::Rng) -> Command {
+        let (mut bad, joint) = (good, random.usize(0..good.torques.torque.len()));
+        let torque = &mut bad.torques.torque[joint];
+        match self {
+            Flaw::NotANumber => *torque = f64::NAN,
+            Flaw::Infinite => *torque = if random.bool() { f64::INFINITY } else { f64::NEG_INFINITY },
+            Flaw::Huge => *torque = 10.0_f64.powf(random.f64() * 300.0 + 3.0),
+            Flaw::Duplicated => return *sent,
+            Flaw::Stale => bad.stamp.seq = sent.stamp.seq - random.u64(0..sent.stamp.seq),
+            Flaw::WrongRun => bad.stamp.run ^= random.u64(1..),
+            Flaw::Early => bad.stamp.ack += random.u64(2..1000),
+            Flaw::Flipped => {
+                let mut bytes = bytemuck::bytes_of(&good.sealed()).to_vec();
+                let bit = random.usize(0..8 * bytes.len());
+                bytes[bit / 8] ^= 1 << (bit % 8);
+                return bytemuck::pod_read_unaligned(&bytes);
+            }
+        }
+        bad.sealed()
+    }
+}
+
+/// A controller that is up to no good, a real plant, and a listener.
+struct Rogue {
+    port: ControllerPort,
+    listener: RecorderPort,
+    plant: Subject,
+    controller: Controller,
+    /// The last good command.
+    sent: Command,
+    /// The newest truth.
+    truth: Truth,
+    _stage: Stage,
+}
+
+impl Rogue {
+    fn start(scene: &Scene, settings: &str) -> Result<Rogue, String> {
+        let stage = Stage::empty();
+        let contract = Contract::of(scene, Pace::Lockstep);
+        let port = ControllerPort::open(&stage.session, &contract).map_err(words)?;
+        let listener = RecorderPort::open(&stage.session, &contract).map_err(words)?;
+        let plant = ["plant", "walk", "--set", settings, "--patience", "2", "--session", stage.session.name()];
+        let (plant, controller) = (Subject::biped(&plant)?, Controller::new(scene).map_err(words)?);
+        let (sent, truth) = (Command::default(), Truth::default());
+        Ok(Rogue { port, listener, plant, controller, sent, truth, _stage: stage })
+    }
+
+    /// The next sensors, other than those answered last.
+    fn ask(&mut self) -> Result<Sensors, String> {
+        let start = Instant::now();
+        loop {
+            match self.port.wait().map_err(words)? {
+                Some(sensors) if sensors.stamp.seq != self.sent.stamp.ack => return Ok(sensors),
+                _ if self.plant.has_ended() => return Err(format!("the plant has ended: {}", self.plant.words())),
+                _ if self.sent.stamp.ack > 0 && start.elapsed() > LIMIT => return Err("the plant is silent".into()),
+                _ => (),
+            }
+        }
+    }
+
+    /// The right answer, not yet sent; its number leaves room for bad ones before it.
+    fn answer(&mut self, sensors: &Sensors) -> Result<Command, String> {
+        let torques = self.controller.tick(&sensors.encoders).map_err(words)?;
+        let (asked, seq) = (sensors.stamp, self.sent.stamp.seq + 1 + BEFORE as u64);
+        let stamp = Stamp { run: asked.run, epoch: 1, seq, ack: asked.seq, sim_ns: asked.sim_ns, ..Stamp::default() };
+        Ok(Command { stamp, torques, telemetry: self.controller.telemetry() }.sealed())
+    }
+
+    fn listen(&mut self, mut check: impl FnMut(&Truth) -> Result<(), String>) -> Result<(), String> {
+        while let Some(truth) = self.listener.read().map_err(words)? {
+            is_finite(&truth)?;
+            check(&truth)?;
+            self.truth = *truth;
+        }
+        Ok(())
+    }
+
+    fn refused(&self) -> u64 {
+        self.truth.tally.refused.iter().sum()
+    }
+
+    fn told(&self, how: &str, start: Instant) -> Outcome {
+        let refused = self.truth.tally.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0);
+        let refused: Vec<String> = refused.map(|(count, reason)| format!("{count} {reason}")).collect();
+        let (walked, took) = (self.truth.stamp.sim_ns as f64 * 1e-9, start.elapsed().as_secs_f64());
+        Outcome {
+            time: None,
+            remark: format!("refused: {}; {walked:.0} s walked {how}, in {took:.0} s", refused.join(", ")),
+        }
+    }
+}
+
+fn words(error: impl ToString) -> String {
+    error.to_string()
+}
+
+/// Floods a walk with bad commands, [`BEFORE`] before each good one: all are refused, and the walk is the one without
+/// them, bit for bit.
+pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
+    let (_, scene) = walk(&["duration=100000"])?;
+    let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
+    // the same walk without the flood, here
+    let mut calm = Simulation::new(&scene, 1, 1).map_err(words)?;
+    let mut hashes = vec![0, calm.truth().hash];
+    while rogue.refused() < count {
+        if start.elapsed() > LONGEST {
+            return Err(format!("after {LONGEST:?} only {} were refused: the machine is too busy", rogue.refused()));
+        }
+        let sensors = rogue.ask()?;
+        let good = rogue.answer(&sensors)?;
+        // none before the first: nothing is older yet, or a duplicate
+        for _ in 0..if rogue.sent.stamp.ack > 0 { BEFORE } else { 0 } {
+            let flaw = Flaw::ALL[random.usize(0..Flaw::ALL.len())];
+            // It claims to answer the sensors before these, so that the plant goes on waiting for the good one.
+            let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
+            rogue.port.pass_on(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;
+            let begin = Instant::now();
+            while begin.elapsed() < READ {
+                std::thread::yield_now(); // the plant may need this very processor
+            }
+        }
+        rogue.port.pass_on(good).map_err(words)?;
+        rogue.sent = good;
+        let stamp = Stamp { ack: calm.sensors().stamp.seq, ..calm.sensors().stamp };
+        calm.hear(&Command { stamp, ..good }.sealed());
+        calm.advance().map_err(words)?;
+        hashes.push(calm.truth().hash);
+        rogue.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {
+            true => Ok(()),
+            false => Err(format!("at period {} the walk is another than without the flood", truth.stamp.seq)),
+        })?;
+    }
+    Ok(rogue.told("bit for bit as without them", start))
+}
+
+/// Every other answer is one that the gate must refuse: the walk goes on with torques of the period before.
+pub fn every_other(count: u64, random: &mut fastrand::Rng) -> Trial {
+    let (_, scene) = walk(&["duration=100000"])?;
+    let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
+    while rogue.refused() < count {
+        let sensors = rogue.ask()?;
+        let good = rogue.answer(&sensors)?;
+        let bad = [Flaw::NotANumber, Flaw::Infinite, Flaw::Huge][random.usize(0..3)];
+        let is_bad = sensors.stamp.seq > 1 && sensors.stamp.seq % 2 == 0;
+        rogue.port.pass_on(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(words)?;
+        rogue.sent = good;
+        rogue.listen(|truth| match truth.base_position[2] > 0.2 {
+            true => Ok(()),
+            false => Err(format!("the robot fell at period {}", truth.stamp.seq)),
+        })?;
+    }
+    Ok(rogue.told("upright", start))
+}

@@ -1,0 +1,57 @@
+//! Disks and limits that are too small for a recording: the robot walks on, and all that was recorded can be read.
+
+use super::stage::{LIMIT, Outcome, Trial, is};
+use crate::subject::Subject;
+use shared::exit::Exit;
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// Records on a disk of some megabytes, of which somebody else takes all that is left after a while, if `fill` says when.
+pub fn small(megabytes: u64, fill: Option<Duration>) -> Trial {
+    let fill = fill.map_or(String::new(), |after| {
+        let after = after.as_secs_f64();
+        format!("(sleep {after}; head -c {megabytes}M /dev/zero > disk/filler) 2>&- &")
+    });
+    let mount = format!("mount -t tmpfs -o size={megabytes}M tmpfs disk || exit 98; {fill}");
+    // where somebody else has filled the disk, there is no room for a report
+    let (seconds, out) = if fill.is_empty() { (40, "disk/out") } else { (80, "out") };
+    trial(&["--user", "--map-root-user", "--mount"], &mount, seconds, out)
+}
+
+/// Records where no file may be longer than some megabytes.
+pub fn limited(megabytes: u64) -> Trial {
+    trial(&[], &format!("ulimit -f {}", megabytes * 2048), 80, "out")
+}
+
+/// What is done before the walk, in a folder of its own, in namespaces of its own if any are named. A second of a walk takes a megabyte.
+fn trial(namespaces: &[&str], before: &str, seconds: u32, out: &str) -> Trial {
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    let folder = std::env::temp_dir().join(format!("biped-disk-{}", fastrand::u64(..)));
+    std::fs::create_dir_all(folder.join("disk")).map_err(|error| error.to_string())?;
+    let script = format!(
+        "biped='{}'; cd '{}' && mkdir out; {before}\n \"$biped\" run walk --quiet --set duration={seconds} --record disk/run.mcap --out {out}; code=$?; wait; rm -f disk/filler; \
+         grep -q '\"recording_ended_by\": \"' {out}/summary.json || exit 97; \
+         \"$biped\" replay disk/run.mcap > /dev/null || exit 96; exit $code",
+        program.display(),
+        folder.display()
+    );
+    let ended = walk(namespaces, &script);
+    let _ = std::fs::remove_dir_all(&folder);
+    ended
+}
+
+fn walk(namespaces: &[&str], script: &str) -> Trial {
+    let start = Instant::now();
+    let mut command = Command::new(if namespaces.is_empty() { "sh" } else { "unshare" });
+    let process = Subject::start(match namespaces {
+        [] => command.args(["-c", script]),
+        some => command.args(some).args(["sh", "-c", script]),
+    })?;
+    let (status, words) = process.end(LIMIT * 20)?;
+    let told = words.lines().find(|line| line.contains("the recording")).unwrap_or("").to_string();
+    let is_told = told.contains("ends at") && told.contains("the run goes on");
+    match is(status, Exit::Unrecorded) && is_told {
+        true => Ok(Outcome { time: Some(start.elapsed()), remark: told }),
+        false => Err(format!("{status}: {words}")),
+    }
+}

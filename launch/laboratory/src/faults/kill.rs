@@ -1,0 +1,213 @@
+//! kill −9: at random times, at every system call of start-up, and of a session that is to go on.
+
+use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is_finite, send, walk};
+use crate::subject::{Subject, eventually};
+use messages::clock::now_ns;
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, RecorderPort};
+use messages::scene::Scene;
+use messages::wire::{Command, Sensors, Stamp, Truth};
+use nix::sys::signal::Signal;
+use plant::Simulation;
+use std::collections::HashMap;
+use std::time::{Duration, Instant};
+
+/// Kills come within this time of a start, which is over after a fifth of it [ms].
+const SPAN: u64 = 600;
+
+/// Kills one process of a run at a random time: the others must say so, and end.
+pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
+    let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
+    let stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
+    let wait = Duration::from_millis(random.u64(0..SPAN));
+    std::thread::sleep(wait);
+    let number = stage.wait_for(victim)?;
+    let start = Instant::now();
+    send(number, Signal::SIGKILL)?;
+    let (took, _, words) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
+    // The launcher's own last words died with it.
+    match victim {
+        Role::Launcher => Ok(took.into()),
+        _ if words.contains(&format!("the {} failed", victim.name())) && words.contains("SIGKILL") => Ok(took.into()),
+        _ => Err(format!("killed after {wait:?}, it was not named: {words}")),
+    }
+}
+
+/// The system calls that a role makes until it begins to wait for the other: name, and how many of that name so far.
+pub fn calls(role: Role) -> Result<Vec<(String, u32)>, String> {
+    let stage = Stage::empty();
+    let list = std::env::temp_dir().join(format!("biped-calls-{}", stage.session.name()));
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    let mut strace = std::process::Command::new("strace");
+    strace.arg("-qq").arg("-o").arg(&list).arg(program);
+    strace.args([role.name(), "walk", "--patience", "0.1", "--session", stage.session.name()]);
+    Subject::start(&mut strace)?.end(LIMIT * 10)?;
+    let text = std::fs::read_to_string(&list).map_err(|error| error.to_string())?;
+    let _ = std::fs::remove_file(&list);
+    let names = text.lines().filter_map(|line| line.split_once('(')).map(|(name, _)| name.to_string());
+    let mut counts = HashMap::new();
+    let count = |name: String| {
+        let count = counts.entry(name.clone()).or_insert(0);
+        *count += 1;
+        (name, *count)
+    };
+    Ok(names.map(count).collect())
+}
+
+/// Kills a role just before a system call of its start-up, in a session that somebody else is in: whoever takes its place
+/// must not be hindered by what it left. Measures from the new process's start to its first exchange.
+pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
+    let stage = Stage::empty();
+    let (_, scene) = walk(&["duration=0.02"])?;
+    let arguments =
+        [victim.name(), "walk", "--patience", "1", "--set", "duration=0.02", "--session", stage.session.name()];
+    let mut strace = std::process::Command::new("strace");
+    let (name, count) = call;
+    strace.args(["-qq", "-o", "/dev/null", "-e", &format!("inject={name}:signal=KILL:when={count}")]);
+    strace.arg(std::env::current_exe().map_err(|error| error.to_string())?).args(arguments);
+    let at = |error: String| format!("killed at {name} {count}: {error}");
+    let mut peer = Peer::open(victim, &stage, &scene).map_err(at)?;
+    let mut dying = Subject::start(&mut strace)?;
+    eventually("the killed process ends", LIMIT * 10, || {
+        let _ = peer.answer();
+        dying.has_ended()
+    })
+    .map_err(at)?;
+    let start = Instant::now();
+    let mut successor = Subject::biped(&arguments)?;
+    peer.done = false;
+    let mut lost = None;
+    let answered = eventually("a successor is answered", LIMIT, || {
+        let has_ended = successor.has_ended(); // before the look at its last words
+        lost = peer.answer().err();
+        peer.done || lost.is_some() || has_ended
+    });
+    let took = start.elapsed();
+    if let Some(error) = answered.err().or(lost) {
+        return Err(at(error));
+    }
+    if !peer.done {
+        return Err(at(format!("its successor ended: {}", successor.words())));
+    }
+    eventually("its successor ends", LIMIT, || {
+        let _ = peer.answer(); // goodbye
+        successor.has_ended()
+    })
+    .map_err(at)?;
+    let (status, words) = successor.end(LIMIT).map_err(at)?;
+    drop(peer);
+    let left = stage.session.leftovers();
+    match () {
+        () if !status.success() => Err(at(format!("its successor ended with {status}: {words}"))),
+        () if !left.is_empty() => Err(at(format!("left {}", left[0].display()))),
+        () => Ok(took.into()),
+    }
+}
+
+/// Us in the place of the process that the victim speaks to.
+struct Peer {
+    place: Place,
+    /// What the robot reports, if we are its plant.
+    sensors: Sensors,
+    /// Whether the other side has been heard to the end.
+    done: bool,
+}
+
+enum Place {
+    Plant(Box<PlantPort>),
+    Controller(Box<ControllerPort>),
+}
+
+impl Peer {
+    fn open(victim: Role, stage: &Stage, scene: &Scene) -> Result<Peer, String> {
+        let contract = &Contract::of(scene, Pace::Lockstep);
+        let sensors = Simulation::new(scene, 1, 1).map_err(|error| error.to_string())?.sensors();
+        let place = match victim {
+            Role::Plant => ControllerPort::open(&stage.session, contract).map(Box::new).map(Place::Controller),
+            Role::Controller | Role::Launcher => {
+                PlantPort::open(&stage.session, contract).map(Box::new).map(Place::Plant)
+            }
+        };
+        Ok(Peer { place: place.map_err(|error| error.to_string())?, sensors, done: false })
+    }
+
+    /// One exchange, or a slice of waiting.
+    fn answer(&mut self) -> Result<(), String> {
+        let told = match &mut self.place {
+            Place::Controller(port) => port.wait().and_then(|sensors| {
+                let Some(Sensors { stamp, last, .. }) = sensors else { return Ok(()) };
+                self.done |= last != 0;
+                let stamp = Stamp { run: stamp.run, seq: stamp.seq, ack: stamp.seq, epoch: 1, ..Stamp::default() };
+                port.send(Command { stamp, ..Command::default() })
+            }),
+            Place::Plant(port) => {
+                self.sensors.stamp.seq += 1;
+                let said = port.send(Sensors { last: u64::from(self.done), ..self.sensors });
+                said.and_then(|()| port.wait()).map(|command| self.done |= command.is_some())
+            }
+        };
+        told.map_err(|error| error.to_string())
+    }
+}
+
+/// Kills plant or controller of a lockstep walk that starts them anew, time and again; measures from each kill to the first
+/// command of the new process that the plant accepts, beside what the host takes to run this program at all.
+pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> Result<Vec<Trial>, String> {
+    let most = trials.to_string();
+    let mut stage = Stage::run(&["--respawn", &most, "--set", "duration=100000"])?;
+    stage.is_set()?;
+    let mut port = RecorderPort::visit(&stage.session).map_err(|error| error.to_string())?;
+    let mut files = None;
+    let mut next = |what: &str, holds: &dyn Fn(&Truth) -> bool| -> Result<Truth, String> {
+        let (mut found, mut wrong) = (None, None);
+        eventually(what, LIMIT, || {
+            while let (Ok(Some(truth)), None, None) = (port.read(), found, &wrong) {
+                wrong = is_finite(&truth).err();
+                found = holds(&truth).then_some(*truth);
+            }
+            found.is_some() || wrong.is_some()
+        })?;
+        wrong.map_or(Ok(()), Err)?;
+        found.ok_or_else(|| what.into())
+    };
+    let (mut results, mut host) = (vec![], vec![]);
+    for _ in 0..trials {
+        host.push(start_of_a_process()?);
+        let now = now_ns();
+        let before = next("a walk", &|truth| truth.stamp.mono_ns > now && truth.state == 1)?;
+        let files = *files.get_or_insert_with(|| stage.session.leftovers().len());
+        std::thread::sleep(Duration::from_millis(random.u64(50..400)));
+        let number = stage.wait_for(victim)?;
+        let killed = now_ns();
+        send(number, Signal::SIGKILL)?;
+        let is_new = |truth: &Truth| {
+            let another = truth.stamp.run != before.stamp.run || truth.tally.takeovers > before.tally.takeovers;
+            truth.stamp.mono_ns > killed && another && truth.stamp.seq > 1
+        };
+        let first = next("a new process drives", &is_new);
+        let time = first.map(|first| Duration::from_nanos(first.stamp.mono_ns - killed));
+        host.sort_unstable();
+        let of_host = [host.len() / 2, host.len() - 1].map(|nth| host[nth].as_millis());
+        let remark = format!(
+            "the host starts a program in {}, at most {} ms; the session had {files} files, and has {}",
+            of_host[0],
+            of_host[1],
+            stage.session.leftovers().len()
+        );
+        results.push(time.map(|time| Outcome { time: Some(time), remark }));
+        if results.last().is_some_and(Result::is_err) {
+            break;
+        }
+    }
+    drop(port);
+    send(stage.wait_for(Role::Launcher)?, Signal::SIGTERM)?;
+    stage.must_end(Instant::now())?;
+    Ok(results)
+}
+
+/// Time to start this program and have it do nothing.
+fn start_of_a_process() -> Result<Duration, String> {
+    let start = Instant::now();
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    std::process::Command::new(program).arg("--version").output().map_err(|error| error.to_string())?;
+    Ok(start.elapsed())
+}

@@ -1,0 +1,55 @@
+//! Mount namespaces, in which /dev/shm is as small as one likes, or one's own.
+
+use super::stage::{LIMIT, Outcome, Trial};
+use crate::subject::Subject;
+use nix::mount::{MsFlags, mount};
+use nix::sched::{CloneFlags, unshare};
+use std::process::Command;
+use std::time::{Duration, Instant};
+
+/// Runs a short walk where shared memory has `kilobytes`, all of it filled after a while if `fill` says when.
+pub fn full(kilobytes: u64, fill: Option<Duration>) -> Trial {
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    let fill = fill.map_or(String::new(), |after| {
+        format!("(sleep {}; head -c {}k /dev/zero > /dev/shm/filler) 2>&- &", after.as_secs_f64(), kilobytes)
+    });
+    // What is left is told by the exit code 99, with the names.
+    let script = format!(
+        "mount -t tmpfs -o size={kilobytes}k tmpfs /dev/shm || exit 98; {fill} \
+         '{}' run walk --quiet --set duration=20; code=$?; wait; rm -f /dev/shm/filler; \
+         if [ -n \"$(ls -A /dev/shm)\" ]; then ls -A /dev/shm >&2; exit 99; fi; exit $code",
+        program.display()
+    );
+    let start = Instant::now();
+    let process =
+        Subject::start(Command::new("unshare").args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]))?;
+    let (status, words) = process.end(LIMIT * 10)?;
+    let took = start.elapsed();
+    let first = words.lines().find(|line| line.contains("error")).unwrap_or("").trim().to_string();
+    match status.code() {
+        Some(0) => Ok(Outcome { time: Some(took), remark: String::new() }),
+        Some(6) if words.contains("/dev/shm") => Ok(Outcome { time: Some(took), remark: first }),
+        Some(4) if words.contains("SIGBUS") => Ok(Outcome { time: Some(took), remark: first }),
+        Some(99) => Err(format!("something is left: {words}")),
+        _ => Err(format!("{kilobytes} kB: {status}: {words}")),
+    }
+}
+
+/// Whether the system lets us.
+pub fn is_permitted() -> bool {
+    let mut try_it = Command::new("unshare");
+    try_it.args(["--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/dev/shm"]);
+    Subject::start(&mut try_it).and_then(|tried| tried.end(LIMIT)).is_ok_and(|(status, _)| status.success())
+}
+
+/// Gives the calling thread, and whatever it starts, a shared memory of its own, so that trials side by side neither see
+/// nor sweep each other's files.
+///
+/// # Errors
+/// If the system does not let us: only root may.
+pub fn of_ones_own() -> nix::Result<()> {
+    const NOTHING: Option<&str> = None;
+    unshare(CloneFlags::CLONE_NEWNS)?;
+    mount(NOTHING, "/", NOTHING, MsFlags::MS_REC | MsFlags::MS_PRIVATE, NOTHING)?;
+    mount(Some("tmpfs"), "/dev/shm", Some("tmpfs"), MsFlags::empty(), NOTHING)
+}

@@ -1,0 +1,82 @@
+//! Those beside a session: another who starts it at the same time, files that are laid in its place, and a controller that shouts.
+
+use super::stage::{LIMIT, Outcome, Trial, is};
+use crate::subject::Subject;
+use messages::session::Session;
+use nix::sys::stat::Mode;
+use nix::unistd::mkfifo;
+use shared::exit::Exit;
+use std::os::unix::fs::symlink;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// Launchers of one session at once.
+const RACERS: usize = 3;
+/// The walk that they start: longer than it takes until the last of them has looked [s].
+const WALK: &str = "duration=20";
+
+/// Of launchers of one session one must run to its end, and the others must be refused.
+pub fn race() -> Trial {
+    let session = Session::unique();
+    let start = || Subject::biped(&["run", "walk", "--quiet", "--set", WALK, "--session", session.name()]);
+    let racers = (0..RACERS).map(|_| start()).collect::<Result<Vec<_>, _>>()?;
+    let ends = racers.into_iter().map(|racer| racer.end(LIMIT * 20)).collect::<Result<Vec<_>, _>>()?;
+    let count = |exit| ends.iter().filter(|(status, _)| is(*status, exit)).count();
+    let (ran, refused) = (count(Exit::Ok), count(Exit::Incompatible));
+    // who comes when the first has ended runs, too
+    if ran == 0 || ran + refused < RACERS {
+        return Err(format!("{ran} ran and {refused} were refused: {ends:?}"));
+    }
+    cleared(&session, Outcome { time: None, remark: "one runs, the others are refused".into() })
+}
+
+/// A pipe, a link or a folder where the list of a session's members belongs must be told, and neither waited for nor followed.
+pub fn laid(random: &mut fastrand::Rng) -> Trial {
+    let session = Session::unique();
+    let list = Path::new("/dev/shm").join(session.prefix() + "members");
+    let laid = match random.u32(0..3) {
+        0 => mkfifo(&list, Mode::S_IRWXU).map_err(Into::into),
+        1 => symlink("/dev/zero", &list),
+        _ => std::fs::create_dir(&list),
+    };
+    laid.map_err(|error| error.to_string())?;
+    let start = Instant::now();
+    let ended = Subject::biped(&["run", "walk", "--quiet", "--session", session.name()])?.end(LIMIT);
+    let took = start.elapsed();
+    let _ = std::fs::remove_file(&list).or_else(|_| std::fs::remove_dir(&list));
+    match ended? {
+        (status, words) if is(status, Exit::SharedMemory) && words.contains("is no regular file") => {
+            cleared(&session, took.into())
+        }
+        (status, words) => Err(format!("{status}: {words}")),
+    }
+}
+
+/// A controller that writes bytes that are no text, and a line without end, to its standard error must be heard to its end.
+pub fn loud(random: &mut fastrand::Rng) -> Trial {
+    let program = std::env::current_exe().map_err(|error| error.to_string())?;
+    let bytes = random.u32(1 << 20..1 << 24);
+    let controller = format!(
+        "sh -c \"echo 'error: early' >&2; head -c {bytes} /dev/urandom >&2; exec '{}' controller\"",
+        program.display()
+    );
+    let start = Instant::now();
+    let session = Session::unique();
+    let walk = ["run", "walk", "--quiet", "--session", session.name(), "--controller", &controller];
+    let (status, words) = Subject::biped(&walk)?.end(LIMIT * 20)?;
+    match is(status, Exit::Ok) {
+        true => cleared(&session, start.elapsed().into()),
+        false => Err(format!("{status} after {bytes} bytes: {}", words.lines().last().unwrap_or_default())),
+    }
+}
+
+/// Nothing of the session may be left.
+fn cleared(session: &Session, outcome: Outcome) -> Trial {
+    let start = Instant::now();
+    let mut left: Vec<PathBuf> = session.leftovers();
+    while !left.is_empty() && start.elapsed() < LIMIT {
+        std::thread::sleep(Duration::from_millis(5));
+        left = session.leftovers();
+    }
+    if left.is_empty() { Ok(outcome) } else { Err(format!("something is left: {left:?}")) }
+}

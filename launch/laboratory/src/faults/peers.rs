@@ -1,0 +1,59 @@
+//! Processes that do not belong into a session: a second of a role, and one that speaks otherwise.
+
+use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is, walk};
+use crate::conform;
+use crate::subject::Subject;
+use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
+use shared::exit::Exit;
+use std::time::{Duration, Instant};
+
+/// The walk that is intruded upon.
+const WALK: [&str; 2] = ["--set", "duration=1000"];
+
+/// A second process of a role must be refused with a sentence, and the first must walk on.
+pub fn second(role: Role) -> Trial {
+    let mut stage = Stage::run(&WALK)?;
+    stage.is_set()?;
+    let start = Instant::now();
+    let intruder = match role {
+        Role::Launcher => vec!["run", "walk", "--quiet"],
+        role => vec![role.name(), "walk", "--set", WALK[1]],
+    };
+    let intruder = Subject::biped(&[&intruder[..], &["--session", stage.session.name()]].concat())?;
+    let (status, words) = intruder.end(LIMIT)?;
+    let took = start.elapsed();
+    if !is(status, Exit::Incompatible) || !(words.contains("already")) {
+        return Err(format!("it was not refused: {status}: {words}"));
+    }
+    walks_on(&stage)?;
+    Ok(took.into())
+}
+
+/// A peer with another wire schema, model, rate or pace must be refused with both values, and the first must walk on.
+pub fn other_contract() -> Trial {
+    let mut stage = Stage::run(&WALK)?;
+    stage.is_set()?;
+    let (_, scene) = walk(&[WALK[1]])?;
+    let ours = Contract::of(&scene, Pace::Lockstep);
+    let mut told = vec![];
+    for (_, other) in conform::others(&ours) {
+        let opened =
+            [ControllerPort::open(&stage.session, &other).err(), PlantPort::open(&stage.session, &other).err()];
+        for error in opened {
+            match error {
+                Some(PortError::Incompatible { what, theirs, ours, .. }) if theirs != ours => told.push(what),
+                other => return Err(format!("not refused as incompatible: {other:?}")),
+            }
+        }
+    }
+    walks_on(&stage)?;
+    told.dedup();
+    Ok(Outcome { time: None, remark: format!("each refused with both values: {}", told.join(", ")) })
+}
+
+/// The processes of before are still there a moment later.
+fn walks_on(stage: &Stage) -> Result<(), String> {
+    std::thread::sleep(Duration::from_millis(200));
+    let there = [Role::Plant, Role::Controller, Role::Launcher].map(|role| stage.find(role).len());
+    if there == [1, 1, 1] { Ok(()) } else { Err(format!("of plant, controller and launcher there are {there:?}")) }
+}

@@ -1,0 +1,204 @@
+//! Real processes under test: started, found by their session's name, hurt, and watched to their end.
+
+use crate::subject::{Subject, eventually};
+use messages::port::{Ask, ask};
+use messages::scene::Scene;
+use messages::session::Session;
+use messages::wire::Truth;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use shared::args::SceneArgs;
+use shared::exit::{Exit, Failure};
+use std::process::ExitStatus;
+use std::time::{Duration, Instant};
+
+/// Nothing may hang for longer.
+pub const LIMIT: Duration = Duration::from_secs(3);
+/// Longest wait for what is not under test: a busy machine starts processes slowly.
+const LONG: Duration = Duration::from_secs(60);
+
+/// What a trial showed: a time and a remark, or a sentence on what went wrong.
+pub type Trial = Result<Outcome, String>;
+
+/// What a good trial showed.
+#[derive(Clone, Debug, Default)]
+pub struct Outcome {
+    /// What was measured, if something was.
+    pub time: Option<Duration>,
+    /// Whatever else is worth a word.
+    pub remark: String,
+}
+
+impl From<Duration> for Outcome {
+    fn from(time: Duration) -> Outcome {
+        Outcome { time: Some(time), remark: String::new() }
+    }
+}
+
+/// A process of a session.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// `biped plant`.
+    Plant,
+    /// `biped controller`.
+    Controller,
+    /// `biped run`.
+    Launcher,
+}
+
+impl Role {
+    /// As the command line has it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Role::Plant => "plant",
+            Role::Controller => "controller",
+            Role::Launcher => "run",
+        }
+    }
+
+    /// As people say.
+    pub fn title(self) -> &'static str {
+        if self == Role::Launcher { "launcher" } else { self.name() }
+    }
+}
+
+/// A session under test and its launcher.
+pub struct Stage {
+    /// Its name is an argument of each of its processes.
+    pub session: Session,
+    launcher: Option<Subject>,
+}
+
+impl Stage {
+    /// Nobody is on it yet.
+    pub fn empty() -> Stage {
+        Stage { session: Session::unique(), launcher: None }
+    }
+
+    /// `biped run walk` with more arguments.
+    pub fn run(arguments: &[&str]) -> Result<Stage, String> {
+        let mut stage = Stage::empty();
+        let name = stage.session.name().to_string();
+        let all = [&["run", "walk", "--quiet", "--session", &name], arguments].concat();
+        stage.launcher = Some(Subject::biped(&all)?);
+        Ok(stage)
+    }
+
+    /// Waits until the controller drives the plant.
+    pub fn is_set(&mut self) -> Result<(), String> {
+        let mut is_over = false;
+        eventually("the robot is driven", LONG, || {
+            is_over = self.launcher.as_mut().is_none_or(Subject::has_ended);
+            is_over || ask(&self.session, Ask::Rearm).is_ok_and(|reply| reply.stamp.seq > 1)
+        })?;
+        match &mut self.launcher {
+            Some(launcher) if is_over => {
+                Err(format!("the run was over before it was seen to begin: {}", launcher.words()))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Numbers of its living processes of a role.
+    pub fn find(&self, role: Role) -> Vec<u32> {
+        self.living().into_iter().filter(|(_, found)| found == role.name()).map(|(number, _)| number).collect()
+    }
+
+    /// Number of the process of a role, once it has begun.
+    pub fn wait_for(&self, role: Role) -> Result<u32, String> {
+        let mut found = None;
+        eventually("the process begins", LONG, || {
+            found = self.find(role).first().copied();
+            found.is_some()
+        })?;
+        found.ok_or_else(|| "nobody was found".into())
+    }
+
+    /// Every living process that has the session's name among its arguments, by number and role.
+    fn living(&self) -> Vec<(u32, String)> {
+        let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
+        let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
+        let of_it = |number: u32| {
+            let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).ok()?;
+            let words: Vec<&str> = line.split('\0').collect();
+            let is_of_it = words.contains(&self.session.name()) && is_alive(number);
+            is_of_it.then(|| (number, words[1].to_string()))
+        };
+        numbers.filter_map(of_it).collect()
+    }
+
+    /// The launcher and all it started must end within the limit and leave nothing; how long it took since `start`, and
+    /// what was said.
+    pub fn must_end(self, start: Instant) -> Result<(Duration, ExitStatus, String), String> {
+        let (took, status, words) = self.must_end_some_time(start)?;
+        match took > LIMIT {
+            true => Err(format!("it took {:.1} s to end: {words}", took.as_secs_f64())),
+            false => Ok((took, status, words)),
+        }
+    }
+
+    /// The same without a limit.
+    pub fn must_end_some_time(mut self, start: Instant) -> Result<(Duration, ExitStatus, String), String> {
+        let launcher = self.launcher.take().ok_or("there is no launcher")?;
+        let (status, words) = launcher.end(LONG)?;
+        eventually("every process ends", LONG, || self.living().is_empty())?;
+        let took = start.elapsed();
+        let left = self.session.leftovers();
+        match left.first() {
+            Some(file) => Err(format!("{} files are left, such as {}", left.len(), file.display())),
+            None => Ok((took, status, words)),
+        }
+    }
+}
+
+impl Drop for Stage {
+    /// Whatever a failed trial leaves is not in the way of the next.
+    fn drop(&mut self) {
+        self.launcher = None;
+        self.living().iter().for_each(|(number, _)| _ = send(*number, Signal::SIGKILL));
+        let _ = eventually("the end", LIMIT, || self.living().is_empty());
+        self.session.sweep();
+    }
+}
+
+/// Sends a signal to a process of a stage.
+pub fn send(number: u32, signal: Signal) -> Result<(), String> {
+    let number = i32::try_from(number).map_err(|error| error.to_string())?;
+    kill(Pid::from_raw(number), signal).map_err(|error| format!("{signal} cannot be sent: {error}"))
+}
+
+/// A zombie has ended, even if nobody reaps it.
+fn is_alive(number: u32) -> bool {
+    let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+    stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
+}
+
+/// The scene of a walk, as `biped plant walk` has it with the same settings.
+pub fn walk(settings: &[&str]) -> Result<(SceneArgs, Scene), String> {
+    let settings = settings.iter().map(ToString::to_string).collect();
+    let args = SceneArgs { scene: "walk".into(), robot: None, settings };
+    let scene = args.load().map_err(|failure: Failure| failure.message)?;
+    Ok((args, scene))
+}
+
+/// That no number of the robot's state is infinite or none.
+pub fn is_finite(truth: &Truth) -> Result<(), String> {
+    let parts: [&[f64]; 7] = [
+        &truth.base_position,
+        &truth.base_orientation,
+        &truth.base_velocity,
+        &truth.base_spin,
+        &truth.angle,
+        &truth.rate,
+        &truth.torque,
+    ];
+    match parts.iter().all(|part| part.iter().all(|number| number.is_finite())) {
+        true => Ok(()),
+        false => Err(format!("the robot's state is not finite at period {}", truth.stamp.seq)),
+    }
+}
+
+/// Whether a process ended with this exit code.
+pub fn is(status: ExitStatus, exit: Exit) -> bool {
+    status.code() == Some(exit as i32)
+}

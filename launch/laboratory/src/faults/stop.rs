@@ -1,0 +1,140 @@
+//! SIGSTOP and SIGCONT: processes that are alive and silent.
+
+use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is, is_finite, send};
+use crate::subject::eventually;
+use messages::port::RecorderPort;
+use nix::sys::signal::Signal;
+use shared::exit::Exit;
+use std::time::{Duration, Instant};
+
+/// A stopped recorder's buffer of 1024 periods is full after this long.
+const FULL: Duration = Duration::from_millis(1500);
+/// Simulated time of a lockstep run that is still under way when it has been seen to begin: seconds of real time [s].
+const LENGTH: &str = "duration=200";
+/// What the loop's lateness is measured over.
+const WINDOW: Duration = Duration::from_secs(3);
+
+/// Stops one process of a lockstep run for a while: the run must come to the same end, bit for bit.
+pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -> Trial {
+    let folder = std::env::temp_dir().join(format!("biped-stop-{}-{:x}", std::process::id(), random.u32(..)));
+    let out = folder.to_string_lossy().into_owned();
+    let mut stage = Stage::run(&["--set", LENGTH, "--out", &out])?;
+    stage.is_set()?;
+    let number = stage.wait_for(victim)?;
+    send(number, Signal::SIGSTOP)?;
+    let pause = Duration::from_millis(random.u64(5..2000));
+    std::thread::sleep(pause);
+    let start = Instant::now();
+    send(number, Signal::SIGCONT)?;
+    let ended = stage.must_end_some_time(start);
+    let hash = hash(&folder);
+    let _ = std::fs::remove_dir_all(&folder);
+    let (_, status, words) = ended?;
+    match hash? {
+        _ if !is(status, Exit::Ok) => Err(format!("stopped for {pause:?}: {status}: {words}")),
+        hash if hash != reference => Err(format!("stopped for {pause:?}, another trajectory came out")),
+        _ => Ok(Outcome::default()),
+    }
+}
+
+/// Hash of the trajectory of an undisturbed run, for [`and_continue`].
+pub fn reference() -> Result<String, String> {
+    let folder = std::env::temp_dir().join(format!("biped-reference-{}", std::process::id()));
+    let out = folder.to_string_lossy().into_owned();
+    let run = Stage::run(&["--set", LENGTH, "--out", &out])?;
+    run.must_end_some_time(Instant::now())?;
+    let hash = hash(&folder);
+    let _ = std::fs::remove_dir_all(&folder);
+    hash
+}
+
+fn hash(folder: &std::path::Path) -> Result<String, String> {
+    let text = std::fs::read_to_string(folder.join("summary.json")).map_err(|error| format!("summary: {error}"))?;
+    let json: serde_json::Value = serde_json::from_str(&text).map_err(|error| format!("summary: {error}"))?;
+    Ok(json["trajectory_hash"].to_string())
+}
+
+/// Stops plant or controller for ever: the others must say who is silent, and all must end. The time is from the end of
+/// their patience.
+pub fn for_ever(victim: Role, random: &mut fastrand::Rng) -> Trial {
+    let patience = Duration::from_secs(1);
+    let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
+    let mut stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
+    stage.is_set()?;
+    std::thread::sleep(Duration::from_millis(random.u64(0..500)));
+    let number = stage.wait_for(victim)?;
+    send(number, Signal::SIGSTOP)?;
+    let (took, status, words) = stage.must_end(Instant::now() + patience)?;
+    match words.contains("silent") || words.contains("answered within") || words.contains("sent sensors within") {
+        true if !is(status, Exit::Ok) => Ok(took.into()),
+        _ => Err(format!("{status}, and nobody said who was silent: {words}")),
+    }
+}
+
+/// Lateness of the loop's periods in real time while the recorder reads and while it is stopped, in turns; medians over
+/// the turns, for what else the machine does comes and goes.
+pub fn the_recorder(rounds: usize) -> Trial {
+    let mut stage = Stage::run(&["--realtime", "--set", "duration=100000", "--set", "controller.gait=\"stand\""])?;
+    stage.is_set()?;
+    // The launcher records; we are another recorder, who goes on reading.
+    let launcher = stage.wait_for(Role::Launcher)?;
+    let mut port = RecorderPort::visit(&stage.session).map_err(|error| error.to_string())?;
+    let mut listen = |span: Duration| -> Result<[f64; 2], String> {
+        let (mut late, start) = (vec![], Instant::now());
+        while start.elapsed() < span {
+            while let Some(truth) = port.read().map_err(|error| error.to_string())? {
+                is_finite(&truth)?;
+                late.push(truth.late_ns as f64 * 1e-3);
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Ok([at(&mut late, 0.5), at(&mut late, 0.99)])
+    };
+    let (mut reading, mut stalled) = ([vec![], vec![]], [vec![], vec![]]);
+    for _ in 0..rounds {
+        let pair = [listen(WINDOW)?, {
+            send(launcher, Signal::SIGSTOP)?;
+            listen(FULL)?;
+            listen(WINDOW)?
+        }];
+        send(launcher, Signal::SIGCONT)?;
+        listen(WINDOW / 3)?;
+        for share in 0..2 {
+            reading[share].push(pair[0][share]);
+            stalled[share].push(pair[1][share]);
+        }
+    }
+    drop(port);
+    send(launcher, Signal::SIGTERM)?;
+    stage.must_end(Instant::now())?;
+    let [from, to] = [reading, stalled].map(|both| both.map(|mut values| at(&mut values, 0.5)));
+    let ratio = [to[0] / from[0], to[1] / from[1]];
+    let remark = format!(
+        "median {:.1} → {:.1} µs (×{:.2}), p99 {:.0} → {:.0} µs (×{:.2}), {rounds} turns",
+        from[0], to[0], ratio[0], from[1], to[1], ratio[1]
+    );
+    match ratio[0] < 1.5 && ratio[1] < 2.0 {
+        true => Ok(Outcome { time: None, remark }),
+        false => Err(remark),
+    }
+}
+
+/// The value below which this share of all lies.
+fn at(values: &mut [f64], share: f64) -> f64 {
+    values.sort_unstable_by(f64::total_cmp);
+    values.get((values.len() as f64 * share) as usize).copied().unwrap_or(f64::NAN)
+}
+
+/// Stops the launcher for good, once, and lets its processes find that out: they go on without a recorder.
+pub fn the_launcher_for_ever() -> Trial {
+    let mut stage = Stage::run(&["--realtime", "--set", "duration=8"])?;
+    stage.is_set()?;
+    let launcher = stage.wait_for(Role::Launcher)?;
+    send(launcher, Signal::SIGSTOP)?;
+    eventually("plant and controller end by themselves", LIMIT * 5, || {
+        stage.find(Role::Plant).is_empty() && stage.find(Role::Controller).is_empty()
+    })?;
+    let start = Instant::now();
+    send(launcher, Signal::SIGCONT)?;
+    Ok(stage.must_end(start)?.0.into())
+}

@@ -1,0 +1,36 @@
+//! `biped list --hashes`: the bits of every built-in scene, to be compared with what came out before.
+//!
+//! `launch/scenes/hashes.txt` is what this prints, and tests compare with it. Whatever changes bits on purpose renews it:
+//!
+//!     cargo run --release -- list --hashes > launch/scenes/hashes.txt
+
+use messages::load::load;
+use rayon::prelude::*;
+use sessions::run::in_process;
+use shared::exit::Failure;
+use shared::list::SCENES;
+use shared::output::say;
+
+/// Prints, of every scene, the hash of its states in the first second and in the whole run, as `biped run` tells it.
+///
+/// # Errors
+/// If a scene is bad, which a test excludes.
+pub fn print() -> Result<(), Failure> {
+    let rows = SCENES.par_iter().map(|&(name, _)| row(name)).collect::<Result<String, Failure>>()?;
+    say(format!("{:<16} {:<16} {:<16} {}\n{rows}", "scene", "first second", "whole run", "s"));
+    Ok(())
+}
+
+fn row(name: &str) -> Result<String, Failure> {
+    let scene = load(name, &[], SCENES)?;
+    let (mut first, mut whole, mut end) = (0, 0, 0);
+    let outcome = in_process(&scene, |truth| {
+        (whole, end) = (truth.hash, truth.stamp.sim_ns);
+        if truth.stamp.seq <= 1 + scene.rate.round() as u64 {
+            first = whole;
+        }
+        Ok(())
+    });
+    let remark = outcome.err().map(|failure| format!(" {}", failure.message)).unwrap_or_default();
+    Ok(format!("{name:<16} {first:016x} {whole:016x} {:.1}{remark}\n", end as f64 * 1e-9))
+}

@@ -1,0 +1,105 @@
+//! `biped latency`: what the link between two processes costs, how late it may be, and how near that is to what the host
+//! can do at all.
+//!
+//! | what | where |
+//! |---|---|
+//! | round trips: our ports, sockets, and the limits in shared memory | [`carrier`], [`bare`], [`lines`], [`sockets`] |
+//! | what a round trip over our ports is made of | [`breakdown`] |
+//! | the walk in lockstep | [`walk`] |
+//! | what the clock paces at 1 kHz, beside the host's floor | [`paced`], [`floor`], [`watch`] |
+//! | both ends of a conversation | [`talk`], [`peer`] |
+//! | histograms, tables, drawings | [`spread`], [`results`], [`draw`], [`page`] |
+//! | the machine, and who else uses it | [`host`] |
+
+mod bare;
+mod bench;
+mod breakdown;
+mod carrier;
+mod draw;
+mod floor;
+mod host;
+mod lines;
+mod paced;
+mod page;
+mod peer;
+mod results;
+mod sockets;
+mod spread;
+mod talk;
+mod walk;
+mod watch;
+
+pub use peer::{PeerArgs, serve as peer};
+
+use bench::{Bench, Plan};
+use carrier::Carrier;
+use clap::Args;
+use host::Host;
+use lines::Wake;
+use messages::port::Waiting;
+use results::Results;
+use sessions::realtime::{RealtimeArgs, keep_to};
+use shared::exit::Failure;
+use shared::output::{folder, say, unwritten, write_whole};
+use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
+
+/// Arguments of `biped latency`.
+#[derive(Args)]
+pub struct LatencyArgs {
+    /// Write the figures as `latency.json`, the drawings and the page into this folder
+    #[arg(long, value_name = "DIR", default_value = "out/latency")]
+    out: PathBuf,
+    /// Few samples of everything: a few seconds instead of a minute
+    #[arg(long)]
+    quick: bool,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+    /// For what the clock paces
+    #[command(flatten)]
+    system: RealtimeArgs,
+}
+
+/// Measures everything, prints it and draws it.
+///
+/// # Errors
+/// A link that breaks, a folder that cannot be written, or Ctrl-C.
+pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    folder(&args.out)?;
+    let failed = |error| unwritten(&args.out, &error);
+    let mut results = Results::new(Host::watch());
+    let mut bench = Bench::start(if args.quick { Plan::QUICK } else { Plan::FULL }, args.quiet, stop)?;
+    bench.expect(bench.plan.rounds as usize * Carrier::ALL.len() + walk::count() + 2);
+    breakdown::alone(&mut results)?;
+    bench::apart(|| {
+        keep_to(0); // the other process keeps to another: all links are compared over the same distance
+        carrier::measure(&mut bench, &mut results)?;
+        walk::measure(&mut bench, &mut results)
+    })?;
+    bench::apart(|| paced::link(&mut bench, &mut results, args.system))?;
+    paced::walk(&mut bench, &mut results, args.system)?;
+    bench.counter.finish();
+    drop(bench);
+    results.host.finish();
+    breakdown::parts(&mut results);
+    judge(&mut results);
+    write_whole(&args.out.join("latency.json"), &results.json()?).map_err(failed)?;
+    page::write(&args.out, &results).map_err(failed)?;
+    say(format_args!(
+        "{results}\nfigures in {}, drawn in latency.html beside it\n",
+        args.out.join("latency.json").display()
+    ));
+    Ok(())
+}
+
+/// Absolute times are the host's; what is ours are ratios to what it can do.
+fn judge(results: &mut Results) {
+    let trip = |carrier: Carrier| (carrier.name(), "round trip");
+    let spinning = [trip(Carrier::Port(Waiting::Spin)), trip(Carrier::Lines(Wake::Spin))];
+    let blocking = [trip(Carrier::Port(Waiting::Event)), trip(Carrier::Lines(Wake::Futex))];
+    results.judge("round trip / raw shared memory, medians, spinning", spinning, 0.5, 5.5);
+    results.judge("round trip / futex hand-over, medians, blocking", blocking, 0.5, 1.6);
+    results.judge("wake / host floor, 99 %, no plant", [(paced::LINK, "wake"), (paced::LINK, paced::FLOOR)], 0.99, 1.2);
+    results.judge("wake / host floor, 99 %, walk", [(paced::WALK, "wake"), (paced::WALK, paced::FLOOR)], 0.99, 1.2);
+}

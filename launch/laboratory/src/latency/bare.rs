@@ -1,0 +1,125 @@
+//! A conversation of the same messages, neither stamped, sealed nor checked: over iceoryx2 alone, and over our ports.
+
+use super::bench::{LOST, PATIENCE};
+use super::carrier::null_plant;
+use messages::port::{BarePort, ControllerPort, PlantPort, PortError, Waiting};
+use messages::session::Session;
+use messages::wire::{Command, Sensors, Stamp};
+use sessions::opening::guarded;
+use shared::exit::{Exit, Failure};
+use std::time::Instant;
+
+/// Looks at the clock once in so many looks for a message.
+const LOOKS: u32 = 1 << 12;
+
+/// The plant's end.
+pub enum Plant {
+    /// iceoryx2 as its own examples use it.
+    Bare(BarePort<Sensors, Command>),
+    /// Our port, which takes room for messages beforehand and gives it back later.
+    Ours(Box<PlantPort>),
+}
+
+/// The controller's end.
+pub enum Controller {
+    Bare(BarePort<Command, Sensors>),
+    Ours(Box<ControllerPort>),
+}
+
+impl Plant {
+    /// Takes the place in a session.
+    ///
+    /// # Errors
+    /// If the session cannot be made.
+    pub fn open(session: &Session, ours: bool) -> Result<Plant, PortError> {
+        let contract = null_plant();
+        guarded(|| match ours {
+            true => Ok(Plant::Ours(Box::new(PlantPort::open(session, &contract)?.waiting(Waiting::Spin)))),
+            false => BarePort::plant(session, &contract).map(Plant::Bare),
+        })
+    }
+
+    /// Sends sensors and waits for the command that answers them.
+    ///
+    /// # Errors
+    /// If the link breaks or nobody answers for long.
+    #[inline]
+    pub fn ask(&mut self, seq: u32) -> Result<(), Failure> {
+        let stamp = Stamp { seq: seq.into(), ..Stamp::default() };
+        self.send(Sensors { stamp, ..Sensors::default() })?;
+        let mut look = || match self {
+            Plant::Bare(port) => port.look(),
+            Plant::Ours(port) => port.wait(),
+        };
+        while hear(&mut look)?.stamp.ack != stamp.seq {}
+        Ok(())
+    }
+
+    /// Says that there are no more.
+    ///
+    /// # Errors
+    /// If the link breaks.
+    pub fn end(&self) -> Result<(), Failure> {
+        Ok(self.send(Sensors { last: 1, ..Sensors::default() })?)
+    }
+
+    #[inline]
+    fn send(&self, sensors: Sensors) -> Result<(), PortError> {
+        match self {
+            Plant::Bare(port) => port.send(sensors),
+            Plant::Ours(port) => port.pass_on(sensors),
+        }
+    }
+}
+
+impl Controller {
+    /// Takes the place in a session.
+    ///
+    /// # Errors
+    /// If the session cannot be made.
+    pub fn open(session: &Session, ours: bool) -> Result<Controller, PortError> {
+        let contract = null_plant();
+        guarded(|| match ours {
+            true => Ok(Controller::Ours(Box::new(ControllerPort::open(session, &contract)?.waiting(Waiting::Spin)))),
+            false => BarePort::controller(session, &contract).map(Controller::Bare),
+        })
+    }
+
+    /// Answers all sensors until the last.
+    ///
+    /// # Errors
+    /// If the link breaks or nobody asks for long.
+    pub fn serve(&mut self) -> Result<(), Failure> {
+        loop {
+            let mut look = || match self {
+                Controller::Bare(port) => port.look(),
+                Controller::Ours(port) => port.wait(),
+            };
+            let Sensors { stamp, last, .. } = hear(&mut look)?;
+            if last != 0 {
+                return Ok(());
+            }
+            let command = Command { stamp: Stamp { ack: stamp.seq, ..stamp }, ..Command::default() };
+            match self {
+                Controller::Bare(port) => port.send(command)?,
+                Controller::Ours(port) => port.pass_on(command)?,
+            }
+        }
+    }
+}
+
+/// Looks until there is a message.
+#[inline]
+fn hear<M>(look: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
+    let mut start = None;
+    for looks in 1_u32.. {
+        if let Some(message) = look()? {
+            return Ok(message);
+        }
+        std::hint::spin_loop();
+        if looks % LOOKS == 0 && start.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
+            break;
+        }
+    }
+    Err(Failure::new(Exit::PeerMissing, LOST))
+}

@@ -1,0 +1,177 @@
+//! Every way of carrying a message there and back between two processes, measured one like the other.
+
+use super::bare;
+use super::bench::Bench;
+use super::lines::Wake;
+use super::peer::Order;
+use super::results::Results;
+use super::sockets::{Meeting, SIZE, Socket};
+use super::spread::Spread;
+use super::talk::Talk;
+use messages::clock::now_ns;
+use messages::port::{Contract, Pace, Waiting};
+use messages::scene::Scene;
+use messages::wire::{Sensors, Stamp};
+use sessions::realtime::RealtimeArgs;
+use shared::exit::Failure;
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Carrier {
+    /// Two cache lines: the limits.
+    Lines(Wake),
+    /// Our messages, neither stamped, sealed nor checked, spinning: over iceoryx2 alone or our ports.
+    Bare { ours: bool },
+    /// Our own ports.
+    Port(Waiting),
+    /// A Unix stream.
+    Unix { spins: bool },
+    /// UDP over loopback.
+    Udp { spins: bool },
+}
+
+impl Carrier {
+    /// In the order of the tables; what is compared stands side by side, so that it is measured side by side.
+    pub const ALL: [Carrier; 11] = [
+        Carrier::Lines(Wake::Spin),
+        Carrier::Bare { ours: false },
+        Carrier::Bare { ours: true },
+        Carrier::Port(Waiting::Spin),
+        Carrier::Port(Waiting::Hybrid),
+        Carrier::Unix { spins: true },
+        Carrier::Udp { spins: true },
+        Carrier::Lines(Wake::Futex),
+        Carrier::Port(Waiting::Event),
+        Carrier::Unix { spins: false },
+        Carrier::Udp { spins: false },
+    ];
+
+    /// As the tables call it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Carrier::Lines(Wake::Spin) => "raw shared memory, spin",
+            Carrier::Lines(Wake::Futex) => "futex hand-over",
+            Carrier::Bare { ours: false } => "iceoryx2 alone, spin",
+            Carrier::Bare { ours: true } => "pub/sub unsealed, spin",
+            Carrier::Port(Waiting::Spin) => "pub/sub, spin",
+            Carrier::Port(Waiting::Hybrid) => "pub/sub, hybrid",
+            Carrier::Port(Waiting::Event) => "pub/sub, event",
+            Carrier::Unix { spins: true } => "Unix socket, spin",
+            Carrier::Unix { spins: false } => "Unix socket, blocking",
+            Carrier::Udp { spins: true } => "UDP, spin",
+            Carrier::Udp { spins: false } => "UDP, blocking",
+        }
+    }
+
+    /// Whether it sleeps in every wait.
+    pub fn sleeps(self) -> bool {
+        use Carrier::{Lines, Port, Udp, Unix};
+        matches!(self, Lines(Wake::Futex) | Port(Waiting::Event) | Unix { spins: false } | Udp { spins: false })
+    }
+}
+
+/// Round trips over every carrier in turn. Each begins when the one before has ended, so all time is in one of them and
+/// no stall is hidden.
+///
+/// # Errors
+/// A link that breaks, or Ctrl-C.
+pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> {
+    bench.tell("round trips without a plant");
+    for _ in 0..bench.plan.rounds {
+        for carrier in Carrier::ALL {
+            bench.step(carrier.name())?;
+            let count = bench.plan.trips[usize::from(carrier.sleeps())];
+            turn(bench, results, carrier, count)?;
+        }
+    }
+    Ok(())
+}
+
+fn turn(bench: &mut Bench, results: &mut Results, carrier: Carrier, count: u32) -> Result<(), Failure> {
+    match carrier {
+        Carrier::Lines(wake) => {
+            let (lines, number) = (bench.lines, bench.number);
+            lines.clear();
+            bench.peer.order(&Order::Lines { number, wake })?;
+            let spread = trips(count, bench.plan.turn_ns, |seq| lines.ask(seq, wake))?;
+            lines.end(wake);
+            results.put(carrier.name(), "round trip", &spread);
+            Ok(())
+        }
+        Carrier::Unix { spins } => {
+            let name = format!("biped-latency-{}-{:x}", std::process::id(), now_ns());
+            let meeting = Meeting::unix(&name)?;
+            bench.peer.order(&Order::Unix { name, spins })?;
+            sockets(bench, results, carrier, meeting.accept(spins)?)
+        }
+        Carrier::Udp { spins } => {
+            let (meeting, port) = Meeting::udp()?;
+            bench.peer.order(&Order::Udp { port, spins })?;
+            sockets(bench, results, carrier, meeting.accept(spins)?)
+        }
+        Carrier::Bare { ours } => {
+            let session = bench.session()?;
+            let mut plant = bare::Plant::open(&session, ours)?;
+            bench.peer.order(&Order::Bare { session: session.name().into(), ours })?;
+            let spread = trips(count, bench.plan.turn_ns, |seq| plant.ask(seq))?;
+            plant.end()?;
+            results.put(carrier.name(), "round trip", &spread);
+            Ok(())
+        }
+        Carrier::Port(waiting) => {
+            let session = bench.session()?;
+            let mut talk = Talk::open(&session, &null_plant(), waiting, bench.stop)?;
+            bench.peer.order(&Order::Echo {
+                session: session.name().into(),
+                waiting,
+                system: RealtimeArgs::default(),
+            })?;
+            talk.meet()?;
+            let mut sent = now_ns();
+            let limit = sent + bench.plan.turn_ns;
+            for seq in 2..=u64::from(count) {
+                talk.exchange(Sensors {
+                    stamp: Stamp { seq, mono_ns: sent, ..Stamp::default() },
+                    ..Sensors::default()
+                })?;
+                sent = talk.heard_ns;
+                if sent > limit {
+                    break;
+                }
+            }
+            talk.end(results, carrier.name())
+        }
+    }
+}
+
+/// Contract of a link without a plant.
+pub fn null_plant() -> Contract {
+    Contract::of(&Scene::default(), Pace::Lockstep)
+}
+
+fn sockets(bench: &Bench, results: &mut Results, carrier: Carrier, mut socket: Socket) -> Result<(), Failure> {
+    let mut message = [0; SIZE];
+    let count = bench.plan.trips[usize::from(carrier.sleeps())];
+    let spread = trips(count, bench.plan.turn_ns, |_| socket.ask(&mut message))?;
+    socket.end()?;
+    results.put(carrier.name(), "round trip", &spread);
+    Ok(())
+}
+
+/// Times each of many round trips, the first one excepted, for which the other side may just be waking up.
+fn trips(count: u32, limit_ns: u64, mut trip: impl FnMut(u32) -> Result<(), Failure>) -> Result<Spread, Failure> {
+    let mut times = Vec::with_capacity(count as usize);
+    trip(1)?;
+    let mut begun = now_ns();
+    let limit = begun + limit_ns;
+    for seq in 2..=count {
+        trip(seq)?;
+        let ended = now_ns();
+        times.push(ended - begun);
+        begun = ended;
+        if ended > limit {
+            break;
+        }
+    }
+    Spread::of(times)
+}

@@ -1,0 +1,143 @@
+//! What the clock paces, a thousand times a second: a link without a plant, then the whole walk, each beside the host's
+//! floor at the same time.
+
+use super::bench::Bench;
+use super::carrier::null_plant;
+use super::floor::{Floor, PERIOD_NS, late};
+use super::host::Usage;
+use super::peer::Order;
+use super::results::Results;
+use super::spread::Spread;
+use super::talk::Talk;
+use super::watch::Watch;
+use messages::clock::now_ns;
+use messages::port::{Contract, Pace, RecorderPort, Waiting};
+use messages::wire::{Sensors, Stamp};
+use sessions::children::{self, Role};
+use sessions::opening::guarded;
+use sessions::realtime::{RealtimeArgs, wake_on_time};
+use shared::exit::{Exit, Failure};
+use shared::output::tell;
+use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
+
+/// The sections.
+pub const LINK: &str = "1 kHz, no plant";
+pub const WALK: &str = "1 kHz, walk";
+/// The host's floor in each of them.
+pub const FLOOR: &str = "wake of the host's floor";
+/// A look at the truth this often; its buffer holds 4 s.
+const LOOK: Duration = Duration::from_millis(20);
+/// Time for the controller to hear the plant's goodbye.
+const GOODBYE: Duration = Duration::from_secs(1);
+
+/// Sensors at each deadline, answered at once: round trips count from when they should have begun.
+///
+/// # Errors
+/// A link that breaks, a refusal of required real time, or Ctrl-C.
+pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> Result<(), Failure> {
+    bench.tell("1 kHz without a plant");
+    bench.step(LINK)?;
+    wake_on_time();
+    let (session, waiting) = (bench.session()?, Waiting::Hybrid);
+    let mut talk = Talk::open(&session, &null_plant(), waiting, bench.stop)?;
+    bench.peer.order(&Order::Echo { session: session.name().into(), waiting, system: system.of_child(1) })?;
+    talk.meet()?;
+    let (mut wake, mut trip, mut skipped) = (Spread::new()?, Spread::new()?, 0);
+    let begin = now_ns() + 20 * PERIOD_NS; // time to get ready
+    let end = begin + (bench.plan.paced_s * 1e9) as u64;
+    let floor = Floor::start(begin, system.of_child(0));
+    system.of_child(0).prepare()?;
+    let before = Usage::of("thread-self");
+    let (mut deadline, mut seq) = (begin, 1);
+    while deadline < end && !bench.stop.load(Relaxed) {
+        let missed = late(deadline);
+        wake.add_due(missed, PERIOD_NS);
+        skipped += missed / PERIOD_NS;
+        deadline += missed / PERIOD_NS * PERIOD_NS;
+        seq += 1;
+        let stamp = Stamp { seq, mono_ns: now_ns(), ..Stamp::default() };
+        talk.exchange(Sensors { stamp, ..Sensors::default() })?;
+        trip.add_due(talk.heard_ns - deadline, PERIOD_NS);
+        deadline += PERIOD_NS;
+    }
+    let used = Usage::of("thread-self").since(before);
+    results.put(LINK, FLOOR, &floor.finish()?);
+    results.put(LINK, "wake", &wake);
+    results.put(LINK, "round trip from the deadline", &trip);
+    talk.end(results, LINK)?;
+    results.count(LINK, "skipped periods", skipped as f64);
+    usage(results, LINK, used);
+    Ok(())
+}
+
+/// The walk at the pace of the clock, plant and controller in processes of their own, this one recording.
+///
+/// # Errors
+/// A role that fails, a robot that falls, or Ctrl-C.
+pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> Result<(), Failure> {
+    bench.tell("the walk at 1 kHz");
+    bench.step(WALK)?;
+    let (session, seconds) = (bench.session()?, bench.plan.paced_s);
+    let contract = Contract::of(&super::walk::scene(seconds)?, Pace::RealTime);
+    let mut port = guarded(|| RecorderPort::open(&session, &contract))?;
+    let arguments = |child| {
+        let scene = ["walk", "--realtime", "--session", session.name(), "--set"].map(String::from);
+        [&scene[..], &[format!("duration={seconds}")], &system.of_child(child).arguments()[..]].concat()
+    };
+    let mut roles = vec![
+        Role::start("plant", &arguments(0), &bench.counter.bar)?,
+        Role::start("controller", &arguments(1), &bench.counter.bar)?,
+    ];
+    let plant = format!("{0}/task/{0}", roles[0].number());
+    let (mut watch, mut floor, mut before, mut after) = (Watch::new()?, None, Usage::default(), Usage::default());
+    let mut ended_early = false;
+    loop {
+        std::thread::sleep(LOOK);
+        let ended = roles.iter_mut().map(|role| role.ended().is_some()).collect::<Vec<_>>()[0];
+        while let Some(truth) = port.read()? {
+            watch.take(&truth);
+        }
+        match roles.iter_mut().find_map(|role| role.verdict().err()) {
+            // On a host too busy for a control loop the watchdog ends it, or the robot falls: a result like any other.
+            Some(failure) if failure.exit == Exit::Fault => {
+                bench.counter.bar.suspend(|| tell(format_args!("{WALK}: ended early: {}", failure.message)));
+                ended_early = true;
+                break;
+            }
+            Some(failure) => return Err(failure),
+            None if ended => break,
+            None => (),
+        }
+        match &floor {
+            None if watch.periods() > 0 => {
+                floor = Some(Floor::start(watch.begin_ns(), system.of_child(0)));
+                before = Usage::of(&plant);
+            }
+            Some(_) if watch.periods() < (seconds * 1e3) as u64 => after = Usage::of(&plant),
+            _ => (),
+        }
+        bench.stopped()?;
+    }
+    match ended_early {
+        true => children::end(&mut roles, || ()),
+        false => children::wait(&mut roles, GOODBYE, || ()),
+    }
+    while let Some(truth) = port.read()? {
+        watch.take(&truth);
+    }
+    if let Some(floor) = floor {
+        results.put(WALK, FLOOR, &floor.finish()?);
+    }
+    watch.report(results, WALK);
+    results.count(WALK, "ended early", f64::from(u8::from(ended_early)));
+    usage(results, WALK, after.since(before));
+    Ok(())
+}
+
+fn usage(results: &mut Results, section: &'static str, used: Usage) {
+    results.count(section, "page faults without a disk", used.faults[0]);
+    results.count(section, "page faults with a disk", used.faults[1]);
+    results.count(section, "context switches, voluntary", used.switches[0]);
+    results.count(section, "context switches, others", used.switches[1]);
+}

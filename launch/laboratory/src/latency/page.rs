@@ -1,0 +1,68 @@
+//! The page: the drawings, the table, the targets, complete in itself.
+
+use super::draw;
+use super::results::{Results, micros};
+use records::report::inline;
+use records::report::plot::escaped;
+use records::view::page::STYLE;
+use shared::output::write_whole;
+use std::fmt::Write;
+use std::io;
+use std::path::Path;
+
+/// Draws all, and writes them alone as SVG and together as `latency.html` into the folder.
+///
+/// # Errors
+/// As the file system has them, with the file's name.
+pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
+    let drawings = draw::all(results);
+    for (name, svg) in &drawings {
+        write_whole(&folder.join(name).with_extension("svg"), svg)?;
+    }
+    let page = include_str!("page.html")
+        .replace("{{style}}", STYLE)
+        .replace("{{host}}", &escaped(&results.host.to_string()))
+        .replace("{{drawings}}", &drawings.iter().map(|(_, svg)| inline(svg)).collect::<String>())
+        .replace("{{targets}}", &targets(results))
+        .replace("{{series}}", &series(results))
+        .replace("{{counts}}", &counts(results));
+    write_whole(&folder.join("latency.html"), &page)
+}
+
+fn targets(results: &Results) -> String {
+    results.targets.iter().fold(String::new(), |mut text, target| {
+        let (class, verdict) = if target.met { ("good", "met") } else { ("bad", "not met") };
+        let _ = writeln!(
+            text,
+            "<tr><td>{}</td><td>{:.2}</td><td>{:.1}</td><td class=\"{class}\">{verdict}</td></tr>",
+            escaped(target.name),
+            target.ratio,
+            target.limit,
+        );
+        text
+    })
+}
+
+fn series(results: &Results) -> String {
+    results.series.iter().fold(String::new(), |mut text, series| {
+        let numbers = series.spread.numbers();
+        let times = [numbers.median_ns, numbers.p99_ns, numbers.p99_9_ns, numbers.max_ns].map(micros);
+        let _ = writeln!(
+            text,
+            "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td></tr>",
+            escaped(series.section),
+            escaped(series.metric),
+            times.join("</td><td>"),
+            numbers.samples,
+        );
+        text
+    })
+}
+
+fn counts(results: &Results) -> String {
+    results.counts.iter().fold(String::new(), |mut text, count| {
+        let (section, metric) = (escaped(count.section), escaped(count.metric));
+        let _ = writeln!(text, "<tr><td>{section}</td><td>{metric}</td><td>{}</td></tr>", count.value);
+        text
+    })
+}

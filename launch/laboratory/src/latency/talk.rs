@@ -1,0 +1,99 @@
+//! The plant's end of a conversation whose every message is timed.
+
+use super::bench::{LOST, PATIENCE};
+use super::results::Results;
+use super::spread::Spread;
+use messages::clock::now_ns;
+use messages::port::{Contract, PlantPort, Waiting};
+use messages::session::Session;
+use messages::wire::{Command, Sensors, Stamp, Stamped};
+use sessions::opening::guarded;
+use shared::exit::{Exit, Failure, unless};
+use std::sync::atomic::AtomicBool;
+
+/// The conversation, and what it took so far.
+pub struct Talk<'a> {
+    port: PlantPort,
+    stop: &'a AtomicBool,
+    latest: Stamp,
+    /// When the last command came.
+    pub heard_ns: u64,
+    /// Times there, back and of the whole trip [ns]; made histograms of at the end, which would take part of them.
+    times: Vec<[u64; 3]>,
+}
+
+/// More exchanges than a conversation has.
+const MOST: usize = 1 << 16;
+
+impl<'a> Talk<'a> {
+    /// Takes the plant's place in a session.
+    ///
+    /// # Errors
+    /// If the session cannot be made.
+    pub fn open(
+        session: &Session,
+        contract: &Contract,
+        waiting: Waiting,
+        stop: &'a AtomicBool,
+    ) -> Result<Talk<'a>, Failure> {
+        let port = guarded(|| PlantPort::open(session, contract))?.waiting(waiting);
+        Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, times: Vec::with_capacity(MOST) })
+    }
+
+    /// A first exchange, which is not counted: until it has come, the other side may not have.
+    ///
+    /// # Errors
+    /// As [`Talk::exchange`].
+    pub fn meet(&mut self) -> Result<(), Failure> {
+        let stamp = Stamp { seq: 1, mono_ns: now_ns(), ..Stamp::default() };
+        self.ask(&Sensors { stamp, ..Sensors::default() }).map(drop)
+    }
+
+    /// Sends sensors, stamped with the time at which they are sent, waits for their answer, and counts.
+    ///
+    /// # Errors
+    /// If the link breaks, nobody answers for long, or the user wants to stop.
+    #[inline]
+    pub fn exchange(&mut self, sensors: Sensors) -> Result<Command, Failure> {
+        let command = self.ask(&sensors)?;
+        let (sent, stamped) = (sensors.stamp.mono_ns, command.stamp.mono_ns);
+        let (there, back) = (stamped.saturating_sub(sent), self.heard_ns.saturating_sub(stamped));
+        self.times.push([there, back, self.heard_ns - sent]);
+        Ok(command)
+    }
+
+    /// The same without counting.
+    ///
+    /// # Errors
+    /// As [`Talk::exchange`].
+    #[inline]
+    pub fn ask(&mut self, sensors: &Sensors) -> Result<Command, Failure> {
+        self.latest = sensors.stamp;
+        self.port.send(*sensors)?;
+        loop {
+            let command = self.port.wait()?.filter(Command::is_sound);
+            self.heard_ns = now_ns();
+            match command {
+                Some(command) if command.stamp.ack == self.latest.seq => return Ok(command),
+                Some(_) => (),
+                None => unless(self.stop)?,
+            }
+            if self.heard_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 {
+                return Err(Failure::new(Exit::PeerMissing, LOST));
+            }
+        }
+    }
+
+    /// Says goodbye, and puts what was counted into the results.
+    ///
+    /// # Errors
+    /// If the link breaks.
+    pub fn end(self, results: &mut Results, section: &'static str) -> Result<(), Failure> {
+        let stamp = Stamp { seq: self.latest.seq + 1, mono_ns: now_ns(), ..self.latest };
+        self.port.send(Sensors { stamp, last: 1, ..Sensors::default() })?;
+        for (metric, which) in [("round trip", 2), ("sensors to command", 0), ("command to plant", 1)] {
+            results.put(section, metric, &Spread::of(self.times.iter().map(|times| times[which]))?);
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,128 @@
+//! What came out, cell by cell: a cell is all runs that differ in their seed alone.
+
+use super::grid::{Case, Grid};
+use super::table::{self, UP};
+use crate::study;
+use controller::stability;
+use messages::scene::LinkScene;
+use plant::inject::Injector;
+use shared::exit::{Exit, Failure};
+
+/// One cell.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Cell {
+    /// Share of the runs that stayed up.
+    pub up: f64,
+    /// Share of the runs that walked evenly too, the period of two steps varying by less than [`EVEN_MS`].
+    pub even: f64,
+    /// Mean age of the command in force, in periods: what loss and jitter amount to as a delay.
+    pub age: f64,
+}
+
+/// Every cell, in the order of the grid.
+pub struct Cells {
+    cells: Vec<Cell>,
+    /// Critical delay of the worst servo in each variation, by linear analysis [control periods].
+    pub critical: Vec<f64>,
+}
+
+/// A walk whose period of two steps has a standard deviation below this is even [ms].
+pub const EVEN_MS: f64 = 1.0;
+/// Periods over which the age of commands is averaged.
+const AGES: u64 = 20_000;
+
+impl Cells {
+    /// Sums up the rows of a complete table.
+    ///
+    /// # Errors
+    /// A row that is missing, or a scene whose servos cannot be had.
+    pub fn new(grid: &Grid, cases: &[Case], rows: &[Option<String>]) -> Result<Cells, Failure> {
+        let critical = grid.variations.iter().map(|variation| {
+            let loops = stability::loops(&variation.scene).map_err(controller::process::ProcessError::from)?;
+            Ok(loops.iter().map(stability::ServoLoop::critical_delay).fold(f64::INFINITY, f64::min))
+        });
+        let critical = critical.collect::<Result<_, Failure>>()?;
+        let seeds = grid.seeds as usize;
+        let cell = |(cases, rows): (&[Case], &[Option<String>])| {
+            let case = &cases[0];
+            let age = mean_age(&LinkScene { duplicate: 0.0, ..case.link.clone() }, 1.0 / case.variation.scene.rate);
+            let results = cases.iter().zip(rows).map(|(case, row)| row.as_ref().map(|row| table::cells(case, row)));
+            let results: Vec<_> = results
+                .collect::<Option<_>>()
+                .ok_or_else(|| Failure::new(Exit::Fault, format!("run {} has no row", case.number)))?;
+            let is_up = |cells: &&Vec<String>| cells[0] == UP;
+            let is_even = |cells: &&Vec<String>| is_up(cells) && cells[4].parse::<f64>().is_ok_and(|ms| ms < EVEN_MS);
+            let share = |count: usize| count as f64 / seeds as f64;
+            let up = share(results.iter().filter(is_up).count());
+            Ok(Cell { up, even: share(results.iter().filter(is_even).count()), age })
+        };
+        let cells = cases.chunks(seeds).zip(rows.chunks(seeds)).map(cell).collect::<Result<_, Failure>>()?;
+        Ok(Cells { cells, critical })
+    }
+
+    /// A cell by the indices of its variation, loss, jitter and delay.
+    pub fn at(&self, grid: &Grid, variation: usize, loss: usize, jitter: usize, delay: usize) -> &Cell {
+        let row = (variation * grid.losses.len() + loss) * grid.jitters.len() + jitter;
+        &self.cells[row * grid.delays.len() + delay]
+    }
+
+    /// What the map shows, as a table in Markdown: a row for each loss.
+    pub fn summary(&self, grid: &Grid) -> String {
+        let heads = ["with", "loss", "up", "evenly", "evenly at delays to", "evenly at jitters to", "servo bears"];
+        let mut rows = vec![heads.map(String::from).to_vec()];
+        for (v, variation) in grid.variations.iter().enumerate() {
+            for (l, loss) in grid.losses.iter().enumerate() {
+                let cell = |j: usize, d: usize| self.at(grid, v, l, j, d);
+                let count = grid.jitters.len() * grid.delays.len();
+                let all = || (0..count).map(|k| cell(k / grid.delays.len(), k % grid.delays.len()));
+                let percent = |sum: f64| format!("{:.0} %", 100.0 * sum / count as f64);
+                let last = |axis: &[f64], at: &dyn Fn(usize) -> Cell| {
+                    let last = (0..axis.len()).take_while(|k| at(*k).even == 1.0).last();
+                    last.map_or("-".into(), |k| format!("{} ms", axis[k]))
+                };
+                rows.push(vec![
+                    variation.name.clone(),
+                    loss.to_string(),
+                    percent(all().map(|cell| cell.up).sum()),
+                    percent(all().map(|cell| cell.even).sum()),
+                    last(&grid.delays, &|d| *cell(0, d)),
+                    last(&grid.jitters, &|j| *cell(j, 0)),
+                    format!("{:.2} periods", self.critical[v]),
+                ]);
+            }
+        }
+        study::table(&rows)
+    }
+}
+
+/// Mean age of the newest command that has arrived [control periods].
+fn mean_age(link: &LinkScene, period: f64) -> f64 {
+    let mut injector = Injector::new(link, period);
+    let (mut newest, mut sum) = (0, 0);
+    for tick in 1..=AGES {
+        let mut command = messages::wire::Command::default();
+        command.stamp.ack = tick;
+        injector.push(tick, &command);
+        while let Some(command) = injector.pop(tick) {
+            newest = newest.max(command.stamp.ack);
+        }
+        sum += tick - newest;
+    }
+    sum as f64 / AGES as f64
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn loss_makes_commands_as_old_as_a_geometric_law_says() {
+        let age = |delay_ms: f64, loss: f64| mean_age(&LinkScene { delay_ms, loss, ..LinkScene::default() }, 1e-3);
+        assert!((age(0.0, 0.0) - 0.0).abs() < 1e-12);
+        assert!((age(3.0, 0.0) - 3.0).abs() < 1e-2);
+        for loss in [0.2, 0.5, 0.8] {
+            let exact = loss / (1.0 - loss);
+            assert!((age(0.0, loss) / exact - 1.0).abs() < 0.05, "{loss}: {}", age(0.0, loss));
+        }
+    }
+}

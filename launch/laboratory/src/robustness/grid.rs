@@ -1,0 +1,219 @@
+//! Which runs: every combination of the axes, numbered.
+
+use super::RobustnessArgs;
+use messages::load::{load, text, validate};
+use messages::scene::{LinkScene, Scene};
+use messages::wire::{FNV_START, fnv1a};
+use shared::exit::{Exit, Failure};
+use shared::list::SCENES;
+use std::str::FromStr;
+
+/// Axes of a sweep, each ascending.
+pub struct Grid {
+    /// Delays [ms].
+    pub delays: Vec<f64>,
+    /// Jitters [ms].
+    pub jitters: Vec<f64>,
+    /// Losses [-].
+    pub losses: Vec<f64>,
+    /// What else differs.
+    pub variations: Vec<Variation>,
+    /// Runs of each cell.
+    pub seeds: u64,
+}
+
+/// The scene with other values.
+pub struct Variation {
+    /// The settings that make it; empty for the scene as it is.
+    pub name: String,
+    /// The scene.
+    pub scene: Scene,
+}
+
+/// One run.
+pub struct Case<'a> {
+    /// Its place among all runs of the grid.
+    pub number: usize,
+    /// What else differs.
+    pub variation: &'a Variation,
+    /// What happens to its commands.
+    pub link: LinkScene,
+}
+
+/// Axes if none are given; and quick ones, for walks of so many seconds.
+const DELAYS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+const JITTERS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
+const LOSSES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.7, 0.8];
+const SEEDS: u64 = 3;
+const QUICK: ([f64; 4], [f64; 2], [f64; 2], u64) = ([0.0, 2.0, 4.0, 8.0], [0.0, 6.0], [0.0, 0.8], 1);
+const QUICK_DURATION: &str = "duration=6";
+
+impl Grid {
+    /// The grid that is asked for.
+    ///
+    /// # Errors
+    /// One sentence on a wish that cannot be.
+    pub fn new(args: &RobustnessArgs) -> Result<Grid, Failure> {
+        let (delays, jitters, losses, seeds) = match args.quick {
+            true => (&QUICK.0[..], &QUICK.1[..], &QUICK.2[..], QUICK.3),
+            false => (&DELAYS[..], &JITTERS[..], &LOSSES[..], SEEDS),
+        };
+        let grid = Grid {
+            delays: axis("--delay", &args.delay, delays)?,
+            jitters: axis("--jitter", &args.jitter, jitters)?,
+            losses: axis("--loss", &args.loss, losses)?,
+            variations: variations(args)?,
+            seeds: args.seeds.unwrap_or(seeds),
+        };
+        // A link as bad as any of the grid: if that is a good scene, all are.
+        for variation in &grid.variations {
+            let last = |axis: &[f64]| axis.last().copied().unwrap_or_default();
+            let first = |axis: &[f64]| axis.first().copied().unwrap_or_default();
+            for end in [first, last] {
+                let (delay_ms, jitter_ms, loss) = (end(&grid.delays), end(&grid.jitters), end(&grid.losses));
+                let link = LinkScene { delay_ms, jitter_ms, loss, ..variation.scene.link.clone() };
+                validate(&Scene { link, ..variation.scene.clone() }, &format!("scene {}", args.scene))?;
+            }
+        }
+        Ok(grid)
+    }
+
+    /// Every run, in the order of the table.
+    pub fn cases(&self) -> Vec<Case<'_>> {
+        let mut cases = Vec::new();
+        for variation in &self.variations {
+            for &loss in &self.losses {
+                for &jitter_ms in &self.jitters {
+                    for &delay_ms in &self.delays {
+                        for seed in 1..=self.seeds {
+                            let link = LinkScene { delay_ms, jitter_ms, loss, seed, ..variation.scene.link.clone() };
+                            cases.push(Case { number: cases.len(), variation, link });
+                        }
+                    }
+                }
+            }
+        }
+        cases
+    }
+
+    /// A number that differs where axes or scenes do.
+    pub fn hash(&self) -> u64 {
+        let axes = format!("{:?}{:?}{:?}{}", self.delays, self.jitters, self.losses, self.seeds);
+        let scenes = self.variations.iter().map(|variation| text(&variation.scene));
+        scenes.fold(fnv1a(FNV_START, axes.as_bytes()), |hash, scene| fnv1a(hash, scene.as_bytes()))
+    }
+}
+
+impl Case<'_> {
+    /// The scene to run.
+    pub fn scene(&self) -> Scene {
+        Scene { link: self.link.clone(), ..self.variation.scene.clone() }
+    }
+}
+
+/// Values of an axis, ascending.
+fn axis(name: &str, wished: &[f64], usual: &[f64]) -> Result<Vec<f64>, Failure> {
+    let values = if wished.is_empty() { usual } else { wished };
+    match values.windows(2).find(|pair| pair[0].partial_cmp(&pair[1]) != Some(std::cmp::Ordering::Less)) {
+        Some(pair) => {
+            let message = format!("{name}: {} comes before {}, but values must ascend", pair[0], pair[1]);
+            Err(Failure::new(Exit::Usage, message))
+        }
+        None => Ok(values.to_vec()),
+    }
+}
+
+/// Every combination of the values of `--with`.
+fn variations(args: &RobustnessArgs) -> Result<Vec<Variation>, Failure> {
+    let mut combinations: Vec<Vec<String>> = vec![vec![]];
+    for wish in &args.with {
+        let (key, values) = wish.split_once('=').filter(|(_, values)| !values.is_empty()).ok_or_else(|| {
+            Failure::new(
+                Exit::Usage,
+                format!("--with {wish}: a key with its values is needed, as plant.friction=0.7,0.3"),
+            )
+        })?;
+        let settings: Vec<_> = outside_brackets(values).into_iter().map(|value| format!("{key}={value}")).collect();
+        combinations = combinations
+            .iter()
+            .flat_map(|old| settings.iter().map(|setting| [old.clone(), vec![setting.clone()]].concat()))
+            .collect();
+    }
+    let quick = args.quick.then(|| QUICK_DURATION.to_string());
+    let fixed: Vec<_> = quick.into_iter().chain(args.settings.iter().cloned()).collect();
+    let scene = |settings: &[String]| -> Result<Scene, Failure> {
+        let scene = load(&args.scene, &[&fixed, settings].concat(), SCENES)?;
+        match scene.controller {
+            Some(_) => Ok(scene),
+            None => {
+                let message = format!("{} has no controller, so there are no commands to disturb", args.scene);
+                Err(Failure::new(Exit::Usage, message))
+            }
+        }
+    };
+    combinations.iter().map(|settings| Ok(Variation { name: settings.join(" "), scene: scene(settings)? })).collect()
+}
+
+/// The parts between commas that are not within brackets.
+fn outside_brackets(values: &str) -> Vec<String> {
+    let (mut parts, mut depth) = (vec![String::new()], 0);
+    for letter in values.chars() {
+        depth += i32::from(letter == '[') - i32::from(letter == ']');
+        match parts.last_mut() {
+            Some(part) if letter != ',' || depth > 0 => part.push(letter),
+            _ => parts.push(String::new()),
+        }
+    }
+    parts
+}
+
+/// The i-th of n equal shares.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Shard {
+    index: usize,
+    count: usize,
+}
+
+impl Shard {
+    /// Whether it has a run: neighbours go to different shards, which then take about as long.
+    pub fn has(self, number: usize) -> bool {
+        number % self.count == self.index - 1
+    }
+
+    /// Name of its table.
+    pub fn file_name(self) -> String {
+        format!("robustness-{}-of-{}.csv", self.index, self.count)
+    }
+}
+
+impl FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Shard, String> {
+        let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
+        match numbers {
+            Some((index, count)) if (1..=count).contains(&index) => Ok(Shard { index, count }),
+            _ => Err("i/n is needed with i from 1 to n, as 1/4".into()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_run_is_in_exactly_one_shard() {
+        let shards: Vec<Shard> = (1..=7).map(|i| format!("{i}/7").parse().expect("a shard")).collect();
+        assert!((0..1000).all(|number| shards.iter().filter(|shard| shard.has(number)).count() == 1));
+        for bad in ["0/4", "5/4", "1", "a/b", "1/0", "-1/4"] {
+            assert!(bad.parse::<Shard>().is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn lists_within_brackets_stay_together() {
+        assert_eq!(outside_brackets("0.7,0.3"), ["0.7", "0.3"]);
+        assert_eq!(outside_brackets("[0,2,0],[0,-2,0]"), ["[0,2,0]", "[0,-2,0]"]);
+    }
+}

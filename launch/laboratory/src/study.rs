@@ -1,0 +1,258 @@
+//! `biped study`: tables that the documents quote, each case a scene with some values changed.
+
+use clap::{Args, ValueEnum};
+use messages::load::load;
+use messages::scene::Scene;
+use rayon::prelude::*;
+use records::record::Recorder;
+use records::summary::Summary;
+use sessions::run::{goes_on, in_process};
+use shared::csv;
+use shared::exit::{Exit, Failure};
+use shared::list::SCENES;
+use shared::output::{folder, say, unwritten, write_whole};
+use shared::progress::Counter;
+use std::fmt::Write;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+mod cases;
+mod orbit;
+mod problems;
+mod pushes;
+
+use cases::{Case, cases};
+
+/// Arguments of `biped study`.
+#[derive(Args)]
+pub struct StudyArgs {
+    /// Which table
+    study: Study,
+    /// Write the table into this folder, as Markdown and as CSV
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Show no progress
+    #[arg(long)]
+    quiet: bool,
+    /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    count: Option<u64>,
+    #[command(flatten)]
+    pushes: pushes::PushArgs,
+}
+
+/// Which table.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Study {
+    /// How far the robot, its sensors and the ground may be off before it falls
+    Margins,
+    /// The same walk under each contact law
+    Laws,
+    /// Where the lateral orbit is attracted to, with and without the energy rule (39)
+    Attraction,
+    /// Long walks
+    Endurance,
+    /// How well contact problems of every kind are solved
+    Problems,
+    /// How hard the robot may be pushed, beside what a pendulum on its feet could bear
+    Pushes,
+}
+
+/// What became of it: a summary, also of a fall, or why there is none.
+pub type Outcome = Result<Summary, String>;
+
+/// Runs the cases of a study on all cores, prints the table and writes it, if asked to.
+///
+/// # Errors
+/// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
+/// are rows of the table.
+pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let solves = matches!(args.study, Study::Problems);
+    if args.count.is_some() && !solves {
+        return Err(belongs_to("--count", "problems"));
+    }
+    args.pushes.check(args.study)?;
+    args.out.as_deref().map_or(Ok(()), folder)?;
+    if let Study::Pushes = args.study {
+        return pushes::run(args, stop);
+    }
+    if solves {
+        let count = args.count.unwrap_or(1_000_000) as usize;
+        let counter = Counter::new(args.quiet, count, 0, "problems");
+        let mut results = problems::solve(count, stop, |more| counter.add(more))?;
+        counter.finish();
+        let rows = problems::rows(&mut results);
+        return hand_out(args, &table(&rows), &[("", csv::text(&rows))]);
+    }
+    let cases = cases(args.study);
+    let counter = Counter::new(args.quiet, cases.len(), 0, "cases");
+    let study = |case| {
+        let outcome = simulate(case, stop);
+        counter.add(1);
+        outcome
+    };
+    let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
+    counter.finish();
+    let rows = rows(args.study, &cases, &outcomes);
+    let more = match args.study {
+        Study::Attraction => format!("\n{}", table(&orbit::rows(stop)?)),
+        _ => String::new(),
+    };
+    hand_out(args, &(markdown(&rows, &outcomes) + &more), &[("", with_commands(rows, &cases))])
+}
+
+/// An option was given to a study that has no use for it.
+fn belongs_to(option: &str, study: &str) -> Failure {
+    Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
+}
+
+/// Prints tables, and writes them if asked to: all as one Markdown file, each as a file of comma-separated values.
+fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
+    say(markdown);
+    match &args.out {
+        None => Ok(()),
+        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| unwritten(folder, &error)),
+    }
+}
+
+fn write(folder: &Path, study: Study, markdown: &str, tables: &[(&str, String)]) -> io::Result<()> {
+    let name = format!("{study:?}").to_lowercase();
+    write_whole(&folder.join(format!("{name}.md")), markdown)?;
+    tables.iter().try_for_each(|(of, csv)| write_whole(&folder.join(format!("{name}{of}.csv")), csv))
+}
+
+fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
+    observe(case.scene, &load(case.scene, &case.settings, SCENES)?, stop)
+}
+
+/// Runs a scene in this process, to its end or its fall.
+///
+/// # Errors
+/// Ctrl-C alone: whatever else goes wrong is an outcome.
+pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
+    let (mut recorder, start) = (Recorder::without_rows(scene), Instant::now());
+    let result = in_process(scene, |truth| {
+        recorder.push(truth);
+        goes_on(&recorder, stop)
+    });
+    match result {
+        Err(failure) if failure.exit == Exit::Interrupted => Err(failure),
+        // What fails after a fall fails because of it.
+        Err(failure) if recorder.extremes.fall.is_none() => Ok(Err(failure.message)),
+        _ => Ok(Ok(Summary::new(name, &recorder, start.elapsed(), 1))),
+    }
+}
+
+type Column = (&'static str, fn(&Summary) -> String);
+
+/// Columns that a study shows.
+fn columns(study: Study) -> Vec<Column> {
+    let all: [Column; 8] = [
+        ("x m", |s| fixed(s.distance_m, 2)),
+        ("y m", |s| fixed(s.lateral_m, 3)),
+        ("yaw °", |s| fixed(s.yaw_deg, 2)),
+        ("m/s", |s| fixed(s.speed_mps, 3)),
+        ("period s", |s| fixed(s.period_s, 3) + " ± " + &fixed(s.period_std_s, 3)),
+        ("x_2 min mm", |s| fixed(1e3 * s.x2_min_m, 1)),
+        ("peak N·m", |s| fixed(s.peak_torque_nm.into_iter().fold(0.0, f64::max), 1)),
+        ("tilt °", |s| fixed(s.foot_tilt_max_deg, 2)),
+    ];
+    let contact: [Column; 9] = [
+        ("hop mm", |s| fixed(1e3 * s.hop_max_m, 2)),
+        ("sinks mm", |s| fixed(1e3 * s.penetration_max_m, 3)),
+        ("peak force N", |s| fixed(s.peak_force_n, 0)),
+        ("slip angle °", |s| fixed(s.slip_misalignment_max_deg, 1)),
+        ("Signorini", |s| format!("{:.0e}", s.signorini_max)),
+        ("natural map", |s| format!("{:.0e}", s.natural_map_max)),
+        ("energy gain J", |s| format!("{:.0e}", s.energy_gain_max_j)),
+        ("fallbacks", |s| s.fallbacks.to_string()),
+        ("µs/step", |s| fixed(1e6 * s.plant_median_s / s.steps_per_period as f64, 2)),
+    ];
+    let more: &[Column] = if let Study::Laws = study { &contact } else { &[] };
+    all.iter().chain(more).copied().collect()
+}
+
+/// A number; a dash if it could not be measured, or is what remains of a simulation that blew up after a fall.
+fn fixed(value: f64, digits: usize) -> String {
+    if value.abs() < 1e6 { format!("{value:.digits$}") } else { "-".into() }
+}
+
+/// The table as cells, the first row naming the columns.
+fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> {
+    let columns = columns(study);
+    let names = ["case", "outcome"].into_iter().chain(columns.iter().map(|column| column.0));
+    let cells = |outcome: &Outcome| match outcome {
+        Err(error) => [error.clone()].into_iter().chain(columns.iter().map(|_| String::new())).collect(),
+        Ok(summary) => {
+            let fate = summary.fall_time_s.map_or("up".into(), |time| format!("fell at {time:.1} s"));
+            [fate].into_iter().chain(columns.iter().map(|column| column.1(summary))).collect::<Vec<_>>()
+        }
+    };
+    let body = cases.iter().zip(outcomes).map(|(case, outcome)| [vec![case.name.clone()], cells(outcome)].concat());
+    [names.map(String::from).collect()].into_iter().chain(body).collect()
+}
+
+fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
+    let up = outcomes.iter().filter(|outcome| outcome.as_ref().is_ok_and(|summary| !summary.fell)).count();
+    format!("{}\n{up} of {} stay up.\n", table(rows), outcomes.len())
+}
+
+/// A table in Markdown.
+pub fn table(rows: &[Vec<String>]) -> String {
+    let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(widest).collect();
+    let mut text = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} |"));
+        let _ = writeln!(text, "|{}", cells.collect::<String>());
+        if i == 0 {
+            let rule = widths.iter().map(|width| format!("{}|", "-".repeat(width + 2)));
+            let _ = writeln!(text, "|{}", rule.collect::<String>());
+        }
+    }
+    text
+}
+
+/// The same with the command line of each case, to run it again.
+fn with_commands(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
+    let command = |case: &Case| {
+        let settings = case.settings.iter().map(|setting| format!(" --set '{setting}'"));
+        format!("biped run {}{}", case.scene, settings.collect::<String>())
+    };
+    let commands = ["command".into()].into_iter().chain(cases.iter().map(command));
+    rows.iter_mut().zip(commands).for_each(|(row, command)| row.push(command));
+    csv::text(&rows)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::cases::case;
+    use super::*;
+
+    #[test]
+    fn every_case_of_every_study_is_a_good_scene_and_has_its_own_name() {
+        for study in Study::value_variants() {
+            let cases = cases(*study);
+            for (i, case) in cases.iter().enumerate() {
+                assert!(load(case.scene, &case.settings, SCENES).is_ok(), "{study:?}: {}", case.name);
+                assert!(cases[..i].iter().all(|other| other.name != case.name), "{study:?}: {} twice", case.name);
+            }
+        }
+    }
+
+    #[test]
+    fn a_simulation_that_blows_up_is_a_row_and_not_the_end_of_the_study() {
+        // Friction makes it spin as no step can tell.
+        let wild = case("too fast", "drop", &["initial.velocity=[1e30, 1e30, -1e30]"]);
+        let calm = case("as it is", "drop", &["duration=0.01"]);
+        let stop = AtomicBool::new(false);
+        let outcomes = [&wild, &calm].map(|case| simulate(case, &stop).expect("not interrupted"));
+        assert!(outcomes[0].as_ref().is_err_and(|words| words.contains("plant.dt is too long")), "{:?}", outcomes[0]);
+        let rows = rows(Study::Laws, &[wild, calm], &outcomes);
+        assert!(rows[1][1].contains("plant.dt is too long") && rows[2][1] == "up", "{rows:?}");
+        assert!(rows.iter().all(|row| row.len() == rows[0].len()));
+        assert!(markdown(&rows, &outcomes).ends_with("1 of 2 stay up.\n"));
+    }
+}

@@ -1,0 +1,61 @@
+//! Second table of `biped study attraction`: how the robot itself comes back to its orbit.
+//!
+//! Stepping in place, it is pushed sideways, once to each side. At the turning point of a step E_2 = −ω_2² x_2²/2, x_2 being the distance of
+//! the robot's centre of mass from its sole, as the simulation knows it; nothing here is asked of the controller. Half the difference of the
+//! two runs is the deviation, free of what both have in common. By (41) it decays as e^(−k_E t).
+
+use super::pushes::{Push, disturbed};
+use controller::constants::Constants;
+use controller::process::ProcessError;
+use messages::load::load;
+use messages::scene::Scene;
+use shared::exit::Failure;
+use shared::list::SCENES;
+use std::sync::atomic::AtomicBool;
+
+/// Gains k_E of (39) [1/s].
+const GAINS: [f64; 3] = [4.0, 2.0, 0.0];
+/// Impulse of the push [N·s], its time, amid the way from a turning point to an exchange, and the end of the run [s].
+const IMPULSE: f64 = 1.0;
+const TIME: f64 = 5.02;
+const END: f64 = 7.5;
+/// Steps that are shown, and those over which the rate is measured.
+const SHOWN: usize = 6;
+const MEASURED: usize = 2;
+
+/// The rows, the first one naming the columns.
+///
+/// # Errors
+/// Ctrl-C, or a bad scene, which a test excludes.
+pub fn rows(stop: &AtomicBool) -> Result<Vec<Vec<String>>, Failure> {
+    let headings = (0..SHOWN).map(|step| format!("step {step}"));
+    let first = ["E_2 after a push, of its first deviation".into()];
+    let mut rows = vec![first.into_iter().chain(headings).chain(["rate 1/s".into()]).collect()];
+    for gain in GAINS {
+        let scene = load("stamp", &[format!("duration={END}"), format!("controller.energy_gain={gain}")], SCENES)?;
+        let step = 0.5 * scene.controller.as_ref().map_or(f64::NAN, |controller| controller.period);
+        let deviations = deviations(&scene, stop)?;
+        let shares: Vec<f64> = deviations.iter().map(|deviation| deviation / deviations[0]).collect();
+        let rate = -shares[MEASURED].ln() / (MEASURED as f64 * step);
+        let theory: Vec<f64> = (0..SHOWN).map(|k| (-gain * k as f64 * step).exp()).collect();
+        for (who, shares, rate) in [("the robot", shares, rate), ("by (41)", theory, gain)] {
+            let cells = shares.iter().map(|share| format!("{share:.2}"));
+            rows.push(
+                [format!("k_E = {gain}, {who}")].into_iter().chain(cells).chain([format!("{rate:.2}")]).collect(),
+            );
+        }
+    }
+    Ok(rows)
+}
+
+/// Deviations of E_2 at the turning points from the step of the push on [m²/s²].
+fn deviations(scene: &Scene, stop: &AtomicBool) -> Result<Vec<f64>, Failure> {
+    let omega = Constants::of(scene).map_err(ProcessError::from)?.omega[1];
+    let energies = |impulse: f64| -> Result<Vec<f64>, Failure> {
+        let recorder = disturbed(scene, &[Push { time: TIME, impulse: [0.0, impulse, 0.0] }], stop)?.recorder;
+        let after = recorder.gait.complete().iter().filter(|step| step.start > TIME);
+        Ok(after.map(|step| -0.5 * (omega * step.x2_min).powi(2)).take(SHOWN).collect())
+    };
+    let [left, right] = [energies(IMPULSE)?, energies(-IMPULSE)?];
+    Ok(left.iter().zip(&right).map(|(left, right)| 0.5 * (left - right)).collect())
+}

@@ -1,0 +1,271 @@
+//! Families of contact problems: ways to make scenes by chance.
+
+use fastrand::Rng;
+use messages::load::load;
+use messages::robot::{Body, Joint, JointKind};
+use messages::scene::{Base, Initial, Method, PlantScene, Scene};
+use shared::exit::Failure;
+use shared::list::SCENES;
+
+/// Where problems come from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Family {
+    /// The robot stands on both feet: eight corners, rank eleven at most.
+    Standing,
+    /// Its weight goes from both feet to one.
+    Swaying,
+    /// It walks, on ground of any friction, in any direction.
+    Walking,
+    /// It is pushed while it walks.
+    Pushed,
+    /// It walks without foot placement, pushed hard, until long after it fell.
+    Falling,
+    /// A box with two limbs, contacts all over, is thrown on the ground.
+    Tumbling,
+    /// One body on 64 corners.
+    Corners,
+    /// A chain of bodies whose masses differ by up to 1e9.
+    IllScaled,
+    /// Rods that slide fast on rough ground: the jams of Painlevé.
+    Jams,
+    /// Trees of bodies without any order.
+    Chains,
+    /// The same with masses that differ by up to 1e14.
+    Conditioned,
+    /// Two legs hinged at the top that press their feet apart.
+    Wedged,
+    /// A tumbling box that has each of its corners up to four times.
+    Duplicated,
+    /// The tumbling box where friction is anything from none to 1000, or so great that all sticks.
+    Rough,
+}
+
+/// Friction so great that nothing slips [-].
+const STICKS: f64 = 1e6;
+
+impl Family {
+    /// All of them.
+    pub const ALL: [Family; 14] = [
+        Family::Standing,
+        Family::Swaying,
+        Family::Walking,
+        Family::Pushed,
+        Family::Falling,
+        Family::Tumbling,
+        Family::Corners,
+        Family::IllScaled,
+        Family::Jams,
+        Family::Chains,
+        Family::Conditioned,
+        Family::Wedged,
+        Family::Duplicated,
+        Family::Rough,
+    ];
+
+    /// A scene of this family, and the time at which its problems begin to count.
+    pub(super) fn scene(self, random: &mut Rng) -> Result<(Scene, f64), Failure> {
+        let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+        Ok(match self {
+            Family::Standing => (robot("stand", random)?, 0.0),
+            Family::Swaying => (robot("walk", random)?, 0.5),
+            Family::Walking => {
+                let begin = between(1.3, 6.0);
+                (robot("walk", random)?, begin)
+            }
+            Family::Pushed => {
+                let begin = between(2.0, 6.0);
+                let impulse = [between(-4.0, 4.0), between(-4.0, 4.0), between(-1.0, 1.0)];
+                let mut scene = robot("walk", random)?;
+                (scene.plant.push_impulse, scene.plant.push_time) = (impulse, begin);
+                (scene, begin)
+            }
+            Family::Falling => {
+                let begin = between(1.5, 3.5);
+                let impulse = [between(-9.0, 9.0), between(-9.0, 9.0), between(-3.0, 3.0)];
+                let mut scene = robot("walk", random)?;
+                scene.controller.iter_mut().for_each(|controller| controller.foot_placement_gain = 0.0);
+                (scene.plant.push_impulse, scene.plant.push_time) = (impulse, begin - 0.2);
+                (scene, begin)
+            }
+            Family::Tumbling => (thrown(tumbler(random), 6.0, random), 0.0),
+            Family::Corners => (thrown(vec![many_corners(random)], 0.5, random), 0.0),
+            Family::IllScaled => {
+                let bodies = tree(random, 9.0);
+                (thrown(bodies, 1.0, random), 0.0)
+            }
+            Family::Jams => (jam(random), 0.0),
+            Family::Chains => {
+                let bodies = tree(random, 1.0);
+                (thrown(bodies, 2.0, random), 0.0)
+            }
+            Family::Conditioned => {
+                let bodies = tree(random, 14.0);
+                (thrown(bodies, 1.0, random), 0.0)
+            }
+            Family::Wedged => (wedge(random), 0.0),
+            Family::Duplicated => {
+                let mut bodies = tumbler(random);
+                bodies.iter_mut().for_each(|body| body.contacts = body.contacts.repeat(random.usize(2..=4)));
+                (thrown(bodies, 6.0, random), 0.0)
+            }
+            Family::Rough => {
+                let mut scene = thrown(tumbler(random), 6.0, random);
+                let any = 10f64.powf(6.0 * random.f64() - 3.0);
+                scene.plant.friction = *random.choice(&[0.0, any, any, any, STICKS]).unwrap_or(&any);
+                (scene, 0.0)
+            }
+        })
+    }
+}
+
+/// The robot of Table 1 in one of the built-in scenes, on unknown ground with unknown load.
+fn robot(name: &str, random: &mut Rng) -> Result<Scene, Failure> {
+    let mut scene = load(name, &[], SCENES)?;
+    scene.plant.method = Method::SemiImplicitEuler;
+    scene.plant.dt = *random.choice(&[2.5e-4, 5e-4, 1e-3]).unwrap_or(&5e-4);
+    scene.rate = 1.0 / scene.plant.dt;
+    scene.plant.friction = 0.3 + 0.9 * random.f64();
+    scene.plant.payload_kg = 2.0 * random.f64();
+    scene.plant.payload_offset = [0.0; 3].map(|_: f64| 0.04 * (random.f64() - 0.5));
+    scene.plant.encoder_bits = random.u32(16..=24);
+    scene.initial.orientation_deg = [0.0, 0.0, 360.0 * random.f64()];
+    if random.bool() {
+        scene.initial.clearance = Some(1e-3 * random.f64());
+        scene.initial.velocity = [0.0; 3].map(|_: f64| 0.1 * (random.f64() - 0.5));
+    }
+    Ok(scene)
+}
+
+/// Bodies near the ground, in any attitude and motion; `speed` in m/s and, tenfold, rad/s.
+fn thrown(bodies: Vec<Body>, speed: f64, random: &mut Rng) -> Scene {
+    let dt = 10f64.powf(-2.0 - 2.0 * random.f64());
+    let joints = bodies.len() - 1;
+    let calm = random.f64().powi(2);
+    let mut any = |size: f64| size * (2.0 * random.f64() - 1.0);
+    let initial = Initial {
+        clearance: Some(0.0),
+        orientation_deg: [any(180.0 * calm), any(80.0 * calm), any(180.0)],
+        velocity: [0.0; 3].map(|_: f64| any(speed)),
+        angular_velocity: [0.0; 3].map(|_: f64| any(10.0 * speed * calm)),
+        joints: (0..joints).map(|_| any(2.0 * calm)).collect(),
+        joint_rates: (0..joints).map(|_| any(5.0 * speed * calm)).collect(),
+        ..Initial::default()
+    };
+    let plant = PlantScene {
+        dt,
+        base: Base::Quaternion,
+        method: Method::SemiImplicitEuler, // a problem in every step, and none split at landings
+        friction: *random.choice(&[0.0, 0.1, 0.3, 0.5, 0.7, 1.0, 1.5]).unwrap_or(&0.5),
+        drive_inertia: if random.bool() { 0.0 } else { 0.1 },
+        ..PlantScene::default()
+    };
+    Scene { rate: 1.0 / dt, plant, initial, bodies, ..Scene::default() }
+}
+
+fn body(name: String, mass: f64, size: [f64; 3], contacts: Vec<[f64; 3]>) -> Body {
+    Body { name, mass, size, contacts, ..Body::default() }
+}
+
+/// Corners of a box.
+fn corners(size: [f64; 3]) -> Vec<[f64; 3]> {
+    let sign = |bits: usize, k: usize| if bits >> k & 1 == 1 { 0.5 } else { -0.5 };
+    (0..8).map(|bits| [0, 1, 2].map(|k| sign(bits, k) * size[k])).collect()
+}
+
+fn tumbler(random: &mut Rng) -> Vec<Body> {
+    let size = [0.0; 3].map(|_: f64| 0.1 + 0.4 * random.f64());
+    let mut bodies = vec![body("box".into(), 2.0, size, corners(size))];
+    for side in [1.0, -1.0] {
+        let limb = [0.05, 0.05, 0.3];
+        bodies.push(Body {
+            joint: Some(hinge("box", [0.0, 1.0, 0.0], [0.0, side * size[1] / 2.0, 0.0])),
+            com: [0.0, 0.0, -0.15],
+            contacts: vec![[0.0, 0.0, -0.3]],
+            ..body(format!("limb {side}"), 0.5, limb, vec![])
+        });
+    }
+    bodies
+}
+
+fn hinge(parent: &str, axis: [f64; 3], at: [f64; 3]) -> Joint {
+    Joint { parent: parent.into(), axis, at, ..Joint::default() }
+}
+
+/// A plate on 64 corners, in a grid or anywhere.
+fn many_corners(random: &mut Rng) -> Body {
+    let (grid, [a, b]) = (random.bool(), [0.05 + random.f64(), 0.05 + random.f64()]);
+    let place = |k: usize| (k as f64) / 7.0 - 0.5;
+    let contacts = (0..64).map(|k| {
+        let [x, y] = if grid { [place(k % 8), place(k / 8)] } else { [random.f64() - 0.5, random.f64() - 0.5] };
+        [a * x, b * y, -0.05]
+    });
+    let contacts = contacts.collect();
+    body("plate".into(), 3.0, [a, b, 0.1], contacts)
+}
+
+/// Three to eight bodies, each hung from one before it; masses spread over `decades`.
+fn tree(random: &mut Rng, decades: f64) -> Vec<Body> {
+    let mut bodies: Vec<Body> = Vec::new();
+    for i in 0..random.usize(3..=8) {
+        let size = [0.0; 3].map(|_: f64| 0.05 + 0.3 * random.f64());
+        let mut contacts = corners(size);
+        random.shuffle(&mut contacts);
+        contacts.truncate(random.usize(1..=4));
+        let mass = 10f64.powf(decades * random.f64() - 0.5 * decades);
+        let mut next = body(format!("body {i}"), mass, size, contacts);
+        if i > 0 {
+            let parent = &bodies[random.usize(0..i)];
+            let mut axis = [0.0; 3].map(|_: f64| random.f64() - 0.5);
+            let length = axis.iter().map(|x| x * x).sum::<f64>().sqrt();
+            axis = axis.map(|x| x / length);
+            let at = parent.size.map(|side| side * (random.f64() - 0.5));
+            let kind = if random.f64() < 0.8 { JointKind::Revolute } else { JointKind::Prismatic };
+            next.joint = Some(Joint { kind, ..hinge(&parent.name, axis, at) });
+            next.com = size.map(|side| 0.5 * side);
+        }
+        bodies.push(next);
+    }
+    bodies
+}
+
+/// A rod, or one with a second hinged to it, pushed along rough ground at an angle at which it may jam.
+fn jam(random: &mut Rng) -> Scene {
+    let ends = |length: f64| vec![[0.5 * length, 0.0, 0.0], [-0.5 * length, 0.0, 0.0]];
+    let mut bodies = vec![body("rod".into(), 1.0, [2.0, 0.02, 0.02], ends(2.0))];
+    if random.bool() {
+        let next = body("second".into(), random.f64() + 0.1, [1.0, 0.02, 0.02], ends(1.0));
+        bodies.push(Body { joint: Some(hinge("rod", [0.0, 1.0, 0.0], [1.0, 0.0, 0.0])), ..next });
+    }
+    let mut scene = thrown(bodies, 1.0, random);
+    scene.plant.friction = 1.0 + 2.0 * random.f64();
+    scene.plant.drive_inertia = 0.0;
+    scene.initial.orientation_deg = [0.0, 20.0 + 60.0 * random.f64(), 360.0 * random.f64()];
+    scene.initial.velocity[0] *= 10.0;
+    scene.initial.angular_velocity = scene.initial.angular_velocity.map(|rate| 0.1 * rate);
+    scene
+}
+
+/// An A-frame: two legs hinged at the top, with a load there and feet of one to four corners, on ground that holds them apart or does not.
+fn wedge(random: &mut Rng) -> Scene {
+    let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
+    let (spread, load, friction) = (between(0.2, 1.3), 10f64.powf(between(-1.0, 3.0)), 10f64.powf(between(-1.0, 1.0)));
+    let clearance = 1e-3 * between(0.0, 1.0);
+    let mut bodies = vec![body("load".into(), load, [0.1; 3], vec![])];
+    for side in [1.0, -1.0] {
+        let [x, y] = [0.02, 0.05].map(|half| if random.bool() { half } else { 0.0 });
+        let corners = [[x, y], [x, -y], [-x, y], [-x, -y]].map(|[x, y]| [x, y, -1.0]);
+        bodies.push(Body {
+            joint: Some(hinge("load", [0.0, 1.0, 0.0], [0.0, side * 0.1, 0.0])),
+            com: [0.0, 0.0, -0.5],
+            contacts: corners.to_vec(),
+            ..body(format!("leg {side}"), 1.0, [0.05, 0.05, 1.0], vec![])
+        });
+    }
+    let mut scene = thrown(bodies, 0.01, random);
+    scene.plant.friction = friction;
+    scene.plant.drive_inertia = 0.0;
+    scene.initial.clearance = Some(clearance);
+    scene.initial.orientation_deg = [0.0; 3];
+    scene.initial.joints = vec![0.5 * spread, -0.5 * spread];
+    scene
+}

@@ -1,0 +1,65 @@
+//! `biped info`: what a recording has.
+
+use super::reader::{Content, Reader};
+use clap::Args;
+use shared::exit::{Failure, unless};
+use shared::output::say;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// Arguments of `biped info`.
+#[derive(Args)]
+pub struct InfoArgs {
+    /// The recording
+    file: PathBuf,
+    /// Print its scene instead, as a TOML file
+    #[arg(long)]
+    scene: bool,
+}
+
+/// Prints it.
+///
+/// # Errors
+/// See [`Reader::open`].
+pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let mut reader = Reader::open(&args.file)?;
+    if args.scene {
+        say(reader.word("scene"));
+        return Ok(());
+    }
+    let scene = reader.scene().clone();
+    let (mut counts, mut end, mut hash) = (BTreeMap::<Arc<str>, u64>::new(), 0, None);
+    while let Some(item) = reader.next() {
+        unless(stop)?;
+        *counts.entry(item.topic).or_default() += 1;
+        end = item.time;
+        if let Content::Truth(truth) = item.content {
+            hash = Some(truth.hash);
+        }
+    }
+    let seconds = end as f64 * 1e-9;
+    let line = |key: &str, value: String| say(format_args!("  {key:<13}{value}\n"));
+    say(format_args!("{}\n", args.file.display()));
+    line("written by", format!("biped {}, wire schema {}", reader.word("version"), reader.word("schema")));
+    line("begun", reader.word("begun").into());
+    line("robot", format!("{} bodies, {:.1} kg", scene.bodies.len(), scene.bodies.iter().map(|b| b.mass).sum::<f64>()));
+    line("length", format!("{seconds:.3} s of {:.3} s, control at {:.0} Hz", scene.duration, scene.rate));
+    line("size", size(&args.file));
+    for (topic, count) in counts {
+        line(&topic, format!("{count} messages"));
+    }
+    if let Some(hash) = hash {
+        line("states", format!("hash {hash:016x}, as in summary.json"));
+    }
+    if let Some(why) = reader.cut {
+        line("cut short", format!("nothing can be read after {seconds:.3} s: {why}"));
+    }
+    Ok(())
+}
+
+fn size(file: &std::path::Path) -> String {
+    let bytes = std::fs::metadata(file).map_or(0, |about| about.len());
+    format!("{:.1} MB", bytes as f64 * 1e-6)
+}

@@ -1,0 +1,169 @@
+//! The vocabulary of figures: colours, axes and marks. `draw.rs` turns them into SVG.
+
+use plotters::style::RGBColor;
+use std::ops::Range;
+
+/// Text and axes; becomes the page's text colour inside the report.
+pub const INK: RGBColor = RGBColor(0x1F, 0x23, 0x28);
+/// Grid lines; softer on dark pages.
+pub const GRID: RGBColor = RGBColor(0xE1, 0xE5, 0xEA);
+/// Left foot and leg.
+pub const LEFT: RGBColor = RGBColor(0x2F, 0x81, 0xD6);
+/// Right foot and leg.
+pub const RIGHT: RGBColor = RGBColor(0xE0, 0x6C, 0x1F);
+/// Centre of mass.
+pub const COM: RGBColor = RGBColor(0x8E, 0x5B, 0xD6);
+/// Zero-moment point.
+pub const ZMP: RGBColor = RGBColor(0xD0, 0x3D, 0x78);
+/// A fourth hue.
+pub const GREEN: RGBColor = RGBColor(0x1F, 0x9D, 0x76);
+/// References and what lies in the background.
+pub const GREY: RGBColor = RGBColor(0x8B, 0x94, 0x9E);
+
+/// How numbers at an axis are written.
+#[derive(Clone, Copy)]
+pub enum Ticks {
+    /// Decimal numbers.
+    Plain,
+    /// The axis holds decimal logarithms: powers of ten.
+    Powers,
+    /// Not at all, nor is there an axis.
+    None,
+}
+
+/// One axis.
+pub struct Axis {
+    /// What is drawn, with its unit.
+    pub label: &'static str,
+    /// From where to where.
+    pub range: Range<f64>,
+    /// How numbers are written.
+    pub ticks: Ticks,
+}
+
+/// The frame of a figure.
+pub struct Frame {
+    /// Heading.
+    pub title: String,
+    /// Height [px] of a figure that is 560 wide.
+    pub height: u32,
+    /// Horizontal axis.
+    pub x: Axis,
+    /// Vertical axis.
+    pub y: Axis,
+}
+
+/// Something drawn in the coordinates of the axes.
+pub struct Mark {
+    pub(super) shape: Shape,
+    pub(super) colour: RGBColor,
+    pub(super) opacity: f64,
+    pub(super) label: Option<&'static str>,
+}
+
+/// What a mark looks like; sizes in px.
+pub(super) enum Shape {
+    Line(Vec<(f64, f64)>, f64),
+    Dashes(Vec<(f64, f64)>),
+    Dots(Vec<(f64, f64)>, f64),
+    Rings(Vec<(f64, f64)>, f64),
+    Area(Vec<(f64, f64)>),
+    Text((f64, f64), String),
+    Note((f64, f64), String),
+}
+
+impl Axis {
+    /// An axis with decimal numbers.
+    pub fn new(label: &'static str, range: Range<f64>) -> Self {
+        Axis { label, range, ticks: Ticks::Plain }
+    }
+
+    /// An axis of decimal logarithms.
+    pub fn powers(label: &'static str, range: Range<f64>) -> Self {
+        Axis { label, range, ticks: Ticks::Powers }
+    }
+
+    /// An axis that is not drawn.
+    pub fn hidden(range: Range<f64>) -> Self {
+        Axis { label: "", range, ticks: Ticks::None }
+    }
+}
+
+impl Mark {
+    fn new(shape: Shape, colour: RGBColor) -> Self {
+        Mark { shape, colour, opacity: 1.0, label: None }
+    }
+
+    /// A line through the points, broken where one is not finite.
+    pub fn line(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
+        Self::new(Shape::Line(points, 1.6), colour)
+    }
+
+    /// A hairline.
+    pub fn thin(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
+        Self::new(Shape::Line(points, 0.9), colour)
+    }
+
+    /// A dashed line.
+    pub fn dashes(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
+        Self::new(Shape::Dashes(points), colour)
+    }
+
+    /// Dots of a radius [px].
+    pub fn dots(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
+        Self::new(Shape::Dots(points, radius), colour)
+    }
+
+    /// Hollow dots of a radius [px].
+    pub fn rings(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
+        Self::new(Shape::Rings(points, radius), colour)
+    }
+
+    /// A filled polygon.
+    pub fn area(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
+        Self::new(Shape::Area(points), colour)
+    }
+
+    /// Small text, centred above a place.
+    pub fn text(at: (f64, f64), text: String) -> Self {
+        Self::new(Shape::Text(at, text), INK)
+    }
+
+    /// Small text that begins at a place, in a colour.
+    pub fn note(at: (f64, f64), text: String, colour: RGBColor) -> Self {
+        Self::new(Shape::Note(at, text), colour)
+    }
+
+    /// See-through.
+    pub fn faint(mut self, opacity: f64) -> Self {
+        self.opacity = opacity;
+        self
+    }
+
+    /// Named in the legend.
+    pub fn label(mut self, label: &'static str) -> Self {
+        self.name(label);
+        self
+    }
+
+    /// Names it in the legend.
+    pub fn name(&mut self, label: &'static str) {
+        self.label = Some(label);
+    }
+}
+
+/// The range of the values, widened on both sides by a share of it and to at least `least`.
+pub fn around(values: impl IntoIterator<Item = f64>, margin: f64, least: f64) -> Range<f64> {
+    let (low, high) = (values.into_iter().filter(|value| value.is_finite()))
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
+    if low > high {
+        return 0.0..1.0;
+    }
+    let width = (high - low).max(least) * (1.0 + 2.0 * margin);
+    (low + high - width) / 2.0..(low + high + width) / 2.0
+}
+
+/// Text for use inside XML.
+pub fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
+}

@@ -1,0 +1,244 @@
+//! `biped top`: how a running session is, in the terminal. It listens as a recorder does; in place on a terminal, a line each second
+//! elsewhere.
+
+use crate::summary::table::tiny;
+use clap::Args;
+use console::{Style, Term, truncate_str};
+use messages::port::RecorderPort;
+use messages::session::Session;
+use messages::wire::{PHASES, REFUSALS, STATES, Truth};
+use shared::args::SessionArgs;
+use shared::exit::Failure;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
+
+/// Between two looks on a terminal.
+const LOOK: Duration = Duration::from_millis(250);
+/// Between two lines elsewhere.
+const LINE: Duration = Duration::from_secs(1);
+/// What has not been heard of for so long has ended, if nobody else is in the session.
+const SILENCE: Duration = Duration::from_secs(1);
+
+/// Arguments of `biped top`.
+#[derive(Args)]
+pub struct TopArgs {
+    #[command(flatten)]
+    session: SessionArgs,
+}
+
+/// Shows it until the session or the user's patience ends.
+///
+/// # Errors
+/// If there is no such session.
+pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let session = args.session.find()?;
+    let mut port = RecorderPort::visit(&session)?;
+    let mut term = Term::stdout();
+    let interval = if term.is_term() { LOOK } else { LINE };
+    let (mut span, mut drawn) = (Span::new(), 0);
+    while !stop.load(Relaxed) && !has_ended(&session, span.heard) {
+        while let Some(truth) = port.read()? {
+            span.take(&truth);
+        }
+        if span.begun.elapsed() < interval {
+            std::thread::sleep(Duration::from_millis(2));
+            continue;
+        }
+        let shown = if term.is_term() {
+            let lines = span.lines(&session);
+            let width = usize::from(term.size().1); // a line that wraps would be two to clear away
+            let text: String = lines.iter().map(|line| format!("{}\n", truncate_str(line, width, "…"))).collect();
+            let shown = term.clear_last_lines(drawn).and_then(|()| term.write_all(text.as_bytes()));
+            drawn = lines.len();
+            shown
+        } else {
+            writeln!(term, "{}", span.line())
+        };
+        if shown.is_err() {
+            break; // whoever read has had enough
+        }
+        span = Span { latest: span.latest, heard: span.heard, ..Span::new() };
+    }
+    Ok(())
+}
+
+/// Whether nobody but us is in a session that has fallen silent.
+pub fn has_ended(session: &Session, heard: Instant) -> bool {
+    heard.elapsed() > SILENCE && session.members().iter().all(|member| *member == std::process::id())
+}
+
+/// What was heard between two looks.
+struct Span {
+    begun: Instant,
+    heard: Instant,
+    latest: Option<Truth>,
+    first: Option<Truth>,
+    count: u64,
+    oldest: u32,
+    reply: Times,
+    late: Times,
+    busy: Times,
+}
+
+impl Span {
+    fn new() -> Span {
+        let now = Instant::now();
+        Span {
+            begun: now,
+            heard: now,
+            latest: None,
+            first: None,
+            count: 0,
+            oldest: 0,
+            reply: Times::default(),
+            late: Times::default(),
+            busy: Times::default(),
+        }
+    }
+
+    fn take(&mut self, truth: &Truth) {
+        self.first.get_or_insert(*truth);
+        self.latest = Some(*truth);
+        self.heard = Instant::now();
+        self.count += 1;
+        self.oldest = self.oldest.max(truth.age);
+        self.reply.add(truth.reply_ns);
+        self.late.add(truth.late_ns);
+        self.busy.add(truth.plant_ns);
+    }
+
+    /// Control periods a second, simulated time per time, and speed [m/s].
+    fn rates(&self) -> [f64; 3] {
+        let (Some(first), Some(last)) = (self.first, self.latest) else { return [0.0, 0.0, f64::NAN] };
+        let wall = self.begun.elapsed().as_secs_f64();
+        let simulated = last.stamp.sim_ns.saturating_sub(first.stamp.sim_ns) as f64 * 1e-9;
+        let speed = (last.base_position[0] - first.base_position[0]) / simulated;
+        [self.count as f64 / wall, simulated / wall, speed]
+    }
+
+    /// All of it, in lines for people.
+    fn lines(&self, session: &Session) -> Vec<String> {
+        let Some(truth) = &self.latest else {
+            return vec![format!("session {}: nothing yet; one that is paused says nothing", session.name())];
+        };
+        let [rate, pace, speed] = self.rates();
+        let (telemetry, tally) = (&truth.telemetry, &truth.tally);
+        let state = name(&STATES, truth.state);
+        let colour = match state.as_str() {
+            "run" | "wait" => Style::new().green(),
+            "paused" => Style::new().cyan(),
+            "hold" | "damp" => Style::new().yellow(),
+            _ => Style::new().red().bold(),
+        };
+        let key = Style::new().dim();
+        let line = |name: &str, value: String| format!("{} {value}", key.apply_to(format!("{name:<11}")));
+        let times = |times: &Times| format!("mean {:.0} µs, greatest {:.0} µs", times.mean(), times.greatest());
+        let refused: Vec<String> = (REFUSALS.iter().zip(tally.refused))
+            .filter(|(_, count)| *count > 0)
+            .map(|(why, count)| format!("{count} {why}"))
+            .collect();
+        let refused = if refused.is_empty() { "none".into() } else { refused.join(", ") };
+        let time = truth.stamp.sim_ns as f64 * 1e-9;
+        vec![
+            line("session", format!("{}, run {:016x}, t {time:.2} s", session.name(), truth.stamp.run)),
+            line("pace", format!("{rate:.0} periods/s, {pace:.2} x real time")),
+            line("drives", format!("{}", colour.apply_to(state))),
+            line("gait", format!("{}, step {}, {speed:+.3} m/s", support(truth), telemetry.steps)),
+            line("energies", energies(truth)),
+            line("age", format!("{} periods, greatest {}", truth.age, self.oldest)),
+            line("reply", times(&self.reply)),
+            line("late", times(&self.late)),
+            line("plant", times(&self.busy)),
+            line("residuals", format!("natural map {}, Signorini {}", tiny(truth.natural_map), tiny(truth.signorini))),
+            line("refused", refused),
+            line(
+                "periods",
+                format!(
+                    "{} held, {} damped, {} with drives off, {} skipped",
+                    tally.held, tally.damped, tally.faulted, tally.skipped
+                ),
+            ),
+            line(
+                "commands",
+                format!("{} lost, {} takeovers, {} requests", tally.lost, tally.takeovers, tally.requests),
+            ),
+            line("steps", format!("{} fallbacks, {} periods not recorded", truth.fallbacks, tally.unrecorded)),
+        ]
+    }
+
+    /// The same in one plain line.
+    fn line(&self) -> String {
+        let Some(truth) = &self.latest else { return "nothing yet; a session that is paused says nothing".into() };
+        let [rate, pace, speed] = self.rates();
+        let time = truth.stamp.sim_ns as f64 * 1e-9;
+        let refused: u64 = truth.tally.refused.iter().sum();
+        format!(
+            "t {time:.2} s  {rate:.0} Hz  {pace:.2}x  {}  {}  {speed:+.3} m/s  {}  age {}  reply {:.0} µs  late {:.0} µs  \
+             refused {refused}  lost {}  skipped {}",
+            name(&STATES, truth.state),
+            support(truth),
+            energies(truth),
+            self.oldest,
+            self.reply.mean(),
+            self.late.greatest(),
+            truth.tally.lost,
+            truth.tally.skipped,
+        )
+    }
+}
+
+/// Mean and greatest of some times.
+#[derive(Default)]
+struct Times {
+    sum: u64,
+    count: u64,
+    most: u64,
+}
+
+impl Times {
+    fn add(&mut self, ns: u64) {
+        (self.sum, self.count, self.most) = (self.sum + ns, self.count + 1, self.most.max(ns));
+    }
+
+    /// [µs].
+    fn mean(&self) -> f64 {
+        self.sum as f64 * 1e-3 / self.count.max(1) as f64
+    }
+
+    /// [µs].
+    fn greatest(&self) -> f64 {
+        self.most as f64 * 1e-3
+    }
+}
+
+fn name(names: &[&str], index: u32) -> String {
+    names.get(index as usize).copied().unwrap_or("?").into()
+}
+
+fn support(truth: &Truth) -> String {
+    let foot = if truth.telemetry.support == 0 { "left" } else { "right" };
+    format!("{}, {foot} foot", name(&PHASES, truth.telemetry.phase))
+}
+
+fn energies(truth: &Truth) -> String {
+    let ([e1, e2], [ref1, ref2]) = (truth.telemetry.energy, truth.telemetry.energy_ref);
+    format!("E1 {e1:+.4} of {ref1:+.4}, E2 {e2:+.4} of {ref2:+.4}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::record::fake::FakeWalk;
+
+    #[test]
+    fn of_an_ordinary_walk_every_line_fits_a_narrow_terminal() {
+        let mut span = Span::new();
+        for period in 0..2000 {
+            span.take(&FakeWalk::new(0.06).truth(period, 9.0 + period as f64 * 1e-3));
+        }
+        for line in span.lines(&Session::named("laboratory").expect("a good name")) {
+            assert!(console::measure_text_width(&line) <= 60, "{line}");
+        }
+    }
+}

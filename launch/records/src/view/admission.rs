@@ -1,0 +1,140 @@
+//! Who is answered: whoever asks for this very host and shows the token, which is looked at before anything else is read.
+
+use super::page;
+use constant_time_eq::constant_time_eq;
+use http_body_util::{BodyExt, Full, Limited};
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{self, HeaderName, HeaderValue};
+use hyper::http::request::Parts;
+use hyper::http::uri::Authority;
+use hyper::{Request, Response, StatusCode};
+use rustix::rand::{GetRandomFlags, getrandom};
+use std::net::IpAddr;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+use tokio::time::timeout;
+
+/// A request that is not complete by then, and an answer of which nothing is taken for so long, end their connection.
+pub const PATIENCE: Duration = Duration::from_secs(5);
+/// Greatest length of a body [bytes].
+const LONGEST_BODY: usize = 4 << 10;
+
+/// An answer that is complete when it begins.
+pub type Answer = Response<Full<Bytes>>;
+
+/// What there is to be known of the place.
+pub struct Admission {
+    listening: IpAddr,
+    /// Whoever has it is let in.
+    pub token: String,
+    policy: String,
+}
+
+impl Admission {
+    /// A token of its own, by the system's random numbers.
+    ///
+    /// # Errors
+    /// If there are none.
+    pub fn new(listening: IpAddr) -> std::io::Result<Admission> {
+        let mut token = [0; 16];
+        getrandom(&mut token, GetRandomFlags::empty())?;
+        let token = format!("{:032x}", u128::from_ne_bytes(token));
+        Ok(Admission { listening, token, policy: format!("{}; frame-ancestors 'none'", page::policy()) })
+    }
+
+    /// A request and its body, or why it is refused.
+    pub async fn admit(&self, request: Request<Incoming>, is_known: &AtomicBool) -> Result<(Parts, String), Answer> {
+        let (head, body) = request.into_parts();
+        let said = |name| head.headers.get(name).and_then(|value| value.to_str().ok());
+        if !said(header::HOST).is_some_and(|host| self.is_ours(host)) {
+            return Err(text(421, ELSEWHERE));
+        }
+        if head.uri.path() == "/favicon.ico" {
+            return Err(text(204, ""));
+        }
+        let bearer = || said(header::AUTHORIZATION)?.strip_prefix("Bearer ");
+        let token = Query(head.uri.query().unwrap_or("")).value("token").or_else(bearer).unwrap_or("");
+        if !constant_time_eq(token.as_bytes(), self.token.as_bytes()) {
+            return Err(match head.uri.path() {
+                "/" => with(text(403, &page::refusal(STALE)), header::CONTENT_TYPE, HTML),
+                _ => text(403, STALE),
+            });
+        }
+        is_known.store(true, Relaxed);
+        match timeout(PATIENCE, Limited::new(body, LONGEST_BODY).collect()).await {
+            Err(_) => Err(text(408, "This request did not come to its end in time.\n")),
+            Ok(Err(_)) => Err(text(413, "This request is too long, or breaks off.\n")),
+            Ok(Ok(body)) => Ok((head, String::from_utf8_lossy(&body.to_bytes()).into())),
+        }
+    }
+
+    /// Whether a browser that names this host meant this place: a name that somebody else's server resolves to it did not. Ports
+    /// are not looked at, since containers and tunnels change them.
+    fn is_ours(&self, host: &str) -> bool {
+        let Ok(authority) = host.parse::<Authority>() else { return false };
+        let (name, any) = (authority.host().trim_matches(['[', ']']), self.listening.is_unspecified());
+        match name.parse::<IpAddr>() {
+            Ok(address) => any || address == self.listening || address.is_loopback() && self.listening.is_loopback(),
+            Err(_) => name.eq_ignore_ascii_case("localhost") && (any || self.listening.is_loopback()),
+        }
+    }
+
+    /// With what holds for every answer: it is not kept, says nothing to other sites, and runs only the page's own scripts.
+    pub fn dress(&self, answer: Answer) -> Answer {
+        let answer = with(answer, header::CONTENT_SECURITY_POLICY, &self.policy);
+        let plain = [
+            (header::CACHE_CONTROL, "no-store"),
+            (header::REFERRER_POLICY, "no-referrer"),
+            (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        ];
+        plain.into_iter().fold(answer, |answer, (name, value)| with(answer, name, value))
+    }
+}
+
+const STALE: &str = "This address is not, or no longer, good: open the one that `biped view` printed last.\n";
+const ELSEWHERE: &str = "This host is not here: open the address that `biped view` printed.\n";
+const HTML: &str = "text/html; charset=utf-8";
+
+/// What follows the question mark of an address.
+#[derive(Clone, Copy)]
+pub struct Query<'a>(pub &'a str);
+
+impl<'a> Query<'a> {
+    /// The value of a key.
+    pub fn value(self, key: &str) -> Option<&'a str> {
+        self.0.split('&').find_map(|part| part.strip_prefix(key)?.strip_prefix('='))
+    }
+}
+
+/// The page itself.
+pub fn html(page: &Bytes) -> Answer {
+    with(Response::new(Full::new(page.clone())), header::CONTENT_TYPE, HTML)
+}
+
+/// What no address leads to.
+pub fn nothing() -> Answer {
+    text(404, "There is nothing here.\n")
+}
+
+/// Words for people.
+pub fn text(status: u16, words: &str) -> Answer {
+    let mut answer = Response::new(Full::from(words.to_string()));
+    *answer.status_mut() = StatusCode::from_u16(status).unwrap_or_default();
+    match words.is_empty() {
+        true => answer,
+        false => with(answer, header::CONTENT_TYPE, "text/plain; charset=utf-8"),
+    }
+}
+
+/// Numbers for the page.
+pub fn data(bytes: Vec<u8>) -> Answer {
+    with(Response::new(Full::from(bytes)), header::CONTENT_TYPE, "application/octet-stream")
+}
+
+/// With one header more, of plain ASCII.
+pub fn with(mut answer: Answer, name: HeaderName, value: &str) -> Answer {
+    if let Ok(value) = HeaderValue::from_str(value) {
+        answer.headers_mut().insert(name, value);
+    }
+    answer
+}

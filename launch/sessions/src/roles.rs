@@ -1,0 +1,118 @@
+//! `biped plant` and `biped controller`: the two roles, started by hand, by `biped run`, or in somebody else's place.
+
+use crate::children;
+use crate::opening::guarded;
+use crate::realtime;
+use clap::Args;
+use messages::invitation::Invitation;
+use messages::load::text;
+use messages::port::{Contract, ControllerPort, Pace, PlantPort};
+use messages::session::Session;
+use rustix::event::{PollFd, PollFlags, Timespec, poll};
+use shared::args::PaceArgs;
+use shared::args::SceneArgs;
+use shared::exit::Failure;
+use shared::output::tell;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Arguments of `biped plant` and `biped controller`.
+#[derive(Args)]
+pub struct RoleArgs {
+    /// Built-in scene (see `biped list`) or path of a TOML file; without it, all is as in the environment that
+    /// `--controller` and `--plant` of another biped made
+    scene: Option<String>,
+    /// Put the robot of this TOML or URDF file into the scene, which is fitted to it
+    #[arg(long, value_name = "FILE", requires = "scene")]
+    robot: Option<String>,
+    /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
+    #[arg(long = "set", value_name = "KEY=VALUE", requires = "scene")]
+    settings: Vec<String>,
+    #[command(flatten)]
+    pace: PaceArgs,
+    #[command(flatten)]
+    system: realtime::RealtimeArgs,
+    /// Name of the session that plant and controller share
+    #[arg(long, default_value = "biped", requires = "scene")]
+    session: String,
+    /// Leave room for a tunnel to another machine, which `biped tunnel` opens
+    #[arg(long, requires = "scene")]
+    tunnel: bool,
+    /// Process to die with
+    #[arg(long, hide = true)]
+    parent: Option<i32>,
+}
+
+impl RoleArgs {
+    /// Where to take part: as the arguments say, or the environment.
+    fn invitation(&self) -> Result<Invitation, Failure> {
+        let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
+        let scene = SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone() }.load()?;
+        let contract = Contract::of(&scene, self.pace.pace()).tunnelled(self.tunnel);
+        let session = Session::named(&self.session)?;
+        Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })
+    }
+}
+
+/// `biped plant`.
+///
+/// # Errors
+/// A sentence and an exit code.
+pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let Invitation { session, contract, patience, scene, .. } = begin(args, 0)?;
+    let port = guarded(|| PlantPort::open(&session, &contract))?;
+    session.tell_scene(&text(&scene))?;
+    ready(args)?;
+    if args.parent.is_some() {
+        held(stop);
+    }
+    let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience };
+    let (tally, result) = plant::process::run(&scene, port, options, stop);
+    let remarks = tally.to_string();
+    if !remarks.is_empty() {
+        tell(remarks);
+    }
+    Ok(result?)
+}
+
+/// `biped controller`.
+///
+/// # Errors
+/// A sentence and an exit code.
+pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let Invitation { session, contract, patience, scene, succeeds } = begin(args, 1)?;
+    let port = match succeeds {
+        true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
+        false => guarded(|| ControllerPort::open(&session, &contract))?,
+    };
+    ready(args)?;
+    Ok(controller::process::run(&scene, port, patience, stop)?)
+}
+
+/// What both roles begin with: plant (0) and controller (1).
+fn begin(args: &RoleArgs, side: usize) -> Result<Invitation, Failure> {
+    let invitation = args.invitation()?;
+    if let Some(parent) = args.parent {
+        // Nobody else may be left to clear up after it.
+        children::die_with(parent).inspect_err(|_| invitation.session.sweep())?;
+    }
+    args.system.suits(invitation.contract.pace)?;
+    match invitation.contract.pace {
+        Pace::RealTime => realtime::wake_on_time(),
+        Pace::Lockstep => realtime::keep_apart(side), // at once: moved later, it waits for whoever is where it comes to
+    }
+    Ok(invitation)
+}
+
+/// What both roles ask of the system, now that all their shared memory is there.
+fn ready(args: &RoleArgs) -> Result<(), Failure> {
+    args.system.prepare()?.iter().for_each(tell);
+    Ok(())
+}
+
+/// Waits for the end of the standard input: whoever started us then listens, or has ended.
+fn held(stop: &AtomicBool) {
+    let limit = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+    let input = std::io::stdin();
+    let is_open = || poll(&mut [PollFd::new(&input, PollFlags::IN)], Some(&limit)).map_or(true, |ends| ends == 0);
+    while !stop.load(Relaxed) && is_open() {}
+}

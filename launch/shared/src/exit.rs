@@ -1,0 +1,175 @@
+//! What can go wrong, and the exit code that says so.
+
+use crate::case::Case;
+use controller::ControllerError;
+use messages::invitation::InvitationError;
+use messages::load::SceneError;
+use messages::port::PortError;
+use plant::PlantError;
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Exit codes of every role.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Exit {
+    /// All went well.
+    Ok = 0,
+    /// Wrong arguments, or a scene that is refused.
+    Usage = 2,
+    /// The other process did not come, or went away.
+    PeerMissing = 3,
+    /// The simulation or the controller failed, or results could not be written.
+    Fault = 4,
+    /// The other process has another program version, scene or pace.
+    Incompatible = 5,
+    /// Shared memory is missing, full or blocked.
+    SharedMemory = 6,
+    /// The robot fell.
+    Fell = 7,
+    /// A contact problem was not solved to plant.tolerance; it is in a file.
+    Unsolved = 8,
+    /// The system refused what `--rt=require` asks for.
+    Refused = 9,
+    /// A program breaks a rule of the wire.
+    Nonconforming = 10,
+    /// The run is over, but its recording ended before it.
+    Unrecorded = 11,
+    /// Ctrl-C or TERM.
+    Interrupted = 130,
+}
+
+/// The same for people.
+pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
+    5 incompatible processes, 6 shared memory, 7 the robot fell, \
+    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire broken, \
+    11 the recording is not whole, 130 interrupted";
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> ExitCode {
+        ExitCode::from(exit as u8)
+    }
+}
+
+impl Exit {
+    /// The meaning of a child's exit code; one that is not ours, or a signal, is a fault.
+    pub fn of_child(code: Option<i32>) -> Exit {
+        let known = [
+            Exit::Ok,
+            Exit::Usage,
+            Exit::PeerMissing,
+            Exit::Incompatible,
+            Exit::SharedMemory,
+            Exit::Unsolved,
+            Exit::Refused,
+            Exit::Interrupted,
+        ];
+        known.into_iter().find(|exit| code == Some(*exit as i32)).unwrap_or(Exit::Fault)
+    }
+}
+
+impl Exit {
+    /// What cut a run short, in a few words; nothing for what is no early end.
+    pub fn cause(self) -> Option<&'static str> {
+        match self {
+            Exit::Ok | Exit::Fell | Exit::Nonconforming | Exit::Unrecorded => None,
+            Exit::Usage | Exit::Refused => Some("refused"),
+            Exit::PeerMissing => Some("other process missing"),
+            Exit::Fault => Some("fault"),
+            Exit::Incompatible => Some("incompatible processes"),
+            Exit::SharedMemory => Some("shared memory"),
+            Exit::Unsolved => Some("unsolved contact problem"),
+            Exit::Interrupted => Some("interrupted"),
+        }
+    }
+}
+
+/// An exit code and a sentence.
+#[derive(Debug)]
+pub struct Failure {
+    /// The code.
+    pub exit: Exit,
+    /// The sentence.
+    pub message: String,
+    /// A contact problem to be written to a file.
+    pub case: Option<Box<Case>>,
+}
+
+impl Failure {
+    /// A failure with a message.
+    pub fn new(exit: Exit, message: impl ToString) -> Failure {
+        Failure { exit, message: message.to_string(), case: None }
+    }
+}
+
+/// Whether to go on: not when the user has asked to stop.
+///
+/// # Errors
+/// That.
+pub fn unless(stop: &AtomicBool) -> Result<(), Failure> {
+    if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, "interrupted")) } else { Ok(()) }
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        Failure::new(Exit::Usage, error)
+    }
+}
+
+impl From<InvitationError> for Failure {
+    fn from(error: InvitationError) -> Self {
+        match error {
+            InvitationError::Malformed(_) => Failure::new(Exit::Usage, error),
+            InvitationError::Port(error) => error.into(),
+        }
+    }
+}
+
+impl From<PortError> for Failure {
+    fn from(error: PortError) -> Self {
+        let exit = match &error {
+            PortError::SessionName { .. } => Exit::Usage,
+            PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => Exit::Incompatible,
+            PortError::NoSession { .. } | PortError::Absent { .. } => Exit::PeerMissing,
+            PortError::SharedMemory(_) => Exit::SharedMemory,
+        };
+        Failure::new(exit, error)
+    }
+}
+
+impl From<plant::process::ProcessError> for Failure {
+    fn from(error: plant::process::ProcessError) -> Self {
+        use plant::process::ProcessError as E;
+        match error {
+            E::Port(error) => error.into(),
+            E::NoController(..) => Failure::new(Exit::PeerMissing, error),
+            E::Plant(PlantError::Unsolved { .. }) => unsolved(error),
+            E::Plant(PlantError::Value { .. }) => Failure::new(Exit::Usage, error), // it began with the scene
+            E::Plant(_) | E::Silent(_) => Failure::new(Exit::Fault, error),
+            E::Interrupted => Failure::new(Exit::Interrupted, error),
+        }
+    }
+}
+
+fn unsolved(error: plant::process::ProcessError) -> Failure {
+    let failure = Failure::new(Exit::Unsolved, &error);
+    Failure { case: Case::of(error).map(Box::new), ..failure }
+}
+
+impl From<controller::process::ProcessError> for Failure {
+    fn from(error: controller::process::ProcessError) -> Self {
+        use controller::process::ProcessError as E;
+        match error {
+            E::Port(error) => error.into(),
+            E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
+            E::Controller(ControllerError::Singular { .. }) => Failure::new(Exit::Fault, error),
+            E::Controller(_) => Failure::new(Exit::Usage, error), // it began with the scene
+            E::Interrupted => Failure::new(Exit::Interrupted, error),
+        }
+    }
+}
+
+impl From<PlantError> for Failure {
+    fn from(error: PlantError) -> Self {
+        plant::process::ProcessError::from(error).into()
+    }
+}
