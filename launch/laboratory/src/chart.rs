@@ -12,6 +12,7 @@
 //! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
 //! drawn ([`draw`], [`page`]) is drawn from these rows alone.
 
+mod args;
 mod bounds;
 mod cases;
 mod core;
@@ -32,39 +33,12 @@ mod trial;
 mod watch;
 
 use self::core::Core;
-use clap::Args;
+pub use args::ChartArgs;
 use shared::exit::Failure;
 use shared::output::{folder, say, unwritten, write_whole};
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use watch::Watch;
-
-/// Arguments of `biped chart`.
-#[derive(Args)]
-pub struct ChartArgs {
-    /// Write the table, the drawings and the page into this folder
-    #[arg(long, value_name = "DIR", default_value = "out/chart")]
-    out: PathBuf,
-    /// Coarse steps and few of them: everything is drawn, within a minute
-    #[arg(long)]
-    quick: bool,
-    /// Measure other engines too, installed into a virtual environment of Python; or take the rows of a table of them
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
-    peers: Option<Option<PathBuf>>,
-    /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
-    #[arg(long)]
-    growth: bool,
-    /// Instead of all that: order, error and cost of every integration method in each kind of motion
-    #[arg(long, conflicts_with_all = ["growth", "peers"])]
-    orders: bool,
-    /// Only these comparison scenes, separated by commas
-    #[arg(long, value_name = "NAMES", value_delimiter = ',')]
-    scenes: Vec<String>,
-    /// Show no progress
-    #[arg(long)]
-    quiet: bool,
-}
 
 /// Measures everything and draws it.
 ///
@@ -119,6 +93,6 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         args.out.join("chart.csv").display(),
         begun.elapsed().as_secs_f64(),
     ));
-    say(crate::study::table(&bounds::table(&chosen, &rows)));
+    say(crate::study::tables::table(&bounds::table(&chosen, &rows)));
     Ok(())
 }

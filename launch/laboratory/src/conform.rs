@@ -14,6 +14,7 @@ mod controller;
 mod driver;
 mod guest;
 mod plant;
+mod report;
 mod robot;
 mod stamps;
 
@@ -21,10 +22,11 @@ pub use company::others;
 
 use clap::Args;
 use guest::Host;
+use report::Report;
 use shared::args::SceneArgs;
 use shared::exit::{Exit, Failure, unless};
 use shared::output::say;
-use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 /// Arguments of `biped conform`.
@@ -45,49 +47,6 @@ pub struct ConformArgs {
     /// How long it may take to start or to answer [s]
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::seconds)]
     patience: f64,
-}
-
-/// What was found on a rule: a remark, or what was done instead.
-type Finding = Result<String, String>;
-
-/// Some of the rules.
-type Part = fn(&Host, &mut Report) -> Result<(), String>;
-
-/// The rules, told one by one.
-struct Report<'a> {
-    kept: usize,
-    broken: usize,
-    stop: &'a AtomicBool,
-}
-
-impl Report<'_> {
-    /// Tells whether a rule, which stands in a section of docs/WIRE.md, was kept.
-    fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
-        match &finding {
-            Ok(remark) if remark.is_empty() => say(format_args!("ok      {rule}\n")),
-            Ok(remark) => say(format_args!("ok      {rule} ({remark})\n")),
-            Err(instead) => say(format_args!("FAILED  {rule}: {instead} (docs/WIRE.md, {section})\n")),
-        }
-        let counter = if finding.is_ok() { &mut self.kept } else { &mut self.broken };
-        *counter += 1;
-        finding.is_ok()
-    }
-
-    /// What is worth knowing and breaks no rule.
-    fn note(&self, text: &str) {
-        say(format_args!("note    {text}\n"));
-    }
-
-    /// Checks one part after the other, until Ctrl-C.
-    fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
-        for (nth, part) in parts.iter().enumerate().take_while(|_| !self.stop.load(Relaxed)) {
-            part(host, self)?;
-            if nth == 0 && self.kept == 0 {
-                self.note("what does not begin refuses everything: what is kept below says little");
-            }
-        }
-        Ok(())
-    }
 }
 
 /// Checks every rule.

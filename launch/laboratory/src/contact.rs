@@ -1,6 +1,6 @@
 //! `biped contact`: a contact problem that ended a run, as a file, and what each law makes of it.
 
-use crate::study::table;
+use crate::study::tables::table;
 use clap::Args;
 use messages::scene::Law;
 use plant::contact::{Memory, Problem, Solver, tangents};

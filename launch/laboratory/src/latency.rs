@@ -7,7 +7,7 @@
 //! | what a round trip over our ports is made of | [`breakdown`] |
 //! | the walk in lockstep | [`walk`] |
 //! | what the clock paces at 1 kHz, beside the host's floor | [`paced`], [`floor`], [`watch`] |
-//! | both ends of a conversation | [`talk`], [`peer`] |
+//! | both ends of a conversation | [`talk`], [`peer`], [`serve`] |
 //! | histograms, tables, drawings | [`spread`], [`results`], [`draw`], [`page`] |
 //! | the machine, and who else uses it | [`host`] |
 
@@ -23,13 +23,15 @@ mod paced;
 mod page;
 mod peer;
 mod results;
+mod serve;
 mod sockets;
 mod spread;
 mod talk;
+mod terms;
 mod walk;
 mod watch;
 
-pub use peer::{PeerArgs, serve as peer};
+pub use serve::{PeerArgs, serve as peer};
 
 use bench::{Bench, Plan};
 use carrier::Carrier;

@@ -10,64 +10,23 @@
 //! Every run is a case with a number, the same in every shard; its row in the table depends on nothing else. So shards
 //! that ran anywhere merge to the very file that one machine would have written.
 
+mod args;
 mod cells;
 mod grid;
 mod map;
+mod shard;
 mod table;
 
 use crate::study;
+pub use args::RobustnessArgs;
 use cells::Cells;
-use clap::Args;
 use grid::{Case, Grid};
 use rayon::prelude::*;
 use shared::exit::{Exit, Failure};
 use shared::output::{folder, say, unwritten, write_whole};
 use shared::progress::Counter;
-use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use table::Table;
-
-/// Arguments of `biped robustness`.
-#[derive(Args)]
-pub struct RobustnessArgs {
-    /// Scene whose commands are disturbed
-    #[arg(default_value = "walk")]
-    scene: String,
-    /// Replace a value of the scene (see `biped list --keys`); repeatable
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
-    /// Delays of every command, ascending [ms]
-    #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
-    delay: Vec<f64>,
-    /// Jitters, ascending; --set link.jitter=normal or =burst for another kind than uniform [ms]
-    #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
-    jitter: Vec<f64>,
-    /// Probabilities that a command is lost, ascending
-    #[arg(long, value_name = "P,…", value_delimiter = ',', allow_negative_numbers = true)]
-    loss: Vec<f64>,
-    /// Repeat the map for each value of a key, say plant.friction=0.7,0.3 or plant.payload_kg=0,2 or
-    /// plant.push_impulse=[0,2,0],[0,-2,0]; given twice, for each combination
-    #[arg(long, value_name = "KEY=V,…")]
-    with: Vec<String>,
-    /// Runs of each cell, every one with another seed
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
-    seeds: Option<u64>,
-    /// A coarse map of short walks, within seconds
-    #[arg(long)]
-    quick: bool,
-    /// Do only the i-th of n equal shares of the runs
-    #[arg(long, value_name = "I/N")]
-    shard: Option<grid::Shard>,
-    /// Do none, but put the tables of all shards together and draw the map; with the options that they were made with
-    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "shard")]
-    merge: Vec<PathBuf>,
-    /// Write the table and the map into this folder; what its table has already is not done again
-    #[arg(long, value_name = "DIR", default_value = "out/robustness")]
-    out: PathBuf,
-    /// Show no progress
-    #[arg(long)]
-    quiet: bool,
-}
 
 /// Does the runs that are missing from the table, then draws the map; with a shard or after Ctrl-C, only the table.
 ///

@@ -1,6 +1,5 @@
 //! `biped study`: tables that the documents quote, each case a scene with some values changed.
 
-use clap::{Args, ValueEnum};
 use messages::load::load;
 use messages::scene::Scene;
 use rayon::prelude::*;
@@ -10,55 +9,22 @@ use sessions::run::{goes_on, in_process};
 use shared::csv;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use shared::output::{folder, say, unwritten, write_whole};
+use shared::output::folder;
 use shared::progress::Counter;
-use std::fmt::Write;
-use std::io;
-use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
+mod args;
 mod cases;
 mod orbit;
 mod problems;
 mod pushes;
+pub mod tables;
 
+pub use args::StudyArgs;
+use args::{Study, belongs_to};
 use cases::{Case, cases};
-
-/// Arguments of `biped study`.
-#[derive(Args)]
-pub struct StudyArgs {
-    /// Which table
-    study: Study,
-    /// Write the table into this folder, as Markdown and as CSV
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Show no progress
-    #[arg(long)]
-    quiet: bool,
-    /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
-    count: Option<u64>,
-    #[command(flatten)]
-    pushes: pushes::PushArgs,
-}
-
-/// Which table.
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub enum Study {
-    /// How far the robot, its sensors and the ground may be off before it falls
-    Margins,
-    /// The same walk under each contact law
-    Laws,
-    /// Where the lateral orbit is attracted to, with and without the energy rule (39)
-    Attraction,
-    /// Long walks
-    Endurance,
-    /// How well contact problems of every kind are solved
-    Problems,
-    /// How hard the robot may be pushed, beside what a pendulum on its feet could bear
-    Pushes,
-}
+use tables::{hand_out, table};
 
 /// What became of it: a summary, also of a fall, or why there is none.
 pub type Outcome = Result<Summary, String>;
@@ -101,26 +67,6 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         _ => String::new(),
     };
     hand_out(args, &(markdown(&rows, &outcomes) + &more), &[("", with_commands(rows, &cases))])
-}
-
-/// An option was given to a study that has no use for it.
-fn belongs_to(option: &str, study: &str) -> Failure {
-    Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
-}
-
-/// Prints tables, and writes them if asked to: all as one Markdown file, each as a file of comma-separated values.
-fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
-    say(markdown);
-    match &args.out {
-        None => Ok(()),
-        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| unwritten(folder, &error)),
-    }
-}
-
-fn write(folder: &Path, study: Study, markdown: &str, tables: &[(&str, String)]) -> io::Result<()> {
-    let name = format!("{study:?}").to_lowercase();
-    write_whole(&folder.join(format!("{name}.md")), markdown)?;
-    tables.iter().try_for_each(|(of, csv)| write_whole(&folder.join(format!("{name}{of}.csv")), csv))
 }
 
 fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
@@ -199,22 +145,6 @@ fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
     format!("{}\n{up} of {} stay up.\n", table(rows), outcomes.len())
 }
 
-/// A table in Markdown.
-pub fn table(rows: &[Vec<String>]) -> String {
-    let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(widest).collect();
-    let mut text = String::new();
-    for (i, row) in rows.iter().enumerate() {
-        let cells = row.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} |"));
-        let _ = writeln!(text, "|{}", cells.collect::<String>());
-        if i == 0 {
-            let rule = widths.iter().map(|width| format!("{}|", "-".repeat(width + 2)));
-            let _ = writeln!(text, "|{}", rule.collect::<String>());
-        }
-    }
-    text
-}
-
 /// The same with the command line of each case, to run it again.
 fn with_commands(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
     let command = |case: &Case| {
@@ -230,6 +160,7 @@ fn with_commands(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
 mod tests {
     use super::cases::case;
     use super::*;
+    use clap::ValueEnum;
 
     #[test]
     fn every_case_of_every_study_is_a_good_scene_and_has_its_own_name() {

@@ -1,6 +1,5 @@
 //! What is compared: the scenes with their exact answers, the ways to simulate them, and the steps to do it with.
 
-use super::metrics::{HOP, PENETRATION};
 use messages::load::{load, validate};
 use messages::scene::{Law, Method, Scene};
 use serde::Serialize;
@@ -73,6 +72,12 @@ impl Question {
         matches!(self, Question::Slide | Question::Descend | Question::Stick | Question::Drop)
     }
 }
+
+/// How deep something sinks into the ground [m].
+pub const PENETRATION: &str = "penetration_m";
+
+/// How high above the ground something rises that should touch it [m].
+pub const HOP: &str = "hop_m";
 
 const fn case(name: &'static str, title: &'static str, words: &'static str, question: Question, bound: f64) -> Case {
     Case { name, title, words, question, bound }

@@ -2,16 +2,10 @@
 
 mod motion;
 
-pub use motion::{Ball, Puck};
+pub use motion::{Ball, Puck, gravity};
 
 use messages::scene::Scene;
 use nalgebra::Vector3;
-
-/// Downhill and into the ground: components of gravity [m/s²].
-pub fn gravity(scene: &Scene) -> [f64; 2] {
-    let slope = scene.plant.incline_deg.to_radians();
-    [scene.plant.gravity * slope.sin(), scene.plant.gravity * slope.cos()]
-}
 
 /// When a body dropped from its clearance lands [s]; at once if it has none.
 pub fn landing(scene: &Scene) -> f64 {

@@ -1,8 +1,8 @@
 //! View (iii): which method fails in which scene at 1 ms, and why.
 
-use super::cases::{Case, Question, Way, scene};
+use super::cases::{Case, HOP, PENETRATION, Question, Way, scene};
 use super::csv::{OURS, Row, View};
-use super::metrics::{HOP, PENETRATION};
+
 use super::precision::{Fate, Trial};
 use super::trial::{Outcome, watch};
 use super::watch::{Job, Watch};

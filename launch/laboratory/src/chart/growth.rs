@@ -3,15 +3,17 @@
 
 mod drawing;
 mod peers;
+mod points;
 mod scenes;
 
-use super::ChartArgs;
+use super::args::ChartArgs;
 use super::core::Core;
 use super::csv::OURS;
 use super::trial::{periods, time};
 use super::watch::{Job, Watch};
-use crate::study::table;
+use crate::study::tables::table;
 use messages::load::load;
+use points::{Point, exponent, keep_least, of};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
 use scenes::Curve;
@@ -24,15 +26,6 @@ use std::time::Instant;
 
 /// All is measured so often, and the least counts: a machine may be slower for seconds.
 const ROUNDS: usize = 4;
-
-/// One measurement.
-pub struct Point {
-    curve: &'static str,
-    engine: &'static str,
-    x: f64,
-    /// Time of a step [µs].
-    us: f64,
-}
 
 /// Measures, prints, and writes a table and a drawing of each curve into the folder.
 ///
@@ -76,32 +69,6 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     write_whole(&args.out.join("growth.csv"), &table).map_err(failed)?;
     say(format!("{}\n{}\n{}", times(&points), exponents(&points), processors(&sweeps)));
     Ok(())
-}
-
-/// A measurement, or the least of one and those before it.
-fn keep_least(points: &mut Vec<Point>, new: Point) {
-    let same = |old: &&mut Point| (old.curve, old.engine, old.x) == (new.curve, new.engine, new.x);
-    match points.iter_mut().find(same) {
-        Some(old) => old.us = old.us.min(new.us),
-        None => points.push(new),
-    }
-}
-
-/// Points of one engine on a curve.
-pub fn of<'a>(points: &'a [Point], curve: &Curve, engine: &str) -> Vec<&'a Point> {
-    points.iter().filter(|point| point.curve == curve.name && point.engine == engine).collect()
-}
-
-/// The p of us ~ xᵖ to two digits, by least squares of logarithms from where the curve says on; none of fewer than two points.
-pub fn exponent(points: &[&Point], from: f64) -> Option<f64> {
-    let logs = points.iter().filter(|point| point.x >= from).map(|point| (point.x.ln(), point.us.ln()));
-    let logs: Vec<_> = logs.collect();
-    let n = logs.len() as f64;
-    let mean = logs.iter().fold((0.0, 0.0), |(x, y), log| (x + log.0 / n, y + log.1 / n));
-    let (above, below) = logs.iter().fold((0.0, 0.0), |(above, below), (x, y)| {
-        (above + (x - mean.0) * (y - mean.1), below + (x - mean.0) * (x - mean.0))
-    });
-    (logs.len() > 1).then(|| (100.0 * above / below).round() / 100.0 + 0.0) // two digits, and no -0
 }
 
 fn times(points: &[Point]) -> String {
@@ -156,15 +123,6 @@ fn processors(sweeps: &[(usize, f64)]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn a_power_law_has_its_exponent() {
-        let points =
-            [1.0, 2.0, 4.0, 8.0].map(|x: f64| Point { curve: "links", engine: OURS, x, us: 3.0 * x.powf(1.5) });
-        let fitted = exponent(&points.iter().collect::<Vec<_>>(), 2.0).expect("three points");
-        assert_eq!(fitted, 1.5);
-        assert!(exponent(&[&points[0]], 0.0).is_none());
-    }
 
     #[test]
     fn every_scene_of_every_curve_can_be_simulated_and_grows_as_it_says() {

@@ -1,6 +1,6 @@
 //! How far a run is from the truth: first the error that the scene is about, then what every run reports.
 
-use super::cases::Question;
+use super::cases::{HOP, PENETRATION, Question};
 use super::exact::{Ball, Puck, Wheel, gravity, landing, rocking_ratio, sliding};
 use super::trial::{Log, Sight};
 use messages::scene::Scene;
@@ -36,10 +36,6 @@ pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
     list
 }
 
-/// How high above the ground something rises that should touch it [m].
-pub const HOP: &str = "hop_m";
-/// How deep something sinks into the ground [m].
-pub const PENETRATION: &str = "penetration_m";
 /// Residual of (19).
 pub const SIGNORINI: &str = "signorini";
 

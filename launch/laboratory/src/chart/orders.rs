@@ -5,7 +5,7 @@
 
 use super::cases::{LAW, word};
 use super::watch::{Job, Watch};
-use crate::study::table;
+use crate::study::tables::table;
 use messages::load::parse;
 use messages::scene::{Method, Scene};
 use plant::{Plant, PlantError};

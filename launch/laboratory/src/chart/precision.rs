@@ -1,9 +1,9 @@
 //! View (i): error against CPU time per simulated second, the step swept from coarse to fine.
 
-use super::cases::{self, Case, Way, steps, ways};
+use super::cases::{self, Case, HOP, PENETRATION, Way, steps, ways};
 use super::core::Core;
 use super::csv::{OURS, Row, View};
-use super::metrics::{HOP, Metric, PENETRATION, SIGNORINI, metrics};
+use super::metrics::{Metric, SIGNORINI, metrics};
 use super::trial::{Outcome, periods, time, watch};
 use super::watch::{Job, Watch};
 use messages::scene::Scene;

@@ -1,7 +1,7 @@
 //! Whom a program must refuse, and when it must give up: the same for plant and controller.
 
-use super::Report;
 use super::guest::{GOODBYE, Guest, Host};
+use super::report::Report;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::session::Session;
 use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! The rules of a controller. We are its plant, with a robot of our own.
 
-use super::Report;
 use super::company::{self, Role};
 use super::guest::{GOODBYE, Guest, Host};
+use super::report::Report;
 use super::robot::{Robot, SILENCE, simulation};
 use super::stamps::Stamps;
 use messages::clock::{now_ns, sleep_until};

@@ -1,7 +1,7 @@
 //! Our side of a plant's session: its controller, and a recorder.
 
-use super::Finding;
 use super::guest::{GOODBYE, Guest, Host};
+use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use controller::Controller;
 use messages::clock::{now_ns, random};

@@ -3,8 +3,8 @@
 use super::company::{self, Role};
 use super::driver::Driver;
 use super::guest::{Ended, GOODBYE, Guest, Host};
+use super::report::{Finding, Report};
 use super::stamps::Stamps;
-use super::{Finding, Report};
 use controller::Controller;
 use messages::clock::random;
 use messages::port::Pace;

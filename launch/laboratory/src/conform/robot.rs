@@ -1,7 +1,7 @@
 //! Our side of a controller's session: the robot.
 
-use super::Finding;
 use super::guest::{GOODBYE, Guest, Host};
+use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use messages::clock::{now_ns, random};
 use messages::invitation::Invitation;

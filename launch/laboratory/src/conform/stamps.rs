@@ -1,6 +1,6 @@
 //! What every message must be, whoever sends it; and every command.
 
-use super::Report;
+use super::report::Report;
 use messages::wire::{Command, JOINTS, Stamp, Stamped};
 
 const MESSAGE: &str = "Every message";

@@ -1,7 +1,6 @@
 //! A conversation of the same messages, neither stamped, sealed nor checked: over iceoryx2 alone, and over our ports.
 
-use super::bench::{LOST, PATIENCE};
-use super::carrier::null_plant;
+use super::terms::{LOST, PATIENCE, null_plant};
 use messages::port::{BarePort, ControllerPort, PlantPort, PortError, Waiting};
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp};

@@ -8,12 +8,6 @@ use shared::exit::{Exit, Failure, unless};
 use shared::progress::Counter;
 use std::os::fd::{AsRawFd, RawFd};
 use std::sync::atomic::AtomicBool;
-use std::time::Duration;
-
-/// Patience with the other process.
-pub const PATIENCE: Duration = Duration::from_secs(3);
-/// What is said when it is over.
-pub const LOST: &str = "the other process of the measurement has fallen silent";
 
 const SECOND: u64 = 1_000_000_000;
 

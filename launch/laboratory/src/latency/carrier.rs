@@ -8,9 +8,9 @@ use super::results::Results;
 use super::sockets::{Meeting, SIZE, Socket};
 use super::spread::Spread;
 use super::talk::Talk;
+use super::terms::null_plant;
 use messages::clock::now_ns;
-use messages::port::{Contract, Pace, Waiting};
-use messages::scene::Scene;
+use messages::port::Waiting;
 use messages::wire::{Sensors, Stamp};
 use sessions::realtime::RealtimeArgs;
 use shared::exit::Failure;
@@ -142,11 +142,6 @@ fn turn(bench: &mut Bench, results: &mut Results, carrier: Carrier, count: u32) 
             talk.end(results, carrier.name())
         }
     }
-}
-
-/// Contract of a link without a plant.
-pub fn null_plant() -> Contract {
-    Contract::of(&Scene::default(), Pace::Lockstep)
 }
 
 fn sockets(bench: &Bench, results: &mut Results, carrier: Carrier, mut socket: Socket) -> Result<(), Failure> {

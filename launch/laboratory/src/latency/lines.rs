@@ -1,7 +1,7 @@
 //! The limits that no link can beat: a word in shared memory that another processor writes, and one that a sleeping
 //! process is woken for.
 
-use super::bench::{LOST, PATIENCE};
+use super::terms::{LOST, PATIENCE};
 use nix::sys::memfd::{MFdFlags, memfd_create};
 use nix::sys::mman::{MapFlags, ProtFlags, mmap};
 use nix::unistd::ftruncate;

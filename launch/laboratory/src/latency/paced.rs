@@ -2,13 +2,13 @@
 //! floor at the same time.
 
 use super::bench::Bench;
-use super::carrier::null_plant;
 use super::floor::{Floor, PERIOD_NS, late};
 use super::host::Usage;
 use super::peer::Order;
 use super::results::Results;
 use super::spread::Spread;
 use super::talk::Talk;
+use super::terms::null_plant;
 use super::watch::Watch;
 use messages::clock::now_ns;
 use messages::port::{Contract, Pace, RecorderPort, Waiting};

@@ -1,6 +1,6 @@
 //! What the same messages cost over sockets, which the system copies and wakes for.
 
-use super::bench::{LOST, PATIENCE};
+use super::terms::{LOST, PATIENCE};
 use shared::exit::{Exit, Failure};
 use std::io::{ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, UdpSocket};

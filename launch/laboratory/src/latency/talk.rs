@@ -1,8 +1,8 @@
 //! The plant's end of a conversation whose every message is timed.
 
-use super::bench::{LOST, PATIENCE};
 use super::results::Results;
 use super::spread::Spread;
+use super::terms::{LOST, PATIENCE};
 use messages::clock::now_ns;
 use messages::port::{Contract, PlantPort, Waiting};
 use messages::session::Session;

@@ -91,7 +91,7 @@ impl Cells {
                 ]);
             }
         }
-        study::table(&rows)
+        study::tables::table(&rows)
     }
 }
 

@@ -1,12 +1,11 @@
 //! Which runs: every combination of the axes, numbered.
 
-use super::RobustnessArgs;
+use super::args::RobustnessArgs;
 use messages::load::{load, text, validate};
 use messages::scene::{LinkScene, Scene};
 use messages::wire::{FNV_START, fnv1a};
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use std::str::FromStr;
 
 /// Axes of a sweep, each ascending.
 pub struct Grid {
@@ -167,49 +166,9 @@ fn outside_brackets(values: &str) -> Vec<String> {
     parts
 }
 
-/// The i-th of n equal shares.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Shard {
-    index: usize,
-    count: usize,
-}
-
-impl Shard {
-    /// Whether it has a run: neighbours go to different shards, which then take about as long.
-    pub fn has(self, number: usize) -> bool {
-        number % self.count == self.index - 1
-    }
-
-    /// Name of its table.
-    pub fn file_name(self) -> String {
-        format!("robustness-{}-of-{}.csv", self.index, self.count)
-    }
-}
-
-impl FromStr for Shard {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Shard, String> {
-        let numbers = text.split_once('/').and_then(|(i, n)| Some((i.parse().ok()?, n.parse().ok()?)));
-        match numbers {
-            Some((index, count)) if (1..=count).contains(&index) => Ok(Shard { index, count }),
-            _ => Err("i/n is needed with i from 1 to n, as 1/4".into()),
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn every_run_is_in_exactly_one_shard() {
-        let shards: Vec<Shard> = (1..=7).map(|i| format!("{i}/7").parse().expect("a shard")).collect();
-        assert!((0..1000).all(|number| shards.iter().filter(|shard| shard.has(number)).count() == 1));
-        for bad in ["0/4", "5/4", "1", "a/b", "1/0", "-1/4"] {
-            assert!(bad.parse::<Shard>().is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn lists_within_brackets_stay_together() {

@@ -1,6 +1,6 @@
 //! The runs of each study.
 
-use super::Study;
+use super::args::Study;
 use messages::scene::Law;
 
 /// One run of a table.

@@ -8,11 +8,10 @@ mod families;
 mod tally;
 
 pub use families::Family;
-pub use tally::{Tally, rows};
+pub use tally::{LAWS, Tally, rows};
 
 use controller::Controller;
 use fastrand::Rng;
-use messages::scene::Law;
 use messages::wire::Torques;
 use plant::Plant;
 use plant::contact::{Memory, Solver, tangents};
@@ -21,8 +20,6 @@ use shared::exit::{Failure, unless};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Laws that are asked.
-pub const LAWS: [Law; 2] = [Law::Cone, Law::Aligned];
 /// Episodes of a family at least.
 const EPISODES: usize = 20;
 /// Problems of one episode.

@@ -6,114 +6,29 @@
 mod limit;
 mod trial;
 
-use super::{Study, StudyArgs, belongs_to, hand_out, table};
-use clap::{Args, ValueEnum};
+use super::args::{Direction, StudyArgs};
+use super::tables::{hand_out, table};
+use clap::ValueEnum;
 use limit::Pendulum;
 use messages::load::load;
 use messages::scene::Scene;
 use rayon::prelude::*;
 use shared::csv;
-use shared::exit::{Exit, Failure};
+use shared::exit::Failure;
 use shared::list::SCENES;
 use shared::progress::Counter;
-use std::f64::consts::{FRAC_1_SQRT_2, TAU};
+use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
+use trial::BEGIN;
 pub use trial::{Push, disturbed};
-
-/// What else `biped study pushes` can be asked.
-#[derive(Args)]
-pub struct PushArgs {
-    /// Phases of a period at which the robot is pushed [12]; for `pushes`
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
-    phases: Option<u32>,
-    /// Shift of all phases, as a share of their distance [0]; for `pushes`
-    #[arg(long, value_name = "SHARE")]
-    offset: Option<f64>,
-    /// Directions [all]; for `pushes`
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    directions: Vec<Direction>,
-    /// Seed of the long walks [1]; for `pushes`
-    #[arg(long, value_name = "N")]
-    seed: Option<u64>,
-    /// A setting of both scenes, as for `run`; for `pushes`
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
-}
-
-impl PushArgs {
-    /// # Errors
-    /// What is asked of another study, and an offset that is none.
-    pub fn check(&self, study: Study) -> Result<(), Failure> {
-        let given = [
-            ("--phases", self.phases.is_some()),
-            ("--offset", self.offset.is_some()),
-            ("--directions", !self.directions.is_empty()),
-            ("--seed", self.seed.is_some()),
-            ("--set", !self.settings.is_empty()),
-        ];
-        match (study, given.iter().find(|option| option.1)) {
-            (Study::Pushes, _) | (_, None) => (),
-            (_, Some((name, _))) => return Err(belongs_to(name, "pushes")),
-        }
-        if self.offset.is_some_and(|offset| !(0.0..1.0).contains(&offset)) {
-            return Err(Failure::new(
-                Exit::Usage,
-                "--offset must be at least 0 and less than 1: a share of the phases' distance",
-            ));
-        }
-        Ok(())
-    }
-
-    /// Times of the phases, as shares of a period.
-    fn shares(&self) -> Vec<f64> {
-        let (phases, offset) = (self.phases.unwrap_or(12), self.offset.unwrap_or(0.0));
-        (0..phases).map(|k| (f64::from(k) + offset) / f64::from(phases)).collect()
-    }
-}
-
-/// Whither it is pushed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Direction {
-    /// Along x
-    Forward,
-    /// Against x
-    Backward,
-    /// Along y
-    Left,
-    /// Against y
-    Right,
-    /// Forward and left by equal shares
-    Front,
-    /// Backward and right by equal shares
-    Rear,
-}
-
-impl Direction {
-    /// As a unit vector in W.
-    fn unit(self) -> [f64; 3] {
-        let half = FRAC_1_SQRT_2;
-        match self {
-            Direction::Forward => [1.0, 0.0, 0.0],
-            Direction::Backward => [-1.0, 0.0, 0.0],
-            Direction::Left => [0.0, 1.0, 0.0],
-            Direction::Right => [0.0, -1.0, 0.0],
-            Direction::Front => [half, half, 0.0],
-            Direction::Rear => [-half, -half, 0.0],
-        }
-    }
-}
 
 /// Gaits that are pushed.
 const GAITS: [(&str, &str); 2] = [("walk", "walking"), ("stamp", "stepping in place")];
-/// The first phase begins when the gait is steady [s].
-const BEGIN: f64 = 4.5;
 /// So long after the push the robot must still be up [s].
 const AFTER: f64 = 6.0;
 /// By how much the impulse grows, and how far [N·s].
 const GROWTH: f64 = 0.5;
 const GREATEST: f64 = 12.0;
-/// A push lasts this long [s].
-const DURATION: f64 = 0.05;
 /// Long walks: how many, of which length [s], pushed how hard at most [N·s], every so often [s].
 const WALKS: [(usize, f64, f64); 2] = [(10, 600.0, 3.0), (10, 120.0, 5.0)];
 const EVERY: f64 = 5.0;

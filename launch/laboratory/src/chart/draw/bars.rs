@@ -1,6 +1,6 @@
 //! Views (ii) and (iv): a bar for each cost, named and numbered where it ends.
 
-use super::{Family, label};
+use super::style::{Family, label};
 use crate::chart::csv::{Row, View};
 use crate::chart::models::Group;
 use crate::chart::steps::{MEDIAN, P99};

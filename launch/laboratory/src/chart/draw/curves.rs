@@ -1,6 +1,6 @@
 //! View (i) of a scene: a curve for each method, named where it ends.
 
-use super::{Family, label};
+use super::style::{Family, label};
 use crate::chart::cases::Case;
 use crate::chart::csv::{Row, View};
 use crate::chart::precision::is_hollow;

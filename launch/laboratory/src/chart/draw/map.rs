@@ -1,6 +1,6 @@
 //! View (iii): the map of failures, a letter for each cause.
 
-use super::{Family, label};
+use super::style::{Family, label};
 use crate::chart::csv::{Row, View};
 use crate::chart::failures::{Cause, REFUSED, SOUND};
 use plotters::style::RGBColor;

@@ -2,9 +2,14 @@
 //!
 //! The equation is integrated by the classical method of Runge and Kutta, in so many steps that what is left is rounding.
 
-use super::gravity;
 use messages::scene::Scene;
 use nalgebra::{Rotation2, Vector2, Vector3};
+
+/// Downhill and into the ground: components of gravity [m/s²].
+pub fn gravity(scene: &Scene) -> [f64; 2] {
+    let slope = scene.plant.incline_deg.to_radians();
+    [scene.plant.gravity * slope.sin(), scene.plant.gravity * slope.cos()]
+}
 
 /// Steps: with half as many no answer differs by 1e-12.
 const STEPS: u32 = 16_000;

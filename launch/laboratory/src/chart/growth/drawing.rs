@@ -1,7 +1,8 @@
 //! A drawing of a curve: ours, and MuJoCo's where it was measured, each with its exponent.
 
+use super::peers;
+use super::points::{Point, exponent, of};
 use super::scenes::Curve;
-use super::{Point, exponent, of, peers};
 use crate::chart::csv::OURS;
 use records::report::draw::plot;
 use records::report::plot::{Axis, Frame, GREY, LEFT, Mark};

@@ -1,6 +1,6 @@
 //! MuJoCo on the same robots: each goes as MJCF to a script, which loops in C.
 
-use super::Point;
+use super::points::Point;
 use super::scenes::Curve;
 use crate::chart::watch::Watch;
 use messages::scene::Scene;

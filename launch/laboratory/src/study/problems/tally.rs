@@ -1,7 +1,11 @@
 //! What the solver did with the problems of a family, and the table of it.
 
-use super::{Family, LAWS};
+use super::families::Family;
+use messages::scene::Law;
 use plant::contact::{PROMISED, Problem, Report};
+
+/// Laws that are asked.
+pub const LAWS: [Law; 2] = [Law::Cone, Law::Aligned];
 
 /// What was found about one law on one family.
 #[derive(Clone, Debug, Default)]

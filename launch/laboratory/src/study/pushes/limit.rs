@@ -10,7 +10,8 @@
 //! stay between the outer edges of the two soles; the zero-moment point goes to the other foot when the centre of gravity is nearer to it.
 //! The diagonals have no bound of their own.
 
-use super::{BEGIN, DURATION, Direction};
+use super::trial::{BEGIN, DURATION};
+use crate::study::args::Direction;
 use controller::constants::Constants;
 use controller::error::ControllerError;
 use controller::pendulum::{Flow, Motion};

@@ -1,12 +1,16 @@
 //! One run with pushes at given times.
 
-use super::DURATION;
 use messages::scene::Scene;
 use records::record::Recorder;
 use records::summary::yaw;
 use sessions::run::disturbed_in_process;
 use shared::exit::{Exit, Failure, unless};
 use std::sync::atomic::AtomicBool;
+
+/// The first push may come when the gait is steady [s].
+pub const BEGIN: f64 = 4.5;
+/// A push lasts this long [s].
+pub const DURATION: f64 = 0.05;
 
 /// A push of the base.
 #[derive(Clone, Copy)]

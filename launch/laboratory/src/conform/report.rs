@@ -1,0 +1,48 @@
+//! What was found, rule by rule.
+
+use super::guest::Host;
+use shared::output::say;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// What was found on a rule: a remark, or what was done instead.
+pub type Finding = Result<String, String>;
+
+/// Some of the rules.
+pub type Part = fn(&Host, &mut Report) -> Result<(), String>;
+
+/// The rules, told one by one.
+pub struct Report<'a> {
+    pub kept: usize,
+    pub broken: usize,
+    pub stop: &'a AtomicBool,
+}
+
+impl Report<'_> {
+    /// Tells whether a rule, which stands in a section of docs/WIRE.md, was kept.
+    pub fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
+        match &finding {
+            Ok(remark) if remark.is_empty() => say(format_args!("ok      {rule}\n")),
+            Ok(remark) => say(format_args!("ok      {rule} ({remark})\n")),
+            Err(instead) => say(format_args!("FAILED  {rule}: {instead} (docs/WIRE.md, {section})\n")),
+        }
+        let counter = if finding.is_ok() { &mut self.kept } else { &mut self.broken };
+        *counter += 1;
+        finding.is_ok()
+    }
+
+    /// What is worth knowing and breaks no rule.
+    pub fn note(&self, text: &str) {
+        say(format_args!("note    {text}\n"));
+    }
+
+    /// Checks one part after the other, until Ctrl-C.
+    pub fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
+        for (nth, part) in parts.iter().enumerate().take_while(|_| !self.stop.load(Relaxed)) {
+            part(host, self)?;
+            if nth == 0 && self.kept == 0 {
+                self.note("what does not begin refuses everything: what is kept below says little");
+            }
+        }
+        Ok(())
+    }
+}

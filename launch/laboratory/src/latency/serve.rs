@@ -1,0 +1,107 @@
+//! The other process: the same program in a hidden role, which answers as it is ordered to, line by line.
+
+use super::bare;
+use super::lines;
+use super::peer::Order;
+use super::sockets::Socket;
+use super::terms::{LOST, PATIENCE, null_plant};
+use super::walk;
+use clap::Args;
+use controller::process::ProcessError;
+use messages::clock::now_ns;
+use messages::port::{Contract, ControllerPort, Pace};
+use messages::session::Session;
+use messages::wire::{Command, Sensors, Stamp, Stamped};
+use sessions::children;
+use sessions::opening::guarded;
+use sessions::realtime::keep_to;
+use shared::exit::{Exit, Failure};
+use shared::output::say;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+
+/// Arguments of the hidden role.
+#[derive(Args)]
+pub struct PeerArgs {
+    /// Process to die with
+    #[arg(long)]
+    parent: i32,
+}
+
+/// The role: obeys until there are no more orders.
+///
+/// # Errors
+/// Whatever a link breaks with.
+pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    children::die_with(args.parent)?;
+    keep_to(1);
+    for line in std::io::stdin().lines().map_while(Result::ok) {
+        obey(serde_json::from_str(&line).map_err(|error| Failure::new(Exit::Usage, error))?, stop)?;
+    }
+    Ok(())
+}
+
+/// Tells the first process that it may begin.
+fn ready() {
+    say("ready\n");
+}
+
+fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
+    match order {
+        Order::Lines { number, wake } => {
+            let lines = lines::open(number)?;
+            ready();
+            lines.serve(wake)
+        }
+        Order::Unix { name, spins } => serve_socket(Socket::unix(&name, spins)?),
+        Order::Udp { port, spins } => serve_socket(Socket::udp(port, spins)?),
+        Order::Bare { session, ours } => {
+            let session = Session::named(&session)?;
+            let mut controller = bare::Controller::open(&session, ours)?;
+            ready();
+            controller.serve()
+        }
+        Order::Echo { session, waiting, system } => {
+            let session = Session::named(&session)?;
+            let port = guarded(|| ControllerPort::open(&session, &null_plant()))?;
+            system.prepare()?;
+            echo(port.waiting(waiting), stop)
+        }
+        Order::Walk { session, waiting, seconds } => {
+            let scene = walk::scene(seconds)?;
+            let session = Session::named(&session)?;
+            let port = guarded(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
+            ready();
+            match controller::process::run(&scene, port.waiting(waiting), PATIENCE, stop) {
+                Err(ProcessError::Interrupted) => Ok(()), // the first process says so
+                ended => Ok(ended?),
+            }
+        }
+    }
+}
+
+fn serve_socket(mut socket: Socket) -> Result<(), Failure> {
+    ready();
+    socket.serve()
+}
+
+/// A controller that does not think: its time stamp is when the sensors came.
+fn echo(mut port: ControllerPort, stop: &AtomicBool) -> Result<(), Failure> {
+    ready();
+    let mut heard = now_ns();
+    loop {
+        match port.wait()?.filter(Sensors::is_sound) {
+            Some(sensors) if sensors.last != 0 => return Ok(()),
+            Some(sensors) => {
+                let asked = sensors.stamp;
+                let stamp = Stamp { run: asked.run, ack: asked.seq, seq: asked.seq, mono_ns: now_ns(), ..asked };
+                port.send(Command { stamp, ..Command::default() })?;
+                heard = asked.mono_ns;
+            }
+            None if stop.load(Relaxed) => return Ok(()),
+            None if now_ns().saturating_sub(heard) > PATIENCE.as_nanos() as u64 => {
+                return Err(Failure::new(Exit::PeerMissing, LOST));
+            }
+            None => (),
+        }
+    }
+}

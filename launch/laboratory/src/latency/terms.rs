@@ -1,0 +1,15 @@
+//! What both processes of the measurement agree on.
+
+use messages::port::{Contract, Pace};
+use messages::scene::Scene;
+use std::time::Duration;
+
+/// Patience with the other process.
+pub const PATIENCE: Duration = Duration::from_secs(3);
+/// What is said when it is over.
+pub const LOST: &str = "the other process of the measurement has fallen silent";
+
+/// Contract of a link without a plant.
+pub fn null_plant() -> Contract {
+    Contract::of(&Scene::default(), Pace::Lockstep)
+}

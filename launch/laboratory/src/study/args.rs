@@ -1,0 +1,129 @@
+//! Arguments of `biped study`.
+
+use clap::{Args, ValueEnum};
+use shared::exit::{Exit, Failure};
+use std::f64::consts::FRAC_1_SQRT_2;
+use std::path::PathBuf;
+
+/// Arguments of `biped study`.
+#[derive(Args)]
+pub struct StudyArgs {
+    /// Which table
+    pub(super) study: Study,
+    /// Write the table into this folder, as Markdown and as CSV
+    #[arg(long, value_name = "DIR")]
+    pub(super) out: Option<PathBuf>,
+    /// Show no progress
+    #[arg(long)]
+    pub(super) quiet: bool,
+    /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
+    pub(super) count: Option<u64>,
+    #[command(flatten)]
+    pub(super) pushes: PushArgs,
+}
+
+/// Which table.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Study {
+    /// How far the robot, its sensors and the ground may be off before it falls
+    Margins,
+    /// The same walk under each contact law
+    Laws,
+    /// Where the lateral orbit is attracted to, with and without the energy rule (39)
+    Attraction,
+    /// Long walks
+    Endurance,
+    /// How well contact problems of every kind are solved
+    Problems,
+    /// How hard the robot may be pushed, beside what a pendulum on its feet could bear
+    Pushes,
+}
+
+/// What else `biped study pushes` can be asked.
+#[derive(Args)]
+pub struct PushArgs {
+    /// Phases of a period at which the robot is pushed [12]; for `pushes`
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    pub(super) phases: Option<u32>,
+    /// Shift of all phases, as a share of their distance [0]; for `pushes`
+    #[arg(long, value_name = "SHARE")]
+    pub(super) offset: Option<f64>,
+    /// Directions [all]; for `pushes`
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    pub(super) directions: Vec<Direction>,
+    /// Seed of the long walks [1]; for `pushes`
+    #[arg(long, value_name = "N")]
+    pub(super) seed: Option<u64>,
+    /// A setting of both scenes, as for `run`; for `pushes`
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub(super) settings: Vec<String>,
+}
+
+impl PushArgs {
+    /// # Errors
+    /// What is asked of another study, and an offset that is none.
+    pub fn check(&self, study: Study) -> Result<(), Failure> {
+        let given = [
+            ("--phases", self.phases.is_some()),
+            ("--offset", self.offset.is_some()),
+            ("--directions", !self.directions.is_empty()),
+            ("--seed", self.seed.is_some()),
+            ("--set", !self.settings.is_empty()),
+        ];
+        match (study, given.iter().find(|option| option.1)) {
+            (Study::Pushes, _) | (_, None) => (),
+            (_, Some((name, _))) => return Err(belongs_to(name, "pushes")),
+        }
+        if self.offset.is_some_and(|offset| !(0.0..1.0).contains(&offset)) {
+            return Err(Failure::new(
+                Exit::Usage,
+                "--offset must be at least 0 and less than 1: a share of the phases' distance",
+            ));
+        }
+        Ok(())
+    }
+
+    /// Times of the phases, as shares of a period.
+    pub fn shares(&self) -> Vec<f64> {
+        let (phases, offset) = (self.phases.unwrap_or(12), self.offset.unwrap_or(0.0));
+        (0..phases).map(|k| (f64::from(k) + offset) / f64::from(phases)).collect()
+    }
+}
+
+/// Whither it is pushed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Direction {
+    /// Along x
+    Forward,
+    /// Against x
+    Backward,
+    /// Along y
+    Left,
+    /// Against y
+    Right,
+    /// Forward and left by equal shares
+    Front,
+    /// Backward and right by equal shares
+    Rear,
+}
+
+impl Direction {
+    /// As a unit vector in W.
+    pub fn unit(self) -> [f64; 3] {
+        let half = FRAC_1_SQRT_2;
+        match self {
+            Direction::Forward => [1.0, 0.0, 0.0],
+            Direction::Backward => [-1.0, 0.0, 0.0],
+            Direction::Left => [0.0, 1.0, 0.0],
+            Direction::Right => [0.0, -1.0, 0.0],
+            Direction::Front => [half, half, 0.0],
+            Direction::Rear => [-half, -half, 0.0],
+        }
+    }
+}
+
+/// An option was given to a study that has no use for it.
+pub fn belongs_to(option: &str, study: &str) -> Failure {
+    Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
+}

@@ -1,0 +1,42 @@
+//! Tables in Markdown, printed and written.
+
+use super::args::{Study, StudyArgs};
+use shared::exit::Failure;
+use shared::output::{say, unwritten, write_whole};
+use std::fmt::Write;
+use std::io;
+use std::path::Path;
+
+/// A table in Markdown.
+pub fn table(rows: &[Vec<String>]) -> String {
+    let widest = |k: usize| rows.iter().map(|row| row[k].chars().count()).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows.first().map_or(0, Vec::len)).map(widest).collect();
+    let mut text = String::new();
+    for (i, row) in rows.iter().enumerate() {
+        let cells = row.iter().zip(&widths).map(|(cell, width)| format!(" {cell:<width$} |"));
+        let _ = writeln!(text, "|{}", cells.collect::<String>());
+        if i == 0 {
+            let rule = widths.iter().map(|width| format!("{}|", "-".repeat(width + 2)));
+            let _ = writeln!(text, "|{}", rule.collect::<String>());
+        }
+    }
+    text
+}
+
+/// Prints tables, and writes them if asked to: all as one Markdown file, each as a file of comma-separated values.
+///
+/// # Errors
+/// A folder that cannot be written.
+pub fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
+    say(markdown);
+    match &args.out {
+        None => Ok(()),
+        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| unwritten(folder, &error)),
+    }
+}
+
+fn write(folder: &Path, study: Study, markdown: &str, tables: &[(&str, String)]) -> io::Result<()> {
+    let name = format!("{study:?}").to_lowercase();
+    write_whole(&folder.join(format!("{name}.md")), markdown)?;
+    tables.iter().try_for_each(|(of, csv)| write_whole(&folder.join(format!("{name}{of}.csv")), csv))
+}
