@@ -56,18 +56,18 @@ impl State {
             state.x[dof + offset] = initial.joints.get(k).copied().unwrap_or(0.0);
             state.xdot[dof] = initial.joint_rates.get(k).copied().unwrap_or(0.0);
         }
-        state.place(model, initial)?;
-        state.set_going(model, initial)?;
+        state.set_initial_pose(model, initial)?;
+        state.set_initial_rates(model, initial)?;
         if let (Some(clearance), Some(up)) = (initial.clearance, height_coordinate(model.base)) {
             let mut pose = Pose::new(model);
             kinematics::pose(model, &state, &mut pose);
-            state.x[up] += lift(model, &pose, clearance)?;
+            state.x[up] += height_offset(model, &pose, clearance)?;
         }
         Ok(state)
     }
 
     /// Position and orientation of the base.
-    fn place(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
+    fn set_initial_pose(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let position = finite(initial.position, || "initial.position".into())?;
         let rotation = orientation(initial)?;
         let [roll, pitch, yaw] = initial.orientation_deg.map(f64::to_radians);
@@ -90,7 +90,7 @@ impl State {
     }
 
     /// Rates of the base's coordinates from its velocity and angular velocity in W.
-    fn set_going(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
+    fn set_initial_rates(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let velocity = finite(initial.velocity, || "initial.velocity".into())?;
         let spin = finite(initial.angular_velocity, || "initial.angular_velocity".into())?;
         let foreign = |what: &str, value: [f64; 3], good: bool, rule: &str| {
@@ -130,7 +130,7 @@ impl State {
             for i in 0..3 {
                 self.x[i] += h * self.xdot[i];
             }
-            let turned = turn(&self.x[3..7], &self.xdot[3..6], h);
+            let turned = rotated(&self.x[3..7], &self.xdot[3..6], h);
             self.x[3..7].copy_from_slice(&turned);
         }
         let offset = self.x.len() - self.xdot.len();
@@ -145,7 +145,7 @@ impl State {
         if model.base == Base::Quaternion {
             joints = 6;
             self.x[..3].iter_mut().enumerate().for_each(|(i, x)| *x += by(i));
-            let turned = turn(&self.x[3..7], &[by(3), by(4), by(5)], 1.0);
+            let turned = rotated(&self.x[3..7], &[by(3), by(4), by(5)], 1.0);
             self.x[3..7].copy_from_slice(&turned);
         }
         let offset = self.x.len() - self.xdot.len();
@@ -196,7 +196,7 @@ impl State {
 }
 
 /// exp(h w) q, of unit length: q turned by the angular velocity w in W for the time h.
-fn turn(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
+fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     // sin(half)/half, whose series needs no second term below 1e-8
     let (sin, cos) = sin_cos(half);
@@ -228,8 +228,8 @@ pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError>
 }
 
 /// How far to lift the robot until its lowest contact point is `clearance` above the ground z = 0 [m].
-pub(crate) fn lift(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
-    let heights = model.corners.iter().map(|corner| pose.height(corner));
+pub(crate) fn height_offset(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
+    let heights = model.contact_points.iter().map(|point| pose.height(point));
     let lowest = heights.fold(f64::INFINITY, f64::min);
     if lowest.is_finite() && clearance.is_finite() {
         return Ok(clearance - lowest);

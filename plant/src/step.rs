@@ -4,7 +4,7 @@
 //!   pose → H, b → free motion (12) → touching → problem (14) → impulse (15)-(22) → velocity (12) → position
 //! ```
 //!
-//! The stages are in `step/free.rs`, `step/contact.rs` and `step/each.rs`: each reads what it is given and returns what it makes, in room
+//! The stages are in `step/free.rs`, `step/contact.rs` and `step/per_contact.rs`: each reads what it is given and returns what it makes, in room
 //! of its own. An integration method has them in its order:
 //!
 //! | method | where |
@@ -17,28 +17,28 @@
 //! | `Rk4` | `step/runge_kutta.rs` |
 //! | `Rk4Impact`, `EventDriven` | `step/event.rs` |
 
-mod ahead;
 mod contact;
 mod doubling;
-mod each;
 mod euler;
 mod event;
 mod free;
 mod midpoint;
 mod midpoint_contact;
 mod moreau;
-mod now;
+mod per_contact;
+mod posed_state;
+mod prediction;
 mod runge_kutta;
 mod settings;
-mod stiff;
+mod stability;
 
 use contact::{Contacts, Touches};
-use doubling::Doubling;
-use event::Bearing;
+use doubling::StepDoublingState;
+use event::EventContact;
 use free::{Dynamics, FreeMotion};
-use midpoint_contact::Rise;
+use midpoint_contact::LastAcceleration;
 use moreau::Means;
-use now::{Centre, Now};
+use posed_state::{BaseCentre, PosedState};
 use runge_kutta::Stages;
 use settings::{Push, World};
 
@@ -59,13 +59,13 @@ use std::f64::consts::PI;
 pub struct Plant {
     world: World,
     drives: Drives,
-    now: Now,
+    now: PosedState,
     memory: Memory,
-    rise: Rise,
+    last_acceleration: LastAcceleration,
     /// What every corner does between events.
-    bearings: Vec<Bearing>,
+    event_contacts: Vec<EventContact>,
     /// Length that the step control would take next [s].
-    stride: f64,
+    next_step: f64,
     record: Record,
     /// As in [`Counts`].
     events: u64,
@@ -95,10 +95,10 @@ struct Workspace {
     touches: Touches,
     contacts: Contacts,
     /// The middle of a step, then its end.
-    middle: Now,
+    middle: PosedState,
     /// ẋ₋ in the middle of the step, and the centre of the base there, with ẋ₋ and ẋ₊.
     before: Vec<f64>,
-    centres: [Centre; 2],
+    centres: [BaseCentre; 2],
     /// What the contacts did before a step that may have to be split.
     remembered: Memory,
     /// What lands in it.
@@ -109,7 +109,7 @@ struct Workspace {
     means: Means,
     /// Mean velocity of an implicit step.
     mean: Vec<f64>,
-    doubling: Doubling,
+    doubling: StepDoublingState,
 }
 
 impl Plant {
@@ -121,16 +121,16 @@ impl Plant {
         let world = World::new(scene)?;
         let model = &world.model;
         let (now, mut work) =
-            (Now::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
-        stiff::check(&world, &now, &mut work.dynamics)?;
+            (PosedState::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
+        stability::check(&world, &now, &mut work.dynamics)?;
         work.dynamics.evaluations = 0;
         Ok(Plant {
             drives: Drives::new(&scene.plant),
             now,
-            memory: Memory::of(model.corners.len()),
-            rise: Rise::new(model),
-            bearings: vec![Bearing::default(); model.corners.len()],
-            stride: scene.plant.dt,
+            memory: Memory::of(model.contact_points.len()),
+            last_acceleration: LastAcceleration::new(model),
+            event_contacts: vec![EventContact::default(); model.contact_points.len()],
+            next_step: scene.plant.dt,
             record: Record::default(),
             events: 0,
             rejected: 0,
@@ -155,13 +155,13 @@ impl Plant {
 
     /// Finds what the next step needs whatever the torques will be: H, b and the factor of H. Who waits for a command may
     /// call this meanwhile; no result depends on it.
-    pub fn get_ready(&mut self) {
+    pub fn prepare(&mut self) {
         let h = self.world.settings.h;
         match self.world.settings.method {
-            Method::SemiImplicitEuler => self.work.dynamics.get_ready(&self.world.model, &self.now, h, h),
-            Method::MidpointContact if self.rise.known() => {
-                let found = self.get_to_the_middle(h).is_ok(); // the step finds an error again
-                self.work.dynamics.set_ready(found);
+            Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.now, h, h),
+            Method::MidpointContact if self.last_acceleration.known() => {
+                let found = self.evaluate_midpoint(h).is_ok(); // the step finds an error again
+                self.work.dynamics.set_prepared(found);
             }
             _ => {}
         }
@@ -173,7 +173,7 @@ impl Plant {
     /// As [`Plant::advance`].
     pub fn step(&mut self) -> Result<(), PlantError> {
         let h = self.world.settings.h;
-        self.work.contacts.each.map.problem.reset_rows(0, 0); // of the step before
+        self.work.contacts.per_contact.map.problem.reset_rows(0, 0); // of the step before
         match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),
@@ -188,12 +188,12 @@ impl Plant {
         }?;
         self.world.steps += 1;
         self.record.fold(&self.now.state);
-        self.turns_slowly()
+        self.check_rotation_rate()
     }
 
     /// That nothing turns by more than half a turn in a step, which looks as if it turned the other way: what comes of that is no motion,
     /// and may have any energy. A method that chooses its own steps finds shorter ones.
-    fn turns_slowly(&self) -> Result<(), PlantError> {
+    fn check_rotation_rate(&self) -> Result<(), PlantError> {
         let World { model, settings, steps, .. } = &self.world;
         let (rate, dt) = (self.now.state.fastest_turn(model), settings.h);
         if rate * dt <= PI || settings.method.chooses_steps() {
@@ -203,8 +203,8 @@ impl Plant {
     }
 
     /// Every contact by itself even where whole links stick: for a comparison, or for [`Plant::problem`].
-    pub fn without_welds(mut self) -> Plant {
-        self.world.settings.welds = false;
+    pub fn without_standing_feet(mut self) -> Plant {
+        self.world.settings.standing_feet = false;
         self
     }
 
@@ -244,7 +244,7 @@ impl Plant {
     /// The contact problem of the last step; of no contact if nothing touched. Of welded links only their number counts, and there is
     /// no A.
     pub fn problem(&self) -> &Problem {
-        &self.work.contacts.each.map.problem
+        &self.work.contacts.per_contact.map.problem
     }
 
     /// What the run has cost so far.
@@ -272,16 +272,16 @@ impl Workspace {
             free: FreeMotion::new(model),
             touches: Touches::new(model),
             contacts: Contacts::new(model, law),
-            middle: Now::new(model, State::zero(model)),
+            middle: PosedState::new(model, State::zero(model)),
             before: vec![0.0; model.dofs()],
-            centres: [Centre::default(); 2],
-            remembered: Memory::of(model.corners.len()),
-            landing: Vec::with_capacity(model.corners.len()),
+            centres: [BaseCentre::default(); 2],
+            remembered: Memory::of(model.contact_points.len()),
+            landing: Vec::with_capacity(model.contact_points.len()),
             start: State::zero(model),
             stages: Stages::new(model),
             means: Means::new(model),
             mean: vec![0.0; model.dofs()],
-            doubling: Doubling::new(model),
+            doubling: StepDoublingState::new(model),
         }
     }
 }

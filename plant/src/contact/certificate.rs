@@ -14,9 +14,9 @@
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
-use super::project::{cone, length};
+use super::projection::{norm, project_on_cone};
 use super::tolerance::{ROUNDING, SOLVED};
-use super::{Problem, lift};
+use super::{Problem, approach_offset};
 use messages::scene::Law;
 use std::ops::Range;
 
@@ -56,7 +56,7 @@ impl Scales {
 
     /// The same where Σ|A f| or b is so large that its rounding hides what V asks for. A slip of mere rounding is none, however great the
     /// friction.
-    pub fn as_known(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
+    pub fn limited_by_rounding(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let known = sum * (ROUNDING / SOLVED);
         let scales = if known > self.speed { Scales::of(known, inverse_mass, f) } else { self };
         Scales { rounding: ROUNDING * sum, ..scales }
@@ -72,8 +72,8 @@ impl Scales {
         }
         let step = self.impulse / self.speed;
         let nearest = if given == [0.0; 2] {
-            let slip = (length(v[1], v[2]) - self.rounding).max(0.0);
-            cone([f[0] - step * (v[0] + friction * slip), f[1] - step * v[1], f[2] - step * v[2]], friction)
+            let slip = (norm(v[1], v[2]) - self.rounding).max(0.0);
+            project_on_cone([f[0] - step * (v[0] + friction * slip), f[1] - step * v[1], f[2] - step * v[2]], friction)
         } else {
             let normal = (f[0] - step * v[0]).max(0.0);
             [normal, -friction * f[0] * given[0], -friction * f[0] * given[1]]
@@ -83,7 +83,7 @@ impl Scales {
     }
 }
 
-/// The natural map of one contact, measured as finely as the rounding of A f + b lets it: `sum` is their size, see [`greatest_sum`].
+/// The natural map of one contact, measured as finely as the rounding of A f + b lets it: `sum` is their size, see [`largest_row_sum`].
 pub(super) fn of_contact(
     scales: Scales,
     inverse_mass: f64,
@@ -94,13 +94,13 @@ pub(super) fn of_contact(
 ) -> f64 {
     let map = scales.natural_map(f, v, friction, given);
     if map > SOLVED && map < HIDDEN {
-        return scales.as_known(sum(), inverse_mass, f).natural_map(f, v, friction, given);
+        return scales.limited_by_rounding(sum(), inverse_mass, f).natural_map(f, v, friction, given);
     }
     map
 }
 
 /// The greater of two; what is no number stays.
-pub(super) fn greater(worst: f64, next: f64) -> f64 {
+pub(super) fn max_or_nan(worst: f64, next: f64) -> f64 {
     if worst.is_nan() || next <= worst { worst } else { next }
 }
 
@@ -111,7 +111,7 @@ pub(crate) fn relative(x: f64, scale: f64) -> f64 {
 
 /// The greatest Σ|A f| of some rows, and the greatest `speed` without impulse of all rows that are coupled with them: b has the rounding of
 /// the motion that it is a small difference of.
-pub(super) fn greatest_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, speed: impl Fn(usize) -> f64) -> f64 {
+pub(super) fn largest_row_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, speed: impl Fn(usize) -> f64) -> f64 {
     let row = |row: usize| {
         let a = &delassus[row * f.len()..][..f.len()];
         let coupled = (0..f.len()).filter(|&k| a[k] != 0.0).map(&speed).fold(0.0, f64::max);
@@ -141,15 +141,15 @@ pub(super) fn speeds(drift: &[f64], scale: &[f64], coupled: impl Fn(usize, usize
 
 /// Judges impulses; workspace.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Judge {
+pub(super) struct Evaluator {
     drift: Vec<f64>,
     ones: Vec<f64>,
     speeds: Vec<f64>,
 }
 
-impl Judge {
+impl Evaluator {
     /// The residual of an impulse with its velocity v = A f + b, both in the rows of the problem.
-    pub fn judge(&mut self, problem: &Problem, law: Law, impulse: &[f64], velocity: &[f64]) -> Residual {
+    pub fn evaluate(&mut self, problem: &Problem, law: Law, impulse: &[f64], velocity: &[f64]) -> Residual {
         let (m, stride) = (problem.rows(), 1 + problem.tangents);
         let contact = |rows: &[f64], i: usize, lifted: f64| {
             let mut all = [0.0; 3];
@@ -157,9 +157,9 @@ impl Judge {
             all[0] += lifted;
             all
         };
-        let Judge { drift, ones, speeds: speed } = self;
+        let Evaluator { drift, ones, speeds: speed } = self;
         drift.clear();
-        (0..problem.contacts).for_each(|i| drift.extend(contact(&problem.drift, i, lift(problem, law, i))));
+        (0..problem.contacts).for_each(|i| drift.extend(contact(&problem.drift, i, approach_offset(problem, law, i))));
         let coupled = |i: usize, k: usize| {
             (i * stride..(i + 1) * stride)
                 .any(|row| problem.delassus[row * m + k * stride..][..stride].iter().any(|a| *a != 0.0))
@@ -169,17 +169,17 @@ impl Judge {
         speeds(drift, ones, coupled, speed);
         let mut residual = Residual::default();
         for (i, &speed) in speed.iter().enumerate() {
-            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, lift(problem, law, i)));
+            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, approach_offset(problem, law, i)));
             let rows = i * stride..(i + 1) * stride;
             let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
             let scales = Scales::of(speed, inverse_mass, f);
-            let sum = || greatest_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs());
+            let sum = || largest_row_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs());
             let map = of_contact(scales, inverse_mass, [f, v], friction, given, sum);
-            residual.natural_map = greater(residual.natural_map, map);
+            residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };
-            residual.signorini = greater(residual.signorini, signorini);
+            residual.signorini = max_or_nan(residual.signorini, signorini);
             // where the direction of slip is given, that is what friction has to oppose
             let along = scales.speed.max(f64::MIN_POSITIVE);
             let slip = if given == [0.0; 2] { v } else { [v[0], given[0] * along, given[1] * along] };
@@ -191,7 +191,7 @@ impl Judge {
 
 /// Angle between f_F and −v_F if both have a direction [rad].
 fn misalignment(f: [f64; 3], v: [f64; 3], scales: Scales) -> f64 {
-    if length(f[1], f[2]) <= NO_DIRECTION * scales.impulse || length(v[1], v[2]) <= NO_DIRECTION * scales.speed {
+    if norm(f[1], f[2]) <= NO_DIRECTION * scales.impulse || norm(v[1], v[2]) <= NO_DIRECTION * scales.speed {
         return 0.0;
     }
     (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))

@@ -39,7 +39,7 @@ pub fn is_coulomb(law: Law) -> bool {
 /// The paper's conditions speak of velocity alone, so a contact with a gap is stopped above the ground. The other laws let
 /// it close its gap and no more: `0 <= f_N _|_ v_N + gap/h >= 0` lands exactly on the ground. At rest both are the same.
 /// Where restitution throws a contact back, it is negative under every law.
-pub(super) fn lift(problem: &Problem, law: Law, i: usize) -> f64 {
+pub(super) fn approach_offset(problem: &Problem, law: Law, i: usize) -> f64 {
     match law {
         Law::EnergyQp | Law::Complementarity => problem.approach[i].min(0.0),
         _ => problem.approach[i],

@@ -36,7 +36,7 @@ pub struct Problem {
     /// Contact velocity before the step, rows as of `drift`; likewise [m/s].
     pub before: Vec<f64>,
     /// The spring of each contact, likewise.
-    pub spring: Spring,
+    pub spring: ContactSpring,
     /// Link of each contact: those of one link, listed together, can stick only together. Empty if nobody knows.
     #[serde(default)]
     pub link: Vec<usize>,
@@ -49,7 +49,7 @@ pub struct Problem {
 /// What `SpringDamper` needs to know besides the state of a contact.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Spring {
+pub struct ContactSpring {
     /// k [N/m].
     pub stiffness: f64,
     /// zeta, 1 being critical for the contact point by itself [-].

@@ -1,9 +1,9 @@
 //! The solver: the default law or one of those it is compared with, and the certificate of what it found.
 
-use super::certificate::Judge;
+use super::certificate::Evaluator;
 use super::compared::Compared;
 use super::coulomb::Coulomb;
-use super::round::respond;
+use super::round_cones::apply_delassus;
 use super::{Memory, Problem, Report};
 use messages::scene::Law;
 
@@ -17,7 +17,7 @@ pub struct Solver {
     pub velocity: Vec<f64>,
     coulomb: Coulomb,
     compared: Compared,
-    judge: Judge,
+    evaluator: Evaluator,
 }
 
 impl Solver {
@@ -46,14 +46,14 @@ impl Solver {
     }
 
     /// Makes room before the first step, so that none allocates.
-    pub(crate) fn rehearse(&mut self, contacts: usize, tangents: usize, law: Law) {
-        self.compared.rehearse(contacts, tangents, law);
+    pub(crate) fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
+        self.compared.reserve_for(contacts, tangents, law);
     }
 
     /// Velocity, the residuals of Coulomb's law with the round cone, and the energy.
     fn certify(&mut self, problem: &Problem, law: Law, report: Report) -> Report {
-        respond(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
-        let residual = self.judge.judge(problem, law, &self.impulse, &self.velocity);
+        apply_delassus(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
+        let residual = self.evaluator.evaluate(problem, law, &self.impulse, &self.velocity);
         let (energy_gain, work) = self.energy(problem);
         Report {
             natural_map: residual.natural_map,

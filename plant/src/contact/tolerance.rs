@@ -23,3 +23,7 @@ pub(super) const DEPENDENT: f64 = 1e-12;
 /// A diagonal entry of A this small beside the largest is a direction in which the contact cannot move [-]. A = YᵀY has squared rounding
 /// on its diagonal, so an honest zero is near 1e-32.
 pub(super) const IMMOVABLE: f64 = 1e-20;
+
+/// Compliance of the contacts while Lemke's method pivots in 32 digits [-], added to the scaled A, whose diagonal is 1. It lies far above
+/// the rounding of A (1e-16), so that there is one solution, and a tenth of [`SOLVED`], so that it does not show in the residual.
+pub(super) const LEMKE_COMPLIANCE: f64 = 4e-12;

@@ -1,17 +1,17 @@
 //! The stages of a step at contact: what touches, its impulse (14)-(22), the velocity after it.
 
 use super::Plant;
-use super::ahead::Ahead;
-use super::each::Each;
+use super::per_contact::PerContact;
+use super::prediction::Prediction;
 use super::settings::{Settings, World};
 use crate::contact::{Memory, Report};
 use crate::delassus::{Free, Response};
-use crate::detect::{Touch, approach, overlooked, touching};
+use crate::detect::{Touch, add_penetrating, allowed_approach, touching};
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::Model;
+use crate::standing::StandingFeet;
 use crate::truth::Record;
-use crate::weld::Weld;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
@@ -26,7 +26,7 @@ pub(super) struct Touches {
 
 impl Touches {
     pub fn new(model: &Model) -> Touches {
-        Touches { list: Vec::with_capacity(model.corners.len()), horizon: 0.0, slow: 0.0 }
+        Touches { list: Vec::with_capacity(model.contact_points.len()), horizon: 0.0, slow: 0.0 }
     }
 
     /// The points that may touch within a step of `h` that ends, if nothing touches, with the velocity `free`.
@@ -39,27 +39,27 @@ impl Touches {
     }
 
     /// The points inside the ground, which come out within `h`.
-    pub fn find_inside(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
+    pub fn find_penetrating(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         self.find(world, pose, free, 0.0);
         let gravity = world.model.gravity.norm();
-        self.list.iter_mut().for_each(|touch| touch.approach = approach(touch.gap, h, gravity));
+        self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, gravity));
         self.slow = 2.0 * gravity * h;
         self
     }
 
     /// Adds what the velocity `after` the step takes into the ground though it was not listed; whether there is any.
-    fn add_overlooked(
+    fn add_penetrating(
         &mut self,
         world: &World,
         pose: &Pose,
         after: &[f64],
-        ahead: Option<&Ahead>,
+        prediction: Option<&Prediction>,
         memory: &Memory,
     ) -> bool {
-        let more = overlooked(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
-        if let Some(ahead) = ahead.filter(|_| more) {
+        let more = add_penetrating(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
+        if let Some(prediction) = prediction.filter(|_| more) {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
-                ahead.look(world, memory, touches);
+                prediction.predict(world, memory, touches);
             }
             self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // it was thrown down within the step
         }
@@ -68,13 +68,13 @@ impl Touches {
 
     /// The points within `landed` of the ground, and those that pushed in the step before: no time passes, so none comes nearer.
     pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: f64, memory: &Memory) -> &mut Touches {
-        let Model { corners, .. } = &world.model;
+        let Model { contact_points, .. } = &world.model;
         self.list.clear();
-        for (id, corner) in corners.iter().enumerate() {
-            let arm = pose.lowest(corner);
+        for (id, point) in contact_points.iter().enumerate() {
+            let arm = pose.lowest(point);
             let gap = pose.reference.z + arm.z;
-            if (gap <= landed || memory.pushed(id)) && corner.has_ground(pose.reference.x + arm.x) {
-                self.list.push(Touch::new(id, corner.link, arm, gap));
+            if (gap <= landed || memory.was_active(id)) && point.has_ground(pose.reference.x + arm.x) {
+                self.list.push(Touch::new(id, point.link, arm, gap));
             }
         }
         // the lowest first, as in a step: no result depends on how contacts are numbered
@@ -98,7 +98,7 @@ pub(super) struct Contact {
 impl Contact {
     fn new(model: &Model) -> Contact {
         let (rate, change) = (vec![0.0; model.dofs()], vec![0.0; model.dofs()]);
-        Contact { rate, change, impulses: Vec::with_capacity(model.corners.len()), report: Report::default() }
+        Contact { rate, change, impulses: Vec::with_capacity(model.contact_points.len()), report: Report::default() }
     }
 
     /// As if nothing touched.
@@ -134,8 +134,8 @@ impl Record {
 
 /// The ways to the impulses.
 pub(super) struct Contacts {
-    pub each: Each,
-    weld: Weld,
+    pub per_contact: PerContact,
+    standing_feet: StandingFeet,
     pub contact: Contact,
     /// Problems solved so far …
     pub solved: u64,
@@ -146,8 +146,8 @@ pub(super) struct Contacts {
 impl Contacts {
     pub fn new(model: &Model, law: Law) -> Contacts {
         Contacts {
-            each: Each::new(model, law),
-            weld: Weld::new(model),
+            per_contact: PerContact::new(model, law),
+            standing_feet: StandingFeet::new(model),
             contact: Contact::new(model),
             solved: 0,
             warm: 0,
@@ -156,7 +156,7 @@ impl Contacts {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
-    /// Where nothing that pushed moved in the step before, feet that stand are tried first: see [`crate::weld`]. What the impulses drive
+    /// Where nothing that pushed moved in the step before, feet that stand are tried first: see [`crate::standing_feet`]. What the impulses drive
     /// into the ground though it was not listed joins, and the problem is solved again.
     ///
     /// # Errors
@@ -166,31 +166,31 @@ impl Contacts {
         world: &World,
         free: &Free,
         touches: &mut Touches,
-        ahead: Option<&Ahead>,
+        prediction: Option<&Prediction>,
         memory: &mut Memory,
     ) -> Result<&Contact, PlantError> {
-        let Contacts { each, weld, contact, solved, warm } = self;
+        let Contacts { per_contact, standing_feet, contact, solved, warm } = self;
         contact.clear(free);
         while !touches.list.is_empty() {
-            let (response, mut report) = match stand(world, free, &touches.list, memory, weld) {
+            let (response, mut report) = match stand(world, free, &touches.list, memory, standing_feet) {
                 Some(held) => {
-                    each.leave(touches.list.len());
+                    per_contact.skip(touches.list.len());
                     held
                 }
                 None => {
-                    let mut report = each.solve_impact(world, free, touches, memory)?; // (14)-(22)
-                    if each.turns_round() {
-                        touches.list.iter_mut().for_each(|touch| touch.along = Vector3::zeros());
-                        report = each.solve_impact(world, free, touches, memory)?;
+                    let mut report = per_contact.solve_impact(world, free, touches, memory)?; // (14)-(22)
+                    if per_contact.reverses_given_slip() {
+                        touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
+                        report = per_contact.solve_impact(world, free, touches, memory)?;
                     }
-                    (each.respond(world, free), report)
+                    (per_contact.respond(world, free), report)
                 }
             };
-            report.energy_gain -= lifts(&touches.list, response.impulses);
+            report.energy_gain -= recovery_work(&touches.list, response.impulses);
             world.check_energy(&report)?;
             contact.set(free, &touches.list, &response, report); // (12)
             (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
-            if !touches.add_overlooked(world, free.pose, &contact.rate, ahead, memory) {
+            if !touches.add_penetrating(world, free.pose, &contact.rate, prediction, memory) {
                 break;
             }
         }
@@ -218,21 +218,21 @@ fn stand<'a>(
     free: &Free,
     touches: &[Touch],
     memory: &mut Memory,
-    weld: &'a mut Weld,
+    feet: &'a mut StandingFeet,
 ) -> Option<(Response<'a>, Report)> {
-    let Settings { law, restitution, welds, friction, .. } = world.settings;
+    let Settings { law, restitution, standing_feet, friction, .. } = world.settings;
     let disc = disc(law)?;
-    if !(welds && restitution == 0.0 && world.model.floats() && memory.rests()) {
+    if !(standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static()) {
         return None;
     }
     let (response, report) =
-        weld.hold(&world.model, free, touches, [friction, disc * friction], |id| memory.pushed(id))?;
-    memory.stand(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
+        feet.solve(&world.model, free, touches, [friction, disc * friction], |id| memory.was_active(id))?;
+    memory.record_standing(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
     Some((response, report))
 }
 
 /// Work of the impulses at what comes out of the ground [J]: where it was before is none of the law's doing.
-fn lifts(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
+fn recovery_work(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
     touches.iter().zip(impulses).map(|(touch, impulse)| impulse.z * (-touch.approach).max(0.0)).sum()
 }
 

@@ -1,6 +1,6 @@
 //! Step doubling: a method watches its own error.
 
-use super::midpoint_contact::Rise;
+use super::midpoint_contact::LastAcceleration;
 use super::{Plant, Workspace};
 use crate::contact::Memory;
 use crate::error::PlantError;
@@ -9,22 +9,22 @@ use crate::state::State;
 use crate::truth::Record;
 
 /// Shortest step, as a part of dt: at an impact no step is short enough.
-const SHORTEST: f64 = 1.0 / 256.0;
+const MIN_STEP: f64 = 1.0 / 256.0;
 
 /// What a step begins with beside its state, and what it is compared with.
-pub(super) struct Doubling {
+pub(super) struct StepDoublingState {
     memory: Memory,
-    rise: Rise,
+    last_acceleration: LastAcceleration,
     events: u64,
     /// The end of one step over both halves.
     coarse: State,
 }
 
-impl Doubling {
-    pub fn new(model: &Model) -> Doubling {
-        Doubling {
-            memory: Memory::of(model.corners.len()),
-            rise: Rise::new(model),
+impl StepDoublingState {
+    pub fn new(model: &Model) -> StepDoublingState {
+        StepDoublingState {
+            memory: Memory::of(model.contact_points.len()),
+            last_acceleration: LastAcceleration::new(model),
             events: 0,
             coarse: State::zero(model),
         }
@@ -41,8 +41,8 @@ impl Plant {
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
     pub(super) fn step_doubling(&mut self, h: f64) -> Result<(), PlantError> {
-        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * SHORTEST);
-        let (mut done, mut step) = (0.0, self.stride.min(h));
+        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * MIN_STEP);
+        let (mut done, mut step) = (0.0, self.next_step.min(h));
         while done < h {
             // a sliver at the end would cost a step of its own
             let last = done + 1.01 * step >= h;
@@ -50,7 +50,7 @@ impl Plant {
             let record = self.record;
             self.work.start.copy(&self.now.state);
             self.work.doubling.memory.copy(&self.memory);
-            self.work.doubling.rise.copy(&self.rise);
+            self.work.doubling.last_acceleration.copy(&self.last_acceleration);
             self.work.doubling.events = self.events;
             self.midpoint_contact(part)?;
             self.work.doubling.coarse.copy(&self.now.state);
@@ -62,7 +62,7 @@ impl Plant {
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);
-                self.stride = step;
+                self.next_step = step;
             } else {
                 self.rejected += 1;
                 step = (part * factor).max(shortest);
@@ -77,9 +77,9 @@ impl Plant {
         let Workspace { start, doubling, .. } = &self.work;
         self.now.state.copy(start);
         self.memory.copy(&doubling.memory);
-        self.rise.copy(&doubling.rise);
+        self.last_acceleration.copy(&doubling.last_acceleration);
         (self.record, self.events) = (record, doubling.events);
-        self.now.find_pose(&self.world)
+        self.now.update_pose(&self.world)
     }
 }
 

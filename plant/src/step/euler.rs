@@ -16,7 +16,7 @@ impl Plant {
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
-        now.travel(world, h)
+        now.integrate_position(world, h)
     }
 
     /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) a step, and what lands is stopped one step
@@ -30,6 +30,6 @@ impl Plant {
         record.take(contact, 1.0);
         now.state.advance(&world.model, h);
         now.state.xdot.copy_from_slice(&contact.rate);
-        now.find_pose(world)
+        now.update_pose(world)
     }
 }

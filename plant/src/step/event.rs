@@ -19,51 +19,51 @@
 //! Dynamics with Unilateral Contacts* (1996), ch. 6; Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*,
 //! II.6; Baumgarte (1972).
 
-mod bearing;
+mod active_set;
 
 use super::Plant;
 use super::runge_kutta::{DOP853, DOP853_ERRORS, RK4, Tableau};
 use super::settings::Settings;
 use crate::error::PlantError;
-use crate::model::Corner;
+use crate::model::ContactPoint;
 use crate::truth::Record;
-pub(super) use bearing::Bearing;
-use bearing::slip;
+pub(super) use active_set::EventContact;
+use active_set::slip;
 
 /// An event is located when its gap or slip is this small beside that at the step's beginning.
 const LOCATED: f64 = 1e-13;
 /// Events in a step at most. Where they crowd (a ball at the end of its bounces) the rest of the step is one of `MidpointContact`.
-const EVENTS: u32 = 40;
+const MAX_EVENTS: u32 = 40;
 /// Parts of a step at most. Where forces jump to and fro (a contact that begins to slip and sticks again) none is short enough for the error
 /// control; then the rest of the step is one of `MidpointContact`, and the step is flagged as a fallback.
-const PARTS: u32 = 2000;
+const MAX_PARTS: u32 = 2000;
 /// Trials of locating an event at most; it takes about eight.
-const TRIALS: usize = 100;
+const MAX_TRIALS: usize = 100;
 /// Shortest step of the error control, as a part of dt: short enough that a bend of the acceleration costs nothing to speak of,
 /// long enough that a contact which cannot make up its mind ends.
-const SHORTEST: f64 = 1e-4;
+const MIN_STEP: f64 = 1e-4;
 
 impl Plant {
     /// The classical method of fourth order from event to event, one step where nothing happens.
     pub(super) fn rk4_impact(&mut self, h: f64) -> Result<(), PlantError> {
-        self.through_events(h, &RK4, false)
+        self.integrate_between_events(h, &RK4, false)
     }
 
     /// Dormand & Prince's method of eighth order from event to event, in steps as short as the tolerance asks for.
     pub(super) fn event_driven(&mut self, h: f64) -> Result<(), PlantError> {
-        self.through_events(h, &DOP853, true)
+        self.integrate_between_events(h, &DOP853, true)
     }
 
-    fn through_events(&mut self, h: f64, tableau: &Tableau, controlled: bool) -> Result<(), PlantError> {
+    fn integrate_between_events(&mut self, h: f64, tableau: &Tableau, controlled: bool) -> Result<(), PlantError> {
         let (mut done, mut events, mut parts) = (0.0, 0, 0);
         while done < h {
-            if events == EVENTS || parts == PARTS {
-                self.rise.forget();
-                self.record.flag(parts == PARTS);
+            if events == MAX_EVENTS || parts == MAX_PARTS {
+                self.last_acceleration.forget();
+                self.record.flag(parts == MAX_PARTS);
                 return self.midpoint_contact(h - done);
             }
             parts += 1;
-            self.land()?;
+            self.update_active_set()?;
             self.work.start.copy(&self.now.state);
             let (rest, record) = (h - done, self.record);
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
@@ -89,21 +89,21 @@ impl Plant {
     fn controlled(&mut self, tableau: &Tableau, rest: f64) -> Result<f64, PlantError> {
         let Settings { h, tolerance_step: tolerance, .. } = self.world.settings;
         let record = self.record;
-        let mut part = self.stride.min(rest);
+        let mut part = self.next_step.min(rest);
         loop {
             self.integrate(tableau, part)?;
             let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
             let error = if fifth > 0.0 { fifth * fifth / (fifth * fifth + 0.01 * third * third).sqrt() } else { 0.0 };
             let best = part * (0.9 * (tolerance / error).powf(0.125)).clamp(0.2, 5.0);
             // a step cut short by `rest` says little about the next one
-            let next = if part < self.stride && best > part { self.stride } else { best };
-            self.stride = next.clamp(SHORTEST * h, h);
-            if error <= tolerance || part <= SHORTEST * h {
+            let next = if part < self.next_step && best > part { self.next_step } else { best };
+            self.next_step = next.clamp(MIN_STEP * h, h);
+            if error <= tolerance || part <= MIN_STEP * h {
                 return Ok(part);
             }
             self.rejected += 1;
             self.record = record;
-            part = self.stride;
+            part = self.next_step;
         }
     }
 
@@ -111,15 +111,15 @@ impl Plant {
     /// what it was when the step began. Negative beyond the event.
     fn margin(&self) -> f64 {
         let pose = &self.now.pose;
-        let margin = |(corner, bearing): (&Corner, &Bearing)| match (bearing.bears, bearing.sticks) {
+        let margin = |(point, contact): (&ContactPoint, &EventContact)| match (contact.active, contact.sticking) {
             (true, true) => 1.0,
-            (true, false) => slip(pose, corner).dot(&bearing.along) / bearing.speed,
+            (true, false) => slip(pose, point).dot(&contact.slip_direction) / contact.speed,
             (false, _) => {
-                let at = pose.reference + pose.lowest(corner);
-                if bearing.gap.is_finite() && corner.has_ground(at.x) { at.z / bearing.gap } else { 1.0 }
+                let at = pose.reference + pose.lowest(point);
+                if contact.gap.is_finite() && point.has_ground(at.x) { at.z / contact.gap } else { 1.0 }
             }
         };
-        self.world.model.corners.iter().zip(&self.bearings).map(margin).fold(1.0, f64::min)
+        self.world.model.contact_points.iter().zip(&self.event_contacts).map(margin).fold(1.0, f64::min)
     }
 
     /// Takes the step again as far as its first event; the way there. Its margin over `part` is negative.
@@ -129,7 +129,7 @@ impl Plant {
     fn locate(&mut self, tableau: &Tableau, part: f64, record: Record) -> Result<f64, PlantError> {
         let (mut before, mut ahead) = ((0.0, 1.0), (part, self.margin()));
         let (mut time, mut late) = (part, None);
-        for _ in 0..TRIALS {
+        for _ in 0..MAX_TRIALS {
             time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
             self.record = record;
             self.integrate(tableau, time)?;

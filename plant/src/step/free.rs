@@ -1,6 +1,6 @@
 //! The stages of a step before contact: H, b, and the motion that there would be if nothing touched.
 
-use super::now::Now;
+use super::posed_state::PosedState;
 use super::settings::World;
 use crate::composite::Composite;
 use crate::delassus::Free;
@@ -18,7 +18,7 @@ pub(super) struct Dynamics {
     pub bias: Vec<f64>,
     pub factor: Factor,
     /// They are known already for the step to come.
-    ready: bool,
+    prepared: bool,
     /// Evaluations so far.
     pub evaluations: u64,
 }
@@ -30,7 +30,7 @@ impl Dynamics {
             inertia: PathMatrix::new(model),
             bias: vec![0.0; model.dofs()],
             factor: Factor::new(model),
-            ready: false,
+            prepared: false,
             evaluations: 0,
         }
     }
@@ -40,13 +40,19 @@ impl Dynamics {
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) -> Result<&Dynamics, PlantError> {
-        if !std::mem::take(&mut self.ready) {
+    pub fn find(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        implicit_time: f64,
+        force_time: f64,
+    ) -> Result<&Dynamics, PlantError> {
+        if !std::mem::take(&mut self.prepared) {
             self.evaluations += 1;
             self.composite.inertia(model, &now.pose, &mut self.inertia);
             self.composite.bias(model, &now.pose, &now.state.xdot, &mut self.bias);
-            springs::stiffen(model, grip, &mut self.inertia);
-            springs::pull(model, &now.state, ahead, &mut self.bias);
+            springs::add_to_inertia(model, implicit_time, &mut self.inertia);
+            springs::add_to_bias(model, &now.state, force_time, &mut self.bias);
             self.factor.factorize(model, &self.inertia)?;
         }
         Ok(self)
@@ -57,10 +63,16 @@ impl Dynamics {
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find_in_the_middle(&mut self, model: &Model, now: &Now, mean: &[f64], h: f64) -> Result<(), PlantError> {
+    pub fn find_at_midpoint(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        mean: &[f64],
+        h: f64,
+    ) -> Result<(), PlantError> {
         self.evaluations += 1;
         self.composite.inertia(model, &now.pose, &mut self.inertia);
-        springs::stiffen_in_the_middle(model, h, &mut self.inertia);
+        springs::add_to_midpoint_inertia(model, h, &mut self.inertia);
         self.factor.factorize(model, &self.inertia)?;
         self.with_bias_at(model, now, mean);
         Ok(())
@@ -71,7 +83,13 @@ impl Dynamics {
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find_around(&mut self, model: &Model, now: &Now, before: &[f64], h: f64) -> Result<&Dynamics, PlantError> {
+    pub fn find_with_guess(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        before: &[f64],
+        h: f64,
+    ) -> Result<&Dynamics, PlantError> {
         self.find(model, now, 0.5 * h, 0.0)?;
         for spring in &model.springs {
             let guessed = now.state.xdot[spring.dof] - before[spring.dof];
@@ -81,25 +99,25 @@ impl Dynamics {
     }
 
     /// Whether they were known already; they are not for the step after.
-    pub fn was_ready(&mut self) -> bool {
-        std::mem::take(&mut self.ready)
+    pub fn take_prepared(&mut self) -> bool {
+        std::mem::take(&mut self.prepared)
     }
 
     /// Whether they are known for the step to come.
-    pub fn set_ready(&mut self, ready: bool) {
-        self.ready = ready;
+    pub fn set_prepared(&mut self, ready: bool) {
+        self.prepared = ready;
     }
 
     /// The same ahead of the step that asks for it.
-    pub fn get_ready(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) {
-        self.ready = self.find(model, now, grip, ahead).is_ok(); // the step finds the error again
+    pub fn prepare(&mut self, model: &Model, now: &PosedState, implicit_time: f64, force_time: f64) {
+        self.prepared = self.find(model, now, implicit_time, force_time).is_ok(); // the step finds the error again
     }
 
     /// The same H with b at the velocity `mean`, which the pose has; the state has that before the step.
-    pub fn with_bias_at(&mut self, model: &Model, now: &Now, mean: &[f64]) -> &Dynamics {
+    pub fn with_bias_at(&mut self, model: &Model, now: &PosedState, mean: &[f64]) -> &Dynamics {
         let Dynamics { composite, bias, .. } = self;
         composite.bias(model, &now.pose, mean, bias);
-        springs::pull(model, &now.state, 0.0, bias);
+        springs::add_to_bias(model, &now.state, 0.0, bias);
         for spring in &model.springs {
             bias[spring.dof] -= spring.damping * (mean[spring.dof] - now.state.xdot[spring.dof]); // H has it already
         }
@@ -123,13 +141,13 @@ impl FreeMotion {
     }
 
     /// The motion at the end of a step of `h` if nothing touched. (12)
-    pub fn motion<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
+    pub fn motion<'a>(&'a mut self, world: &World, now: &'a PosedState, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
         let rate = self.velocity(world, now, dynamics, h);
         Free { pose: &now.pose, factor: &dynamics.factor, rate }
     }
 
     /// Its velocity, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
-    pub fn velocity(&mut self, world: &World, now: &Now, dynamics: &Dynamics, h: f64) -> &[f64] {
+    pub fn velocity(&mut self, world: &World, now: &PosedState, dynamics: &Dynamics, h: f64) -> &[f64] {
         let FreeMotion { efforts, column, velocity, .. } = self;
         let efforts = sum_efforts(world, &now.pose, &dynamics.bias, column, efforts);
         velocity.iter_mut().zip(efforts).for_each(|(free, effort)| *free = effort * h); // Δf_b
@@ -147,12 +165,12 @@ impl FreeMotion {
     }
 
     /// The motion that was found last.
-    pub fn found<'a>(&'a self, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
+    pub fn found<'a>(&'a self, now: &'a PosedState, dynamics: &'a Dynamics) -> Free<'a> {
         Free { pose: &now.pose, factor: &dynamics.factor, rate: &self.velocity }
     }
 
     /// The present acceleration if nothing touched, H⁻¹(u − b).
-    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
+    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a PosedState, dynamics: &'a Dynamics) -> Free<'a> {
         let FreeMotion { efforts, column, acceleration, .. } = self;
         acceleration.copy_from_slice(sum_efforts(world, &now.pose, &dynamics.bias, column, efforts));
         dynamics.factor.solve(&world.model, acceleration);

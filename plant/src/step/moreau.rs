@@ -38,7 +38,7 @@ impl Plant {
         }
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
-        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
+        now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
         let ends = free.rate.iter().zip(&now.state.xdot).map(|(free, end)| free - end); // h a(x*, ẋ*)
@@ -49,6 +49,6 @@ impl Plant {
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
-        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
+        now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
     }
 }

@@ -60,9 +60,9 @@ pub(super) const DOP853_ERRORS: [&[f64]; 2] = [
 #[derive(Debug)]
 pub(super) struct Stages {
     /// Rate of the displacement in each stage.
-    travel: Vec<Vec<f64>>,
+    displacement_rate: Vec<Vec<f64>>,
     /// Acceleration in each stage.
-    pull: Vec<Vec<f64>>,
+    acceleration: Vec<Vec<f64>>,
     /// d and ẋ of the present stage.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -72,37 +72,40 @@ impl Stages {
     pub fn new(model: &Model) -> Self {
         let zeros = || vec![0.0; model.dofs()];
         let room = || vec![zeros(); DOP853.b.len()];
-        Stages { travel: room(), pull: room(), displacement: zeros(), velocity: zeros() }
+        Stages { displacement_rate: room(), acceleration: room(), displacement: zeros(), velocity: zeros() }
     }
 
     /// Greatest entry that h times the weighted stages have, in proportion to 1 + |ẋ0|.
     pub fn sum(&self, start: &State, weights: &[f64], h: f64) -> f64 {
         let entry =
             |stages: &[Vec<f64>], i: usize| weights.iter().zip(stages).map(|(w, k)| w * k[i]).sum::<f64>().abs();
-        let both = |(i, rate): (usize, &f64)| entry(&self.travel, i).max(entry(&self.pull, i)) / (1.0 + rate.abs());
+        let both = |(i, rate): (usize, &f64)| {
+            entry(&self.displacement_rate, i).max(entry(&self.acceleration, i)) / (1.0 + rate.abs())
+        };
         h.abs() * start.xdot.iter().enumerate().map(both).fold(0.0, f64::max)
     }
 
     /// d and ẋ0 + Δẋ for h times the weighted stages.
-    fn reach(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
-        let Stages { travel, pull, displacement, velocity } = self;
+    fn combine(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
+        let Stages { displacement_rate, acceleration, displacement, velocity } = self;
         velocity.copy_from_slice(&start.xdot);
         displacement.fill(0.0);
-        for ((weight, travel), pull) in weights.iter().zip(travel).zip(pull).filter(|((weight, _), _)| **weight != 0.0)
+        for ((weight, displacement_rate), acceleration) in
+            weights.iter().zip(displacement_rate).zip(acceleration).filter(|((weight, _), _)| **weight != 0.0)
         {
             let step = h * weight;
-            displacement.iter_mut().zip(travel).for_each(|(d, rate)| *d += step * *rate);
-            velocity.iter_mut().zip(pull).for_each(|(v, rate)| *v += step * *rate);
+            displacement.iter_mut().zip(displacement_rate).for_each(|(d, rate)| *d += step * *rate);
+            velocity.iter_mut().zip(acceleration).for_each(|(v, rate)| *v += step * *rate);
         }
         (displacement, velocity)
     }
 
     /// Takes the rates of a stage.
     fn take(&mut self, stage: usize, model: &Model, state: &State, acceleration: &[f64]) {
-        self.pull[stage].copy_from_slice(acceleration);
+        self.acceleration[stage].copy_from_slice(acceleration);
         match stage {
-            0 => self.travel[stage].copy_from_slice(&state.xdot), // d = 0
-            _ => state.displacement_rate(model, &self.displacement, &mut self.travel[stage]),
+            0 => self.displacement_rate[stage].copy_from_slice(&state.xdot), // d = 0
+            _ => state.displacement_rate(model, &self.displacement, &mut self.displacement_rate[stage]),
         }
     }
 }
@@ -119,7 +122,7 @@ impl Plant {
         self.work.start.copy(&self.now.state);
         self.integrate(&RK4, h)?; // nothing bears
         let Plant { world, now, memory, record, work, .. } = self;
-        let touches = work.touches.find_inside(world, &now.pose, &now.state.xdot, h);
+        let touches = work.touches.find_penetrating(world, &now.pose, &now.state.xdot, h);
         if touches.list.is_empty() {
             return Ok(());
         }
@@ -129,30 +132,30 @@ impl Plant {
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         now.state.displace(&world.model, |i| 0.5 * h * contact.change[i]);
-        now.find_pose(world)
+        now.update_pose(world)
     }
 
     /// Goes from the start of the step to its end, under the forces of what bears.
     pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, bearings, record, work, .. } = self;
+        let Plant { world, now, memory, event_contacts, record, work, .. } = self;
         let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;
         if now.state != *start {
             now.state.copy(start);
-            now.find_pose(world)?;
+            now.update_pose(world)?;
         }
         for (stage, weight) in tableau.b.iter().enumerate() {
             if stage > 0 {
-                let (way, velocity) = stages.reach(start, tableau.a[stage - 1], h);
-                now.place(world, start, |i| way[i], velocity)?;
+                let (displacement, velocity) = stages.combine(start, tableau.a[stage - 1], h);
+                now.set_displaced(world, start, |i| displacement[i], velocity)?;
             }
             let dynamics = dynamics.find(&world.model, now, 0.0, 0.0)?;
             let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
-            let touches = touches.bearing(world, &now.pose, bearings);
-            let contact = contacts.forces(world, &free, &dynamics.composite, touches, bearings, memory)?;
+            let touches = touches.find_active(world, &now.pose, event_contacts);
+            let contact = contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
             record.take(contact, weight * h);
             stages.take(stage, &world.model, &now.state, &contact.rate);
         }
-        let (way, velocity) = stages.reach(start, tableau.b, h);
-        now.place(world, start, |i| way[i], velocity)
+        let (displacement, velocity) = stages.combine(start, tableau.b, h);
+        now.set_displaced(world, start, |i| displacement[i], velocity)
     }
 }

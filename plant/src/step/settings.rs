@@ -1,6 +1,6 @@
 //! What a step is given: the robot, what the scene asks, and what acts.
 
-use crate::contact::{Problem, Report, Spring, has_basis, is_coulomb, is_plastic};
+use crate::contact::{ContactSpring, Problem, Report, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
 use crate::model::Model;
 use messages::scene::{Law, Method, PlantScene, Scene};
@@ -8,7 +8,7 @@ use messages::wire::Torques;
 use nalgebra::Vector3;
 
 /// Energy that plastic contact may gain, as a part of the work of its impulses [-]: what residuals of 1e-10 at many contacts make of it.
-const GAIN: f64 = 1e-8;
+const ENERGY_GAIN: f64 = 1e-8;
 
 /// What a step is given, and leaves as it is.
 pub(super) struct World {
@@ -32,9 +32,9 @@ pub(super) struct Settings {
     pub method: Method,
     pub friction: f64,
     pub restitution: f64,
-    pub spring: Spring,
+    pub spring: ContactSpring,
     /// Whether links that stick are welded.
-    pub welds: bool,
+    pub standing_feet: bool,
     pub tolerance_step: f64,
 }
 
@@ -78,7 +78,7 @@ impl World {
     /// goes with the work of the impulses.
     pub fn check_energy(&self, report: &Report) -> Result<(), PlantError> {
         let law = self.settings.law;
-        if is_plastic(law) && !self.is_lawful(report) {
+        if is_plastic(law) && !self.is_dissipative(report) {
             let (time, gain) = (self.time(), report.energy_gain);
             return Err(PlantError::GainsEnergy { time, law, gain, residual: report.own });
         }
@@ -86,8 +86,8 @@ impl World {
     }
 
     /// Whether a solution has not raised the energy but for rounding.
-    pub fn is_lawful(&self, report: &Report) -> bool {
-        report.energy_gain <= GAIN * report.work
+    pub fn is_dissipative(&self, report: &Report) -> bool {
+        report.energy_gain <= ENERGY_GAIN * report.work
     }
 
     /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
@@ -133,12 +133,12 @@ impl Settings {
             method: plant.method,
             friction: plant.friction,
             restitution: plant.restitution,
-            spring: Spring {
+            spring: ContactSpring {
                 stiffness: plant.contact_stiffness,
                 damping_ratio: plant.contact_damping_ratio,
                 h: plant.dt,
             },
-            welds: true,
+            standing_feet: true,
             tolerance_step: plant.tolerance_step,
         })
     }
@@ -160,7 +160,7 @@ mod tests {
     fn plastic_contact_that_raises_the_energy_ends_the_run_and_rounding_does_not() {
         for law in [Law::Cone, Law::Aligned, Law::EnergyQp, Law::ConeQp] {
             for work in [1e-9, 1.0, 1e6] {
-                let least = GAIN * work;
+                let least = ENERGY_GAIN * work;
                 for gain in [-work, 0.0, least] {
                     assert_eq!(judged(law, 0.0, gain, work), Ok(()), "{law}, {gain:e} of {work:e}");
                 }

@@ -14,39 +14,39 @@
 //! problem via convex optimization*, ZAMM 91, 2011.
 
 use super::super::tolerance::{PROMISED, SOLVED};
-use super::cones::Cones;
-use super::rule::Rule;
+use super::condition::Condition;
+use super::cone_solver::ConeSolver;
 use messages::scene::Iteration;
 
 /// Minima at most.
-const MINIMA: u32 = 200;
+const MAX_MINIMA: u32 = 200;
 /// Minima without progress before it becomes more cautious, or bolder.
 const PATIENCE: u32 = 6;
 
 /// Iterates from the present impulse; false if that does not settle. Adds the minima to `count`.
-pub(super) fn iterate(cones: &mut Cones, iteration: Iteration, count: &mut u32) -> bool {
-    let (mut least, mut waited, mut share, mut creeps) = (f64::INFINITY, 0, 1.0, false);
-    cones.held.clear();
-    for _ in 0..MINIMA {
-        let error = cones.residual(Rule::Coulomb);
+pub(super) fn iterate(solver: &mut ConeSolver, iteration: Iteration, count: &mut u32) -> bool {
+    let (mut least, mut stalled, mut relaxation, mut is_monotone) = (f64::INFINITY, 0, 1.0, false);
+    solver.held.clear();
+    for _ in 0..MAX_MINIMA {
+        let error = solver.residual(Condition::Coulomb);
         if error <= SOLVED {
             return true;
         }
-        waited += 1;
+        stalled += 1;
         if error < 0.9 * least {
-            (least, waited) = (error, 0);
-        } else if waited > PATIENCE {
-            (least, waited, share) = (error, 0, if creeps { 2.0 * share } else { 0.5 * share });
+            (least, stalled) = (error, 0);
+        } else if stalled > PATIENCE {
+            (least, stalled, relaxation) = (error, 0, if is_monotone { 2.0 * relaxation } else { 0.5 * relaxation });
         }
-        creeps = cones.hold(iteration, share);
+        is_monotone = solver.hold(iteration, relaxation);
         *count += 1;
-        cones.with_held(|cones, held| {
-            let rule = match iteration {
-                Iteration::Tresca => Rule::Bound(held),
-                Iteration::Aclm => Rule::Energy(held),
+        solver.with_held(|solver, held| {
+            let condition = match iteration {
+                Iteration::Tresca => Condition::Bound(held),
+                Iteration::Aclm => Condition::Energy(held),
             };
-            cones.minimise(rule, &mut 0)
+            solver.minimise(condition, &mut 0)
         });
     }
-    cones.residual(Rule::Coulomb) <= PROMISED
+    solver.residual(Condition::Coulomb) <= PROMISED
 }

@@ -12,22 +12,22 @@
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.
 
 use super::dictionary::Dictionary;
-use super::twofold::Twofold;
+use super::double_double::DoubleDouble;
 use std::cmp::Ordering;
 
 /// Entries below this are no pivots: in the scaled problem an honest one is about 1; with contacts that yield by
-/// [`super::scaled::HAIR`] they reach its inverse, their rounding 1e-20.
-const ZERO: f64 = 1e-16;
+/// [`super::scaled_problem::LEMKE_COMPLIANCE`] they reach its inverse, their rounding 1e-20.
+const MIN_PIVOT: f64 = 1e-16;
 /// Rows that come this close to zero together, beside the largest entry of each, are ties; q is at most about 1.
-const TIE: f64 = 1e-28;
+const TIE_TOLERANCE: f64 = 1e-28;
 /// Pivots per pair at most, from the start and from a guess; if that is a bad one, better from the start.
-const MOST: [usize; 2] = [50, 2];
+const MAX_PIVOTS: [usize; 2] = [50, 2];
 /// A pivot so much smaller or larger than 1 has cost digits.
-const FAR: f64 = 1e3;
+const MAX_PIVOT_RATIO: f64 = 1e3;
 /// Its multiples have fractions far from each other.
-const GOLDEN: f64 = 0.618_033_988_75;
+const GOLDEN_RATIO: f64 = 0.618_033_988_75;
 /// What parts the rows of q in 32 digits: far above their rounding, far below any residual.
-const PARTED: f64 = 1e-14;
+const PERTURBATION: f64 = 1e-14;
 
 /// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
 #[derive(Clone, Debug, Default)]
@@ -57,18 +57,18 @@ impl Lemke {
     }
 
     /// Value of that partner in the solution.
-    pub fn partner(&self, i: usize) -> Twofold {
+    pub fn partner(&self, i: usize) -> DoubleDouble {
         let n = self.dictionary.rows;
         let place = self.place[n + i];
-        if place < n { self.dictionary.constant(place) } else { Twofold::default() }
+        if place < n { self.dictionary.constant(place) } else { DoubleDouble::default() }
     }
 
     /// Runs to a complementary basis and adds the pivots to `count`; false on a ray or after too many.
     pub fn run(&mut self, count: &mut u32) -> bool {
-        self.part();
+        self.perturb();
         self.original.copy(&self.dictionary);
-        self.begin();
-        self.follow(MOST[0], count)
+        self.reset_basis();
+        self.pivot_to_end(MAX_PIVOTS[0], count)
     }
 
     /// The same from the basis that the partners of these rows have entered; false also if it is singular.
@@ -77,42 +77,42 @@ impl Lemke {
     /// the start, of which the dictionary is made afresh, that is B c: c what t adds to the basic variables, B their columns.
     pub fn run_from(&mut self, entered: impl Fn(usize) -> bool, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
-        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = Twofold::default());
-        self.part();
+        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = DoubleDouble::default());
+        self.perturb();
         self.original.copy(&self.dictionary);
-        self.begin();
+        self.reset_basis();
         self.entering.extend((0..n).filter(|&i| entered(i)));
         self.leaving.clone_from(&self.entering);
         *count += 1;
-        if !self.gather() {
+        if !self.exchange_all() {
             return false;
         }
         for r in 0..n {
-            let lift = greater(-self.dictionary.constant(r), Twofold::default());
-            self.dictionary.row_mut(r)[n] = lift * Twofold::from(1.0 + r as f64 / n as f64);
+            let rise = greater(-self.dictionary.constant(r), DoubleDouble::default());
+            self.dictionary.row_mut(r)[n] = rise * DoubleDouble::from(1.0 + r as f64 / n as f64);
         }
         for r in 0..n {
-            let lift = |place: usize| if place < n { self.dictionary.at(place, n) } else { Twofold::default() };
+            let rise = |place: usize| if place < n { self.dictionary.at(place, n) } else { DoubleDouble::default() };
             let columns = (0..n).filter(|i| self.place[n + i] < n);
-            let lifts = columns.map(|i| self.original.at(r, i) * lift(self.place[n + i]));
-            self.original.row_mut(r)[n] = lift(self.place[r]) - lifts.fold(Twofold::default(), |sum, x| sum + x);
+            let lifts = columns.map(|i| self.original.at(r, i) * rise(self.place[n + i]));
+            self.original.row_mut(r)[n] = rise(self.place[r]) - lifts.fold(DoubleDouble::default(), |sum, x| sum + x);
         }
-        self.follow(MOST[1], count)
+        self.pivot_to_end(MAX_PIVOTS[1], count)
     }
 
     /// Adds to each row of q what no residual shows, so that no two are tied: a tie that rounding decides wrongly among
     /// feet that hold each other ends on a ray.
-    fn part(&mut self) {
+    fn perturb(&mut self) {
         let n = self.dictionary.rows;
         for r in 0..n {
-            let hair = PARTED * (1.0 + (r as f64 * GOLDEN).fract());
+            let perturbation = PERTURBATION * (1.0 + (r as f64 * GOLDEN_RATIO).fract());
             let q = &mut self.dictionary.row_mut(r)[n + 1];
-            *q = *q + hair.into();
+            *q = *q + perturbation.into();
         }
     }
 
     /// The basis of the start.
-    fn begin(&mut self) {
+    fn reset_basis(&mut self) {
         let n = self.dictionary.rows;
         // room for the worst at once: nothing is taken from the heap on the way
         for list in [&mut self.ties, &mut self.entering, &mut self.leaving] {
@@ -128,9 +128,9 @@ impl Lemke {
     }
 
     /// Lets t enter, then partners until it leaves.
-    fn follow(&mut self, most: usize, count: &mut u32) -> bool {
+    fn pivot_to_end(&mut self, most: usize, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
-        let Some(mut row) = self.first_row() else { return true };
+        let Some(mut row) = self.first_leaving_row() else { return true };
         let mut column = n;
         for _ in 0..most * n {
             *count += 1;
@@ -140,18 +140,18 @@ impl Lemke {
             if left == 2 * n {
                 return true;
             }
-            if !(1.0 / FAR..FAR).contains(&pivot) && !self.refresh() {
+            if !(1.0 / MAX_PIVOT_RATIO..MAX_PIVOT_RATIO).contains(&pivot) && !self.refactorize() {
                 return false;
             }
             column = self.place[(left + n) % (2 * n)] - n;
-            let Some(next) = self.leaving(column) else { return false };
+            let Some(next) = self.ratio_test(column) else { return false };
             row = next;
         }
         false
     }
 
     /// Makes the dictionary of the present basis from the original one.
-    fn refresh(&mut self) -> bool {
+    fn refactorize(&mut self) -> bool {
         let n = self.dictionary.rows;
         self.dictionary.copy(&self.original);
         self.entering.clear();
@@ -162,14 +162,14 @@ impl Lemke {
         self.basic.extend(0..n);
         self.nonbasic.clear();
         self.nonbasic.extend(n..=2 * n);
-        self.gather()
+        self.exchange_all()
     }
 
     /// Exchanges the rows of `leaving` for the columns of `entering`, the largest pivots first; false if one is nothing.
-    fn gather(&mut self) -> bool {
+    fn exchange_all(&mut self) -> bool {
         let n = self.dictionary.rows;
         while !self.entering.is_empty() {
-            let (mut best, mut size) = ((0, 0), ZERO);
+            let (mut best, mut size) = ((0, 0), MIN_PIVOT);
             for (i, &row) in self.leaving.iter().enumerate() {
                 for (j, &column) in self.entering.iter().enumerate() {
                     let entry = f64::from(self.dictionary.at(row, column)).abs();
@@ -178,7 +178,7 @@ impl Lemke {
                     }
                 }
             }
-            if size <= ZERO {
+            if size <= MIN_PIVOT {
                 return false;
             }
             let (row, column) = (self.leaving.swap_remove(best.0), self.entering.swap_remove(best.1));
@@ -195,11 +195,11 @@ impl Lemke {
     }
 
     /// Row that t must lift most; of equal ones the last, whose perturbation is smallest.
-    fn first_row(&self) -> Option<usize> {
-        let (n, zero) = (self.dictionary.rows, Twofold::default());
-        let lift = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
-        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > zero && lift(r) > zero);
-        lifted.max_by(|&a, &b| order(lift(a), lift(b)))
+    fn first_leaving_row(&self) -> Option<usize> {
+        let (n, zero) = (self.dictionary.rows, DoubleDouble::default());
+        let rise = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
+        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > zero && rise(r) > zero);
+        lifted.max_by(|&a, &b| order(rise(a), rise(b)))
     }
 
     fn exchange(&mut self, row: usize, column: usize) {
@@ -211,13 +211,13 @@ impl Lemke {
     }
 
     /// Lexicographic ratio test: the row that reaches zero first while the variable of `column` grows.
-    fn leaving(&mut self, column: usize) -> Option<usize> {
+    fn ratio_test(&mut self, column: usize) -> Option<usize> {
         let n = self.dictionary.rows;
         let Lemke { dictionary, place, ties, .. } = self;
         let slope = |r: usize| -dictionary.at(r, column);
-        let ratio = |r: usize| greater(dictionary.constant(r), Twofold::default()) / slope(r);
-        let tie = |r: usize| Twofold::from(TIE * dictionary.largest(r));
-        let falling = (0..n).filter(|&r| slope(r) > Twofold::from(ZERO));
+        let ratio = |r: usize| greater(dictionary.constant(r), DoubleDouble::default()) / slope(r);
+        let tie = |r: usize| DoubleDouble::from(TIE_TOLERANCE * dictionary.largest(r));
+        let falling = (0..n).filter(|&r| slope(r) > DoubleDouble::from(MIN_PIVOT));
         let least = falling.clone().map(ratio).min_by(|&a, &b| order(a, b))?;
         ties.clear();
         ties.extend(falling.filter(|&r| dictionary.constant(r) - least * slope(r) <= tie(r)));
@@ -238,10 +238,10 @@ impl Lemke {
 }
 
 /// What is no number is equal to all.
-fn order(a: Twofold, b: Twofold) -> Ordering {
+fn order(a: DoubleDouble, b: DoubleDouble) -> Ordering {
     a.partial_cmp(&b).unwrap_or(Ordering::Equal)
 }
 
-fn greater(a: Twofold, b: Twofold) -> Twofold {
+fn greater(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
     if a > b { a } else { b }
 }

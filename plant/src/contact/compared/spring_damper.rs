@@ -8,10 +8,10 @@
 use super::super::Problem;
 
 /// Slip speed v_s from which on friction is full [m/s].
-const SLIP: f64 = 1e-2;
+const FULL_FRICTION_SPEED: f64 = 1e-2;
 
 /// Writes the impulse [N·s].
-pub(super) fn push(problem: &Problem, impulse: &mut Vec<f64>) {
+pub(super) fn write_impulse(problem: &Problem, impulse: &mut Vec<f64>) {
     let (m, stride) = (problem.rows(), 1 + problem.tangents);
     let spring = problem.spring;
     impulse.clear();
@@ -23,7 +23,7 @@ pub(super) fn push(problem: &Problem, impulse: &mut Vec<f64>) {
         let force = if problem.gap[i] < 0.0 { -spring.stiffness * problem.gap[i] - damping * v[0] } else { 0.0 };
         let normal = spring.h * force.max(0.0) + 0.0 * force; // max hides a NaN
         let slip = v[1..].iter().fold(0.0, |slip: f64, v| slip.hypot(*v));
-        let share = problem.friction[i] * normal / slip.max(SLIP);
+        let share = problem.friction[i] * normal / slip.max(FULL_FRICTION_SPEED);
         impulse.push(normal);
         impulse.extend(v[1..].iter().map(|v| -share * v));
     }

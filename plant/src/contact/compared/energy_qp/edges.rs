@@ -3,7 +3,7 @@
 //! Each cone is spanned by its edges (1, ±mu d). Q = EᵀAE has a row for each, and only those of edges that push are ever read: they
 //! are made when they are asked for.
 
-use super::super::scaled::Scaled;
+use super::super::scaled_problem::ScaledProblem;
 
 /// Numbers that are worked on at once: those of the edges of four contacts, four registers full.
 pub(super) const WIDTH: usize = 16;
@@ -17,12 +17,12 @@ pub(super) struct Edges {
     /// Edges of a contact.
     pub each: usize,
     /// 1 / |e_r|.
-    shortness: Vec<Panel>,
+    inverse_norm: Vec<Panel>,
     /// q.
     drift: Vec<Panel>,
     /// Q, of the rows that are there.
     matrix: Vec<Panel>,
-    there: Vec<bool>,
+    is_known: Vec<bool>,
     /// A e of an edge.
     response: Vec<f64>,
 }
@@ -39,35 +39,35 @@ impl Edges {
     }
 
     /// Of another problem, its drift apart.
-    pub fn set(&mut self, scaled: &Scaled) {
+    pub fn set(&mut self, scaled: &ScaledProblem) {
         (self.each, self.count) = (scaled.facets(), scaled.contacts * scaled.facets());
         let width = self.count.div_ceil(WIDTH);
-        for list in [&mut self.shortness, &mut self.drift] {
+        for list in [&mut self.inverse_norm, &mut self.drift] {
             list.clear();
             list.resize(width, [0.0; WIDTH]);
         }
-        let slopes = scaled.reach.chunks_exact(scaled.stride()).flat_map(|reach| &reach[1..]);
-        let pairs = self.shortness.as_flattened_mut().chunks_exact_mut(2);
+        let slopes = scaled.cone_slope.chunks_exact(scaled.stride()).flat_map(|cone_slope| &cone_slope[1..]);
+        let pairs = self.inverse_norm.as_flattened_mut().chunks_exact_mut(2);
         pairs.zip(slopes).for_each(|(pair, slope)| pair.fill(1.0 / (1.0 + slope * slope).sqrt()));
         self.matrix.resize(self.count * width, [0.0; WIDTH]);
-        self.there.clear();
-        self.there.resize(self.count, false);
+        self.is_known.clear();
+        self.is_known.resize(self.count, false);
     }
 
     /// Of the same problem with this drift.
-    pub fn turn(&mut self, scaled: &Scaled, drift: &[f64]) {
+    pub fn set_drift(&mut self, scaled: &ScaledProblem, drift: &[f64]) {
         expand(scaled, drift, self.drift.as_flattened_mut());
     }
 
     /// Row r of Q.
-    pub fn row(&mut self, scaled: &Scaled, r: usize) -> &[Panel] {
+    pub fn row(&mut self, scaled: &ScaledProblem, r: usize) -> &[Panel] {
         let range = r * self.width()..(r + 1) * self.width();
-        if !self.there[r] {
+        if !self.is_known[r] {
             scaled.response(scaled.edge(r / self.each, r % self.each), &mut self.response);
             // what was there in another problem's padding would count
             self.matrix[range.end - 1] = [0.0; WIDTH];
             expand(scaled, &self.response, self.matrix[range.clone()].as_flattened_mut());
-            self.there[r] = true;
+            self.is_known[r] = true;
         }
         &self.matrix[range]
     }
@@ -80,7 +80,7 @@ impl Edges {
     }
 
     /// f of the amounts y of some edges.
-    pub fn impulse(&self, scaled: &Scaled, edges: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
+    pub fn impulse(&self, scaled: &ScaledProblem, edges: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         for &r in edges {
@@ -90,23 +90,23 @@ impl Edges {
 
     /// w as speeds: e_r·v / |e_r|.
     pub fn speeds(&self, w: &[Panel]) -> impl Iterator<Item = Panel> + Clone {
-        w.iter().zip(&self.shortness).map(|(w, shortness)| std::array::from_fn(|k| w[k] * shortness[k]))
+        w.iter().zip(&self.inverse_norm).map(|(w, inverse_norm)| std::array::from_fn(|k| w[k] * inverse_norm[k]))
     }
 }
 
 /// What rows of contacts are along the edges of each: normal and tangents, there and back.
-fn expand(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
+fn expand(scaled: &ScaledProblem, rows: &[f64], along: &mut [f64]) {
     match scaled.tangents {
         1 => expand_each::<2, 2>(scaled, rows, along),
         _ => expand_each::<3, 4>(scaled, rows, along),
     }
 }
 
-fn expand_each<const ROWS: usize, const EDGES: usize>(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
-    let contacts = rows.as_chunks::<ROWS>().0.iter().zip(scaled.reach.as_chunks::<ROWS>().0);
-    for ((rows, reach), along) in contacts.zip(along.as_chunks_mut::<EDGES>().0) {
+fn expand_each<const ROWS: usize, const EDGES: usize>(scaled: &ScaledProblem, rows: &[f64], along: &mut [f64]) {
+    let contacts = rows.as_chunks::<ROWS>().0.iter().zip(scaled.cone_slope.as_chunks::<ROWS>().0);
+    for ((rows, cone_slope), along) in contacts.zip(along.as_chunks_mut::<EDGES>().0) {
         for (k, pair) in along.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-            let part = reach[k + 1] * rows[k + 1];
+            let part = cone_slope[k + 1] * rows[k + 1];
             *pair = [rows[0] - part, rows[0] + part];
         }
     }
@@ -140,7 +140,7 @@ pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &
 
 /// Where some numbers first are what is looked for.
 #[inline(always)]
-pub(super) fn place_of(what: f64, numbers: &Panel) -> Option<usize> {
+pub(super) fn index_of(what: f64, numbers: &Panel) -> Option<usize> {
     let places = numbers.iter().enumerate().fold(0_u32, |places, (k, number)| places | u32::from(*number == what) << k);
     (places != 0).then(|| places.trailing_zeros() as usize)
 }

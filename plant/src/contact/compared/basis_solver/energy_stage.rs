@@ -1,0 +1,79 @@
+//! The energy program (14)-(16), with normal rows as printed or shifted until its optimum obeys Coulomb's law.
+
+use super::super::super::tolerance::SOLVED;
+use super::super::energy_qp::minimises_energy;
+use super::super::{square_cone, status};
+use super::{BasisSolver, optimality};
+use messages::scene::Law;
+
+/// Most steps need one.
+const MAX_ROUNDS: usize = 14;
+/// Refinements at most.
+const MAX_REFINEMENTS: usize = 3;
+/// A residual of so much is rounding.
+const ROUNDING: f64 = f64::EPSILON;
+
+impl BasisSolver {
+    /// The program from the edges of the basis on; see [`super::super::energy_qp`].
+    pub(super) fn energy_stage(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let d = self.scaled.facets();
+        self.basis.iter_mut().for_each(|bits| *bits = status::edges(*bits, d));
+        self.shift.reset(&self.scaled);
+        self.energy_qp.reset(&self.scaled, &self.basis);
+        for cones in 0..MAX_ROUNDS {
+            let BasisSolver { scaled, shift, energy_qp, .. } = self;
+            if !energy_qp.solve(scaled, &shift.value, pivots) {
+                return false;
+            }
+            self.shift.min_norm = false;
+            if !self.follow_shift_path(law, pivots) {
+                continue;
+            }
+            self.shift.min_norm = cones % 2 == 0;
+            if self.refine(law, pivots) {
+                return true;
+            }
+        }
+        // a guess for the next way
+        self.energy_qp.write(&self.scaled, &mut self.f, &mut self.basis);
+        self.evaluate(law);
+        false
+    }
+
+    /// Shifts the optimum to the slip that is left, where the law asks for that; false if another one has to be found.
+    fn follow_shift_path(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let BasisSolver { scaled, shift, energy_qp, .. } = self;
+        minimises_energy(law) || shift.follow_path(energy_qp, scaled, pivots)
+    }
+
+    /// Undoes what contacts have yielded by, to rounding; whether that is the solution.
+    fn refine(&mut self, law: Law, pivots: &mut u32) -> bool {
+        let (mut before, mut error) = (f64::INFINITY, f64::INFINITY);
+        for _ in 0..MAX_REFINEMENTS {
+            if !self.energy_qp.solve(&self.scaled, &self.shift.value, pivots) {
+                break;
+            }
+            if !self.follow_shift_path(law, pivots) {
+                break;
+            }
+            self.energy_qp.write(&self.scaled, &mut self.f, &mut self.basis);
+            error = self.evaluate(law);
+            // what no longer shrinks is along such directions
+            if error <= ROUNDING || error > 0.1 * before {
+                break;
+            }
+            before = error;
+        }
+        error <= SOLVED
+    }
+
+    /// Velocity and residual of the present impulse; notes what slides.
+    fn evaluate(&mut self, law: Law) -> f64 {
+        self.update_velocity();
+        let BasisSolver { scaled, f, v, basis, .. } = self;
+        status::mark_sliding(scaled, f, v, basis);
+        let error = square_cone::natural_map(scaled, f, v, optimality(law));
+        self.keep_best(error);
+        error
+    }
+}

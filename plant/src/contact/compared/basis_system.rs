@@ -1,0 +1,138 @@
+//! The impulse that belongs to a basis: the small nontrivial block, factorised and refined.
+//!
+//! A complementary basis says of every contact whether it is open, sticks, or slides on which facet. The impulse is then
+//! f = G y, with one unknown per column, and E (A f + b) = 0, with one row per unknown:
+//!
+//! | contact | columns of G | rows of E |
+//! |---|---|---|
+//! | sticks | its basic directions | the same |
+//! | slides on facet j | (1, mu d_j) | normal |
+//! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
+//! | energy program | its edges that push | the same |
+
+use super::super::lu::Lu;
+use super::energy_qp::minimises_energy;
+use super::scaled_problem::{RowPair, ScaledProblem};
+use super::{square_cone, status::EDGES};
+use messages::scene::Law;
+
+/// Refinements at most.
+const MAX_REFINEMENTS: usize = 3;
+/// A pivot this small, the entries being about 1, belongs to a column that depends on those before it.
+const DEPENDENT: f64 = 1e-14;
+
+#[derive(Clone, Copy, Debug)]
+struct Column {
+    impulse: RowPair,
+    equation: RowPair,
+}
+
+/// Workspace of the block.
+#[derive(Clone, Debug, Default)]
+pub(super) struct BasisSystem {
+    columns: Vec<Column>,
+    /// A g of a column.
+    response: Vec<f64>,
+    /// E A G, column by column.
+    square: Vec<f64>,
+    factor: Lu,
+    solution: Vec<f64>,
+}
+
+impl BasisSystem {
+    /// Writes impulse and velocity, scaled, of the basis. False when it holds what is no number.
+    pub fn solve(
+        &mut self,
+        scaled: &ScaledProblem,
+        law: Law,
+        basis: &[u8],
+        f: &mut Vec<f64>,
+        v: &mut Vec<f64>,
+    ) -> bool {
+        self.columns(scaled, law, basis);
+        f.clear();
+        f.resize(scaled.drift.len(), 0.0);
+        v.clone_from(&scaled.drift);
+        if self.columns.is_empty() {
+            return true;
+        }
+        if !self.factorize(scaled) {
+            return false;
+        }
+        let mut before = f64::INFINITY;
+        for _ in 0..=MAX_REFINEMENTS {
+            self.solution.clear();
+            self.solution.extend(self.columns.iter().map(|column| -evaluate(&column.equation, v)));
+            self.factor.solve(&mut self.solution);
+            for (column, y) in self.columns.iter().zip(&self.solution) {
+                column.impulse.iter().for_each(|(k, weight)| f[*k] += weight * y);
+            }
+            scaled.velocity(f, v);
+            if !minimises_energy(law) {
+                scaled.remove_compliance(f, v); // the refinement undoes the yielding wherever A allows
+            }
+            let size = square_cone::scale(scaled, f);
+            let left = self.columns.iter().map(|column| evaluate(&column.equation, v).abs()).fold(0.0, f64::max);
+            // What no longer shrinks is in rows that depend on others.
+            if left <= 4.0 * f64::EPSILON * size || left > 0.1 * before {
+                break;
+            }
+            before = left;
+        }
+        true
+    }
+
+    fn columns(&mut self, scaled: &ScaledProblem, law: Law, basis: &[u8]) {
+        let (d, stride) = (scaled.facets(), scaled.stride());
+        self.columns.clear();
+        for (i, &bits) in basis.iter().enumerate() {
+            let first = i * stride;
+            let mut column = |impulse, equation| self.columns.push(Column { impulse, equation });
+            let unit = |k: usize| [(first + k, 1.0), (first, 0.0)];
+            if minimises_energy(law) || bits & EDGES != 0 {
+                (0..d).filter(|j| bits >> j & 1 == 1).for_each(|j| column(scaled.edge(i, j), scaled.edge(i, j)));
+                continue;
+            }
+            let facet = |j: usize| bits >> (1 + j) & 1 == 1;
+            // Both signs of one tangent leave no slip: that contact sticks at the limit of friction.
+            let slides = bits >> (d + 1) & 1 == 1 && (0..d).step_by(2).all(|j| !(facet(j) && facet(j + 1)));
+            if slides && bits & 1 == 1 {
+                let mut active = (0..d).filter(|&j| facet(j));
+                if let Some(j) = active.next() {
+                    column(scaled.edge(i, j), unit(0));
+                    if let Some(k) = active.next() {
+                        let slip = [(j, 1.0), (k, -1.0)].map(|(j, side)| {
+                            let (row, sign) = ScaledProblem::facet(j);
+                            (first + row, side * sign / scaled.ratio[first + row])
+                        });
+                        column(scaled.edge(i, k), slip);
+                    }
+                }
+            } else if !slides {
+                if bits & 1 == 1 {
+                    column(unit(0), unit(0));
+                }
+                for k in (1..stride).filter(|k| facet(2 * k - 2) || facet(2 * k - 1)) {
+                    column(unit(k), unit(k));
+                }
+            }
+        }
+    }
+
+    /// Factorises E A G.
+    fn factorize(&mut self, scaled: &ScaledProblem) -> bool {
+        let BasisSystem { columns, response, square, factor, .. } = self;
+        square.clear();
+        for column in &*columns {
+            scaled.response(column.impulse, response);
+            square.extend(columns.iter().map(|row| evaluate(&row.equation, response)));
+        }
+        factor.factorize(columns.len(), square, DEPENDENT)
+    }
+}
+
+/// What rows with weights make of numbers by rows.
+fn evaluate(mix: &RowPair, rows: &[f64]) -> f64 {
+    let [(k, x), (l, y)] = *mix;
+    x * rows[k] + y * rows[l]
+}

@@ -1,0 +1,36 @@
+//! Projected Gauss-Seidel: one contact after the other gets the impulse that its own law asks for, the others held.
+//!
+//! With two masses on each other, the heavier r times the lighter, a sweep leaves r/(1 + r) of the error: 2.3 r sweeps per
+//! digit. So it is a start for [`super::newton`], and a law of its own as a baseline.
+
+use super::super::projection::project_on_cone;
+use super::super::round_cones::{RoundCones, contact_rows};
+use super::condition::{Condition, tangent_step};
+use super::polygon::project_on_cylinder;
+use super::scaled_problem::dot;
+
+/// One sweep over `f`.
+pub(super) fn sweep(cones: &RoundCones, condition: Condition<'_>, f: &mut [f64]) {
+    let n = f.len();
+    for i in 0..cones.contacts {
+        let at = |k: usize, f: &[f64]| dot(&cones.delassus[(3 * i + k) * n..][..n], f) + cones.drift[3 * i + k];
+        let (mu, rho) = (cones.friction[i], tangent_step(cones, i));
+        if let Condition::Energy(shift) = condition {
+            let step = rho.min(1.0) / 2.0;
+            let extra = shift.get(i).copied().unwrap_or(0.0);
+            let old = contact_rows(f, i);
+            let x = [0, 1, 2].map(|k| old[k] - step * (at(k, f) + if k == 0 { extra } else { 0.0 }));
+            f[3 * i..3 * i + 3].copy_from_slice(&project_on_cone(x, mu));
+            continue;
+        }
+        // A_NN is 1, or 0 where nothing can move.
+        f[3 * i] = (f[3 * i] - at(0, f)).max(0.0);
+        let bound = match condition {
+            Condition::Bound(bound) => bound[i],
+            _ => mu * f[3 * i],
+        };
+        let x = [0.0, f[3 * i + 1] - rho * at(1, f), f[3 * i + 2] - rho * at(2, f)];
+        let [_, a, b] = project_on_cylinder(x, bound);
+        (f[3 * i + 1], f[3 * i + 2]) = (a, b);
+    }
+}

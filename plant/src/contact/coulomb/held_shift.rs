@@ -1,0 +1,61 @@
+//! De Saxcé's shift of v_N, held from one energy minimum to the next until it is that of the slip.
+//!
+//! The minimum of ½f·A f + b·f over the cones with μ s added to v_N obeys Coulomb's law where s = |v_F|. Each minimum gives the next s.
+//! Where that overshoots to and fro, less of it is taken; where it creeps on the same way, more.
+//!
+//! # Source
+//! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011).
+
+use super::super::projection::norm;
+use super::super::round_cones::contact_rows;
+
+/// Minima without progress before more or less of a change is taken.
+const PATIENCE: u32 = 2;
+/// Progress is a change that is less than this part of the least before [-].
+const PROGRESS: f64 = 0.9;
+
+/// |v_F| of each contact, as held; workspace.
+#[derive(Clone, Debug, Default)]
+pub(super) struct HeldShift {
+    pub held: Vec<f64>,
+    /// How the last minimum would have changed it.
+    change: Vec<f64>,
+    /// Part of a change that is taken [-].
+    relaxation: f64,
+    /// The least change so far, and minima since.
+    least: f64,
+    stalled: u32,
+    is_monotone: bool,
+}
+
+impl HeldShift {
+    /// None, of so many contacts.
+    pub fn reset(&mut self, contacts: usize) {
+        for list in [&mut self.held, &mut self.change] {
+            list.clear();
+            list.resize(contacts, 0.0);
+        }
+        (self.relaxation, self.least, self.stalled, self.is_monotone) = (1.0, f64::INFINITY, 0, false);
+    }
+
+    /// Takes over from the velocity at a minimum.
+    pub fn update(&mut self, v: &[f64]) {
+        let (mut greatest, mut along) = (0.0_f64, 0.0);
+        for (i, (held, last)) in self.held.iter_mut().zip(&mut self.change).enumerate() {
+            let v = contact_rows(v, i);
+            let change = norm(v[1], v[2]) - *held;
+            greatest = greatest.max(change.abs());
+            along += change * *last;
+            *last = change;
+            *held = (*held + self.relaxation * change).max(0.0);
+        }
+        self.stalled += 1;
+        if greatest < PROGRESS * self.least {
+            (self.least, self.stalled) = (greatest, 0);
+        } else if self.stalled > PATIENCE {
+            (self.least, self.stalled) = (greatest, if self.is_monotone { PATIENCE } else { 0 });
+            self.relaxation *= if self.is_monotone { 2.0 } else { 0.5 };
+        }
+        self.is_monotone = along > 0.0;
+    }
+}
