@@ -44,7 +44,7 @@ pub use memory::Memory;
 pub use problem::{ContactSpring, Problem};
 pub use solver::Solver;
 pub use tolerance::PROMISED;
-pub(crate) use tolerance::{COMPLIANCE, SOLVED};
+pub(crate) use tolerance::{COLLINEAR, COMPLIANCE, PULL_ROUNDING, STANDING_BOUND, STANDING_REDUCTION, WELL_SOLVED};
 
 /// How well a step was solved, and how.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -60,6 +60,10 @@ const MAX_RECOVERY_SPEED: f64 = 10.0;
 /// A depth that is more than a step's error, as a part of g h² [-]: what methods that stop velocities alone let stay inside the ground.
 const DEEP_PENETRATION: f64 = 10.0;
 
+/// A contact point is listed if it is no higher than this many times the way that it can fall in a step [-]. The factor leaves room for what
+/// contact forces add to its speed; [`add_penetrating`] adds the points that are faster still.
+const SEARCH_FACTOR: f64 = 2.0;
+
 /// Speed at which a contact may still come down within `h` [m/s]: it closes its gap. Deep inside the ground it is negative: it comes out.
 pub fn allowed_approach(gap: f64, h: f64, gravity: f64) -> f64 {
     match gap {
@@ -92,8 +96,8 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touc
             let gap = pose.reference.z + arm.z;
             let reach = match law {
                 Law::SpringDamper => 0.0,
-                Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
-                _ => 2.0 * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
+                Law::EnergyQp | Law::Complementarity => SEARCH_FACTOR * model.gravity.norm() * h * h,
+                _ => SEARCH_FACTOR * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
             };
             if gap <= reach && point.has_ground(pose.reference.x + arm.x) {
                 let approach = allowed_approach(gap, h, model.gravity.norm());

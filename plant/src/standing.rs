@@ -24,7 +24,7 @@ mod foot;
 mod inverse_inertia;
 mod sole;
 
-use crate::contact::{COMPLIANCE, Report, SOLVED};
+use crate::contact::{COMPLIANCE, Report, STANDING_BOUND, STANDING_REDUCTION, WELL_SOLVED};
 use crate::delassus::{Free, Response};
 use crate::detect::Touch;
 use crate::factor::Factor;
@@ -38,14 +38,8 @@ use nalgebra::Vector3;
 const MAX_FEET: usize = 4;
 /// Solutions at most: from the second on they undo the yielding, wherever Λ allows.
 const MAX_SOLUTIONS: usize = 5;
-/// What a solution after the first must leave at most of the velocity before.
-const MIN_CONVERGENCE: f64 = 0.5;
-/// A bound on the residual up to this will do: the residual is less, and this below the 1e-10 that a step promises.
-const ACCEPTED_BOUND: f64 = 2.0 * SOLVED;
 /// Contacts that hold a link in all its directions.
 const MIN_ACTIVE: usize = 3;
-/// A residual this small is not refined further.
-const REFINED: f64 = 0.5 * SOLVED;
 
 /// Velocity (v at c, angular) or wrench (force, moment about c) in W.
 type SpatialPair = [Vector3<f64>; 2];
@@ -103,7 +97,7 @@ impl StandingFeet {
         let change = respond(model, free.factor, feet, change);
         let clear = airborne.iter().all(|foot| foot.stays_above_after(model, touches, change));
         let report = report(feet, touches, friction, speed);
-        (clear && report.natural_map <= ACCEPTED_BOUND).then_some((Response { change, impulses }, report))
+        (clear && report.natural_map <= STANDING_BOUND).then_some((Response { change, impulses }, report))
     }
 }
 
@@ -154,7 +148,7 @@ fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &
             feet[i].motion = inverse_inertia.times(i, feet);
         }
         let left = feet.iter().map(Foot::error_bound).fold(0.0, f64::max);
-        if left > MIN_CONVERGENCE * before {
+        if left > STANDING_REDUCTION * before {
             // it pushes the feet against each other and changes nothing, nor did the solutions before, each by as much
             for (foot, (wrench, motion)) in feet.iter_mut().zip(kept) {
                 for (now, kept) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
@@ -163,7 +157,7 @@ fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &
             }
             break;
         }
-        if (1.0 + friction) * left <= REFINED * speed {
+        if (1.0 + friction) * left <= WELL_SOLVED * speed {
             break;
         }
         before = left;

@@ -7,6 +7,14 @@ use messages::scene::{Base, Initial};
 use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+/// Determinant of the axes of the virtual joints, the sine of the angle to their singular pitch, below which they cannot turn every way [-].
+const MIN_DETERMINANT: f64 = 1e-6;
+/// Half of a rotation angle below which (1 − ½d cot ½d)/d² is taken from its series [rad]: the closed form would lose digits to cancellation,
+/// and the next term of the series is below 1e-16.
+const SERIES_ANGLE: f64 = 0.02;
+/// Half of a rotation angle below which sin(x)/x rounds to 1 [rad]: the next term of the series is x²/6.
+const SINC_ANGLE: f64 = 1e-8;
+
 /// Generalised position and velocity of (1).
 ///
 /// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` matches
@@ -114,7 +122,8 @@ impl State {
                 let axes = Matrix3::from_columns(&[4, 5, 6].map(|link: usize| pose.links[link].column.angular));
                 let rule = "another pitch: at ±90° the virtual joints cannot turn every way";
                 let lost = || PlantError::value("initial.orientation_deg", initial.orientation_deg, rule);
-                let rates = axes.try_inverse().filter(|_| axes.determinant().abs() > 1e-6).ok_or_else(lost)? * spin;
+                let rates =
+                    axes.try_inverse().filter(|_| axes.determinant().abs() > MIN_DETERMINANT).ok_or_else(lost)? * spin;
                 self.xdot[..3].copy_from_slice(velocity.as_slice());
                 self.xdot[3..6].copy_from_slice(rates.as_slice());
             }
@@ -163,7 +172,7 @@ impl State {
             let (d, w) = (Vector3::from_column_slice(&by[3..6]), Vector3::from_column_slice(&rate[3..6]));
             let square = d.norm_squared();
             let half = 0.5 * square.sqrt();
-            let factor = match half < 0.02 {
+            let factor = match half < SERIES_ANGLE {
                 true => 1.0 / 12.0 + square / 720.0 + square * square / 30240.0,
                 false => (1.0 - half / half.tan()) / square,
             };
@@ -200,7 +209,7 @@ fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     // sin(half)/half, whose series needs no second term below 1e-8
     let (sin, cos) = sin_cos(half);
-    let sinc = if half < 1e-8 { 1.0 } else { sin / half };
+    let sinc = if half < SINC_ANGLE { 1.0 } else { sin / half };
     let [a, x, y, z] = [cos, 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
     let product = [
         a * q[0] - x * q[1] - y * q[2] - z * q[3],

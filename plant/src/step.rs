@@ -31,6 +31,7 @@ mod prediction;
 mod runge_kutta;
 mod settings;
 mod stability;
+mod step_size;
 
 use contact::{Contacts, Touches};
 use doubling::StepDoublingState;
@@ -51,6 +52,9 @@ use crate::truth::Record;
 use messages::scene::{Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 use std::f64::consts::PI;
+
+/// Nanoseconds in a second [ns/s].
+const NS_PER_S: f64 = 1e9;
 
 /// A robot, its ground and its drives.
 ///
@@ -233,7 +237,7 @@ impl Plant {
 
     /// Simulated time [ns].
     pub fn time_ns(&self) -> u64 {
-        (self.world.time() * 1e9).round() as u64
+        (self.world.time() * NS_PER_S).round() as u64
     }
 
     /// The robot as the dynamics see it.

@@ -15,16 +15,10 @@
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
 use super::projection::{norm, project_on_cone};
-use super::tolerance::{ROUNDING, SOLVED};
+use super::tolerance::{ABOVE_ROUNDING, NO_DIRECTION, ROUNDING, SOLVED};
 use super::{Problem, approach_offset};
 use messages::scene::Law;
 use std::ops::Range;
-
-/// A natural map beyond this is not rounding, however large A f is [-].
-const HIDDEN: f64 = 1e-3;
-
-/// An impulse or a slip this small, as a part of its scale, has no direction.
-const NO_DIRECTION: f64 = 1e-6;
 
 /// How well an impulse obeys Coulomb's law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -93,7 +87,7 @@ pub(super) fn of_contact(
     sum: impl FnOnce() -> f64,
 ) -> f64 {
     let map = scales.natural_map(f, v, friction, given);
-    if map > SOLVED && map < HIDDEN {
+    if map > SOLVED && map < ABOVE_ROUNDING {
         return scales.limited_by_rounding(sum(), inverse_mass, f).natural_map(f, v, friction, given);
     }
     map

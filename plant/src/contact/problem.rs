@@ -1,5 +1,6 @@
 //! A contact problem, and whether its numbers are those of one.
 
+use super::tolerance::ASYMMETRY;
 use serde::{Deserialize, Serialize};
 
 /// Contacts of a problem at most, and numbers of contacts.
@@ -154,7 +155,7 @@ impl Problem {
         }
         let at = |i: usize, j: usize| self.delassus[i * m + j];
         let asymmetric =
-            (0..m).any(|i| (0..i).any(|j| (at(i, j) - at(j, i)).abs() > 1e-9 * (at(i, i) * at(j, j)).sqrt()));
+            (0..m).any(|i| (0..i).any(|j| (at(i, j) - at(j, i)).abs() > ASYMMETRY * (at(i, i) * at(j, j)).sqrt()));
         if asymmetric || (0..m).any(|i| at(i, i) < 0.0) {
             return Err("delassus must be symmetric and not negative on its diagonal".into());
         }

@@ -9,6 +9,9 @@ use messages::scene::{Base, Law, Scene};
 use messages::turn;
 use nalgebra::{Matrix3, Vector3};
 
+/// Least length of a joint axis as the scene gives it [-]; a shorter one has no direction.
+const MIN_AXIS: f64 = 1e-12;
+
 impl Model {
     /// Builds the model of a scene's bodies, base, payload and gravity.
     ///
@@ -275,7 +278,7 @@ fn add_payload(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link
 
 fn unit(axis: [f64; 3], body: &str) -> Result<Vector3<f64>, PlantError> {
     let rule = || PlantError::value(format!("the joint axis of body `{body}`"), axis, "a direction, not zero");
-    Vector3::from(axis).try_normalize(1e-12).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
+    Vector3::from(axis).try_normalize(MIN_AXIS).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
 }
 
 pub(crate) fn finite(value: [f64; 3], what: impl Fn() -> String) -> Result<Vector3<f64>, PlantError> {

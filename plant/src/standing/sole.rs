@@ -14,17 +14,14 @@
 //! Nothing slips, so wherever |f_F| <= μ f_N the impulses obey Coulomb's law.
 
 use super::SpatialPair;
+use crate::contact::{COLLINEAR, PULL_ROUNDING};
 use crate::detect::Touch;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// A determinant this small beside the product of the diagonal: these contacts are on one line.
-const COLLINEAR: f64 = 1e-9;
 /// Trials of what the friction is in proportion to.
 const MAX_TRIALS: usize = 8;
 /// What would slip takes so much less of it: somewhat more than it must, so that few trials are enough.
 const OVERREDUCTION: f64 = 1.5;
-/// A pull this small beside the load is rounding.
-const ROUNDING: f64 = 1e-14;
 
 /// The contacts of a link, seen from amid them.
 #[derive(Clone, Debug, Default)]
@@ -128,7 +125,7 @@ fn normal_distribution<'a>(
     pressure.resize(arms.len(), 1.0);
     let mut fit = all * load;
     loop {
-        let mut least = -ROUNDING * load.x; // less than this is no pull
+        let mut least = -PULL_ROUNDING * load.x; // less than this is no pull
         let mut worst = None;
         for (i, (n, d)) in pressure.iter_mut().zip(arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
             *n = affine_row(d).dot(&fit);

@@ -15,6 +15,9 @@ use crate::truth::Record;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
+/// A contact bounces only if it approaches faster than free fall makes it in this many steps [-]. Otherwise a ball would bounce without end.
+const BOUNCE_STEPS: f64 = 2.0;
+
 /// The points that may touch within a time.
 pub(super) struct Touches {
     pub list: Vec<Touch>,
@@ -34,7 +37,7 @@ impl Touches {
     /// What two steps of free fall made as fast does not bounce, or the last of the bounces would never come.
     pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
-        (self.horizon, self.slow) = (h, 2.0 * world.model.gravity.norm() * h);
+        (self.horizon, self.slow) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
         self
     }
 
@@ -43,7 +46,7 @@ impl Touches {
         self.find(world, pose, free, 0.0);
         let gravity = world.model.gravity.norm();
         self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, gravity));
-        self.slow = 2.0 * gravity * h;
+        self.slow = BOUNCE_STEPS * gravity * h;
         self
     }
 

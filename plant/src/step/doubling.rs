@@ -1,6 +1,7 @@
 //! Step doubling: a method watches its own error.
 
 use super::midpoint_contact::LastAcceleration;
+use super::step_size::{MIN_FACTOR, SAFETY};
 use super::{Plant, Workspace};
 use crate::contact::Memory;
 use crate::error::PlantError;
@@ -10,6 +11,12 @@ use crate::truth::Record;
 
 /// Shortest step, as a part of dt: at an impact no step is short enough.
 const MIN_STEP: f64 = 1.0 / 256.0;
+/// Greatest factor from one step to the next [-].
+const MAX_FACTOR: f64 = 4.0;
+/// The last step may be longer than planned by this factor [-], so that no tiny step remains.
+const LAST_STEP_STRETCH: f64 = 1.01;
+/// Difference of one step and two half steps, divided by the error of the two [-]: 2^p − 1 for a method of order p = 2.
+const RICHARDSON: f64 = 3.0;
 
 /// What a step begins with beside its state, and what it is compared with.
 pub(super) struct StepDoublingState {
@@ -45,7 +52,7 @@ impl Plant {
         let (mut done, mut step) = (0.0, self.next_step.min(h));
         while done < h {
             // a sliver at the end would cost a step of its own
-            let last = done + 1.01 * step >= h;
+            let last = done + LAST_STEP_STRETCH * step >= h;
             let part = if last { h - done } else { step };
             let record = self.record;
             self.work.start.copy(&self.now.state);
@@ -57,8 +64,8 @@ impl Plant {
             self.go_back(record)?;
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
-            let error = distance(&self.work.doubling.coarse, &self.now.state) / 3.0;
-            let factor = (0.9 * (tolerance / error).cbrt()).clamp(0.2, 4.0);
+            let error = distance(&self.work.doubling.coarse, &self.now.state) / RICHARDSON;
+            let factor = (SAFETY * (tolerance / error).cbrt()).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);

@@ -24,6 +24,7 @@ mod active_set;
 use super::Plant;
 use super::runge_kutta::{DOP853, DOP853_ERRORS, RK4, Tableau};
 use super::settings::Settings;
+use super::step_size::{MIN_FACTOR, SAFETY};
 use crate::error::PlantError;
 use crate::model::ContactPoint;
 use crate::truth::Record;
@@ -42,6 +43,16 @@ const MAX_TRIALS: usize = 100;
 /// Shortest step of the error control, as a part of dt: short enough that a bend of the acceleration costs nothing to speak of,
 /// long enough that a contact which cannot make up its mind ends.
 const MIN_STEP: f64 = 1e-4;
+/// Greatest factor from one step of the error control to the next [-].
+const MAX_FACTOR: f64 = 5.0;
+/// 1/8: the combined error estimate of DOP853 goes with h⁸ [-].
+const ERROR_EXPONENT: f64 = 0.125;
+/// Weight of the squared error of third order in the combined estimate of DOP853 [-].
+const THIRD_ORDER_WEIGHT: f64 = 0.01;
+/// Two times that differ by less than this part of the step are equal to rounding [-].
+const TIME_ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Factor on the value at an end of the bracket that stays twice, in the Illinois form of regula falsi [-].
+const ILLINOIS: f64 = 0.5;
 
 impl Plant {
     /// The classical method of fourth order from event to event, one step where nothing happens.
@@ -93,8 +104,12 @@ impl Plant {
         loop {
             self.integrate(tableau, part)?;
             let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
-            let error = if fifth > 0.0 { fifth * fifth / (fifth * fifth + 0.01 * third * third).sqrt() } else { 0.0 };
-            let best = part * (0.9 * (tolerance / error).powf(0.125)).clamp(0.2, 5.0);
+            let error = if fifth > 0.0 {
+                fifth * fifth / (fifth * fifth + THIRD_ORDER_WEIGHT * third * third).sqrt()
+            } else {
+                0.0
+            };
+            let best = part * (SAFETY * (tolerance / error).powf(ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
             // a step cut short by `rest` says little about the next one
             let next = if part < self.next_step && best > part { self.next_step } else { best };
             self.next_step = next.clamp(MIN_STEP * h, h);
@@ -134,7 +149,7 @@ impl Plant {
             self.record = record;
             self.integrate(tableau, time)?;
             let margin = self.margin();
-            if margin.abs() <= LOCATED || ahead.0 - before.0 <= 4.0 * f64::EPSILON * part {
+            if margin.abs() <= LOCATED || ahead.0 - before.0 <= TIME_ROUNDING * part {
                 break;
             }
             // an end that stays twice counts half, or it would stay for ever
@@ -146,7 +161,7 @@ impl Plant {
             }
             if late == Some(side) {
                 let other = if side { &mut before } else { &mut ahead };
-                other.1 *= 0.5;
+                other.1 *= ILLINOIS;
             }
             late = Some(side);
         }

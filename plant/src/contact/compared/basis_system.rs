@@ -11,6 +11,7 @@
 //! | energy program | its edges that push | the same |
 
 use super::super::lu::Lu;
+use super::super::tolerance::{DEPENDENT_PIVOT, REFINEMENT_REDUCTION, ROUNDING};
 use super::energy_qp::minimises_energy;
 use super::scaled_problem::{RowPair, ScaledProblem};
 use super::{square_cone, status::EDGES};
@@ -18,8 +19,6 @@ use messages::scene::Law;
 
 /// Refinements at most.
 const MAX_REFINEMENTS: usize = 3;
-/// A pivot this small, the entries being about 1, belongs to a column that depends on those before it.
-const DEPENDENT: f64 = 1e-14;
 
 #[derive(Clone, Copy, Debug)]
 struct Column {
@@ -74,7 +73,7 @@ impl BasisSystem {
             let size = square_cone::scale(scaled, f);
             let left = self.columns.iter().map(|column| evaluate(&column.equation, v).abs()).fold(0.0, f64::max);
             // What no longer shrinks is in rows that depend on others.
-            if left <= 4.0 * f64::EPSILON * size || left > 0.1 * before {
+            if left <= ROUNDING * size || left > REFINEMENT_REDUCTION * before {
                 break;
             }
             before = left;
@@ -127,7 +126,7 @@ impl BasisSystem {
             scaled.response(column.impulse, response);
             square.extend(columns.iter().map(|row| evaluate(&row.equation, response)));
         }
-        factor.factorize(columns.len(), square, DEPENDENT)
+        factor.factorize(columns.len(), square, DEPENDENT_PIVOT)
     }
 }
 

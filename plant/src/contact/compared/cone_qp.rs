@@ -4,8 +4,8 @@
 //! Interior points end at about 1e-9; Newton's method finds the last digits. This one solver allocates.
 
 use super::super::round_cones::RoundCones;
+use super::super::tolerance::{CLARABEL_TOLERANCE, COMPLIANCE};
 use super::condition::Condition;
-use super::semismooth_newton::STEP_COMPLIANCES;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use std::cmp::Ordering;
@@ -24,7 +24,7 @@ impl ConeQp {
         // Jammed contacts could push each other without end: those that yield do not.
         let upper = |k: usize, l: usize| match k.cmp(&l) {
             Ordering::Less => cones.delassus[k * n + l],
-            Ordering::Equal => cones.delassus[k * n + l] + STEP_COMPLIANCES[0],
+            Ordering::Equal => cones.delassus[k * n + l] + COMPLIANCE,
             Ordering::Greater => 0.0,
         };
         let energy: Vec<Vec<f64>> = (0..n).map(|k| (0..n).map(|l| upper(k, l)).collect()).collect();
@@ -61,9 +61,9 @@ impl ConeQp {
         }
         let settings = DefaultSettings {
             verbose: false,
-            tol_gap_abs: 1e-13,
-            tol_gap_rel: 1e-13,
-            tol_feas: 1e-13,
+            tol_gap_abs: CLARABEL_TOLERANCE,
+            tol_gap_rel: CLARABEL_TOLERANCE,
+            tol_feas: CLARABEL_TOLERANCE,
             max_iter: 100,
             ..DefaultSettings::default()
         };

@@ -34,9 +34,12 @@ impl DoubleDouble {
     }
 }
 
+/// 2²⁷ + 1: the factor that splits the 53 bits of a number into two halves (Dekker).
+const SPLITTER: f64 = 134_217_729.0;
+
 /// A number as the sum of two that have half its digits.
 fn halves(x: f64) -> (f64, f64) {
-    let shifted = x * 134_217_729.0; // 2^27 + 1
+    let shifted = x * SPLITTER;
     let high = shifted - (shifted - x);
     (high, x - high)
 }

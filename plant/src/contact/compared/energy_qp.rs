@@ -21,6 +21,7 @@ mod shift_path;
 mod shift_responses;
 mod sliding;
 
+use super::super::tolerance::{NEGATIVE_VELOCITY, ZERO_AMOUNT};
 use super::scaled_problem::ScaledProblem;
 use super::square_cone::max_abs;
 use super::status::EDGES;
@@ -28,11 +29,6 @@ use conjugate_directions::ConjugateDirections;
 use edges::{Edges, Panel, WIDTH, add, index_of, of_contact};
 use messages::scene::Law;
 pub(super) use shift_path::ShiftPath;
-
-/// A negative w this small, relative to the step's scale, is rounding.
-const ROUNDING: f64 = 1e-12;
-/// What is left of an amount that becomes zero.
-const DEPENDENT: f64 = 1e-14;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
@@ -186,7 +182,7 @@ impl EnergyQp {
             std::array::from_fn(|k| if speeds[k] < least[k] { speeds[k] } else { least[k] })
         });
         let least = edges::least(&least);
-        if least >= -ROUNDING * self.scale(scaled) {
+        if least >= -NEGATIVE_VELOCITY * self.scale(scaled) {
             return None;
         }
         free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + index_of(least, &speeds)?))
@@ -226,7 +222,7 @@ fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &
         *remaining = std::array::from_fn(|k| {
             let goal = y[k] + z[k];
             let most = if y[k] > -goal { y[k] } else { -goal };
-            let rest = z[k].mul_add(share, y[k]) - DEPENDENT * most;
+            let rest = z[k].mul_add(share, y[k]) - ZERO_AMOUNT * most;
             if rest > goal { rest } else { goal }
         });
     }

@@ -13,7 +13,7 @@
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction
 //! problem via convex optimization*, ZAMM 91, 2011.
 
-use super::super::tolerance::{PROMISED, SOLVED};
+use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PROGRESS, PROMISED, SOLVED};
 use super::condition::Condition;
 use super::cone_solver::ConeSolver;
 use messages::scene::Iteration;
@@ -33,10 +33,11 @@ pub(super) fn iterate(solver: &mut ConeSolver, iteration: Iteration, count: &mut
             return true;
         }
         stalled += 1;
-        if error < 0.9 * least {
+        if error < FIXED_POINT_PROGRESS * least {
             (least, stalled) = (error, 0);
         } else if stalled > PATIENCE {
-            (least, stalled, relaxation) = (error, 0, if is_monotone { 2.0 * relaxation } else { 0.5 * relaxation });
+            (least, stalled, relaxation) =
+                (error, 0, if is_monotone { ACCELERATION * relaxation } else { DAMPING * relaxation });
         }
         is_monotone = solver.hold(iteration, relaxation);
         *count += 1;

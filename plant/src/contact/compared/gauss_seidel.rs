@@ -9,6 +9,10 @@ use super::condition::{Condition, tangent_step};
 use super::polygon::project_on_cylinder;
 use super::scaled_problem::dot;
 
+/// Part of the inverse diagonal of A that a projected gradient step takes [-]: half of it stays stable where normal
+/// and tangents are coupled.
+const GRADIENT_STEP: f64 = 0.5;
+
 /// One sweep over `f`.
 pub(super) fn sweep(cones: &RoundCones, condition: Condition<'_>, f: &mut [f64]) {
     let n = f.len();
@@ -16,7 +20,7 @@ pub(super) fn sweep(cones: &RoundCones, condition: Condition<'_>, f: &mut [f64])
         let at = |k: usize, f: &[f64]| dot(&cones.delassus[(3 * i + k) * n..][..n], f) + cones.drift[3 * i + k];
         let (mu, rho) = (cones.friction[i], tangent_step(cones, i));
         if let Condition::Energy(shift) = condition {
-            let step = rho.min(1.0) / 2.0;
+            let step = rho.min(1.0) * GRADIENT_STEP;
             let extra = shift.get(i).copied().unwrap_or(0.0);
             let old = contact_rows(f, i);
             let x = [0, 1, 2].map(|k| old[k] - step * (at(k, f) + if k == 0 { extra } else { 0.0 }));

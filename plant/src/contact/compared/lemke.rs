@@ -11,23 +11,15 @@
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.
 
+use super::super::tolerance::{MAX_PIVOT_RATIO, MIN_PIVOT, PERTURBATION, TIE};
 use super::dictionary::Dictionary;
 use super::double_double::DoubleDouble;
 use std::cmp::Ordering;
 
-/// Entries below this are no pivots: in the scaled problem an honest one is about 1; with contacts that yield by
-/// [`super::scaled_problem::LEMKE_COMPLIANCE`] they reach its inverse, their rounding 1e-20.
-const MIN_PIVOT: f64 = 1e-16;
-/// Rows that come this close to zero together, beside the largest entry of each, are ties; q is at most about 1.
-const TIE_TOLERANCE: f64 = 1e-28;
 /// Pivots per pair at most, from the start and from a guess; if that is a bad one, better from the start.
 const MAX_PIVOTS: [usize; 2] = [50, 2];
-/// A pivot so much smaller or larger than 1 has cost digits.
-const MAX_PIVOT_RATIO: f64 = 1e3;
 /// Its multiples have fractions far from each other.
 const GOLDEN_RATIO: f64 = 0.618_033_988_75;
-/// What parts the rows of q in 32 digits: far above their rounding, far below any residual.
-const PERTURBATION: f64 = 1e-14;
 
 /// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
 #[derive(Clone, Debug, Default)]
@@ -216,7 +208,7 @@ impl Lemke {
         let Lemke { dictionary, place, ties, .. } = self;
         let slope = |r: usize| -dictionary.at(r, column);
         let ratio = |r: usize| greater(dictionary.constant(r), DoubleDouble::default()) / slope(r);
-        let tie = |r: usize| DoubleDouble::from(TIE_TOLERANCE * dictionary.largest(r));
+        let tie = |r: usize| DoubleDouble::from(TIE * dictionary.largest(r));
         let falling = (0..n).filter(|&r| slope(r) > DoubleDouble::from(MIN_PIVOT));
         let least = falling.clone().map(ratio).min_by(|&a, &b| order(a, b))?;
         ties.clear();

@@ -14,20 +14,16 @@
 //! converge at all, so the best iterate is kept, and [`super::cones`] starts again from a better place.
 
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::SOLVED;
+use super::super::tolerance::{SEMISMOOTH_ROUNDING, SOLVED, STEP_COMPLIANCES};
 use super::condition::{Condition, natural_map, tangent_step};
 use super::polygon::vertex;
 
 /// Steps at most.
 const MAX_STEPS: u32 = 25;
+/// A step that reduces the residual to less than this part resets the patience [-].
+const GOOD_PROGRESS: f64 = 0.1;
 /// Steps without a better iterate after which it gives up.
 const PATIENCE: u32 = 8;
-/// A natural map this small is rounding.
-const ROUNDING: f64 = 1e-14;
-/// What contacts yield by in a step, not in the residual: it makes the step unique where contacts are redundant. Two feet
-/// hold each other along directions that A sees at 1e-12; a step along these would go far, so if the first fails, the
-/// next are more careful.
-pub(super) const STEP_COMPLIANCES: [f64; 6] = [2e-11, 1e-4, 1e-5, 1e-7, 1e-9, 2e-11];
 
 type Matrix = [[f64; 3]; 3];
 /// A row of P, of Q, and of r.
@@ -83,7 +79,7 @@ impl SemismoothNewton {
     ) {
         let mut patience = PATIENCE;
         for _ in 0..MAX_STEPS {
-            if *least <= ROUNDING || patience == 0 || !self.step(cones, condition, rho, f, v) {
+            if *least <= SEMISMOOTH_ROUNDING || patience == 0 || !self.step(cones, condition, rho, f, v) {
                 return;
             }
             *steps += 1;
@@ -92,7 +88,7 @@ impl SemismoothNewton {
             // What is solved gets one more chance to be so to rounding.
             patience = if *least <= SOLVED { 0 } else { patience - 1 };
             if error < *least {
-                patience = if error < 0.1 * *least { PATIENCE } else { patience.max(1) };
+                patience = if error < GOOD_PROGRESS * *least { PATIENCE } else { patience.max(1) };
                 *least = error;
                 self.best.clone_from(f);
             }

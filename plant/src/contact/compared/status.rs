@@ -2,11 +2,9 @@
 
 use super::super::coulomb::ContactMode;
 use super::super::memory::LastContact;
+use super::super::tolerance::MIN_SLIP;
 use super::scaled_problem::ScaledProblem;
 use super::square_cone;
-
-/// At the optimum of the energy program a contact slips if it is faster than this, relative to the step's scale.
-const MIN_SLIP: f64 = 1e-10;
 
 /// Marks a contact whose bits are the edges along which it pushes, as in the energy program, not a [`BasisStatus`].
 pub(super) const EDGES: u8 = 0x80;

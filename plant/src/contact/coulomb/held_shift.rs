@@ -8,11 +8,10 @@
 
 use super::super::projection::norm;
 use super::super::round_cones::contact_rows;
+use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PROGRESS};
 
 /// Minima without progress before more or less of a change is taken.
 const PATIENCE: u32 = 2;
-/// Progress is a change that is less than this part of the least before [-].
-const PROGRESS: f64 = 0.9;
 
 /// |v_F| of each contact, as held; workspace.
 #[derive(Clone, Debug, Default)]
@@ -50,11 +49,11 @@ impl HeldShift {
             *held = (*held + self.relaxation * change).max(0.0);
         }
         self.stalled += 1;
-        if greatest < PROGRESS * self.least {
+        if greatest < FIXED_POINT_PROGRESS * self.least {
             (self.least, self.stalled) = (greatest, 0);
         } else if self.stalled > PATIENCE {
             (self.least, self.stalled) = (greatest, if self.is_monotone { PATIENCE } else { 0 });
-            self.relaxation *= if self.is_monotone { 2.0 } else { 0.5 };
+            self.relaxation *= if self.is_monotone { ACCELERATION } else { DAMPING };
         }
         self.is_monotone = along > 0.0;
     }

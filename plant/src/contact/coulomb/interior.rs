@@ -16,17 +16,12 @@ mod cone;
 use super::super::lu::Lu;
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{COMPLIANCE, SOLVED};
+use super::super::tolerance::{COMPLIANCE, INTERIOR_RESIDUAL, MIN_TAU, WELL_SOLVED};
 use super::{ContactMode, Guess, Iterate};
 use cone::{Scaling, Vector, axpy, determinant, dot, jordan_product, jordan_solve, max_step};
 
 /// Steps at most; it takes 10 to 20.
 const MAX_STEPS: u32 = 40;
-/// τ falls no further than to this [-], the step's speed being 1: an impulse is then within 1e-10 of its cone, and Newton's method has the
-/// rest. Below, the rounding of x decides whether it is inside.
-const MIN_TAU: f64 = 1e-20;
-/// What y may lack in the end [-]: rounding.
-const MAX_RESIDUAL: f64 = 1e-13;
 
 /// What the predictor takes more than this part of vanishes [-].
 const TAPIA_THRESHOLD: f64 = 0.5;
@@ -99,7 +94,7 @@ impl Interior {
             }
             let tau = self.contacts.iter().map(|own| dot(own.x, own.y)).sum::<f64>() / cones.contacts as f64;
             let residual = self.update_scaling(unit, held, &iterate.v);
-            if least <= 0.5 * SOLVED || tau.is_nan() || tau < MIN_TAU && residual < MAX_RESIDUAL {
+            if least <= WELL_SOLVED || tau.is_nan() || tau < MIN_TAU && residual < INTERIOR_RESIDUAL {
                 break;
             }
             iterate.steps += 1;

@@ -21,7 +21,7 @@ mod modes;
 
 use super::super::lu::Lu;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{COMPLIANCE, SOLVED};
+use super::super::tolerance::{COMPLIANCE, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
 use super::patch::{LinkContacts, Patch};
 use super::{ContactMode, Guess, Iterate};
 use equations::{Equations, Unknown};
@@ -31,8 +31,8 @@ use modes::ModeWeights;
 const MAX_STEPS: u32 = 12;
 /// Steps in which a patch may be outside its cones before it is given up.
 const MAX_STEPS_OUTSIDE: u32 = 4;
-/// A residual up to this is rounding: another step would change nothing [-].
-const ROUNDING_LEVEL: f64 = 2e-15;
+/// A residual with compliance that is this part of the rigid one or less [-]: only the compliance is left to undo.
+const COMPLIANCE_DOMINATES: f64 = 0.1;
 /// Solutions at most that undo the compliance.
 const MAX_REFINEMENTS: u32 = 4;
 
@@ -116,7 +116,7 @@ impl PatchNewton {
             iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
                 self.refine(cones, iterate);
-                if !min_norm || iterate.error > ROUNDING_LEVEL {
+                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING {
                     self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;
@@ -126,7 +126,7 @@ impl PatchNewton {
             if self.patches_move(cones, iterate) {
                 return false;
             }
-            if cones.residual(&iterate.f, &iterate.v) <= 0.1 * rigid {
+            if cones.residual(&iterate.f, &iterate.v) <= COMPLIANCE_DOMINATES * rigid {
                 // solved but for what the compliance moves
                 if refined == MAX_REFINEMENTS {
                     return false;
@@ -249,7 +249,7 @@ impl PatchNewton {
             let members = (group.first..group.end).filter(|&i| self.contacts[i].mode == ContactMode::Patch);
             let mut speed =
                 members.map(|i| contact_rows(v, i).iter().fold(0.0, |most: f64, v| most.max(v.abs())) / cones.speed(i));
-            if speed.any(|speed| speed > 0.5 * SOLVED) {
+            if speed.any(|speed| speed > WELL_SOLVED) {
                 self.failed |= 1 << g.min(31);
             }
         }

@@ -12,7 +12,7 @@
 
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::DEPENDENT;
+use super::super::tolerance::{DEPENDENT, PULL_ROUNDING};
 use nalgebra::{Matrix6, Vector6};
 
 /// Directions in which a rigid link moves.
@@ -21,8 +21,6 @@ pub(super) const LINK_DOFS: usize = 6;
 const MAX_TRIALS: usize = 10;
 /// What would slip gets so much less weight: somewhat more than it must, so that few trials are enough [-].
 const OVERREDUCTION: f64 = 1.5;
-/// A contact that pulls less than this part of the greatest push does so by rounding [-].
-const ROUNDING: f64 = 1e-14;
 
 /// Three rows of Q.
 pub(super) type Rows = [[f64; LINK_DOFS]; 3];
@@ -144,7 +142,7 @@ impl Patch {
                 let [normal, along, across] = contact_rows(f, i);
                 let (friction, bound) = (norm(along, across), cones.friction[i] * normal);
                 if normal <= 0.0 {
-                    within &= normal >= -ROUNDING * greatest;
+                    within &= normal >= -PULL_ROUNDING * greatest;
                     weights[i] = [0.0; 2];
                     continue;
                 }

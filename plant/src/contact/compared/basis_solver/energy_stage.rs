@@ -1,6 +1,6 @@
 //! The energy program (14)-(16), with normal rows as printed or shifted until its optimum obeys Coulomb's law.
 
-use super::super::super::tolerance::SOLVED;
+use super::super::super::tolerance::{PROXIMAL_ROUNDING, REFINEMENT_REDUCTION, SOLVED};
 use super::super::energy_qp::minimises_energy;
 use super::super::{square_cone, status};
 use super::{BasisSolver, optimality};
@@ -10,8 +10,6 @@ use messages::scene::Law;
 const MAX_ROUNDS: usize = 14;
 /// Refinements at most.
 const MAX_REFINEMENTS: usize = 3;
-/// A residual of so much is rounding.
-const ROUNDING: f64 = f64::EPSILON;
 
 impl BasisSolver {
     /// The program from the edges of the basis on; see [`super::super::energy_qp`].
@@ -59,7 +57,7 @@ impl BasisSolver {
             self.energy_qp.write(&self.scaled, &mut self.f, &mut self.basis);
             error = self.evaluate(law);
             // what no longer shrinks is along such directions
-            if error <= ROUNDING || error > 0.1 * before {
+            if error <= PROXIMAL_ROUNDING || error > REFINEMENT_REDUCTION * before {
                 break;
             }
             before = error;

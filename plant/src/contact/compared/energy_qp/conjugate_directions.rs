@@ -11,10 +11,8 @@
 //! # Source
 //! Golub & Van Loan, *Matrix Computations*, 5.1, 5.2 and 6.5; Lawson & Hanson, *Solving Least Squares Problems*, ch. 23, 24.
 
+use super::super::super::tolerance::DEPENDENT_PIVOT;
 use super::edges::{Panel, WIDTH, add, add_all, dot};
-
-/// What is left of Q_rr beside itself, if an edge depends on those that are there.
-const DEPENDENT: f64 = 1e-14;
 
 /// As many as there are basic edges, in the room that there was before.
 #[derive(Clone, Debug, Default)]
@@ -65,7 +63,7 @@ impl ConjugateDirections {
         new[self.width..].copy_from_slice(row);
         add_all(new, known.chunks_exact(length).map(|direction| (-direction[at][r % WIDTH], direction)));
         let remaining = new[at][r % WIDTH];
-        let independent = remaining > DEPENDENT * own;
+        let independent = remaining > DEPENDENT_PIVOT * own;
         if independent {
             let scale = 1.0 / remaining.sqrt();
             new.as_flattened_mut().iter_mut().for_each(|x| *x *= scale);

@@ -1,11 +1,9 @@
 //! Where a piece of the path of the shift ends: at the first border that what falls along it meets.
 
+use super::super::super::tolerance::MIN_FALL;
 use super::super::square_cone::max_abs;
 use super::EnergyQp;
 use super::edges::{Panel, WIDTH, index_of, least};
-
-/// What falls by less, beside what changes most, does not fall.
-const MIN_FALL: f64 = 1e-10;
 
 /// Where a piece of the path ends.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -14,6 +14,7 @@
 //! Katzenelson, *An algorithm for solving nonlinear resistor networks* (1965).
 
 use super::super::super::lu::Lu;
+use super::super::super::tolerance::{DEPENDENT_PIVOT, NEARLY_DEPENDENT_PIVOT, ZERO_AMOUNT};
 use super::super::scaled_problem::ScaledProblem;
 use super::EnergyQp;
 use super::edges::{Panel, WIDTH, add};
@@ -23,10 +24,6 @@ use super::sliding::{SlidingContact, slip};
 
 /// Pieces of a path at most: of one that is longer another beginning is shorter.
 const MAX_PIECES: usize = 16;
-/// What is left of a pivot if it belongs to a direction in which many shifts are right; the entries are about 1.
-const DEPENDENT: f64 = 1e-14;
-/// The same where one of these is as good as another.
-const NEARLY_DEPENDENT: f64 = 1e-7;
 
 /// What is added to each v_N, and the path to what it should be.
 #[derive(Clone, Debug, Default)]
@@ -68,7 +65,7 @@ impl ShiftPath {
         let contacts = scaled.contacts;
         sliding.reserve(contacts);
         square.resize(contacts * contacts, 1.0);
-        factor.factorize(contacts, square, DEPENDENT);
+        factor.factorize(contacts, square, DEPENDENT_PIVOT);
         [change, null_change].into_iter().for_each(|list| list.reserve(contacts));
         null_direction.reserve(direction.len());
         impulses.iter_mut().for_each(|list| list.reserve(scaled.drift.len()));
@@ -78,7 +75,7 @@ impl ShiftPath {
     /// lead there; then there is another shift to begin with.
     pub fn follow_path(&mut self, program: &mut EnergyQp, scaled: &ScaledProblem, count: &mut u32) -> bool {
         self.responses.invalidate_if_changed(program.exchanges);
-        self.begin_path(program, DEPENDENT * program.scale(scaled));
+        self.begin_path(program, ZERO_AMOUNT * program.scale(scaled));
         let (mut tau, mut crossed) = (1.0, Breakpoint::End);
         for _ in 0..MAX_PIECES {
             self.find_sliding(program, crossed != Breakpoint::End);
@@ -165,7 +162,11 @@ impl ShiftPath {
             square.extend(sliding.iter().map(|contact_slip| -contact_slip.speed(velocity)));
             square[k * sliding.len() + k] += 1.0;
         }
-        if !factor.factorize(sliding.len(), square, if self.min_norm { NEARLY_DEPENDENT } else { DEPENDENT }) {
+        if !factor.factorize(
+            sliding.len(),
+            square,
+            if self.min_norm { NEARLY_DEPENDENT_PIVOT } else { DEPENDENT_PIVOT },
+        ) {
             return false;
         }
         change.clear();

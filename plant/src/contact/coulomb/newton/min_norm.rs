@@ -4,13 +4,10 @@
 //! them the least norm is asked for: rows of (1 − N Nᵀ) f_N = 0 are added, N an orthonormal basis of the pressures that A can feel.
 
 use super::super::super::round_cones::RoundCones;
-use super::super::super::tolerance::SOLVED;
+use super::super::super::tolerance::{SOLVED, UNCHANGED};
 use super::super::{ContactMode, Iterate};
 use super::equations::{Equations, Unknown};
 use super::{MAX_REFINEMENTS, PatchNewton};
-
-/// A change of the impulse up to this part of the greatest is rounding [-].
-const CONVERGED: f64 = 1e-14;
 
 impl PatchNewton {
     /// Whether a link's contacts that do not stick together push in more ways than it can move.
@@ -48,7 +45,7 @@ impl PatchNewton {
                 .f
                 .iter()
                 .zip(&self.saved)
-                .any(|(f, saved)| (f - saved).abs() > CONVERGED * cones.magnitude(&iterate.f));
+                .any(|(f, saved)| (f - saved).abs() > UNCHANGED * cones.magnitude(&iterate.f));
             if self.failed != 0 || !moves {
                 break;
             }
