@@ -1,10 +1,10 @@
-//! The laws that the default is compared with, and how each of them is solved. Nothing of the default law is in here.
+//! The laws that the default law is compared with, and their solvers. The default law uses nothing of this module.
 //!
-//! | law | solved by |
+//! | law | solver |
 //! |---|---|
 //! | `EnergyQp`, `EnergyQpGap` | the energy program along the edges of its cones ([`energy_qp`]) |
-//! | `Complementarity`, `Aligned` | the same, shifted along a path; Lemke in 32 digits ([`basis_solver`]) |
-//! | `Facets`, `ConeQp`, `FixedPoint`, `Lagged`, `Sweep` | semismooth Newton and what is behind it ([`cones`]) |
+//! | `Complementarity`, `Aligned` | the energy program with a shift that is followed along a path; Lemke's method with 32 digits ([`basis_solver`]) |
+//! | `Facets`, `ConeQp`, `FixedPoint`, `Lagged`, `Sweep` | semismooth Newton, with fallbacks ([`cone_solver`]) |
 //! | `SpringDamper` | a formula ([`spring_damper`]) |
 
 mod basis_solver;
@@ -39,7 +39,7 @@ pub(super) struct Compared {
 }
 
 impl Compared {
-    /// Solves; writes the impulse [N·s]. Of the report's residuals it has the law's own.
+    /// Solves the problem and writes the impulse [N·s]. The report has the law's own residual only.
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
         match has_basis(law) {
             true => self.basis_solver.solve(problem, law, memory, impulse),
@@ -47,7 +47,7 @@ impl Compared {
         }
     }
 
-    /// The residual of a given impulse in the law's own problem.
+    /// The residual of a given impulse in the conditions of the law itself.
     pub fn own_residual(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> f64 {
         match has_basis(law) {
             true => self.basis_solver.own_residual(problem, law, impulse),
@@ -55,7 +55,7 @@ impl Compared {
         }
     }
 
-    /// Makes room for so many contacts, so that no step of a law with a basis allocates.
+    /// Allocates for so many contacts, so that no step of a law with a basis allocates.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         if has_basis(law) && contacts > 0 {
             self.basis_solver.reserve_for(contacts, tangents, law);

@@ -2,20 +2,21 @@
 //!
 //! ```text
 //!   solve(problem, memory):
-//!     recall     what each contact did in the last step, its impulse and its slip
-//!     Newton     from there; patches that do not hold are freed, and Newton again         (newton, patch)
-//!     interior   points, fast and slowly, each with Newton from where they end            (interior)
-//!     minima     of the energy with De Saxcé's shift held, each with Newton, until the
-//!                shift is that of the slip                                                (shift)
-//!     keep       of all impulses that with the least residual, and what its contacts do   (certificate)
+//!     recall             mode, impulse and slip of each contact in the last step
+//!     Newton             from there; patches that do not hold are released, then Newton again    (newton, patch)
+//!     interior points    with bold, then with cautious steps, each followed by Newton            (interior)
+//!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
+//!                        equals mu times the slip speed                                          (held_shift)
+//!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
-//! Each rung leaves its impulse; the next is taken where none meets the certificate yet: the natural map of the round cone in the problem
-//! as it was posed. What the last leaves unsolved is flagged. Before all of them the step tries feet that stand, for which nobody needs A:
-//! [`crate::weld`].
+//! The stages form a cascade. A stage runs only if no impulse so far meets the certificate: the natural map of the round cone, for the
+//! problem as posed. If the last stage fails too, the report has `fallback` set. Before this solver, the step tries the case that all feet
+//! stand, which needs no A: [`crate::standing`].
 //!
-//! Coulomb's law has several answers in places. Among impulses with the same effect that of least norm over each link is taken, spread as
-//! [`patch`] says; among different motions the first that is found, from what the contacts did in the step before. So it is in every method.
+//! Some problems have several solutions. Among impulses with the same effect, every stage takes the one of least norm over each link,
+//! distributed as [`patch`] describes. Among different motions, every stage takes the first that it finds, starting from the modes of the
+//! step before.
 
 #[cfg(test)]
 mod cascade;
@@ -33,33 +34,33 @@ use interior::{Interior, StepRule};
 use messages::scene::Law;
 use newton::PatchNewton;
 
-/// Choices of patches that are tried: all that there may be, then without those that stuck.
+/// Choices of patches that Newton's method tries from the memory: first all possible patches, then none for links whose patch did not hold.
 const MAX_PATCH_CHOICES: usize = 2;
-/// Energy minima at most. Half of the problems that need them need one, one in ten more than ten.
+/// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten.
 const MAX_MINIMA: u32 = 50;
 
-/// What a contact does.
+/// Contact mode: what a contact does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) enum ContactMode {
-    /// It does not push.
+    /// No impulse.
     #[default]
     Open,
-    /// It pushes and does not move, alone.
+    /// Impulse without motion, each contact by itself.
     Sticking,
-    /// It pushes and does not move, nor do others of its link.
+    /// Impulse without motion, together with other contacts of its link.
     Patch,
-    /// It pushes and slips.
+    /// Impulse and slip.
     Sliding,
 }
 
-/// What contacts did somewhere: kinds, and velocities of slip in scaled units.
+/// Initial guess for Newton's method: modes, and slip velocities in scaled units.
 #[derive(Clone, Debug, Default)]
 struct Guess {
     modes: Vec<ContactMode>,
     slips: Vec<[f64; 2]>,
 }
 
-/// An impulse, its velocity and its residual, scaled; and the linear systems solved so far.
+/// An impulse with its velocity and residual, all scaled; and the number of linear systems solved so far.
 #[derive(Clone, Debug, Default)]
 struct Iterate {
     f: Vec<f64>,
@@ -77,15 +78,15 @@ pub(super) struct Coulomb {
     shift: HeldShift,
     guess: Guess,
     iterate: Iterate,
-    /// The impulse that Newton's method begins at.
+    /// Impulse from which Newton's method starts.
     initial: Vec<f64>,
-    /// The impulse with the least residual so far, and what its contacts do.
+    /// The impulse with the least residual so far, and the modes of its contacts.
     best: Iterate,
     modes: Vec<ContactMode>,
 }
 
 impl Coulomb {
-    /// Solves; writes the impulse [N·s]. The report has no residuals yet.
+    /// Solves the problem and writes the impulse [N·s]. The report has no residuals yet.
     pub fn solve(&mut self, problem: &Problem, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
         self.cones.set(problem, Law::Cone);
         self.newton.set_problem(&self.cones);
@@ -98,7 +99,7 @@ impl Coulomb {
         Report { pivots: steps, warm: solved && steps == 1, fallback: !solved, ..Report::default() }
     }
 
-    /// What the contacts did in the last step.
+    /// Takes modes, slips and impulses of the last step from the memory as the initial guess.
     fn recall(&mut self, problem: &Problem, memory: &Memory) {
         let Coulomb { cones, guess, iterate, initial, best, modes, .. } = self;
         guess.modes.clear();
@@ -119,7 +120,7 @@ impl Coulomb {
         modes.clone_from(&guess.modes);
     }
 
-    /// Newton's method from what the contacts did, or from no impulse: with all patches that there may be, then without those that stuck and
+    /// Newton's method from the memory, or from zero impulse if that is empty. It first allows all patches, then releases the patches that
     /// did not hold.
     fn newton_from_memory(&mut self) -> bool {
         let has_memory = self.initial.iter().any(|f| *f != 0.0);
@@ -138,13 +139,13 @@ impl Coulomb {
         false
     }
 
-    /// Interior points with |v_F| as it becomes.
+    /// Interior points with the shift mu |v_F| as an unknown.
     fn interior_points(&mut self) -> bool {
         [StepRule::AGGRESSIVE, StepRule::CAUTIOUS].into_iter().any(|rule| self.interior_then_newton(rule, false))
             || self.best.error <= PROMISED
     }
 
-    /// Energy minima with |v_F| held, until it is that of the slip.
+    /// Energy minima with a held shift, until the shift equals mu |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
         for _ in 0..MAX_MINIMA {
@@ -157,7 +158,7 @@ impl Coulomb {
         self.best.error <= PROMISED
     }
 
-    /// Interior points, then Newton's method from what the contacts do there, with patches and without.
+    /// Interior points, then Newton's method from the modes found there: first with patches, then without.
     fn interior_then_newton(&mut self, rule: StepRule, holds_shift: bool) -> bool {
         let held = holds_shift.then_some(&*self.shift.held);
         self.interior.run(&self.cones, rule, held, &mut self.iterate);
@@ -168,7 +169,7 @@ impl Coulomb {
         self.newton_from(true, 0) || self.newton_from(false, u32::MAX) || self.best.error <= SOLVED
     }
 
-    /// Newton's method from the beginning; the groups of `released` do not stick as a patch.
+    /// Newton's method from the initial impulse. The links in the bit set `released` form no patch.
     fn newton_from(&mut self, uses_guess: bool, released: u32) -> bool {
         self.iterate.f.clone_from(&self.initial);
         let guess = uses_guess.then_some(&self.guess);
@@ -181,7 +182,7 @@ impl Coulomb {
         solved
     }
 
-    /// Remembers the impulse if its residual, which may have to be found yet, is the least so far.
+    /// Keeps the present impulse if its residual is the least so far. `evaluates` tells whether the residual must be computed first.
     fn keep_best(&mut self, evaluates: bool) {
         let Coulomb { cones, guess, iterate, best, modes, .. } = self;
         if evaluates {
@@ -194,7 +195,7 @@ impl Coulomb {
         }
     }
 
-    /// Keeps what the contacts did for the next step.
+    /// Stores modes, slips and impulses for the next step.
     fn store(&mut self, problem: &Problem, memory: &mut Memory) {
         let Coulomb { cones, modes, best, .. } = self;
         let mut is_static = true;
@@ -211,7 +212,7 @@ impl Coulomb {
 }
 
 impl Iterate {
-    /// Becomes the other impulse, in the room it has; it counts its own systems.
+    /// Copies another iterate without allocation, but not its count of linear systems.
     fn copy(&mut self, other: &Iterate) {
         self.f.clone_from(&other.f);
         self.v.clone_from(&other.v);

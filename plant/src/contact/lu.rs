@@ -1,33 +1,33 @@
-//! The factors of a square matrix, A = L U but for the order of rows: each unknown is taken from the rows that are left with the greatest
-//! of its entries, which is its row from then on.
+//! LU factorisation with row pivoting, A = P L U, in column-oriented form.
 //!
-//! All is kept by columns, in whole blocks, and no row changes its place: whatever is known is taken from all the unknown at once.
+//! All columns are stored in whole vector registers. Rows are not exchanged in memory: a mask marks the rows that remain. Each eliminated
+//! unknown is subtracted from all remaining columns at once.
 //!
 //! # Source
 //! Golub & Van Loan, *Matrix Computations*, 3.4.
 
-/// Numbers that are worked on at once.
+/// Numbers per vector operation.
 const LANES: usize = 4;
 type Lanes = [f64; LANES];
 
-/// L and U, in the room that they had before.
+/// Factors L and U; keeps its buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lu {
-    /// Blocks of a column.
+    /// Vectors per column.
     width: usize,
-    /// Row of each unknown, and 1 / U_kk; zero where the unknown depends on those before it, and itself stays zero.
+    /// Pivot row and 1 / U_kk of each unknown. Zero where the unknown depends on those before it; the unknown is then zero.
     unknowns: Vec<(usize, f64)>,
-    /// One for each row that is left, zero for the others.
+    /// Mask: one for each row that remains, zero for the others.
     left: Vec<Lanes>,
-    /// L and U off the diagonal, column by column.
+    /// L and U without their diagonals, column by column.
     lower: Vec<Lanes>,
     upper: Vec<Lanes>,
     x: Vec<Lanes>,
 }
 
 impl Lu {
-    /// Of a matrix of `size` rows, column by column; false where it holds what is no number. A column of whose entries no more than
-    /// `min_pivot` is left depends on those before it.
+    /// Factorises a matrix of `size` rows, given column by column. False if it contains NaN. A column depends on those before it if its
+    /// remaining entries are no greater than `min_pivot`.
     pub fn factorize(&mut self, size: usize, matrix: &[f64], min_pivot: f64) -> bool {
         let width = size.div_ceil(LANES);
         self.width = width;
@@ -41,7 +41,7 @@ impl Lu {
         for (upper, column) in self.upper.chunks_exact_mut(width.max(1)).zip(matrix.chunks_exact(size.max(1))) {
             upper.as_flattened_mut()[..size].copy_from_slice(column);
         }
-        // where the compiler knows the width, it needs no loops
+        // with a width known at compile time, the inner loops disappear
         match width {
             1 => (0..size).all(|k| self.eliminate(1, size, k, min_pivot)),
             2 => (0..size).all(|k| self.eliminate(2, size, k, min_pivot)),
@@ -54,15 +54,15 @@ impl Lu {
         self.unknowns[k].1 == 0.0
     }
 
-    /// Takes the k-th unknown from the rows that are left with the greatest of its entries.
+    /// Eliminates the k-th unknown with the greatest remaining entry of its column as pivot.
     #[inline(always)]
     fn eliminate(&mut self, width: usize, size: usize, k: usize, min_pivot: f64) -> bool {
         let Lu { unknowns, left, lower, upper, .. } = self;
         let (column, rest) = upper[k * width..].split_at_mut(width);
         let (left, l) = (&mut left[..width], &mut lower[k * width..][..width]);
-        // L is written last: until then what is left of the column
+        // `l` holds the remaining column first; L is written last
         for ((l, u), left) in l.iter_mut().zip(&*column).zip(&*left) {
-            *l = std::array::from_fn(|c| u[c] * left[c]); // a choice would be a branch for each
+            *l = std::array::from_fn(|c| u[c] * left[c]); // a product instead of a branch
         }
         let greatest = l.iter().fold([0.0; LANES], |greatest: Lanes, l| {
             std::array::from_fn(|c| if l[c].abs() > greatest[c] { l[c].abs() } else { greatest[c] })
@@ -84,7 +84,7 @@ impl Lu {
         (left[b][lane], l[b][lane]) = (0.0, 0.0);
         l.as_flattened_mut().iter_mut().for_each(|l| *l *= reciprocal);
         for c in 0..size - k - 1 {
-            // chunks of a width that is not known divide, which takes as long as a short column
+            // `chunks` with a width unknown at compile time would divide, which takes as long as a short column
             let column = &mut rest[c * width..][..width];
             let known = column[b][lane];
             take(column, known, l);
@@ -129,7 +129,7 @@ mod tests {
         let mut used = Lu::default();
         for size in [11, 4, 9, 1, 12, 7] {
             let mut matrix = DMatrix::from_fn(size, size, |_, _| rng.f64() - 0.5);
-            matrix.fill_diagonal(0.0); // only who looks for a pivot gets on
+            matrix.fill_diagonal(0.0); // a solver without pivoting fails
             let depends = size > 4;
             if depends {
                 let sum = matrix.column(0) - matrix.column(2);
@@ -148,7 +148,7 @@ mod tests {
             used.solve(y.as_mut_slice());
             assert!((0..size).all(|k| used.is_dependent(k) == (depends && k == 3)), "{size} rows");
             let left = (&matrix * &y - right).amax();
-            // of rows that depend on each other one is left out, and holds as well as the others imply
+            // one of the dependent rows is left out; it holds as well as the others imply
             let most = if depends { 1e-8 } else { 1e-12 };
             assert!(left < most && (!depends || y[3] == 0.0), "{size} rows: {left:.1e}");
         }

@@ -1,6 +1,6 @@
-//! The nearest point of the round cone. Coordinates are (normal, two tangents).
+//! Projection on the round cone. Coordinates are (normal, two tangents).
 
-/// √(a² + b²), the same on every machine.
+/// √(a² + b²), with the same bits on every machine.
 #[inline(always)]
 pub(super) fn norm(a: f64, b: f64) -> f64 {
     (a * a + b * b).sqrt()

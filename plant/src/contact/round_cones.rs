@@ -1,29 +1,29 @@
-//! The contact problem for round cones: the rows of a contact are scaled alike, so that its cone stays round.
+//! The contact problem for round cones. The rows of one contact have a common scale, so that its cone stays round.
 
 use super::certificate::{self, Scales, largest_row_sum, max_or_nan, of_contact};
 use super::tolerance::IMMOVABLE;
 use super::{Problem, approach_offset};
 use messages::scene::Law;
 
-/// `v = A f + b`, three rows per contact (of one tangent the last is empty): f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].
+/// `v = A f + b` with three rows per contact; with one tangent the third row is empty. f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].
 #[derive(Clone, Debug, Default)]
 pub(super) struct RoundCones {
     pub contacts: usize,
-    /// A~, 3 contacts square.
+    /// A~, square, of three rows per contact.
     pub delassus: Vec<f64>,
-    /// b~, the allowed approach added to the normal rows; zero in directions that cannot move.
+    /// b~, with the allowed approach added to the normal rows; zero in directions without motion.
     pub drift: Vec<f64>,
     /// mu of each contact.
     pub friction: Vec<f64>,
     /// s of each contact.
     pub scale: Vec<f64>,
-    /// 1/s of each row of the problem, zero where it cannot move.
+    /// 1/s of each row of the problem; zero in directions without motion.
     inverse: Vec<f64>,
     /// Link of each contact.
     pub link: Vec<usize>,
-    /// Direction of slip of each contact, where it is given; else zero.
+    /// Given direction of slip of each contact, or zero.
     pub slip_direction: Vec<[f64; 2]>,
-    /// Greatest entry of each contact's own diagonal of A~.
+    /// Greatest diagonal entry of each contact in A~.
     pub inverse_mass: Vec<f64>,
     /// V of each contact [m/s]; see [`super::certificate`].
     speeds: Vec<f64>,
@@ -32,7 +32,7 @@ pub(super) struct RoundCones {
 }
 
 impl RoundCones {
-    /// Scales a problem; `lift` is what the law adds to v_N.
+    /// Scales a problem for a law.
     pub fn set(&mut self, problem: &Problem, law: Law) {
         self.contacts = problem.contacts;
         let (n, m, stride) = (3 * problem.contacts, problem.rows(), 1 + problem.tangents);
@@ -79,12 +79,12 @@ impl RoundCones {
         certificate::speeds(drift, scale, coupled, speeds);
     }
 
-    /// V of a contact, scaled.
+    /// V of a contact, in scaled units.
     pub fn speed(&self, i: usize) -> f64 {
         self.speeds[i] / self.scale[i]
     }
 
-    /// Natural map of Coulomb's law, contact by contact.
+    /// Greatest natural map of Coulomb's law over all contacts.
     pub fn residual(&self, f: &[f64], v: &[f64]) -> f64 {
         let mut worst = 0.0;
         for i in 0..self.contacts {
@@ -113,7 +113,7 @@ impl RoundCones {
         }
     }
 
-    /// Writes an impulse back in N·s.
+    /// Converts a scaled impulse to N·s.
     pub fn unscale_impulse(&self, problem: &Problem, f: &[f64], impulse: &mut Vec<f64>) {
         impulse.clear();
         for (f, scale) in f.chunks_exact(3).zip(&self.scale) {
@@ -121,7 +121,7 @@ impl RoundCones {
         }
     }
 
-    /// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
+    /// max(||f~||, ||b~||): the scale of the step [sqrt(J)].
     pub fn magnitude(&self, f: &[f64]) -> f64 {
         f.iter().fold(self.size, |size, f| size.max(f.abs()))
     }
@@ -132,12 +132,12 @@ pub(super) fn contact_rows(x: &[f64], i: usize) -> [f64; 3] {
     [x[3 * i], x[3 * i + 1], x[3 * i + 2]]
 }
 
-/// v = A f + b, with A symmetric. Columns of what does not push count too: what is no number in them must show.
+/// v = A f + b, with A symmetric. Columns with zero impulse are multiplied as well, so that NaN in them propagates.
 pub(super) fn apply_delassus(delassus: &[f64], drift: &[f64], impulse: &[f64], velocity: &mut Vec<f64>) {
     velocity.clear();
     velocity.extend_from_slice(drift);
     let (v, m) = (&mut velocity[..], drift.len());
-    // four rows at a time: each of them would wait until v is in memory again
+    // four columns per pass: with one, each addition would wait for the store of the one before
     let (fours, rest) = impulse.as_chunks::<4>();
     for (k, f) in fours.iter().enumerate() {
         let [a, b, c, d] = std::array::from_fn(|r| &delassus[(4 * k + r) * m..][..v.len()]);

@@ -1,16 +1,17 @@
-//! The laws whose solution is a basis: from the cheapest way to it to the surest, each judged by its residual alone.
+//! The laws whose solution is a basis. The attempts run from the cheapest to the most reliable; the residual alone decides.
 //!
 //! ```text
 //!   solve(problem, memory):
-//!     recall     the basis of the last step
-//!     try        it as it is
-//!     slide      the energy program from that basis on; for Coulomb's law the path to the shifted one   (energy_qp)
-//!     pivot      for Coulomb's law: Lemke in 32 digits from what that guessed                           (facets, lemke)
-//!     the impulse with the least residual of all, flagged                                               (diamond)
+//!     recall           the basis of the last step
+//!     try_basis        solve with it as it is
+//!     energy_stage     the energy program from that basis on; for Coulomb's law, follow the shift path    (energy_qp)
+//!     lemke_stage      for Coulomb's law: Lemke's method with 32 digits, from that result                 (facets, lemke)
+//!     restore_best     if all failed: the impulse with the least residual, with `fallback` set            (square_cone)
 //! ```
 //!
-//! A basis says of every contact whether it is open, sticks, or slides which way; its impulse is computed afresh from A and b (`basis`).
-//! Contacts yield by rounding on the way ([`COMPLIANCE`], [`LEMKE_COMPLIANCE`]), so that there is one solution; the residual is that of rigid ones.
+//! The basis tells the mode of every contact: open, sticking, or sliding on a certain facet. Its impulse is computed from A and b
+//! (`basis_system`). The contacts are slightly compliant in all attempts ([`COMPLIANCE`], [`LEMKE_COMPLIANCE`]), so that there is one
+//! solution. The residual is that of rigid contacts.
 
 use super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE, PROMISED, SOLVED};
 use super::super::{Memory, Problem, Report};
@@ -35,19 +36,19 @@ pub(super) struct BasisSolver {
     energy_qp: EnergyQp,
     block: BasisSystem,
     basis: Vec<u8>,
-    /// What is added to each v_N in the shifted energy program: mu |v_F| in the end.
+    /// Shift of each v_N in the energy program. At the solution of Coulomb's law it equals mu |v_F|.
     shift: ShiftPath,
     f: Vec<f64>,
     v: Vec<f64>,
     /// The impulse at which Lemke's method ended.
-    lu: Vec<f64>,
-    /// The impulse with the least residual so far, and that.
+    lemke_impulse: Vec<f64>,
+    /// The impulse with the least residual so far, and that residual.
     best: Vec<f64>,
     least: f64,
 }
 
 impl BasisSolver {
-    /// Solves; writes the impulse [N·s].
+    /// Solves the problem and writes the impulse [N·s].
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
         self.scaled.set(problem, law);
         self.least = f64::INFINITY;
@@ -67,7 +68,7 @@ impl BasisSolver {
         report
     }
 
-    /// Finds the solution; false if every way failed.
+    /// Runs the attempts; false if all of them fail.
     fn find(&mut self, law: Law, pivots: &mut u32) -> bool {
         self.with_compliance(COMPLIANCE, |solver| solver.try_basis(law))
             || self.with_compliance(COMPLIANCE, |solver| solver.energy_stage(law, pivots))
@@ -75,7 +76,7 @@ impl BasisSolver {
                 && self.with_compliance(LEMKE_COMPLIANCE, |solver| solver.lemke_stage(law, pivots))
     }
 
-    /// The bases of the last step.
+    /// Loads the bases of the last step.
     fn recall(&mut self, problem: &Problem, memory: &Memory) {
         let d = self.scaled.facets();
         self.basis.clear();
@@ -87,7 +88,7 @@ impl BasisSolver {
         problem.id.iter().zip(&self.basis).all(|(&id, &bits)| status::recall(memory.contact(id), d) == bits)
     }
 
-    /// Keeps what the contacts did for the next step.
+    /// Stores bases and impulses for the next step.
     fn store(&self, problem: &Problem, memory: &mut Memory, impulse: &[f64]) {
         memory.store(problem, impulse);
         let (stride, least) = (self.scaled.stride(), SOLVED * square_cone::scale(&self.scaled, &self.f));
@@ -96,17 +97,17 @@ impl BasisSolver {
         problem.id.iter().zip(&self.basis).for_each(|(&id, &bits)| memory.contact_mut(id).basis = bits);
     }
 
-    /// Goes a way with contacts that yield by so much; they are rigid again if it finds nothing.
-    fn with_compliance(&mut self, compliance: f64, solver: impl FnOnce(&mut BasisSolver) -> bool) -> bool {
+    /// Runs an attempt with compliant contacts. If it fails, the contacts are rigid again.
+    fn with_compliance(&mut self, compliance: f64, attempt: impl FnOnce(&mut BasisSolver) -> bool) -> bool {
         self.scaled.set_compliance(compliance);
-        let found = solver(self);
+        let found = attempt(self);
         if !found {
             self.scaled.set_compliance(0.0);
         }
         found
     }
 
-    /// The residual of a given impulse in the law's own problem.
+    /// The residual of a given impulse in the conditions of the law itself.
     pub fn own_residual(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> f64 {
         self.scaled.set(problem, law);
         self.f.clear();
@@ -115,7 +116,7 @@ impl BasisSolver {
         square_cone::natural_map(&self.scaled, &self.f, &self.v, optimality(law))
     }
 
-    /// Whether the present basis is the solution.
+    /// Solves with the present basis; true if that meets the tolerance.
     fn try_basis(&mut self, law: Law) -> bool {
         if !self.block.solve(&self.scaled, law, &self.basis, &mut self.f, &mut self.v) {
             return false;
@@ -128,24 +129,24 @@ impl BasisSolver {
         error <= SOLVED
     }
 
-    /// Lemke's method in 32 digits, where it ends at a solution: that of its basis, or its own where that is singular.
+    /// Lemke's method with 32 digits. Its basis gives the impulse; where the basis is singular, the method's own impulse is taken.
     fn lemke_stage(&mut self, law: Law, pivots: &mut u32) -> bool {
-        let BasisSolver { facets, scaled, basis, f, lu, .. } = self;
+        let BasisSolver { facets, scaled, basis, f, lemke_impulse, .. } = self;
         status::complement(scaled, f, basis);
-        if !facets.solve_along_tangents(scaled, basis, lu, pivots) {
+        if !facets.solve_along_tangents(scaled, basis, lemke_impulse, pivots) {
             return false;
         }
         if self.try_basis(law) {
             return true;
         }
-        self.f.clone_from(&self.lu);
+        self.f.clone_from(&self.lemke_impulse);
         self.update_velocity();
         let error = square_cone::natural_map(&self.scaled, &self.f, &self.v, optimality(law));
         self.keep_best(error);
         error <= SOLVED
     }
 
-    /// Remembers the impulse if its residual is the least so far.
+    /// Keeps the present impulse if its residual is the least so far.
     fn keep_best(&mut self, error: f64) {
         if error < self.least {
             self.least = error;
@@ -153,26 +154,26 @@ impl BasisSolver {
         }
     }
 
-    /// Goes back to the impulse with the least residual so far.
+    /// Restores the impulse with the least residual so far.
     fn restore_best(&mut self) {
         self.f.clone_from(&self.best);
         self.update_velocity();
     }
 
-    /// The velocity of rigid contacts.
+    /// Computes the velocity of rigid contacts.
     fn update_velocity(&mut self) {
         self.scaled.velocity(&self.f, &mut self.v);
         self.scaled.remove_compliance(&self.f, &mut self.v);
     }
 
-    /// From energy units back to N·s.
+    /// Converts the impulse from sqrt(J) to N·s.
     fn unscale(&self, impulse: &mut Vec<f64>) {
         impulse.clear();
         impulse.extend(self.f.iter().zip(&self.scaled.root).map(|(f, &r)| if r > 0.0 { f / r } else { 0.0 }));
     }
 }
 
-/// Optimality that the law's own solution has.
+/// The optimality conditions of a law.
 pub(super) fn optimality(law: Law) -> Optimality {
     match law {
         Law::EnergyQp | Law::EnergyQpGap => Optimality::EnergyMinimum,

@@ -1,14 +1,14 @@
-//! The impulse that belongs to a basis: the small nontrivial block, factorised and refined.
+//! The impulse of a basis: the small linear system of its basic variables, factorised and refined.
 //!
-//! A complementary basis says of every contact whether it is open, sticks, or slides on which facet. The impulse is then
-//! f = G y, with one unknown per column, and E (A f + b) = 0, with one row per unknown:
+//! A complementary basis tells of every contact whether it is open, sticks, or slides on which facet. The impulse is then f = G y with one
+//! unknown per column, and E (A f + b) = 0 with one row per unknown:
 //!
 //! | contact | columns of G | rows of E |
 //! |---|---|---|
-//! | sticks | its basic directions | the same |
-//! | slides on facet j | (1, mu d_j) | normal |
-//! | slides between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
-//! | energy program | its edges that push | the same |
+//! | sticking | its basic directions | the same |
+//! | sliding on facet j | (1, mu d_j) | normal |
+//! | sliding between facets j and k | (1, mu d_j), (1, mu d_k) | normal; equal slip along both |
+//! | energy program | its basic edges | the same |
 
 use super::super::lu::Lu;
 use super::super::tolerance::{DEPENDENT_PIVOT, REFINEMENT_REDUCTION, ROUNDING};
@@ -26,11 +26,11 @@ struct Column {
     equation: RowPair,
 }
 
-/// Workspace of the block.
+/// The linear system; workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BasisSystem {
     columns: Vec<Column>,
-    /// A g of a column.
+    /// A times one column of G.
     response: Vec<f64>,
     /// E A G, column by column.
     square: Vec<f64>,
@@ -39,7 +39,7 @@ pub(super) struct BasisSystem {
 }
 
 impl BasisSystem {
-    /// Writes impulse and velocity, scaled, of the basis. False when it holds what is no number.
+    /// Writes scaled impulse and velocity of the basis. False if they are not finite.
     pub fn solve(
         &mut self,
         scaled: &ScaledProblem,
@@ -68,11 +68,11 @@ impl BasisSystem {
             }
             scaled.velocity(f, v);
             if !minimises_energy(law) {
-                scaled.remove_compliance(f, v); // the refinement undoes the yielding wherever A allows
+                scaled.remove_compliance(f, v); // the refinement undoes the compliance wherever A is regular
             }
             let size = square_cone::scale(scaled, f);
             let left = self.columns.iter().map(|column| evaluate(&column.equation, v).abs()).fold(0.0, f64::max);
-            // What no longer shrinks is in rows that depend on others.
+            // An error that no longer shrinks lies in dependent rows.
             if left <= ROUNDING * size || left > REFINEMENT_REDUCTION * before {
                 break;
             }
@@ -93,7 +93,7 @@ impl BasisSystem {
                 continue;
             }
             let facet = |j: usize| bits >> (1 + j) & 1 == 1;
-            // Both signs of one tangent leave no slip: that contact sticks at the limit of friction.
+            // With both signs of one tangent basic, the slip is zero: the contact sticks at the friction limit.
             let slides = bits >> (d + 1) & 1 == 1 && (0..d).step_by(2).all(|j| !(facet(j) && facet(j + 1)));
             if slides && bits & 1 == 1 {
                 let mut active = (0..d).filter(|&j| facet(j));
@@ -130,8 +130,8 @@ impl BasisSystem {
     }
 }
 
-/// What rows with weights make of numbers by rows.
-fn evaluate(mix: &RowPair, rows: &[f64]) -> f64 {
-    let [(k, x), (l, y)] = *mix;
+/// Weighted sum of two rows.
+fn evaluate(pair: &RowPair, rows: &[f64]) -> f64 {
+    let [(k, x), (l, y)] = *pair;
     x * rows[k] + y * rows[l]
 }

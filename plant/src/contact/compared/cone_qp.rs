@@ -1,7 +1,7 @@
-//! The energy minimum over cones by an interior-point method of others: the reference of the convex family.
+//! The energy minimum over cones by an external interior-point solver (clarabel): the reference of the convex laws.
 //!
-//! min f·A f/2 + f·(b + shift) with each contact's (mu f_N, f_F), or (bound, f_F) beside f_N >= 0, in a second-order cone.
-//! Interior points end at about 1e-9; Newton's method finds the last digits. This one solver allocates.
+//! It minimises f·A f/2 + f·(b + shift). A second-order cone holds (mu f_N, f_F) of each contact, or (bound, f_F) together with f_N >= 0.
+//! The solver ends at about 1e-9, and Newton's method finds the last digits. It is the only solver here that always allocates.
 
 use super::super::round_cones::RoundCones;
 use super::super::tolerance::{CLARABEL_TOLERANCE, COMPLIANCE};
@@ -10,18 +10,18 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use std::cmp::Ordering;
 
-/// Stateless but for its settings.
+/// It has no state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConeQp;
 
 impl ConeQp {
-    /// Writes the minimum under a convex rule and returns the iterations; leaves `f` as it is if there is none.
+    /// Writes the minimum of a convex condition and returns the number of iterations. Leaves `f` unchanged if there is no minimum.
     pub fn solve(&mut self, cones: &RoundCones, condition: Condition<'_>, f: &mut [f64]) -> u32 {
         let n = f.len();
         if n == 0 || !cones.size.is_finite() || cones.size == 0.0 || cones.delassus.iter().any(|a| !a.is_finite()) {
             return 0;
         }
-        // Jammed contacts could push each other without end: those that yield do not.
+        // The compliance bounds the internal impulses of jammed contacts.
         let upper = |k: usize, l: usize| match k.cmp(&l) {
             Ordering::Less => cones.delassus[k * n + l],
             Ordering::Equal => cones.delassus[k * n + l] + COMPLIANCE,
@@ -29,7 +29,7 @@ impl ConeQp {
         };
         let energy: Vec<Vec<f64>> = (0..n).map(|k| (0..n).map(|l| upper(k, l)).collect()).collect();
         let mut linear: Vec<f64> = cones.drift.iter().map(|b| b / cones.size).collect();
-        // Constraint: right - rows f in the cones.
+        // Constraints: right - rows f lies in the cones.
         let (mut rows, mut right, mut constraints) = (Vec::new(), Vec::new(), Vec::new());
         let mut constrain = |entries: &[(usize, f64)], constant: f64| {
             let mut row = vec![0.0; n];

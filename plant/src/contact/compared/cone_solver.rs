@@ -1,4 +1,4 @@
-//! Laws of round cones and pyramids, from the cheapest start to the surest.
+//! Solver of the laws without a basis: round cones, cylinders and pyramids. The attempts run from the cheapest to the most reliable.
 
 use super::super::round_cones::RoundCones;
 use super::super::tolerance::{LEMKE_COMPLIANCE, SOLVED};
@@ -13,10 +13,10 @@ use super::semismooth_newton::SemismoothNewton;
 use super::spring_damper;
 use messages::scene::{Iteration, Law};
 
-/// Sweeps before each new start of Newton's method.
+/// Gauss-Seidel sweeps before each new start of Newton's method.
 const SWEEP_COUNTS: [u32; 4] = [3, 12, 50, 200];
 
-/// Workspace and last solution of the laws that have no basis along the problem's tangents.
+/// Workspace and last solution.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConeSolver {
     cones: RoundCones,
@@ -28,14 +28,14 @@ pub(super) struct ConeSolver {
     scaled: ScaledProblem,
     swept: Vec<f64>,
     best: Vec<f64>,
-    /// Friction bound or shift of v_N that the present iterate is solved with.
+    /// Friction bounds or shifts of v_N, held during one energy minimum.
     pub held: Vec<f64>,
-    /// How far the last minimum was from what it was made with.
+    /// Difference between the held values and those of the last minimum.
     change: Vec<f64>,
 }
 
 impl ConeSolver {
-    /// Solves; writes the impulse [N·s].
+    /// Solves the problem and writes the impulse [N·s].
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
         let mut report = Report::default();
         self.cones.set(problem, law);
@@ -71,7 +71,7 @@ impl ConeSolver {
         report.fallback = !solved;
         self.cones.velocity(&self.f, &mut self.v);
         report.own = match law {
-            Law::SpringDamper => 0.0 * self.cones.magnitude(&self.f), // a formula has no residual but NaN
+            Law::SpringDamper => 0.0 * self.cones.magnitude(&self.f), // a formula has no residual, but NaN propagates
             Law::Lagged => natural_map(&self.cones, Condition::Bound(&self.held), &self.f, &self.v),
             _ => natural_map(&self.cones, condition(law), &self.f, &self.v),
         };
@@ -81,15 +81,15 @@ impl ConeSolver {
         report
     }
 
-    /// The residual of a given impulse in the law's own problem.
+    /// The residual of a given impulse in the conditions of the law itself.
     pub fn own_residual(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> f64 {
         self.cones.set(problem, law);
         self.cones.scale_impulse(impulse, &mut self.f);
         self.residual(condition(law))
     }
 
-    /// Takes this share of the bound, or of the shift, that the present impulse gives, the rest from before. Whether it changes that way
-    /// as it did the last time, and not back.
+    /// Updates the held values from the present impulse, with under- or over-relaxation. Returns whether they change in the same direction
+    /// as the last time.
     pub fn hold(&mut self, iteration: Iteration, relaxation: f64) -> bool {
         let first = self.held.is_empty();
         if first {
@@ -108,14 +108,14 @@ impl ConeSolver {
             };
             let rise = new - *held;
             let next = if first { new } else { *held + relaxation * rise };
-            *held = if next < 0.0 { 0.0 } else { next }; // what is no number stays so
+            *held = if next < 0.0 { 0.0 } else { next }; // NaN propagates
             along += rise * *last;
             *last = rise;
         }
         along > 0.0
     }
 
-    /// Lends `held` to a rule.
+    /// Runs `work` with the held values borrowed.
     pub fn with_held<T>(&mut self, work: impl FnOnce(&mut ConeSolver, &[f64]) -> T) -> T {
         let held = std::mem::take(&mut self.held);
         let result = work(self, &held);
@@ -123,8 +123,8 @@ impl ConeSolver {
         result
     }
 
-    /// Coulomb's law with a polygon from the remembered impulse and from sweeps, then by Lemke's method in 32 digits, of contacts that yield by
-    /// a hair.
+    /// Coulomb's law with a polygon: Newton's method from the remembered impulse and from sweeps, then Lemke's method with 32 digits and
+    /// compliant contacts.
     fn polygon(&mut self, condition: Condition<'_>, steps: &mut u32) -> bool {
         if self.newton_with_sweeps(condition, steps) {
             return true;
@@ -142,7 +142,7 @@ impl ConeSolver {
         error <= SOLVED
     }
 
-    /// Minimum of a convex rule: Newton's method, and behind it the interior-point method.
+    /// Minimum of a convex condition: Newton's method, then the interior-point method.
     pub fn minimise(&mut self, condition: Condition<'_>, steps: &mut u32) -> bool {
         if self.newton_with_sweeps(condition, steps) || self.interior_then_newton(condition, steps) {
             return true;
@@ -155,13 +155,13 @@ impl ConeSolver {
         self.residual(condition) <= SOLVED
     }
 
-    /// The interior-point method, and the last digits by Newton's.
+    /// The interior-point method, with the last digits by Newton's method.
     fn interior_then_newton(&mut self, condition: Condition<'_>, steps: &mut u32) -> bool {
         *steps += self.cone_qp.solve(&self.cones, condition, &mut self.f);
         self.newton.polish(&self.cones, condition, &mut self.f, &mut self.v, steps) <= SOLVED
     }
 
-    /// Newton's method from `f`, then from ever more sweeps; leaves the best.
+    /// Newton's method from `f`, then from more and more sweeps; leaves the best iterate.
     fn newton_with_sweeps(&mut self, condition: Condition<'_>, steps: &mut u32) -> bool {
         self.swept.clone_from(&self.f);
         let mut least = self.newton.polish(&self.cones, condition, &mut self.f, &mut self.v, steps);
@@ -192,7 +192,7 @@ impl ConeSolver {
     }
 }
 
-/// The rule that a law's own residual is measured by.
+/// The condition whose residual a law reports as its own.
 pub(super) fn condition(law: Law) -> Condition<'static> {
     match law {
         Law::ConeQp => Condition::Energy(&[]),

@@ -1,4 +1,4 @@
-//! A dictionary: basic variables as affine functions of the nonbasic ones, and the exchange of two of them.
+//! Dictionary of a linear complementarity problem: basic variables as affine functions of the nonbasic ones, and their exchange.
 
 use super::double_double::DoubleDouble;
 
@@ -12,7 +12,7 @@ pub(super) struct Dictionary {
 }
 
 impl Dictionary {
-    /// All zeros, `rows` basic variables and `width - 1` nonbasic ones.
+    /// Resets to zeros, with `rows` basic and `width - 1` nonbasic variables.
     pub fn reset(&mut self, rows: usize, width: usize) {
         (self.rows, self.width) = (rows, width);
         self.entry.clear();
@@ -20,7 +20,7 @@ impl Dictionary {
         self.pivot_row.resize(width, DoubleDouble::default());
     }
 
-    /// Becomes the same dictionary, in the buffers it has.
+    /// Copies another dictionary without allocation.
     pub fn copy(&mut self, original: &Dictionary) {
         (self.rows, self.width) = (original.rows, original.width);
         self.entry.clone_from(&original.entry);
@@ -45,7 +45,7 @@ impl Dictionary {
         &mut self.entry[row * self.width..(row + 1) * self.width]
     }
 
-    /// The basic variable of `row` and the nonbasic one of `column` change places.
+    /// Exchanges the basic variable of `row` and the nonbasic variable of `column`.
     pub fn exchange(&mut self, row: usize, column: usize) {
         let width = self.width;
         let inverse = DoubleDouble::from(1.0) / self.at(row, column);

@@ -1,11 +1,11 @@
-//! A number of 32 digits, as the sum of two of 16: for pivoting, see [`super::lemke`].
+//! Double-double arithmetic: a number with 32 digits as the sum of two with 16. Used by [`super::lemke`].
 //!
 //! # Source
 //! Dekker, *A floating-point technique for extending the available precision*, 1971; Knuth's sum of two numbers.
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// `high + low`, of which `low` is what `high` has lost in rounding. Ordered as numbers are.
+/// `high + low`, where `low` is the rounding error of `high`. The order is that of the numbers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct DoubleDouble {
     high: f64,
@@ -13,20 +13,20 @@ pub(super) struct DoubleDouble {
 }
 
 impl DoubleDouble {
-    /// The sum of a larger and a smaller number.
+    /// The exact sum of a larger and a smaller number.
     fn of(large: f64, small: f64) -> DoubleDouble {
         let high = large + small;
         DoubleDouble { high, low: small - (high - large) }
     }
 
-    /// The sum of any two numbers, exactly.
+    /// The exact sum of any two numbers.
     fn sum(a: f64, b: f64) -> DoubleDouble {
         let high = a + b;
         let part = high - a;
         DoubleDouble { high, low: (a - (high - part)) + (b - part) }
     }
 
-    /// The product of two numbers, exactly.
+    /// The exact product of two numbers.
     fn product(a: f64, b: f64) -> DoubleDouble {
         let high = a * b;
         let ((a, c), (b, d)) = (halves(a), halves(b));
@@ -37,7 +37,7 @@ impl DoubleDouble {
 /// 2²⁷ + 1: the factor that splits the 53 bits of a number into two halves (Dekker).
 const SPLITTER: f64 = 134_217_729.0;
 
-/// A number as the sum of two that have half its digits.
+/// Splits a number into two with half of its digits each.
 fn halves(x: f64) -> (f64, f64) {
     let shifted = x * SPLITTER;
     let high = shifted - (shifted - x);

@@ -1,14 +1,15 @@
-//! The quadratic program (14)-(16) as printed, and with shifted normal rows Coulomb's law: an active set over the edges of the cones.
+//! The quadratic program (14)-(16) by an active-set method over the edges of the friction cones. With shifted normal rows it solves
+//! Coulomb's law.
 //!
-//! Along the edges ([`Edges`]) it is min ½ yᵀQy + qᵀy over y >= 0 with Q = EᵀAE positive semidefinite, and its conditions are
-//! `0 <= y ⟂ w = Q y + q >= 0`.
+//! Along the edges ([`Edges`]), the program is min ½ yᵀQy + qᵀy over y >= 0, with Q = EᵀAE positive semidefinite. Its optimality conditions
+//! are `0 <= y ⟂ w = Q y + q >= 0`.
 //!
-//! The edge with the most negative w joins the basic ones; a basic y that would become negative on the way to the new optimum
-//! leaves, and the way goes on without it. An edge whose w is still negative is independent of the basic ones, so redundant contacts
-//! (singular Q) do no harm.
+//! The edge with the most negative w becomes basic. A basic amount y that would become negative on the way to the new optimum leaves the
+//! basis, and the way continues without it. An edge with negative w is independent of the basic edges, so redundant contacts (singular Q)
+//! do no harm.
 //!
-//! At the optimum contacts have yielded to the impulse ([`ScaledProblem::compliance`]). A proximal step undoes that in q, and what w has lost to
-//! rounding: the limit is the optimum of rigid contacts, and the first step mostly has all its digits.
+//! The contacts are compliant ([`ScaledProblem::set_compliance`]). Proximal steps undo the compliance in q, together with rounding errors
+//! of w. They converge to the optimum of rigid contacts, and the first one mostly has all digits.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS. Proximal steps:
@@ -34,34 +35,34 @@ pub(super) use shift_path::ShiftPath;
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnergyQp {
     edges: Edges,
-    /// Edges that may push, and zero for each of them, one for the others.
+    /// Basic edges; and a mask, zero for basic edges and one for the others.
     basic: Vec<usize>,
     idle: Vec<Panel>,
     directions: ConjugateDirections,
-    /// \[y; w\]; y is zero of what is not basic.
+    /// \[y; w\]; y is zero for nonbasic edges.
     state: Vec<Panel>,
-    /// What leads from there to the optimum over the basic edges.
+    /// Direction from the state to the optimum over the basic edges.
     direction: Vec<Panel>,
-    /// Zero for edges that could not join since the energy last fell, one for the others.
+    /// Mask: zero for edges that failed to become basic since the energy last fell, one for the others.
     candidates: Vec<Panel>,
-    /// What is left of each amount where something ceases to push.
+    /// Remaining amount of each edge after a step.
     remaining: Vec<Panel>,
-    /// Those that are about to leave.
+    /// Edges that are about to leave the basis.
     leaving: Vec<usize>,
-    /// How often an edge has joined or left since the basis was given.
+    /// Number of basis exchanges since the basis was given.
     pub exchanges: u32,
-    /// What contacts push by, and the drift with what that undoes.
+    /// Impulse of the proximal centre, and the drift with its compliance undone.
     impulse: Vec<f64>,
     drift: Vec<f64>,
 }
 
-/// Whether a law is this program.
+/// Whether a law minimises the energy, as this program does.
 pub(super) fn minimises_energy(law: Law) -> bool {
     matches!(law, Law::EnergyQp | Law::EnergyQpGap)
 }
 
 impl EnergyQp {
-    /// No amount of any edge, and those of the basis basic.
+    /// Resets to zero amounts, with the edges of `basis` as the basic edges.
     pub fn reset(&mut self, scaled: &ScaledProblem, basis: &[u8]) {
         self.edges.set(scaled);
         let (count, width) = (self.edges.count(), self.edges.width());
@@ -82,7 +83,7 @@ impl EnergyQp {
         self.exchanges = 0;
     }
 
-    /// Goes on to the optimum with this shift of the normal rows. Adds those that join to `count`; false if there are more than 20 an
+    /// Finds the optimum with this shift of the normal rows. Adds the number of entering edges to `count`. False after 20 exchanges per
     /// edge.
     pub fn solve(&mut self, scaled: &ScaledProblem, shift: &[f64], count: &mut u32) -> bool {
         self.candidates.fill([1.0; WIDTH]);
@@ -95,14 +96,14 @@ impl EnergyQp {
         self.edges.count() == 0
     }
 
-    /// Writes the impulse, and as a basis the edges that push.
+    /// Writes the impulse, and the basic edges as a basis.
     pub fn write(&self, scaled: &ScaledProblem, f: &mut Vec<f64>, basis: &mut [u8]) {
         self.edges.impulse(scaled, &self.basic, self.state.as_flattened(), f);
         basis.fill(EDGES);
         self.basic.iter().for_each(|r| basis[r / self.edges.each] |= 1 << (r % self.edges.each));
     }
 
-    /// The optimum over the basic edges where what contacts have yielded by so far is undone; w is made afresh.
+    /// Proximal step: undoes the compliance of the present impulse and goes to the optimum over the basic edges. Recomputes w.
     fn remove_compliance(&mut self, scaled: &ScaledProblem, shift: &[f64]) {
         let EnergyQp { edges, basic, directions, state, direction, impulse, drift, .. } = self;
         edges.impulse(scaled, basic, state.as_flattened(), impulse);
@@ -116,7 +117,7 @@ impl EnergyQp {
         self.go_to_optimum();
     }
 
-    /// Makes edge r basic and goes to the optimum; bars it if that gains nothing.
+    /// Makes edge r basic and goes to the optimum. Excludes the edge if that gains nothing.
     fn enter(&mut self, scaled: &ScaledProblem, r: usize) {
         if self.make_basic(scaled, r) {
             self.directions.to_optimum_along_last(&self.state, &mut self.direction);
@@ -129,7 +130,7 @@ impl EnergyQp {
         }
     }
 
-    /// Makes edge r basic; false if it depends on those that are.
+    /// Makes edge r basic; false if it depends on the basic edges.
     fn make_basic(&mut self, scaled: &ScaledProblem, r: usize) -> bool {
         let joined = self.directions.append(r, self.edges.row(scaled, r));
         if joined {
@@ -140,7 +141,7 @@ impl EnergyQp {
         joined
     }
 
-    /// Edge r is no longer basic, and the course goes on without it.
+    /// Makes edge r nonbasic, and removes its part from the direction.
     fn leave(&mut self, r: usize) {
         self.basic.retain(|basic| *basic != r);
         self.idle[r / WIDTH][r % WIDTH] = 1.0;
@@ -155,7 +156,7 @@ impl EnergyQp {
         self.idle[r / WIDTH][r % WIDTH] == 0.0
     }
 
-    /// A bit for each edge of a contact that is basic.
+    /// Bit set of the basic edges of a contact.
     fn basic_edges_of(&self, contact: usize) -> u32 {
         let idle = of_contact(&self.idle, contact, self.edges.each);
         idle.iter().rev().fold(0, |bits, idle| bits << 1 | u32::from(*idle == 0.0))
@@ -172,11 +173,11 @@ impl EnergyQp {
         &mut self.state[width..].as_flattened_mut()[contact * each..][..each]
     }
 
-    /// The edge outside the basis along which the energy falls most.
+    /// The nonbasic edge along which the energy falls fastest.
     fn most_negative(&self, scaled: &ScaledProblem) -> Option<usize> {
         let panels = self.edges.speeds(self.velocity()).zip(self.candidates.iter().zip(&self.idle));
         let free = panels.map(|(speeds, (open, idle))| -> Panel {
-            std::array::from_fn(|k| speeds[k] * (open[k] * idle[k])) // a choice would be a branch for each
+            std::array::from_fn(|k| speeds[k] * (open[k] * idle[k])) // a product instead of a branch
         });
         let least = free.clone().fold([0.0; WIDTH], |least: Panel, speeds| {
             std::array::from_fn(|k| if speeds[k] < least[k] { speeds[k] } else { least[k] })
@@ -188,12 +189,12 @@ impl EnergyQp {
         free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + index_of(least, &speeds)?))
     }
 
-    /// The step's scale.
+    /// The scale of the step.
     fn scale(&self, scaled: &ScaledProblem) -> f64 {
         scaled.size.max(max_abs(self.state[..self.edges.width()].as_flattened()))
     }
 
-    /// Follows the course to its end; those that become negative on the way leave, and it goes on without them.
+    /// Goes along the direction to its end. Edges whose amounts would become negative leave, and the way continues without them.
     fn go_to_optimum(&mut self) {
         for _ in 0..=self.edges.count() {
             let EnergyQp { basic, state, direction, remaining, leaving, .. } = self;
@@ -215,8 +216,8 @@ impl EnergyQp {
     }
 }
 
-/// Of each amount what is left after so much of a course or at its end, whichever is more: no more than zero of those only that
-/// become negative on the way. Of all at once, for a processor cannot guess which they are.
+/// For each amount, the greater of its value after this share of the direction and its value at the end. Only amounts that become negative
+/// on the way are then zero or less. Without branches, which a processor could not predict.
 fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &mut [Panel]) {
     for (remaining, (y, z)) in remaining.iter_mut().zip(state.iter().zip(direction)) {
         *remaining = std::array::from_fn(|k| {
@@ -228,12 +229,12 @@ fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &
     }
 }
 
-/// How far a course can be followed before something ceases to push, if anything does on the way.
+/// Share of the direction at which the first amount becomes zero, if any does.
 fn share(state: &[Panel], direction: &[Panel]) -> Option<f64> {
     let width = state.len() / 2;
     let least = state[..width].iter().zip(direction).fold([f64::INFINITY; WIDTH], |least: Panel, (y, z)| {
         std::array::from_fn(|k| {
-            // of nothing from nothing, which is no number, nothing is known
+            // 0/0 is NaN and compares as false
             let share = if y[k] + z[k] > 0.0 { f64::INFINITY } else { y[k] / -z[k] };
             if share < least[k] { share } else { least[k] }
         })

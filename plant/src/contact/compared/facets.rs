@@ -1,4 +1,4 @@
-//! Conditions (17)-(22) as a linear complementarity problem (Stewart & Trinkle), d facets per contact.
+//! Conditions (17)-(22) as a linear complementarity problem with d facets per contact (Stewart & Trinkle).
 //!
 //! With friction f_F = sum beta_j d_j along the directions d_j = -t1, +t1 (, -t2, +t2):
 //!
@@ -8,22 +8,21 @@
 //! 0 <= s       _|_  mu f_N - sum beta >= 0    (20)
 //! ```
 //!
-//! Two facets are the paper's one slip direction, four resist both tangents, more come near a round cone from within. In
-//! scaled rows (`ScaledProblem`) s has the scale of the normal row, so each beta_j comes with a weight c_j: `d_j v_F + c_j s` and
-//! `mu f_N - sum c_j beta_j = w_s`.
+//! Two facets are the paper's one slip direction. Four facets resist both tangents. More facets approximate a round cone from within. In
+//! scaled rows (`ScaledProblem`), s has the scale of the normal row, and each beta_j has a weight c_j: `d_j v_F + c_j s` and `mu f_N - sum
+//! c_j beta_j = w_s`.
 //!
-//! Lemke does not start at zero but where each contact slides the way it would freely go: the facet that opposes it, say
-//! j, carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots a
-//! contact, and only normal rows can be negative, so the artificial variable lifts all contact points by one velocity.
-//! A ray would need an impulse in the cone with A f = 0 and f·b + (lift) < 0; but A f = 0 means K f = 0, and b is in the
-//! range of K^T, so f·b = 0: there is none.
+//! Lemke's method does not start from zero. It starts with each contact sliding in the direction of its free slip. The opposing facet j
+//! carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots per contact. Only normal
+//! rows can be negative then, so the artificial variable adds one velocity to all contacts. The method cannot end on a ray: a ray needs an
+//! impulse in the cone with A f = 0 and f·b + (offset) < 0. But A f = 0 means K f = 0, and b is in the range of K^T, so f·b = 0.
 
 use super::double_double::DoubleDouble;
 use super::lemke::Lemke;
 use super::polygon::vertex;
 use super::scaled_problem::ScaledProblem;
 
-/// Assembly of the problem, pivoting, and the reading of its solution: pairs, `d + 2` of each contact.
+/// Assembly of the problem and its solution by Lemke's method. Each contact has `d + 2` complementary pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
     lemke: Lemke,
@@ -31,23 +30,23 @@ pub(super) struct Facets {
     facet: Vec<([DoubleDouble; 3], DoubleDouble)>,
     /// d.
     count: usize,
-    /// Facet j of each contact, along which it slides at the start.
+    /// Facet on which each contact slides initially.
     initial_facet: Vec<usize>,
-    /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
+    /// For each pair: the impulse of its contact for one unit of the nonbasic variable.
     impulse_column: Vec<[DoubleDouble; 3]>,
-    /// For each pair: coefficients with which the basic partner reads the contact's velocity.
+    /// For each pair: the coefficients of the contact's velocity in the basic variable.
     velocity_row: Vec<[DoubleDouble; 3]>,
 }
 
-/// Whether the partner of a pair is basic at the start: the facet of the slide, and the slip speed.
+/// Whether a pair's partner is basic initially: the facet of the slide, and the slip speed.
 fn is_initially_basic(slides: usize, size: usize, local: usize) -> bool {
     local == 1 + slides || local == size - 1
 }
 
 impl Facets {
-    /// Solves with friction there and back along each tangent, from the given basis if that can be and else from the start; writes basis and
-    /// impulse. A bit of the basis for each basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed. Adds the pivots to `count`;
-    /// false when there is no solution to be found.
+    /// Solves with two facets per tangent, from the given basis if possible, else from the initial basis. Writes basis and impulse. The
+    /// bits of the basis stand for basic variables: 0 the normal, 1 + j facet j, d + 1 the slip speed. Adds the pivots to `count`. False if
+    /// no solution was found.
     pub fn solve_along_tangents(
         &mut self,
         scaled: &ScaledProblem,
@@ -74,7 +73,7 @@ impl Facets {
         solved
     }
 
-    /// Writes the problem with friction there and back along each tangent.
+    /// Sets up the problem with two facets per tangent.
     fn set_tangent_facets(&mut self, scaled: &ScaledProblem) {
         self.count = scaled.facets();
         self.facet.clear();
@@ -90,8 +89,8 @@ impl Facets {
         self.assemble(scaled);
     }
 
-    /// Solves with friction in `d` directions of equal angles around each contact, whose rows are scaled alike, and writes the impulse; what it
-    /// returns and counts is likewise.
+    /// Solves with friction in `d` directions of equal angles around each contact, and writes the impulse. The rows of each contact must
+    /// have a common scale. Count and result as above.
     pub fn solve_polygon(&mut self, scaled: &ScaledProblem, d: usize, f: &mut Vec<f64>, count: &mut u32) -> bool {
         self.count = d;
         self.facet.clear();
@@ -132,14 +131,14 @@ impl Facets {
         }
     }
 
-    /// Chooses the facets of the start and from them what each variable pushes and reads.
+    /// Chooses the initial facets, and from them the columns and rows of each variable.
     fn set_initial_facets(&mut self, scaled: &ScaledProblem) {
         let (d, stride, zero) = (self.count, scaled.stride(), DoubleDouble::default());
         self.initial_facet.clear();
         self.impulse_column.clear();
         self.velocity_row.clear();
         for (i, facet) in self.facet.chunks_exact(d).enumerate() {
-            // The facet against which the contact freely slips fastest.
+            // Speed of the free slip against facet j.
             let slip = |j: usize| {
                 let (unit, weight) = facet[j];
                 -(1..stride).fold(zero, |sum, k| sum + unit[k] * scaled.drift[i * stride + k].into()) / weight
@@ -167,7 +166,7 @@ impl Facets {
         }
     }
 
-    /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
+    /// Assembles the dictionary: `velocity_row · (A impulse_column + b)`, and the coupling of beta_j and s within each contact.
     fn assemble(&mut self, scaled: &ScaledProblem) {
         let Facets { lemke, facet, count, initial_facet, impulse_column, velocity_row } = self;
         let (d, stride, m) = (*count, scaled.stride(), scaled.drift.len());

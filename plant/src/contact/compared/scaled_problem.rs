@@ -1,5 +1,5 @@
-//! The contact problem in energy units: rows and columns scaled by diag(A)^-1/2, so that A has a unit diagonal and
-//! impulses and velocities are both in sqrt(J).
+//! The contact problem in energy units. Rows and columns are scaled by diag(A)^-1/2, so that A has a unit diagonal, and impulses and
+//! velocities are both in sqrt(J).
 
 use super::super::round_cones::{RoundCones, apply_delassus};
 use super::super::tolerance::IMMOVABLE;
@@ -7,18 +7,17 @@ use super::super::{Problem, approach_offset};
 use super::square_cone::max_abs;
 use messages::scene::Law;
 
-/// Two rows of the problem with their weights.
+/// Two rows of the problem with weights.
 pub(super) type RowPair = [(usize, f64); 2];
 
-/// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction that cannot move has a zero row and gets no
-/// impulse.
+/// `v = A f + b` scaled: f~ = sqrt(A_kk) f, v~ = v / sqrt(A_kk). A direction without motion has a zero row and zero impulse.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ScaledProblem {
     pub contacts: usize,
     pub tangents: usize,
     /// A~, m by m.
     pub delassus: Vec<f64>,
-    /// b~, the allowed approach added to the normal rows.
+    /// b~, with the allowed approach added to the normal rows.
     pub drift: Vec<f64>,
     /// sqrt(A_kk), zero where immovable.
     pub root: Vec<f64>,
@@ -26,13 +25,13 @@ pub(super) struct ScaledProblem {
     pub friction: Vec<f64>,
     /// For each tangent row c = sqrt(A_NN / A_kk), so that the cone reads sum c |f~_k| <= mu f~_N.
     pub ratio: Vec<f64>,
-    /// mu / c, likewise: how far friction along one tangent goes.
+    /// mu / c of each tangent row: slope of the cone along that tangent.
     pub cone_slope: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
     /// 1 / root, zero where immovable.
     pub inverse: Vec<f64>,
-    /// What contacts yield by at present.
+    /// Present compliance, included in A~ [-].
     compliance: f64,
 }
 
@@ -42,7 +41,7 @@ impl ScaledProblem {
         1 + self.tangents
     }
 
-    /// Directions in which friction may act at a contact: there and back along each tangent.
+    /// Directions of friction at a contact: two per tangent.
     pub fn facets(&self) -> usize {
         2 * self.tangents
     }
@@ -52,12 +51,12 @@ impl ScaledProblem {
         (1 + j / 2, if j.is_multiple_of(2) { -1.0 } else { 1.0 })
     }
 
-    /// The facet that pushes there, or back, along the tangent of row k.
-    pub fn facet_along(k: usize, there: bool) -> usize {
-        2 * (k - 1) + usize::from(there)
+    /// The facet that pushes along the tangent of row k, in its positive or negative direction.
+    pub fn facet_along(k: usize, positive: bool) -> usize {
+        2 * (k - 1) + usize::from(positive)
     }
 
-    /// Edge j of the cone of contact i, (1, ±mu d): normal and tangent.
+    /// Edge j of the cone of contact i, (1, ±mu d): its normal and tangential rows.
     pub fn edge(&self, i: usize, j: usize) -> RowPair {
         let (first, (k, sign)) = (i * self.stride(), Self::facet(j));
         [(first, 1.0), (first + k, sign * self.cone_slope[first + k])]
@@ -71,7 +70,7 @@ impl ScaledProblem {
         response.extend(a.iter().zip(b).map(|(a, b)| x * a + y * b));
     }
 
-    /// The problem of a law.
+    /// Sets the problem of a law.
     pub fn set(&mut self, problem: &Problem, law: Law) {
         (self.contacts, self.tangents) = (problem.contacts, problem.tangents);
         self.compliance = 0.0;
@@ -108,7 +107,7 @@ impl ScaledProblem {
         }
     }
 
-    /// Of a problem for round cones: the rows of a contact are scaled alike.
+    /// Sets a problem for round cones, in which the rows of a contact have a common scale.
     pub fn set_alike(&mut self, cones: &RoundCones) {
         (self.contacts, self.tangents, self.size, self.compliance) = (cones.contacts, 2, cones.size, 0.0);
         self.delassus.clone_from(&cones.delassus);
@@ -118,19 +117,19 @@ impl ScaledProblem {
         self.ratio.resize(self.drift.len(), 1.0);
     }
 
-    /// Lets the contacts yield by so much: [`COMPLIANCE`], [`LEMKE_COMPLIANCE`], or not at all.
+    /// Sets the compliance of all contacts.
     pub fn set_compliance(&mut self, compliance: f64) {
         let (change, next) = (compliance - self.compliance, self.drift.len() + 1);
         self.delassus.iter_mut().step_by(next).for_each(|a| *a += change);
         self.compliance = compliance;
     }
 
-    /// Whether they yield at present.
+    /// Whether the contacts are compliant.
     pub fn is_compliant(&self) -> bool {
         self.compliance > 0.0
     }
 
-    /// Velocity without the yielding: residuals are those of the problem as it was given.
+    /// Removes the effect of the compliance from a velocity: residuals are those of rigid contacts.
     pub fn remove_compliance(&self, impulse: &[f64], velocity: &mut [f64]) {
         if self.is_compliant() {
             velocity.iter_mut().zip(impulse).for_each(|(v, f)| *v -= self.compliance * f);
@@ -143,7 +142,7 @@ impl ScaledProblem {
     }
 }
 
-/// Four partial sums, which the compiler can keep in vector registers.
+/// Scalar product with four partial sums, which fit in vector registers.
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     let mut sum = [0.0; 4];
     let (ca, cb) = (a.chunks_exact(4), b.chunks_exact(4));

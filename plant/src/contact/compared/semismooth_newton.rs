@@ -1,17 +1,17 @@
-//! Semismooth Newton on the conditions of every contact at once.
+//! Semismooth Newton method on the conditions of all contacts at once.
 //!
-//! At each iterate a contact is open, sticks or slides, as the projection of its law says. That gives three linear
-//! equations P df + Q dv = -r per contact, and with dv = A df the step (P + Q A) df = -r. For Coulomb's law they are those of
-//! Alart & Curnier (1991), x = f - rho v:
+//! At each iterate a contact is open, sticks or slides, depending on the projection of its condition. That gives three linear equations P
+//! df + Q dv = -r per contact. With dv = A df, the step is (P + Q A) df = -r. For Coulomb's law, the equations are those of Alart & Curnier
+//! (1991), with x = f - rho v:
 //!
-//! | contact | when | equations |
+//! | contact | condition | equations |
 //! |---|---|---|
 //! | open | x_N <= 0 | f = 0 |
-//! | sticks | \|x_F\| <= mu x_N | v = 0 |
-//! | slides | else | v_N = 0, f_F = mu x_N x_F/\|x_F\| |
+//! | sticking | \|x_F\| <= mu x_N | v = 0 |
+//! | sliding | else | v_N = 0, f_F = mu x_N x_F/\|x_F\| |
 //!
-//! Close to a solution the statuses no longer change and the steps converge quadratically; far from it they need not
-//! converge at all, so the best iterate is kept, and [`super::cones`] starts again from a better place.
+//! Close to a solution the modes no longer change, and the steps converge quadratically. Far from it they may diverge. Then the method
+//! keeps its best iterate, and [`super::cone_solver`] restarts it from a better point.
 
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{SEMISMOOTH_ROUNDING, SOLVED, STEP_COMPLIANCES};
@@ -22,11 +22,11 @@ use super::polygon::vertex;
 const MAX_STEPS: u32 = 25;
 /// A step that reduces the residual to less than this part resets the patience [-].
 const GOOD_PROGRESS: f64 = 0.1;
-/// Steps without a better iterate after which it gives up.
+/// Steps without a better iterate before the method gives up.
 const PATIENCE: u32 = 8;
 
 type Matrix = [[f64; 3]; 3];
-/// A row of P, of Q, and of r.
+/// Rows of P, of Q, and of r.
 type Row = ([f64; 3], [f64; 3], f64);
 
 const ZERO: Matrix = [[0.0; 3]; 3];
@@ -41,8 +41,7 @@ pub(super) struct SemismoothNewton {
 }
 
 impl SemismoothNewton {
-    /// Improves `f`, with its velocity `v`, down to rounding; returns the least natural map of all iterates, and adds the
-    /// steps to `steps`.
+    /// Improves `f`, with its velocity `v`, down to rounding. Returns the least natural map of all iterates, and adds the steps to `steps`.
     pub fn polish(
         &mut self,
         cones: &RoundCones,
@@ -65,7 +64,7 @@ impl SemismoothNewton {
         least
     }
 
-    /// Steps until nothing gets better; notes the best iterate and its residual.
+    /// Steps with one compliance until the residual no longer falls. Keeps the best iterate and its residual.
     #[expect(clippy::too_many_arguments, reason = "problem, iterate and its residual")]
     fn run(
         &mut self,
@@ -85,7 +84,7 @@ impl SemismoothNewton {
             *steps += 1;
             cones.velocity(f, v);
             let error = natural_map(cones, condition, f, v);
-            // What is solved gets one more chance to be so to rounding.
+            // A solution gets one more step, to reach rounding.
             patience = if *least <= SOLVED { 0 } else { patience - 1 };
             if error < *least {
                 patience = if error < GOOD_PROGRESS * *least { PATIENCE } else { patience.max(1) };
@@ -95,7 +94,7 @@ impl SemismoothNewton {
         }
     }
 
-    /// One full step; false if the equations have no solution.
+    /// One full step; false if the equations are singular.
     fn step(&mut self, cones: &RoundCones, condition: Condition<'_>, rho: f64, f: &mut [f64], v: &[f64]) -> bool {
         let n = f.len();
         self.matrix.clear();
@@ -137,7 +136,7 @@ fn equations(
     }
     let rho = tangent_step(cones, i);
     let x = [f[0] - v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
-    // The bound of friction, and what it changes by with x_N.
+    // The friction bound, and its derivative with respect to x_N.
     let (bound, slope) = match condition {
         Condition::Bound(bound) => (bound[i], 0.0),
         _ => (mu * x[0], mu),
@@ -154,12 +153,12 @@ fn equations(
     (rows.map(|row| row.0), rows.map(|row| row.1), rows.map(|row| row.2))
 }
 
-/// Friction within its bound: no slip.
+/// Equations of a sticking contact: no slip.
 fn stick(v: [f64; 3]) -> [Row; 2] {
     [1, 2].map(|k| (ZERO[k], ONE[k], v[k]))
 }
 
-/// Friction in the disc |f_F| <= bound: sticks, or f_F = bound x_F/|x_F|.
+/// Friction in the disc |f_F| <= bound: no slip, or f_F = bound x_F/|x_F|.
 fn on_disc(bound: f64, slope: f64, rho: f64, f: [f64; 3], v: [f64; 3], x: [f64; 3]) -> [Row; 2] {
     let length = x[1].hypot(x[2]);
     if length <= bound {
@@ -174,7 +173,7 @@ fn on_disc(bound: f64, slope: f64, rho: f64, f: [f64; 3], v: [f64; 3], x: [f64; 
     })
 }
 
-/// Friction in the polygon with `d` corners at the distance `bound`: sticks, is in a corner, or on a side.
+/// Friction in a polygon with `d` vertices at distance `bound`: no slip, in a vertex, or on a side.
 fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f64; 3]) -> [Row; 2] {
     let sector = std::f64::consts::TAU / d as f64;
     let side = (x[2].atan2(x[1]) / sector).floor().rem_euclid(d as f64) as usize;
@@ -184,7 +183,7 @@ fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f6
     if across <= depth * bound {
         stick(v)
     } else if along.abs() < (0.5 * sector).sin() * bound {
-        // On the side: no slip along it.
+        // On a side: no slip along it.
         let held = cos * f[1] + sin * f[2] - depth * bound;
         let still = cos * v[2] - sin * v[1];
         [([-slope * depth, cos, sin], [slope * depth, 0.0, 0.0], held), (ZERO[2], [0.0, -sin, cos], still)]
@@ -198,7 +197,7 @@ fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f6
     }
 }
 
-/// f = P_K(f - v) with the round cone: P = 1 - J, Q = J, J the derivative of the projection.
+/// f = P_K(f - v) with the round cone: P = 1 - J, Q = J, where J is the derivative of the projection.
 fn on_cone(mu: f64, f: [f64; 3], v: [f64; 3]) -> (Matrix, Matrix, [f64; 3]) {
     let x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
     let length = x[1].hypot(x[2]);
@@ -226,7 +225,7 @@ fn on_cone(mu: f64, f: [f64; 3], v: [f64; 3]) -> (Matrix, Matrix, [f64; 3]) {
     (p, q, r)
 }
 
-/// Solves M x = b in place by elimination with partial pivoting; false if M is singular or no number.
+/// Solves M x = b in place by elimination with partial pivoting; false if M is singular or not finite.
 fn eliminate(matrix: &mut [f64], right: &mut [f64]) -> bool {
     let n = right.len();
     for k in 0..n {

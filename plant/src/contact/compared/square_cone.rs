@@ -1,29 +1,31 @@
-//! How far an impulse is from the law whose cone the tangents span, a diamond: by that a basis is accepted.
+//! Distance of an impulse from a law with a four-sided friction cone, |f_1| + |f_2| <= mu f_N, along the problem's tangents. The solvers
+//! with a basis accept by it.
 
 use super::super::certificate::relative;
 use super::scaled_problem::ScaledProblem;
 
-/// Whose optimality the natural map measures.
+/// The optimality conditions that the natural map measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Optimality {
-    /// (17)-(22), the truth for every law.
+    /// Coulomb's law (17)-(22), the measure for every law.
     Coulomb,
     /// The convex program (14)-(16).
     EnergyMinimum,
 }
 
-/// max(||f~||, ||b~||), the step's own scale [sqrt(J)].
+/// max(||f~||, ||b~||): the scale of the step [sqrt(J)].
 pub(super) fn scale(scaled: &ScaledProblem, f: &[f64]) -> f64 {
     scaled.size.max(max_abs(f))
 }
 
-/// Natural map ||f - P_K(f - v^)||, the greatest entry, relative to the step's scale.
+/// Natural map: the greatest entry of ||f - P_K(f - v^)||, relative to the step's scale.
 ///
-/// K is the cone that the law's tangents span: |f_F| <= mu f_N along one tangent, the square |f_1| + |f_2| <= mu f_N along
-/// two. It vanishes exactly when f minimises f·v^ over K. With v^_N = v_N + mu |v_F| (the largest slip along a tangent; De
-/// Saxce's correction) that is (17)-(22); with v^ = v it is the optimum of (14)-(16), which asks for v_N >= mu |v_F| instead.
+/// K is the cone along the law's tangents: |f_F| <= mu f_N with one tangent, the square cone |f_1| + |f_2| <= mu f_N with two. The map
+/// vanishes exactly when f minimises f·v^ over K. With v^_N = v_N + mu |v_F|, where |v_F| is the largest slip along a tangent (De Saxcé's
+/// correction), these are the conditions (17)-(22). With v^ = v, they are the conditions of (14)-(16), which ask for v_N >= mu |v_F|
+/// instead.
 pub(super) fn natural_map(scaled: &ScaledProblem, f: &[f64], v: &[f64], optimality: Optimality) -> f64 {
-    let (mut worst, mut min_pivot) = (0.0_f64, 0.0);
+    let (mut worst, mut nan) = (0.0_f64, 0.0);
     for i in 0..scaled.contacts {
         let [f, v, cone_slope] = [f, v, &scaled.cone_slope].map(|rows| contact_rows(scaled, i, rows));
         let mut x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
@@ -34,13 +36,13 @@ pub(super) fn natural_map(scaled: &ScaledProblem, f: &[f64], v: &[f64], optimali
         for k in 0..3 {
             let error = (f[k] - nearest[k]).abs();
             worst = if error > worst { error } else { worst };
-            min_pivot += 0.0 * x[k]; // or NaN, which neither the projection nor a comparison may hide
+            nan += 0.0 * x[k]; // propagates NaN, which the projection and the comparisons hide
         }
     }
-    relative(worst + min_pivot, scale(scaled, f))
+    relative(worst + nan, scale(scaled, f))
 }
 
-/// Magnitude of the largest of some numbers; one that is no number is passed over.
+/// Greatest magnitude of some numbers; ignores NaN.
 pub(super) fn max_abs(numbers: &[f64]) -> f64 {
     let greater = |most: f64, x: f64| if x.abs() > most { x.abs() } else { most };
     let (fours, rest) = numbers.as_chunks::<4>();
@@ -48,9 +50,9 @@ pub(super) fn max_abs(numbers: &[f64]) -> f64 {
     rest.iter().chain(&most).fold(0.0, |most, x| greater(most, *x))
 }
 
-/// Nearest point of the cone |x_1|/h_1 + |x_2|/h_2 <= x_0; with h_2 = 0 of the planar one, |x_1| <= h_1 x_0.
+/// Nearest point of the cone |x_1|/h_1 + |x_2|/h_2 <= x_0. With h_2 = 0 it is the planar cone |x_1| <= h_1 x_0.
 ///
-/// Decided by signs, never by comparing distances: those differ in the square of what is to be seen here.
+/// The cases are decided by signs. Comparing distances would lose half of the digits, because distances differ in second order only.
 fn nearest_point(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     let [n, a, b] = [x[0], x[1].abs(), x[2].abs()];
     let [h1, h2] = half;
@@ -70,7 +72,7 @@ fn nearest_point(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
             return signed(facet);
         }
     }
-    // Squares of the edges' lengths, and projections on them, of which the longer is positive.
+    // Squared lengths of the edges, and projections on them. The longer projection is positive.
     let (l1, l2) = (1.0 + h1 * h1, 1.0 + h2 * h2);
     let (p1, p2) = (n + a * h1, n + b * h2);
     if p1 > 0.0 && (p2 <= 0.0 || p1 * p1 * l2 >= p2 * p2 * l1) {
@@ -80,7 +82,7 @@ fn nearest_point(x: [f64; 3], half: [f64; 2]) -> [f64; 3] {
     }
 }
 
-/// Rows of contact i; a tangent that it has not is zero.
+/// Rows of contact i; zero for a tangent that the problem does not have.
 fn contact_rows(scaled: &ScaledProblem, i: usize, rows: &[f64]) -> [f64; 3] {
     let stride = scaled.stride();
     match rows[i * stride..(i + 1) * stride] {
@@ -90,7 +92,7 @@ fn contact_rows(scaled: &ScaledProblem, i: usize, rows: &[f64]) -> [f64; 3] {
     }
 }
 
-/// mu |v_F| of a contact in scaled units, |v_F| being the largest slip along a tangent: De Saxcé's correction.
+/// De Saxcé's correction mu |v_F| of a contact in scaled units, |v_F| being the largest slip along a tangent.
 fn saxce_shift(cone_slope: [f64; 3], v: [f64; 3]) -> f64 {
     f64::max(0.0, cone_slope[1] * v[1].abs()).max(cone_slope[2] * v[2].abs())
 }
@@ -100,7 +102,7 @@ mod tests {
     use super::*;
     use fastrand::Rng;
 
-    /// One contact of mu = .5.
+    /// One contact with mu = .5.
     fn contact(tangents: usize, cone_slope: &[f64]) -> ScaledProblem {
         let mut scaled = ScaledProblem::default();
         (scaled.contacts, scaled.tangents, scaled.size) = (1, tangents, 1.0);
@@ -134,8 +136,8 @@ mod tests {
         }
     }
 
-    /// By Moreau's theorem p is the nearest point of a cone just where it is in it, x − p is in no acute angle with any of its edges, and
-    /// the two are at right angles.
+    /// Moreau's theorem: p is the nearest point of a cone to x exactly if p is in the cone, x − p has no acute angle with any edge, and x −
+    /// p is perpendicular to p.
     #[test]
     fn the_nearest_point_is_in_the_cone_and_no_edge_leads_nearer() {
         let (seed, mut rng) = (fastrand::u64(..), Rng::new());
@@ -145,11 +147,11 @@ mod tests {
         let unit = |a: [f64; 3]| a.map(|x| x / dot(a, a).sqrt());
         let mut ends = [0; 4];
         for _ in 0..100_000 {
-            let size = if rng.bool() { 1.0 } else { 12.0 }; // decades
+            let size = if rng.bool() { 1.0 } else { 12.0 }; // in decades
             let [h1, mut h2] = [(); 2].map(|()| 10_f64.powf(size * (rng.f64() - 0.5)));
             let mut x = [(); 3].map(|()| (2.0 * rng.f64() - 1.0) * 10_f64.powf(-4.0 * rng.f64()));
             if rng.u8(..) < 32 {
-                (h2, x[2]) = (0.0, 0.0); // of one tangent
+                (h2, x[2]) = (0.0, 0.0); // one tangent
             }
             let (p, much) = (nearest_point(x, [h1, h2]), 1e-14 * dot(x, x).sqrt());
             let rest = [0, 1, 2].map(|k| x[k] - p[k]);

@@ -1,4 +1,4 @@
-//! What each contact does, as the bits of a basis: of a complementary one ([`BasisStatus`]), or those of the edges along which it pushes.
+//! The bits of a contact's basis. They encode a [`BasisStatus`], or the set of its basic edges.
 
 use super::super::coulomb::ContactMode;
 use super::super::memory::LastContact;
@@ -6,10 +6,10 @@ use super::super::tolerance::MIN_SLIP;
 use super::scaled_problem::ScaledProblem;
 use super::square_cone;
 
-/// Marks a contact whose bits are the edges along which it pushes, as in the energy program, not a [`BasisStatus`].
+/// Marks bits that are the basic edges of the energy program, not a [`BasisStatus`].
 pub(super) const EDGES: u8 = 0x80;
 
-/// The edges along which a contact pushed; none of one that stuck, of which they are not known.
+/// The basic edges of a contact; none for a sticking one, whose edges the status does not tell.
 pub(super) fn edges(bits: u8, d: usize) -> u8 {
     if bits & EDGES != 0 {
         return bits ^ EDGES;
@@ -21,7 +21,7 @@ pub(super) fn edges(bits: u8, d: usize) -> u8 {
     }
 }
 
-/// The bits of what a contact did in the last step; of one whose link stood they are not known.
+/// The bits of a contact in the last step. A contact of a standing foot has none, so it counts as sticking.
 pub(super) fn recall(last: LastContact, d: usize) -> u8 {
     match (last.basis, last.mode) {
         (0, ContactMode::Open) => 0,
@@ -30,7 +30,7 @@ pub(super) fn recall(last: LastContact, d: usize) -> u8 {
     }
 }
 
-/// Lets the contacts slide that do so at the optimum of the energy program; the others keep their edges.
+/// Converts the contacts that slip at the optimum of the energy program to a status; the others keep their edges.
 pub(super) fn mark_sliding(scaled: &ScaledProblem, f: &[f64], v: &[f64], basis: &mut [u8]) {
     let (d, stride) = (scaled.facets(), scaled.stride());
     let least = MIN_SLIP * square_cone::scale(scaled, f);
@@ -42,7 +42,7 @@ pub(super) fn mark_sliding(scaled: &ScaledProblem, f: &[f64], v: &[f64], basis: 
     }
 }
 
-/// Writes the basis as a complementary one: what sticks is carried by one facet of each tangent, which `f` tells.
+/// Converts the basis to a complementary one. A sticking contact is carried by one facet of each tangent, depending on the sign of `f`.
 pub(super) fn complement(scaled: &ScaledProblem, f: &[f64], basis: &mut [u8]) {
     let (d, stride) = (scaled.facets(), scaled.stride());
     for (bits, f) in basis.iter_mut().zip(f.chunks_exact(stride)) {
@@ -56,7 +56,7 @@ pub(super) fn complement(scaled: &ScaledProblem, f: &[f64], basis: &mut [u8]) {
     }
 }
 
-/// What a contact does.
+/// What a contact does, in terms of facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BasisStatus {
     Open,
@@ -66,7 +66,7 @@ enum BasisStatus {
 }
 
 impl BasisStatus {
-    /// From the bits of a basis: 0 the normal, 1 + j facet j, d + 1 the slip speed.
+    /// From the bits: 0 the normal, 1 + j facet j, d + 1 the slip speed.
     fn read(bits: u8, d: usize) -> BasisStatus {
         if bits & EDGES != 0 {
             let mut active = (0..d).filter(|j| bits >> j & 1 == 1);

@@ -1,4 +1,4 @@
-//! Claim: every rung of the ladder is needed. Without it some problem of a robot on two feet is left unsolved.
+//! Claim: the cascade needs each of its stages. Without any one of them, some problem of a robot on two feet stays unsolved.
 
 use super::super::Solver;
 use super::super::round_cones::apply_delassus;
@@ -7,12 +7,12 @@ use crate::Plant;
 use messages::scene::Scene;
 use messages::wire::Torques;
 
-/// Problems, one in three thousand, that Newton's method and energy minima do not solve.
+/// Seeds of problems, one in three thousand, that Newton's method and energy minima do not solve.
 const POINTS: [u64; 8] = [463, 2640, 2758, 9231, 15146, 19279, 25103, 25995];
-/// Problems, one in four thousand, that Newton's method and interior points do not solve.
+/// Seeds of problems, one in four thousand, that Newton's method and interior points do not solve.
 const MINIMA: [u64; 8] = [1378, 1963, 10790, 12067, 13219, 14114, 18296, 19439];
 
-/// Table 1's robot on both feet, knees bent: a pose, friction, and velocities that impulses on its contacts make, all by chance.
+/// The robot of Table 1 on both feet with bent knees. Pose, friction and the contact impulses that cause the velocities are random.
 fn problem(seed: u64) -> Problem {
     let mut random = fastrand::Rng::with_seed(seed);
     let mut any = |size: f64| size * (2.0 * random.f64() - 1.0);
@@ -30,7 +30,7 @@ fn problem(seed: u64) -> Problem {
     problem
 }
 
-/// Whether a problem is solved, without a memory, by some way.
+/// Whether some of the stages solve a problem without a memory.
 fn solves(problem: &Problem, solver: impl FnOnce(&mut Coulomb) -> bool) -> bool {
     let mut coulomb = Coulomb::default();
     coulomb.cones.set(problem, Law::Cone);
@@ -39,7 +39,7 @@ fn solves(problem: &Problem, solver: impl FnOnce(&mut Coulomb) -> bool) -> bool 
     solver(&mut coulomb) || coulomb.best.error <= PROMISED
 }
 
-/// How many are left unsolved by some way.
+/// Number of problems that some of the stages leave unsolved.
 fn missed(problems: &[Problem], solver: impl Fn(&mut Coulomb) -> bool) -> usize {
     problems.iter().filter(|problem| !solves(problem, &solver)).count()
 }
@@ -72,7 +72,8 @@ fn every_rung_solves_what_the_others_leave() {
     );
 }
 
-/// Feet that nothing moves, held by impulses with much of what cancels out: without patches more of that is found again.
+/// The feet do not move, and impulses with large internal parts hold them. Without patches, the solver finds more of those internal parts
+/// again.
 #[test]
 fn feet_that_stick_as_patches_press_against_themselves_no_more_than_they_must() {
     let mut random = fastrand::Rng::with_seed(1996);
@@ -87,7 +88,7 @@ fn feet_that_stick_as_patches_press_against_themselves_no_more_than_they_must() 
         problem.drift = delassus_times(&problem, &held).iter().map(|v| -v).collect();
         for (patched, (systems, size)) in [true, false].into_iter().zip(systems.iter_mut().zip(&mut size)) {
             if !patched {
-                problem.link.clear(); // what is of one link, nobody knows
+                problem.link.clear(); // no contact shares a link with another
             }
             let (mut solver, mut memory) = (Solver::default(), Memory::default());
             let report = solver.solve(&problem, Law::Cone, &mut memory);

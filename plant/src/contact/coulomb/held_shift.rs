@@ -1,7 +1,7 @@
-//! De Saxcé's shift of v_N, held from one energy minimum to the next until it is that of the slip.
+//! De Saxcé's shift of v_N, held during one energy minimum and updated between two, until it equals mu times the slip speed.
 //!
-//! The minimum of ½f·A f + b·f over the cones with μ s added to v_N obeys Coulomb's law where s = |v_F|. Each minimum gives the next s.
-//! Where that overshoots to and fro, less of it is taken; where it creeps on the same way, more.
+//! Add μ s to v_N, and minimise ½f·A f + b·f over the cones. The minimum obeys Coulomb's law if s = |v_F|. Each minimum gives the next s.
+//! The relaxation shrinks if s overshoots to and fro, and grows if s creeps on in one direction.
 //!
 //! # Source
 //! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011).
@@ -10,25 +10,25 @@ use super::super::projection::norm;
 use super::super::round_cones::contact_rows;
 use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PROGRESS};
 
-/// Minima without progress before more or less of a change is taken.
+/// Minima without progress before the relaxation changes.
 const PATIENCE: u32 = 2;
 
-/// |v_F| of each contact, as held; workspace.
+/// The held |v_F| of each contact; workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct HeldShift {
     pub held: Vec<f64>,
-    /// How the last minimum would have changed it.
+    /// Difference between |v_F| of the last minimum and the held value.
     change: Vec<f64>,
-    /// Part of a change that is taken [-].
+    /// Part of that difference that an update adds [-].
     relaxation: f64,
-    /// The least change so far, and minima since.
+    /// The least of the greatest differences so far, and the number of minima since.
     least: f64,
     stalled: u32,
     is_monotone: bool,
 }
 
 impl HeldShift {
-    /// None, of so many contacts.
+    /// Resets to zero shift of so many contacts.
     pub fn reset(&mut self, contacts: usize) {
         for list in [&mut self.held, &mut self.change] {
             list.clear();
@@ -37,7 +37,7 @@ impl HeldShift {
         (self.relaxation, self.least, self.stalled, self.is_monotone) = (1.0, f64::INFINITY, 0, false);
     }
 
-    /// Takes over from the velocity at a minimum.
+    /// Updates the shift from the velocity at a minimum.
     pub fn update(&mut self, v: &[f64]) {
         let (mut greatest, mut along) = (0.0_f64, 0.0);
         for (i, (held, last)) in self.held.iter_mut().zip(&mut self.change).enumerate() {

@@ -1,15 +1,16 @@
-//! Interior points: to a solution of Coulomb's law from no start at all.
+//! Interior-point method for Coulomb's law. It needs no initial guess.
 //!
-//! With x = (μf_N, f_F) and y = (v_N/μ + |v_F|, v_F) Coulomb's law asks for x and y in the cone L = {x_N ≥ |x_F|} and x·y = 0. The method
-//! follows the points with x∘y = τ(1, 0, 0) inside L while τ falls to zero: all contacts decide together what they do, and none has to be
-//! guessed. Where |v_F| is held as given the program is convex, and it arrives. Where |v_F| is that of y, whose derivative is taken along,
-//! it nearly always does.
+//! With x = (μf_N, f_F) and y = (v_N/μ + |v_F|, v_F), Coulomb's law reads: x and y lie in the cone L = {x_N ≥ |x_F|}, and x·y = 0. The
+//! method follows the points x∘y = τ(1, 0, 0) inside L while τ falls to zero. It decides the modes of all contacts together and guesses
+//! none. With |v_F| held, the program is convex and the method converges. With |v_F| taken from y, including its derivative, it nearly
+//! always converges.
 //!
-//! A contact whose direction of slip is given has f_F = −μ f_N along it: its only unknown is f_N, its only condition that of v_N.
+//! A contact with a given direction of slip has f_F = −μ f_N along it. Its only unknown is f_N, and its only condition is the one on v_N.
 //!
 //! # Source
-//! Nesterov & Todd (1997): the scaling W, Wx = W⁻¹y. Mehrotra (1992): predictor and corrector. Acary, Armand & Nguyen (2022): the same
-//! for frictional contact. El-Bakry, Tapia & Zhang (1994): what vanishes is seen in a step. Formulas of W: Vandenberghe, *The CVXOPT linear and quadratic cone program solvers* (2010).
+//! Nesterov & Todd (1997): the scaling W, Wx = W⁻¹y. Mehrotra (1992): predictor and corrector. Acary, Armand & Nguyen (2022): the method
+//! for frictional contact. El-Bakry, Tapia & Zhang (1994): indicators of the variables that vanish. Formulas of W: Vandenberghe, *The
+//! CVXOPT linear and quadratic cone program solvers* (2010).
 
 mod cone;
 
@@ -20,18 +21,18 @@ use super::super::tolerance::{COMPLIANCE, INTERIOR_RESIDUAL, MIN_TAU, WELL_SOLVE
 use super::{ContactMode, Guess, Iterate};
 use cone::{Scaling, Vector, axpy, determinant, dot, jordan_product, jordan_solve, max_step};
 
-/// Steps at most; it takes 10 to 20.
+/// Steps at most; 10 to 20 are typical.
 const MAX_STEPS: u32 = 40;
 
-/// What the predictor takes more than this part of vanishes [-].
+/// A variable of which the predictor removes more than this part vanishes at the solution [-].
 const TAPIA_THRESHOLD: f64 = 0.5;
 
-/// How boldly τ is made to fall.
+/// Length of the steps, and how fast they reduce τ.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StepRule {
-    /// Part of the way to the border of the cones that a step goes [-].
+    /// Part of the way to the boundary of the cones that a step goes [-].
     step_fraction: f64,
-    /// Part of τ that a step leaves at least [-].
+    /// Least part of τ that a step aims at [-].
     min_centering: f64,
 }
 
@@ -40,7 +41,7 @@ impl StepRule {
     pub const CAUTIOUS: StepRule = StepRule { step_fraction: 0.9, min_centering: 0.1 };
 }
 
-/// A contact of the problem: x, y, and its step.
+/// One contact: x, y, and its step.
 #[derive(Clone, Copy, Debug, Default)]
 struct ConePair {
     x: Vector,
@@ -48,11 +49,11 @@ struct ConePair {
     scaling: Scaling,
     /// Derivative of |y_F|.
     gradient: Vector,
-    /// What y lacks of A x + b + |y_F|.
+    /// Dual residual: A x + b + |y_F| − y.
     residual: Vector,
     dx: Vector,
     dy: Vector,
-    /// What it seems to do in the end.
+    /// Mode at the solution, as the last step indicates it.
     mode: ContactMode,
 }
 
@@ -60,7 +61,7 @@ struct ConePair {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Interior {
     contacts: Vec<ConePair>,
-    /// 1/μ, 1, 1 of each contact: f = weight x; 1, 0, 0 where friction is none, or follows f_N.
+    /// Weights of each contact, f = weight x: (1/μ, 1, 1), or (1, 0, 0) without friction or with a given direction of slip.
     weights: Vec<f64>,
     matrix: Vec<f64>,
     factor: Lu,
@@ -69,7 +70,7 @@ pub(super) struct Interior {
 }
 
 impl Interior {
-    /// Goes to the solution, or as near as it comes; with |v_F| held, to that of the convex program.
+    /// Iterates to the solution of Coulomb's law, or with held |v_F| to that of the convex program. Leaves the best iterate.
     pub fn run(&mut self, cones: &RoundCones, rule: StepRule, held: Option<&[f64]>, iterate: &mut Iterate) {
         let unit = if cones.size > 0.0 { cones.size } else { 1.0 };
         self.contacts.clear();
@@ -113,13 +114,13 @@ impl Interior {
                 own.y = axpy(own.y, step, own.dy);
             }
             if !self.contacts.iter().all(|own| determinant(own.x) > 0.0 && determinant(own.y) > 0.0) {
-                break; // rounding took one out of its cone
+                break; // rounding moved a contact out of its cone
             }
         }
         iterate.f.clone_from(&self.best);
     }
 
-    /// What each contact does in the end, as the last step foresaw it.
+    /// Writes the indicated modes and slips as a guess for Newton's method.
     pub fn guess(&self, cones: &RoundCones, groups: impl Iterator<Item = (usize, usize)>, guess: &mut Guess) {
         guess.modes.clear();
         guess.slips.clear();
@@ -139,7 +140,7 @@ impl Interior {
         }
     }
 
-    /// f = weight x, and friction where it follows f_N.
+    /// f = weight x, and the friction along given directions of slip.
     fn write_impulse(&self, cones: &RoundCones, unit: f64, f: &mut [f64]) {
         for (i, (own, f)) in self.contacts.iter().zip(f.chunks_exact_mut(3)).enumerate() {
             (0..3).for_each(|k| f[k] = own.x[k] * self.weights[3 * i + k] * unit);
@@ -147,7 +148,7 @@ impl Interior {
         }
     }
 
-    /// Scaling, gradient, and what y lacks; returns the greatest of that.
+    /// Updates scaling, gradient and dual residual; returns the greatest residual.
     fn update_scaling(&mut self, unit: f64, held: Option<&[f64]>, v: &[f64]) -> f64 {
         let mut largest: f64 = 0.0;
         for (i, own) in self.contacts.iter_mut().enumerate() {
@@ -163,8 +164,8 @@ impl Interior {
         largest
     }
 
-    /// The factor of A + ε + (1 − e gᵀ)W², e the normal, g the gradient. The compliance ε keeps the matrix regular; what y lacks is that
-    /// of rigid contacts, so the method ends at their solution.
+    /// Factorises A + ε + (1 − e gᵀ)W², with e the normal and g the gradient. The compliance ε keeps the matrix regular. The residual is
+    /// that of rigid contacts, so the method ends at their solution.
     fn factorize(&mut self, cones: &RoundCones) -> bool {
         let Interior { contacts, weights, matrix, factor, .. } = self;
         let m = weights.len();
@@ -190,7 +191,8 @@ impl Interior {
         factor.factorize(m, matrix, 0.0)
     }
 
-    /// The direction to x∘y = 0; or, corrected by what that direction changed, to a part of τ.
+    /// Without `share`: the predictor, a direction to x∘y = 0. With it: the corrector, a direction to x∘y = share τ that includes the
+    /// second-order term of the predictor.
     fn find_direction(&mut self, share: Option<f64>, tau: f64) {
         let Interior { contacts, factor, right, .. } = self;
         right.clear();
@@ -213,7 +215,7 @@ impl Interior {
         }
     }
 
-    /// How far the direction stays within the cones.
+    /// Longest step along the direction that keeps all contacts inside their cones.
     fn max_step(&self) -> f64 {
         let within = |own: &ConePair| f64::min(max_step(own.x, own.dx), max_step(own.y, own.dy));
         self.contacts.iter().map(within).fold(f64::INFINITY, f64::min)
@@ -221,7 +223,7 @@ impl Interior {
 }
 
 impl ConePair {
-    /// The predictor takes what will be zero to nearly zero at once, and leaves what will not nearly as it is (Tapia's indicators).
+    /// Tapia's indicators: the predictor removes nearly all of a variable that vanishes at the solution, and nearly nothing of any other.
     fn predict_mode(&mut self) {
         let [x, y] = [self.dx[0] / self.x[0], self.dy[0] / self.y[0]];
         self.mode = match () {

@@ -1,16 +1,17 @@
-//! Semismooth Newton on Coulomb's law, over patches and contacts.
+//! Semismooth Newton method for Coulomb's law, over patches and single contacts.
 //!
-//! Each contact is open, sticks or slides, as x = f − ρ v says; contacts of one link that stick do so together, as a patch. That gives
-//! unknowns G y = f and as many equations R v + D y = 0, with v = A f + b + ε(f − f₀), ε the compliance:
+//! Each contact is open, sticks or slides, depending on x = f − ρ v. Contacts of one link that stick do so together, as a patch. The
+//! unknowns y with f = G y obey as many equations R v + D y = 0, where v = A f + b + ε(f − f₀), and ε is the compliance:
 //!
-//! | contact | when | unknowns | equations |
+//! | mode | condition | unknowns | equations |
 //! |---|---|---|---|
 //! | open | x_N ≤ 0 | – | – |
-//! | sticks | \|x_F\| ≤ μ x_N | f | v = 0 |
-//! | patch | sticks, as another of its link | z, f = Q z | Qᵀv = 0 |
-//! | slides | else; e = x_F/\|x_F\| | f_N along (1, μe), f⊥ along e⊥ | v_N = 0, σρ v⊥ + (1 − σ) f⊥ = 0, σ = μ x_N/\|x_F\| |
+//! | sticking | \|x_F\| ≤ μ x_N | f | v = 0 |
+//! | patch | sticking, with others of its link | z, f = Q z | Qᵀv = 0 |
+//! | sliding | else; e = x_F/\|x_F\| | f_N along (1, μe), f⊥ along e⊥ | v_N = 0, σρ v⊥ + (1 − σ) f⊥ = 0, σ = μ x_N/\|x_F\| |
 //!
-//! Near a solution the kinds no longer change and the steps converge quadratically. Far from it they need not: then there is another start.
+//! Near a solution the modes no longer change, and the steps converge quadratically. Far from it they may diverge; the next stage of the
+//! cascade then provides another start.
 //!
 //! # Source
 //! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
@@ -27,13 +28,13 @@ use super::{ContactMode, Guess, Iterate};
 use equations::{Equations, Unknown};
 use modes::ModeWeights;
 
-/// Steps at most; from a good start it takes one to four.
+/// Steps at most; from a good guess it takes one to four.
 const MAX_STEPS: u32 = 12;
-/// Steps in which a patch may be outside its cones before it is given up.
+/// Steps in which the impulse of a patch may be outside the cones before the method gives up.
 const MAX_STEPS_OUTSIDE: u32 = 4;
-/// A residual with compliance that is this part of the rigid one or less [-]: only the compliance is left to undo.
+/// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
 const COMPLIANCE_DOMINATES: f64 = 0.1;
-/// Solutions at most that undo the compliance.
+/// Proximal steps at most, which undo the compliance.
 const MAX_REFINEMENTS: u32 = 4;
 
 /// Workspace.
@@ -44,22 +45,22 @@ pub(super) struct PatchNewton {
     patch: Patch,
     unknowns: Vec<Unknown>,
     response: Vec<f64>,
-    /// The equations, column by column.
+    /// Matrix of the equations, column by column.
     matrix: Vec<f64>,
     factor: Lu,
     right: Vec<f64>,
-    /// The impulse that the compliance acts around, f₀, and G y before patches are spread.
+    /// f₀, the centre of the proximal step; and G y, the impulse before it is distributed over patches.
     prox_centre: Vec<f64>,
     undistributed: Vec<f64>,
     saved: Vec<f64>,
     change: Vec<f64>,
     solution: Iterate,
-    /// Patches that the last run found outside their cones, as bits of their groups.
+    /// Bit set of the links whose patches were outside their cones in the last run.
     failed: u32,
 }
 
 impl PatchNewton {
-    /// Begins with a problem: its contacts by link.
+    /// Takes a problem: groups its contacts by link.
     pub fn set_problem(&mut self, cones: &RoundCones) {
         self.groups.clear();
         for i in 0..cones.contacts {
@@ -71,12 +72,12 @@ impl PatchNewton {
         self.patch.reset(cones.contacts);
     }
 
-    /// The kinds of the last run.
+    /// The modes of the last run.
     pub fn modes(&self) -> impl Iterator<Item = ContactMode> + '_ {
         self.contacts.iter().map(|contact| contact.mode)
     }
 
-    /// From the present impulse to the solution. The groups of `released` do not stick as a patch. False if it does not get there.
+    /// Iterates from the present impulse to the solution. The links in the bit set `released` form no patch. False if it does not converge.
     pub fn run(&mut self, cones: &RoundCones, released: u32, guess: Option<&Guess>, iterate: &mut Iterate) -> bool {
         self.contacts.clear();
         self.contacts.resize(cones.contacts, ModeWeights::default());
@@ -127,7 +128,7 @@ impl PatchNewton {
                 return false;
             }
             if cones.residual(&iterate.f, &iterate.v) <= COMPLIANCE_DOMINATES * rigid {
-                // solved but for what the compliance moves
+                // solved except for the compliance
                 if refined == MAX_REFINEMENTS {
                     return false;
                 }
@@ -146,7 +147,7 @@ impl PatchNewton {
         }
     }
 
-    /// One solution of the equations, if asked for that with the evenest pressure; writes f = G y.
+    /// Solves the equations once and writes f = G y; with `min_norm`, the normal impulses get the least norm.
     fn solve(&mut self, cones: &RoundCones, min_norm: bool, f: &mut [f64]) -> bool {
         let PatchNewton { groups, contacts, patch, unknowns, response, matrix, factor, right, prox_centre, .. } = self;
         unknowns.clear();
@@ -201,7 +202,7 @@ impl PatchNewton {
         f.iter().all(|f| f.is_finite())
     }
 
-    /// Undoes what the compliance has moved, wherever A allows, by the factor that is there; kept if the residual is less.
+    /// Undoes the compliance with the present factors. Keeps the result if its residual is less.
     fn refine(&mut self, cones: &RoundCones, iterate: &mut Iterate) {
         let Iterate { f, v, error, .. } = iterate;
         let PatchNewton { groups, contacts, patch, unknowns, factor, right, undistributed, saved, change, .. } = self;
@@ -233,7 +234,7 @@ impl PatchNewton {
         }
     }
 
-    /// Spreads the impulses of patches over their contacts; notes those that cannot be.
+    /// Distributes the impulses of patches over their contacts; marks patches for which that fails.
     fn distribute(&mut self, cones: &RoundCones, f: &mut [f64]) {
         let PatchNewton { groups, contacts, patch, failed, .. } = self;
         for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.sticks) {
@@ -243,7 +244,8 @@ impl PatchNewton {
         }
     }
 
-    /// Whether what should stick moves all the same: points of a link that land from different heights pull it to and fro.
+    /// Whether a patch moves at the solution. That happens if points of a link land from different heights and their conditions contradict
+    /// each other.
     fn patches_move(&mut self, cones: &RoundCones, Iterate { v, .. }: &Iterate) -> bool {
         for (g, group) in self.groups.iter().enumerate().filter(|(_, group)| group.sticks) {
             let members = (group.first..group.end).filter(|&i| self.contacts[i].mode == ContactMode::Patch);

@@ -1,46 +1,47 @@
-//! Contacts of one link that stick together: a patch.
+//! Patch: the contacts of one link that stick together.
 //!
-//! A rigid link that stands on its contacts has six velocities at most, however many contacts there are, so a patch has that many unknowns:
-//! f = Q z with the columns of Q an orthonormal basis of what A of these contacts can feel. Of all impulses with the same effect this is
-//! the one of least norm. It need not be within the cones: the impulse is then spread anew, with weights W on the contacts,
+//! The contacts of a rigid link move with at most six velocities, so a patch has at most six unknowns: f = Q z. The columns of Q are an
+//! orthonormal basis of the range of A for these contacts. Of all impulses with the same effect, f has the least norm. It may lie outside
+//! the friction cones. The impulse is then distributed again, with weights W on the contacts,
 //!
 //! ```text
-//!   f = W Q (QᵀW Q)⁻¹ z,
+//!   f = W Q (QᵀW Q)⁻¹ z.
 //! ```
 //!
-//! zero for a contact that would pull, less for the friction of one that would slip. If no weights do, the patch does not stick.
+//! The weight is zero for a contact that would pull, and lower for the friction of a contact that would slip. If no weights succeed, the
+//! patch does not stick.
 
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{DEPENDENT, PULL_ROUNDING};
 use nalgebra::{Matrix6, Vector6};
 
-/// Directions in which a rigid link moves.
+/// Degrees of freedom of a rigid link.
 pub(super) const LINK_DOFS: usize = 6;
-/// Trials of the weights.
+/// Trials of the weights at most.
 const MAX_TRIALS: usize = 10;
-/// What would slip gets so much less weight: somewhat more than it must, so that few trials are enough [-].
+/// Factor by which the friction weight of a slipping contact is reduced beyond the necessary [-], so that few trials suffice.
 const OVERREDUCTION: f64 = 1.5;
 
-/// Three rows of Q.
+/// The three rows of Q of one contact.
 pub(super) type Rows = [[f64; LINK_DOFS]; 3];
 
-/// The contacts of one link, and what they can do together.
+/// The contacts of one link, and their patch.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LinkContacts {
     pub first: usize,
     pub end: usize,
-    /// Those that push stick together.
+    /// The active contacts form a patch.
     pub sticks: bool,
-    /// Whether they may.
+    /// They may form a patch.
     pub may_stick: bool,
     /// Columns of Q.
     pub rank: usize,
-    /// Members that Q is of, as bits, and how many rows of each; none yet.
+    /// Contacts in the present Q, as a bit set, and its number of rows per contact.
     pub basis_of: (u64, usize),
 }
 
-/// Q by contact, and the weights of normal and friction; workspace.
+/// Q by contact, and the weights of normal and friction impulses; workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Patch {
     pub basis: Vec<Rows>,
@@ -49,7 +50,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Room for so many contacts.
+    /// Allocates for so many contacts and forgets all bases.
     pub fn reset(&mut self, contacts: usize) {
         self.basis.clear();
         self.basis.resize(contacts, Rows::default());
@@ -57,8 +58,8 @@ impl Patch {
         self.weights.resize(contacts, [0.0; 2]);
     }
 
-    /// Q of the first `rows` of the members of a group, the normal or all three: the factor of their A by pivoted Cholesky, made
-    /// orthonormal by Gram and Schmidt, twice.
+    /// Computes Q from the first `rows` rows of the members of a link: one for the normals, three for all. It is the pivoted Cholesky
+    /// factor of their A, orthonormalised by Gram-Schmidt, twice.
     pub fn find_basis(
         &mut self,
         cones: &RoundCones,
@@ -118,7 +119,7 @@ impl Patch {
         }
     }
 
-    /// Spreads the impulse of a patch over its contacts; false if no weights bring it within the cones.
+    /// Distributes the impulse of a patch over its contacts; false if no weights bring it into the cones.
     pub fn distribute(
         &mut self,
         cones: &RoundCones,
@@ -147,7 +148,7 @@ impl Patch {
                     continue;
                 }
                 if trial == 0 {
-                    weights[i][1] = bound / greatest; // friction in proportion to the pressure, to begin with
+                    weights[i][1] = bound / greatest; // initial guess: friction in proportion to the normal impulse
                 }
                 if friction > bound {
                     within = false;

@@ -1,4 +1,4 @@
-//! The energy program (14)-(16), with normal rows as printed or shifted until its optimum obeys Coulomb's law.
+//! The energy program (14)-(16) as an attempt: with printed normal rows, or with rows shifted until its optimum obeys Coulomb's law.
 
 use super::super::super::tolerance::{PROXIMAL_ROUNDING, REFINEMENT_REDUCTION, SOLVED};
 use super::super::energy_qp::minimises_energy;
@@ -6,13 +6,13 @@ use super::super::{square_cone, status};
 use super::{BasisSolver, optimality};
 use messages::scene::Law;
 
-/// Most steps need one.
+/// Restarts of the program at most; most problems need one.
 const MAX_ROUNDS: usize = 14;
-/// Refinements at most.
+/// Proximal steps at most.
 const MAX_REFINEMENTS: usize = 3;
 
 impl BasisSolver {
-    /// The program from the edges of the basis on; see [`super::super::energy_qp`].
+    /// Solves the program from the edges of the present basis on; see [`super::super::energy_qp`].
     pub(super) fn energy_stage(&mut self, law: Law, pivots: &mut u32) -> bool {
         let d = self.scaled.facets();
         self.basis.iter_mut().for_each(|bits| *bits = status::edges(*bits, d));
@@ -32,19 +32,19 @@ impl BasisSolver {
                 return true;
             }
         }
-        // a guess for the next way
+        // the start of the next attempt
         self.energy_qp.write(&self.scaled, &mut self.f, &mut self.basis);
         self.evaluate(law);
         false
     }
 
-    /// Shifts the optimum to the slip that is left, where the law asks for that; false if another one has to be found.
+    /// For Coulomb's law, follows the path of the shift to the remaining slip. False if the program must restart with another shift.
     fn follow_shift_path(&mut self, law: Law, pivots: &mut u32) -> bool {
         let BasisSolver { scaled, shift, energy_qp, .. } = self;
         minimises_energy(law) || shift.follow_path(energy_qp, scaled, pivots)
     }
 
-    /// Undoes what contacts have yielded by, to rounding; whether that is the solution.
+    /// Undoes the compliance down to rounding; true if the result is the solution.
     fn refine(&mut self, law: Law, pivots: &mut u32) -> bool {
         let (mut before, mut error) = (f64::INFINITY, f64::INFINITY);
         for _ in 0..MAX_REFINEMENTS {
@@ -56,7 +56,7 @@ impl BasisSolver {
             }
             self.energy_qp.write(&self.scaled, &mut self.f, &mut self.basis);
             error = self.evaluate(law);
-            // what no longer shrinks is along such directions
+            // an error that no longer shrinks lies along dependent directions
             if error <= PROXIMAL_ROUNDING || error > REFINEMENT_REDUCTION * before {
                 break;
             }
@@ -65,7 +65,7 @@ impl BasisSolver {
         error <= SOLVED
     }
 
-    /// Velocity and residual of the present impulse; notes what slides.
+    /// Computes velocity and residual of the present impulse, and marks the sliding contacts.
     fn evaluate(&mut self, law: Law) -> f64 {
         self.update_velocity();
         let BasisSolver { scaled, f, v, basis, .. } = self;

@@ -1,8 +1,8 @@
-//! Claim: what feet that all but hold each other ask for takes 32 digits, and those find it.
+//! Claim: problems of two feet that almost lock each other need 32 digits, and Lemke's method with 32 digits solves them.
 
 use super::*;
 
-/// Problems of two feet that turn against what yields by 1e-12, and of a tumbling box.
+/// Problems of two feet that turn against directions with an inverse mass of 1e-12, and of a tumbling box.
 fn problems() -> Vec<Problem> {
     serde_json::from_str(include_str!("../../../../tests/data/all_but_singular.json")).expect("problems")
 }

@@ -1,4 +1,4 @@
-//! Room for every way before the first step, so that none allocates in a step.
+//! Allocation for every attempt before the first step, so that no step allocates.
 
 use super::super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE};
 use super::super::super::{Memory, Problem};
@@ -7,7 +7,7 @@ use super::BasisSolver;
 use messages::scene::Law;
 
 impl BasisSolver {
-    /// Goes every way once, with so many contacts that nothing moves: whatever it has room for then, it has room for later.
+    /// Runs every attempt once with so many contacts that do not move. All buffers then have their greatest size.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         let mut problem = Problem::default();
         problem.reset(contacts, tangents);
@@ -17,7 +17,7 @@ impl BasisSolver {
         self.solve(&problem, law, &mut Memory::default(), &mut Vec::new());
         let every_edge = (1 << self.scaled.facets()) - 1;
         let mut pivots = 0;
-        // the largest blocks: contacts that stick, and all edges
+        // the largest systems: all contacts stick, and all edges are basic
         for basis in [every_edge << 1 | 1, every_edge | EDGES] {
             self.basis.fill(basis);
             self.with_compliance(COMPLIANCE, |solver| solver.try_basis(law));

@@ -1,12 +1,12 @@
-//! Directions in which basic edges may push so that none works against another: d_i·Q d_j is one where i = j, and else zero.
+//! Q-conjugate directions of the basic edges: d_i·Q d_j is one for i = j, and else zero.
 //!
-//! The optimum over the basic edges is then a sum: from the amounts y with the velocities w = Q y + q, the course to it is
-//! −Σ (d·w) d. Each direction comes with the velocity Q d that it makes, so amounts and velocities are gone along together, \[y; w\].
+//! The step to the optimum over the basic edges is then a sum, −Σ (d·w) d, for velocities w = Q y + q. Each direction is stored with its
+//! velocity Q d, so one operation moves amounts and velocities together, \[y; w\].
 //!
-//! An edge that joins adds what is left of it beside the directions that are there (Gram and Schmidt). One that leaves has all of
-//! them reflected such that the last alone has any of it, which goes too (Householder). They are the columns of R⁻¹ where
-//! EᵀAE = RᵀR, a root: what is left of an edge beside the others may be as little as contacts yield by, and of that root half the
-//! digits remain, where a tableau or an inverse has none.
+//! An entering edge adds its part that is conjugate to the present directions (Gram-Schmidt). For a leaving edge, a reflection
+//! (Householder) makes all directions but the last free of that edge, and the last is dropped. The directions are the columns of R⁻¹, where
+//! EᵀAE = RᵀR. The conjugate part of an edge may be as small as the compliance. Its square root then still has half of its digits, where a
+//! tableau or an inverse would have none.
 //!
 //! # Source
 //! Golub & Van Loan, *Matrix Computations*, 5.1, 5.2 and 6.5; Lawson & Hanson, *Solving Least Squares Problems*, ch. 23, 24.
@@ -14,23 +14,23 @@
 use super::super::super::tolerance::DEPENDENT_PIVOT;
 use super::edges::{Panel, WIDTH, add, add_all, dot};
 
-/// As many as there are basic edges, in the room that there was before.
+/// One direction per basic edge; keeps its buffers.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConjugateDirections {
-    /// Panels of d, and of Q d.
+    /// Number of panels of d, and of Q d.
     width: usize,
     count: usize,
-    /// \[d; Q d\], one after the other.
+    /// \[d; Q d\] of each direction, one after the other.
     panels: Vec<Panel>,
-    /// Of each direction its part in something.
+    /// Coefficient of each direction in the present operation.
     parts: Vec<f64>,
     normal: Vec<Panel>,
-    /// What changes with the amount of the edge that left last, by one, while no other basic edge is pushed.
+    /// Change of \[y; w\] per unit amount of the edge that left last, with the other basic edges at zero velocity.
     removal: Vec<Panel>,
 }
 
 impl ConjugateDirections {
-    /// None, over edges of so many panels.
+    /// Removes all directions; sets the number of panels.
     pub fn clear(&mut self, width: usize) {
         (self.width, self.count) = (width, 0);
         for list in [&mut self.normal, &mut self.removal] {
@@ -39,7 +39,7 @@ impl ConjugateDirections {
         }
     }
 
-    /// All of them: d, Q d.
+    /// All directions: (d, Q d).
     pub fn iter(&self) -> impl Iterator<Item = (&[Panel], &[Panel])> {
         self.panels.chunks_exact(2 * self.width.max(1)).take(self.count).map(|both| both.split_at(self.width))
     }
@@ -49,7 +49,7 @@ impl ConjugateDirections {
         add_all(sum, parts.iter().copied().zip(self.panels.chunks_exact(2 * self.width)));
     }
 
-    /// Edge r joins, given its row of Q. False, and nothing, if it depends on those that are there.
+    /// Adds the direction of edge r, given its row of Q. False, without change, if the edge depends on the present ones.
     pub fn append(&mut self, r: usize, row: &[Panel]) -> bool {
         let (length, place) = (2 * self.width, self.count * 2 * self.width);
         if self.panels.len() < place + length {
@@ -72,7 +72,7 @@ impl ConjugateDirections {
         independent
     }
 
-    /// Edge r leaves; see [`ConjugateDirections::without`] for what a course loses.
+    /// Removes edge r from the directions; see [`ConjugateDirections::project_out`] for vectors outside.
     pub fn remove(&mut self, r: usize) {
         let (length, at, lane) = (2 * self.width, r / WIDTH, r % WIDTH);
         let ConjugateDirections { count, panels, parts, normal, removal, .. } = self;
@@ -86,7 +86,7 @@ impl ConjugateDirections {
         add_all(normal, parts.iter().copied().zip(involved.chunks_exact(length)));
         let scale = 1.0 / square;
         removal.iter_mut().zip(&*normal).for_each(|(removal, normal)| *removal = normal.map(|x| scale * x));
-        // the mirror between it and the last
+        // the Householder reflection between the edge's coefficients and the last direction
         let size = square.sqrt().copysign(own);
         let (others, last) = involved.split_at_mut((parts.len() - 1) * length);
         add(normal, size, last);
@@ -98,18 +98,18 @@ impl ConjugateDirections {
         *count -= 1;
     }
 
-    /// Takes out of a course what it had of edge r, which has left: of all that this changes, nothing else that stays has any.
+    /// Removes edge r, which has left, from a vector \[y; w\]. The velocities of the remaining basic edges do not change.
     pub fn project_out(&self, r: usize, direction: &mut [Panel]) {
         add(direction, -direction[r / WIDTH][r % WIDTH], &self.removal);
         direction[r / WIDTH][r % WIDTH] = 0.0;
     }
 
-    /// \[d; Q d\] of the edge that joined last.
+    /// \[d; Q d\] of the edge that was added last.
     pub fn last(&self) -> &[Panel] {
         &self.panels[(self.count - 1) * 2 * self.width..][..2 * self.width]
     }
 
-    /// The course from a state \[y; w\] to the optimum.
+    /// The step from a state \[y; w\] to the optimum.
     pub fn to_optimum(&mut self, state: &[Panel], direction: &mut [Panel]) {
         let ConjugateDirections { width, count, panels, parts, .. } = self;
         let directions = panels.chunks_exact(2 * (*width).max(1)).take(*count);
@@ -119,7 +119,7 @@ impl ConjugateDirections {
         add_all(direction, parts.iter().copied().zip(directions));
     }
 
-    /// The same from a state that was the optimum before the last edge joined.
+    /// The same step if the state was the optimum before the last edge was added.
     pub fn to_optimum_along_last(&self, state: &[Panel], direction: &mut [Panel]) {
         let last = self.last();
         let part = -dot(&last[..self.width], &state[self.width..]);
@@ -157,7 +157,7 @@ mod tests {
             rng.shuffle(&mut outside);
             rng.shuffle(&mut members);
             let mut state = [[0.0; WIDTH]; 2];
-            state[1][..N].fill_with(|| rng.f64() - 0.5); // q, of which what is outside must not count
+            state[1][..N].fill_with(|| rng.f64() - 0.5); // q; its entries outside the basis must not count
             let mut direction = [[0.0; WIDTH]; 2];
             directions.to_optimum(&state, &mut direction);
             if let Some(new) = outside.pop_if(|_| rng.f64() < 0.6 || members.is_empty()) {
@@ -167,7 +167,7 @@ mod tests {
                 directions.to_optimum(&state, &mut direction);
             } else if let Some(old) = members.pop() {
                 directions.remove(old);
-                directions.project_out(old, &mut direction); // which must leave it with what the others would have aimed at
+                directions.project_out(old, &mut direction); // leaves the step to the optimum of the remaining edges
                 outside.push(old);
             }
             let block = matrix.select_rows(&members).select_columns(&members);

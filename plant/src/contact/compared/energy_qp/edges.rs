@@ -1,26 +1,26 @@
-//! The contact problem along the edges of its cones: f = Σ y_r e_r, and each edge's w_r = e_r·v = (Q y + q)_r.
+//! The contact problem along the edges of the friction cones: f = Σ y_r e_r, and w_r = e_r·v = (Q y + q)_r for each edge.
 //!
-//! Each cone is spanned by its edges (1, ±mu d). Q = EᵀAE has a row for each, and only those of edges that push are ever read: they
-//! are made when they are asked for.
+//! The edges (1, ±mu d) span the cone of each contact. Q = EᵀAE has a row for each edge. Only rows of basic edges are read, so they are
+//! computed on demand.
 
 use super::super::scaled_problem::ScaledProblem;
 
-/// Numbers that are worked on at once: those of the edges of four contacts, four registers full.
+/// Numbers per panel: those of the edges of four contacts, in four vector registers.
 pub(super) const WIDTH: usize = 16;
-/// A number for each of some edges; what fills up the last is zero.
+/// One number per edge, for some edges; the last panel is padded with zeros.
 pub(super) type Panel = [f64; WIDTH];
 
 /// Q and q of a problem.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edges {
     count: usize,
-    /// Edges of a contact.
+    /// Edges per contact.
     pub each: usize,
     /// 1 / |e_r|.
     inverse_norm: Vec<Panel>,
     /// q.
     drift: Vec<Panel>,
-    /// Q, of the rows that are there.
+    /// The computed rows of Q.
     matrix: Vec<Panel>,
     is_known: Vec<bool>,
     /// A e of an edge.
@@ -28,17 +28,17 @@ pub(super) struct Edges {
 }
 
 impl Edges {
-    /// Of all contacts.
+    /// Number of edges.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Panels of a number for each.
+    /// Number of panels with one number per edge.
     pub fn width(&self) -> usize {
         self.drift.len()
     }
 
-    /// Of another problem, its drift apart.
+    /// Sets another problem, without its drift.
     pub fn set(&mut self, scaled: &ScaledProblem) {
         (self.each, self.count) = (scaled.facets(), scaled.contacts * scaled.facets());
         let width = self.count.div_ceil(WIDTH);
@@ -54,7 +54,7 @@ impl Edges {
         self.is_known.resize(self.count, false);
     }
 
-    /// Of the same problem with this drift.
+    /// Sets the drift.
     pub fn set_drift(&mut self, scaled: &ScaledProblem, drift: &[f64]) {
         expand(scaled, drift, self.drift.as_flattened_mut());
     }
@@ -64,7 +64,7 @@ impl Edges {
         let range = r * self.width()..(r + 1) * self.width();
         if !self.is_known[r] {
             scaled.response(scaled.edge(r / self.each, r % self.each), &mut self.response);
-            // what was there in another problem's padding would count
+            // clears the padding, which may hold numbers of another problem
             self.matrix[range.end - 1] = [0.0; WIDTH];
             expand(scaled, &self.response, self.matrix[range.clone()].as_flattened_mut());
             self.is_known[r] = true;
@@ -72,14 +72,14 @@ impl Edges {
         &self.matrix[range]
     }
 
-    /// w of the amounts y of some edges, whose rows are there.
+    /// w for the amounts y of some edges, whose rows must be computed.
     pub fn velocity(&self, edges: &[usize], amounts: &[f64], w: &mut [Panel]) {
         w.copy_from_slice(&self.drift);
         let width = self.width();
         add_all(w, edges.iter().map(|&r| (amounts[r], &self.matrix[r * width..])));
     }
 
-    /// f of the amounts y of some edges.
+    /// f for the amounts y of some edges.
     pub fn impulse(&self, scaled: &ScaledProblem, edges: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
@@ -94,7 +94,7 @@ impl Edges {
     }
 }
 
-/// What rows of contacts are along the edges of each: normal and tangents, there and back.
+/// Transforms contact rows (normal and tangents) to values along the edges.
 fn expand(scaled: &ScaledProblem, rows: &[f64], along: &mut [f64]) {
     match scaled.tangents {
         1 => expand_each::<2, 2>(scaled, rows, along),
@@ -112,12 +112,12 @@ fn expand_each<const ROWS: usize, const EDGES: usize>(scaled: &ScaledProblem, ro
     }
 }
 
-/// The numbers of a contact's edges.
+/// The values of a contact's edges.
 pub(super) fn of_contact(numbers: &[Panel], contact: usize, each: usize) -> &[f64] {
     &numbers.as_flattened()[contact * each..][..each]
 }
 
-/// sum + weight · what.
+/// sum + weight · vector.
 #[inline(always)]
 pub(super) fn add(sum: &mut [Panel], weight: f64, what: &[Panel]) {
     for (sum, what) in sum.iter_mut().zip(what) {
@@ -129,7 +129,7 @@ pub(super) fn add(sum: &mut [Panel], weight: f64, what: &[Panel]) {
 #[inline(always)]
 pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &'a [Panel])> + Clone) {
     for (p, sum) in sum.iter_mut().enumerate() {
-        let mut total = *sum; // in registers
+        let mut total = *sum; // stays in registers
         for (weight, term) in terms.clone() {
             let term = &term[p];
             total = std::array::from_fn(|k| term[k].mul_add(weight, total[k]));
@@ -138,7 +138,7 @@ pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &
     }
 }
 
-/// Where some numbers first are what is looked for.
+/// Index of the first of some numbers that equals a given one.
 #[inline(always)]
 pub(super) fn index_of(what: f64, numbers: &Panel) -> Option<usize> {
     let places = numbers.iter().enumerate().fold(0_u32, |places, (k, number)| places | u32::from(*number == what) << k);
@@ -163,5 +163,5 @@ pub(super) fn dot(a: &[Panel], b: &[Panel]) -> f64 {
     }
     let sum: [f64; 8] = std::array::from_fn(|k| sum[k] + sum[k + 8]);
     let sum: [f64; 4] = std::array::from_fn(|k| sum[k] + sum[k + 4]);
-    (sum[0] + sum[1]) + (sum[2] + sum[3]) // a mirror image, which has there and back exchanged, has the same bits
+    (sum[0] + sum[1]) + (sum[2] + sum[3]) // in this order a mirror image, which swaps the two edges of a tangent, gives the same bits
 }

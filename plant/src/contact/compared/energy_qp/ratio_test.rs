@@ -1,35 +1,36 @@
-//! Where a piece of the path of the shift ends: at the first border that what falls along it meets.
+//! Ratio test along one piece of the shift path: the piece ends at the first breakpoint, where a value reaches zero.
 
 use super::super::super::tolerance::MIN_FALL;
 use super::super::square_cone::max_abs;
 use super::EnergyQp;
 use super::edges::{Panel, WIDTH, index_of, least};
 
-/// Where a piece of the path ends.
+/// End of a piece of the path.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Breakpoint {
-    /// τ = 0.
+    /// τ = 0: the end of the path.
     End,
-    /// An edge ceases to push.
+    /// A basic edge leaves: its amount becomes zero.
     EdgeLeaves(usize),
-    /// An edge of a contact that pushes begins to.
+    /// An edge of an active contact enters: its velocity becomes zero.
     EdgeEnters(usize),
-    /// A contact begins to.
+    /// A contact becomes active.
     ContactCloses(usize),
 }
 
-/// Of each edge how high it is above its border, and how fast it rises while τ falls by 1: amounts of those that push, velocities of
-/// those that do not. Of a contact that does not push it is all of it.
+/// For each edge, a value that must not become negative, and its slope while τ falls by 1. The value is the amount of a basic edge, or the
+/// velocity of a nonbasic one. All edges of an open contact share its normal velocity.
 #[derive(Clone, Debug, Default)]
 pub(super) struct RatioTest {
     values: Vec<Panel>,
     slopes: Vec<Panel>,
-    /// How far it is to each.
+    /// Distance to the breakpoint of each edge.
     ratios: Vec<Panel>,
 }
 
 impl RatioTest {
-    /// From the state along the course. The numbers of edges with which each contact pushes, and how far each slip is from the shift.
+    /// Computes values and slopes from the state and the direction. `pushing` counts the basic edges of each contact; `defect` is the slip
+    /// minus the shift of each contact.
     pub fn set(&mut self, program: &EnergyQp, direction: &[Panel], tau: f64, pushing: &[usize], defect: &[f64]) {
         let (each, width) = (program.edges.each, program.edges.width());
         for (list, both) in [(&mut self.values, &*program.state), (&mut self.slopes, direction)] {
@@ -45,7 +46,7 @@ impl RatioTest {
         }
     }
 
-    /// Of contacts that do not push, how fast they move up without a shift, and how that changes.
+    /// Values of open contacts: their normal velocity without shift, and its slope.
     fn set_open_contacts<const EDGES: usize>(&mut self, tau: f64, pushing: &[usize], defect: &[f64]) {
         let values = self.values.as_flattened_mut().as_chunks_mut::<EDGES>().0;
         let slopes = self.slopes.as_flattened_mut().as_chunks_mut::<EDGES>().0;
@@ -57,7 +58,8 @@ impl RatioTest {
         }
     }
 
-    /// Which way is ahead, 1 forwards and -1 backwards: away from the border behind, at which nothing else is met.
+    /// Sign of the direction along the path, 1 forwards and -1 backwards, that leads away from the last breakpoint. Excludes that
+    /// breakpoint from the test.
     pub fn direction_sign(&mut self, behind: Breakpoint, pushing: &[usize], each: usize) -> f64 {
         let (r, alone) = match behind {
             Breakpoint::EdgeEnters(r) => (r, true),
@@ -71,7 +73,7 @@ impl RatioTest {
         sign
     }
 
-    /// How far it is to the nearest border but `end`, and whose it is.
+    /// Distance to the nearest breakpoint before `end`, and its edge.
     pub fn first_breakpoint(&mut self, direction: &[Panel], sign: f64, end: f64) -> (f64, Option<usize>) {
         let flat = MIN_FALL * max_abs(direction.as_flattened());
         let RatioTest { values, slopes, ratios } = self;

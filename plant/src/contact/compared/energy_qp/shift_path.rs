@@ -1,13 +1,14 @@
-//! Coulomb's law at the optimum of the energy program: its normal rows are shifted by mu |v_F| of what slides.
+//! Coulomb's law from the energy program: the normal rows of sliding contacts are shifted by mu |v_F|.
 //!
-//! The optimum has v_N >= mu |v_F|. Where nothing slides that is Coulomb's law, and with a shift that is what its slip asks for it is
-//! Coulomb's law everywhere (De Saxcé; Acary & Cadoux). While the same edges push, the slip is an affine function of the shift. So
-//! Newton's method has the answer at once, unless on the way an edge ceases to push or begins to. There it goes on with what pushes
-//! then, and so on: along a path from piece to piece on which slip − shift = τ times what it was at the beginning, to τ = 0.
+//! The optimum of the program has v_N >= mu |v_F|. Without sliding, that is Coulomb's law. With a shift that equals mu times the slip
+//! speed, the optimum obeys Coulomb's law everywhere (De Saxcé; Acary & Cadoux). While the set of basic edges stays the same, the slip is
+//! an affine function of the shift. Newton's method then finds the shift in one step, unless an edge enters or leaves on the way. In that
+//! case the method continues with the new set of edges. So it follows a piecewise linear path on which slip − shift = τ times its initial
+//! value, from τ = 1 to τ = 0.
 //!
-//! A piece where the path can only go backwards is gone through backwards. Where it leads back to the beginning it is given up, and
-//! the program begins again from what the slip asked for there. Under one foot many pressures may be right, and then the path leads to
-//! the evenest of them; every other time to one that is near.
+//! If a piece can only be passed backwards, the method passes it backwards. If the path returns to its beginning, the method gives up, and
+//! the program restarts with the shift that the slip asked for there. Under one foot many shifts may be right. The path then leads to the
+//! one with impulses of least norm, or in every second restart to one nearby.
 //!
 //! # Source
 //! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011);
@@ -22,44 +23,44 @@ use super::ratio_test::{Breakpoint, RatioTest};
 use super::shift_responses::ShiftResponses;
 use super::sliding::{SlidingContact, slip};
 
-/// Pieces of a path at most: of one that is longer another beginning is shorter.
+/// Pieces of a path at most: a restart is cheaper than a longer path.
 const MAX_PIECES: usize = 16;
 
-/// What is added to each v_N, and the path to what it should be.
+/// The shift of each v_N, and the path to its solution.
 #[derive(Clone, Debug, Default)]
 pub(in super::super) struct ShiftPath {
     pub value: Vec<f64>,
-    /// Whether of many shifts that are right the evenest is looked for.
+    /// Whether to choose, of many right shifts, the one with impulses of least norm.
     pub min_norm: bool,
-    /// What the slip asks for at the beginning of the path, and by how much that is more than there is.
+    /// mu times the slip speed at the beginning of the path, and its excess over the shift.
     target: Vec<f64>,
     defect: Vec<f64>,
-    /// Edges of each contact that push.
+    /// Number of basic edges of each contact.
     pushing: Vec<usize>,
     sliding: Vec<SlidingContact>,
     responses: ShiftResponses,
     /// 1 − dslip/dshift, column by column.
     square: Vec<f64>,
     factor: Lu,
-    /// How the shifts of the slides change while τ falls by 1, and with them \[y; w\].
+    /// Change of the shifts of sliding contacts while τ falls by 1, and the resulting change of \[y; w\].
     change: Vec<f64>,
     direction: Vec<Panel>,
     ratio_test: RatioTest,
-    /// A change that is as right, and what changes with it; impulses of the state and of both.
+    /// A change in the null space of the equations, with its change of \[y; w\]; impulses of the state and of both changes.
     null_change: Vec<f64>,
     null_direction: Vec<Panel>,
     impulses: [Vec<f64>; 3],
 }
 
 impl ShiftPath {
-    /// None, of another problem.
+    /// Resets to zero shift, for another problem.
     pub fn reset(&mut self, scaled: &ScaledProblem) {
         self.value.clear();
         self.value.resize(scaled.contacts, 0.0);
         self.responses.reset(scaled.contacts, scaled.facets());
     }
 
-    /// Makes room for as many slides as there are contacts.
+    /// Allocates for as many sliding contacts as there are contacts.
     pub fn reserve_for(&mut self, scaled: &ScaledProblem) {
         let ShiftPath { sliding, square, factor, change, direction, null_change, null_direction, impulses, .. } = self;
         let contacts = scaled.contacts;
@@ -71,8 +72,8 @@ impl ShiftPath {
         impulses.iter_mut().for_each(|list| list.reserve(scaled.drift.len()));
     }
 
-    /// From the optimum with the present shift to that of Coulomb's law. Adds the edges that join to `count`. False if the path does not
-    /// lead there; then there is another shift to begin with.
+    /// Follows the path from the optimum with the present shift to that of Coulomb's law. Adds the entering edges to `count`. False if the
+    /// path does not lead there; the shift is then that of a restart.
     pub fn follow_path(&mut self, program: &mut EnergyQp, scaled: &ScaledProblem, count: &mut u32) -> bool {
         self.responses.invalidate_if_changed(program.exchanges);
         self.begin_path(program, ZERO_AMOUNT * program.scale(scaled));
@@ -109,8 +110,8 @@ impl ShiftPath {
         false
     }
 
-    /// What pushes, and how far its slip is from the shift. What does not push is shifted by its slip whatever that is: its w stands
-    /// without. If it was shifted by more, that may have hidden that it sinks.
+    /// Computes the defect, slip − shift, of each contact at the beginning of the path. An open contact is shifted by its own slip, so its
+    /// w is stored without shift. A greater shift before may have hidden that it penetrates.
     fn begin_path(&mut self, program: &mut EnergyQp, none: f64) {
         let (each, contacts) = (program.edges.each, self.value.len());
         self.pushing.clear();
@@ -131,8 +132,8 @@ impl ShiftPath {
         }
     }
 
-    /// Contacts that push and are shifted, or may slide. What neither slips nor is shifted does not begin to before something else
-    /// changes.
+    /// Lists the active contacts that are shifted or may slide. A contact with neither slip nor shift does not start to slide before the
+    /// next breakpoint.
     fn find_sliding(&mut self, program: &EnergyQp, crossed: bool) {
         let ShiftPath { value, defect, pushing, sliding, .. } = self;
         sliding.clear();
@@ -147,7 +148,7 @@ impl ShiftPath {
         );
     }
 
-    /// Where the path goes: (1 − dslip/dshift) change = off, and what changes with that. False if that is no number.
+    /// Direction of the path: (1 − dslip/dshift) change = defect, and the resulting change of \[y; w\]. False if it is not finite.
     fn find_direction(&mut self, program: &EnergyQp, scaled: &ScaledProblem, tau: f64) -> bool {
         let ShiftPath { defect, sliding, responses, square, factor, change, direction, .. } = self;
         direction.clear();
@@ -181,7 +182,7 @@ impl ShiftPath {
         true
     }
 
-    /// Many shifts are right: where the path ends, the impulses are to have the least norm, as if contacts yielded.
+    /// If many shifts are right, turns the direction so that the impulses at its end have the least norm, as compliant contacts would have.
     fn minimise_norm(&mut self, program: &EnergyQp, scaled: &ScaledProblem, k: usize, tau: f64) {
         let ShiftPath {
             sliding,
@@ -219,8 +220,8 @@ impl ShiftPath {
         }
     }
 
-    /// Goes to the end of the piece, forwards or, where only that leads across the border behind, backwards: by how much τ falls, and
-    /// what is there. None where no end is in sight.
+    /// Goes to the next breakpoint, backwards if only that leads away from the last one. Returns by how much τ falls, and the breakpoint.
+    /// None if there is no breakpoint.
     fn go_to_breakpoint(&mut self, program: &mut EnergyQp, tau: f64, crossed: Breakpoint) -> Option<(f64, Breakpoint)> {
         let ShiftPath { defect, pushing, direction, ratio_test, .. } = self;
         let each = program.edges.each;
@@ -238,13 +239,13 @@ impl ShiftPath {
         along.is_finite().then_some((along, breakpoint))
     }
 
-    /// Goes along the course by so much of τ.
+    /// Moves along the direction by a change of τ.
     fn advance(&mut self, program: &mut EnergyQp, along: f64) {
         add(&mut program.state, along, &self.direction);
         parts(&self.change, &self.sliding).for_each(|(change, contact)| self.value[contact] += along * change);
     }
 
-    /// Edge r begins to push; false if it depends on those that do.
+    /// Makes edge r basic; false if it depends on the basic edges.
     fn enter(&mut self, program: &mut EnergyQp, scaled: &ScaledProblem, r: usize) -> bool {
         let joined = program.make_basic(scaled, r);
         if joined {
@@ -254,7 +255,8 @@ impl ShiftPath {
         joined
     }
 
-    /// Edge r ceases to push. The one that begins to instead, if the contact sticks with three: friction along the pair of r turns.
+    /// Makes edge r nonbasic. If the contact sticks with three edges, returns the edge opposite to r, which enters instead: friction along
+    /// that tangent reverses.
     fn leave(&mut self, program: &mut EnergyQp, r: usize) -> Option<usize> {
         let contact = r / program.edges.each;
         program.leave(r);
@@ -269,7 +271,7 @@ impl ShiftPath {
         turns.then_some(r ^ 1)
     }
 
-    /// The edge with which a contact begins to push, which is shifted from now on.
+    /// Makes an open contact active and gives it a shift; returns its entering edge.
     fn close_contact(&mut self, program: &mut EnergyQp, contact: usize, tau: f64) -> usize {
         let w = program.velocity_of(contact);
         let (target, edge) = slip(w);
@@ -279,7 +281,7 @@ impl ShiftPath {
         contact * program.edges.each + edge
     }
 
-    /// What the path has led to.
+    /// Sets the shifts at the end of the path.
     fn finish(&mut self, program: &mut EnergyQp) {
         for contact in 0..self.value.len() {
             if self.pushing[contact] == 0 {
@@ -290,7 +292,7 @@ impl ShiftPath {
     }
 }
 
-/// What of a change is that of which contact.
+/// The change of each sliding contact, with the contact.
 fn parts(change: &[f64], sliding: &[SlidingContact]) -> impl Iterator<Item = (f64, usize)> + Clone {
     change.iter().copied().zip(sliding.iter().map(|contact_slip| contact_slip.contact))
 }

@@ -1,23 +1,23 @@
-//! What the shift of a contact changes, \[dy; dw\] for one more of it: made when it is asked for, and kept while edges join and leave.
+//! Responses \[dy; dw\] to a unit shift of one contact. They are computed on demand, and updated when an edge enters or leaves.
 
 use super::conjugate_directions::ConjugateDirections;
 use super::edges::{Panel, WIDTH, add, add_all, of_contact};
 
-/// Of all contacts, those that are known.
+/// The responses of some contacts.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ShiftResponses {
-    /// Numbers of edges of a contact, of contacts, and of panels of a response.
+    /// Edges per contact, and panels per response.
     each: usize,
     length: usize,
     known: Vec<bool>,
     panels: Vec<Panel>,
-    /// How many exchanges they know of.
+    /// Number of basis exchanges that the responses include.
     exchanges: u32,
     parts: Vec<f64>,
 }
 
 impl ShiftResponses {
-    /// None of so many contacts is known, each of which has so many edges.
+    /// Resets for so many contacts with so many edges each.
     pub fn reset(&mut self, contacts: usize, each: usize) {
         (self.each, self.length) = (each, 2 * (contacts * each).div_ceil(WIDTH));
         self.known.clear();
@@ -27,7 +27,7 @@ impl ShiftResponses {
         self.parts.reserve(contacts * each);
     }
 
-    /// None is known any more if there have been other exchanges than these know of.
+    /// Invalidates all responses if there have been other basis exchanges.
     pub fn invalidate_if_changed(&mut self, exchanges: u32) {
         if self.exchanges != exchanges {
             self.known.fill(false);
@@ -35,7 +35,7 @@ impl ShiftResponses {
         }
     }
 
-    /// Makes that of a contact, if it is not known.
+    /// Computes the response of a contact, unless it is known.
     pub fn compute(&mut self, contact: usize, directions: &ConjugateDirections) {
         if std::mem::replace(&mut self.known[contact], true) {
             return;
@@ -48,17 +48,17 @@ impl ShiftResponses {
         directions.add(&self.parts, response);
     }
 
-    /// What w of each edge that of a contact changes.
+    /// Change of all w with the shift of a contact.
     pub fn velocity(&self, contact: usize) -> &[f64] {
         self.panels[contact * self.length..][self.length / 2..self.length].as_flattened()
     }
 
-    /// Adds those of some contacts to a course.
+    /// Adds the weighted responses of some contacts to a direction.
     pub fn add(&self, parts: impl Iterator<Item = (f64, usize)> + Clone, direction: &mut [Panel]) {
         add_all(direction, parts.map(|(part, contact)| (part, &self.panels[contact * self.length..][..self.length])));
     }
 
-    /// An edge has joined.
+    /// Updates the responses after an edge has entered.
     pub fn edge_entered(&mut self, directions: &ConjugateDirections) {
         self.exchanges += 1;
         let (each, last) = (self.each, directions.last());
@@ -67,20 +67,20 @@ impl ShiftResponses {
         }
     }
 
-    /// Edge r has left.
+    /// Updates the responses after edge r has left.
     pub fn edge_left(&mut self, r: usize, directions: &ConjugateDirections) {
         self.exchanges += 1;
         self.known().for_each(|(_, response)| directions.project_out(r, response));
     }
 
-    /// Contacts and responses.
+    /// Contacts with known responses.
     fn known(&mut self) -> impl Iterator<Item = (usize, &mut [Panel])> {
         let responses = self.panels.chunks_exact_mut(self.length.max(1)).enumerate();
         responses.zip(&self.known).filter_map(|(response, known)| known.then_some(response))
     }
 }
 
-/// Of a contact's edges.
+/// Sum over a contact's edges.
 fn sum(edges: &[f64]) -> f64 {
     match *edges {
         [a, b, c, d] => (a + b) + (c + d),

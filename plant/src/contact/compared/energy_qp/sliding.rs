@@ -1,27 +1,27 @@
-//! Which contacts slide, and what their speed of slip is: half the difference of the w of two edges.
+//! Sliding contacts and their slip speed: half the difference of w of two opposite edges.
 
 use super::EnergyQp;
 use super::edges::of_contact;
 
-/// A contact that pushes and slides.
+/// An active contact, with the direction in which it slides.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlidingContact {
     pub contact: usize,
-    /// First of the pair of edges along which it slides, and half its sign; zero where it sticks.
+    /// First edge of the tangent along which it slides, and half the sign of the slip; zero if it sticks.
     pair: usize,
     side: f64,
 }
 
 impl SlidingContact {
-    /// mu times the speed, of velocities w.
+    /// mu times the slip speed, for velocities w.
     pub fn speed(&self, w: &[f64]) -> f64 {
         self.side * (w[self.pair + 1] - w[self.pair])
     }
 
-    /// Of a contact that pushes. Of one that brakes with one edge of a pair we know which way.
+    /// The sliding direction of an active contact. If one edge of a tangent is basic and the other is not, that edge opposes the slip.
     pub fn of(program: &EnergyQp, contact: usize) -> SlidingContact {
         let each = program.edges.each;
-        let pairs = (1 << each) / 3; // a bit for the first edge of each
+        let pairs = (1 << each) / 3; // a bit for the first edge of each tangent
         let pushes = program.basic_edges_of(contact);
         let (first, second) = (pushes & pairs, pushes >> 1 & pairs);
         let (held, braking) = (first & second, first ^ second);
@@ -35,13 +35,13 @@ impl SlidingContact {
         SlidingContact { contact, pair: contact * each + edge / 2 * 2, side: if edge % 2 == 0 { 0.5 } else { -0.5 } }
     }
 
-    /// Whether it does not slide.
+    /// Whether it sticks.
     pub fn sticks(&self) -> bool {
         self.side == 0.0
     }
 }
 
-/// How a contact slips, by the w of its edges: mu times the speed, and which edge brakes it.
+/// Slip of a contact from w of its edges: mu times the speed, and the edge that opposes it.
 pub(super) fn slip(w: &[f64]) -> (f64, usize) {
     let mut most = (0.0, 0);
     for (pair, w) in w.chunks_exact(2).enumerate() {

@@ -1,4 +1,4 @@
-//! The algebra of the cone L = {x_N ≥ |x_F|}: Jordan product, scaling, and the way to its border.
+//! Algebra of the cone L = {x_N ≥ |x_F|}: Jordan product, scaling, and distance to the boundary.
 
 use super::super::super::projection::norm;
 
@@ -43,7 +43,7 @@ pub(super) fn axpy(a: Vector, share: f64, b: Vector) -> Vector {
     [0, 1, 2].map(|k| a[k] + share * b[k])
 }
 
-/// x_N² − |x_F|², by its factors.
+/// Determinant x_N² − |x_F|², as a product, which cancels less.
 pub(super) fn determinant(x: Vector) -> f64 {
     let length = norm(x[1], x[2]);
     (x[0] - length) * (x[0] + length)
@@ -60,7 +60,7 @@ pub(super) fn jordan_solve(a: Vector, b: Vector) -> Vector {
     [normal, (b[1] - normal * a[1]) / a[0], (b[2] - normal * a[2]) / a[0]]
 }
 
-/// The greatest s for which x + s d is in the cone, x being inside.
+/// The greatest s for which x + s d is in the cone; x must be inside.
 pub(super) fn max_step(x: Vector, d: Vector) -> f64 {
     let product = |a: Vector, b: Vector| a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
     let (a, b, c) = (product(d, d), product(x, d), determinant(x));

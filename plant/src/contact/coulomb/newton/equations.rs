@@ -1,12 +1,12 @@
-//! The unknowns of Newton's method as columns of G, which says where each pushes, and their equations as rows of R, which says where each
-//! reads. The table is that of [`super`].
+//! Unknowns and equations of the Newton method, after the table in [`super`]. The columns of G map unknowns to impulses. The rows of R map
+//! velocities to equations.
 
 use super::super::super::round_cones::{RoundCones, contact_rows};
 use super::super::ContactMode;
 use super::super::patch::{LINK_DOFS, LinkContacts, Patch};
 use super::modes::ModeWeights;
 
-/// One unknown: where it pushes, and where its equation reads.
+/// One unknown, with its column of G and its row of R.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Unknown {
     Patch { group: usize, column: usize },
@@ -15,7 +15,7 @@ pub(super) enum Unknown {
     Transverse(usize),
 }
 
-/// G and R by their unknowns.
+/// G and R.
 pub(super) struct Equations<'a> {
     pub cones: &'a RoundCones,
     pub groups: &'a [LinkContacts],
@@ -24,7 +24,7 @@ pub(super) struct Equations<'a> {
 }
 
 impl Equations<'_> {
-    /// Entries of a column of G.
+    /// Calls `entry` for each nonzero of a column of G.
     #[inline(always)]
     pub fn scatter(&self, unknown: Unknown, mut entry: impl FnMut(usize, f64)) {
         match unknown {
@@ -58,7 +58,7 @@ impl Equations<'_> {
         }
     }
 
-    /// What the rows of R make of numbers by rows; those of a patch at once.
+    /// R times a vector of contact rows. All rows of a patch are computed at its first unknown.
     pub fn gather(&self, unknowns: &[Unknown], rows: &[f64], values: &mut Vec<f64>) {
         for unknown in unknowns {
             match *unknown {

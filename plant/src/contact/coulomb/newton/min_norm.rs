@@ -1,7 +1,8 @@
-//! The evenest pressure, where one link's contacts push in more ways than the link can move.
+//! Normal impulses of least norm, for links with more active contacts than independent normal directions.
 //!
-//! More than three contacts of a rigid link that slip have pressures which A cannot tell apart. They move nothing but by their friction, so of
-//! them the least norm is asked for: rows of (1 − N Nᵀ) f_N = 0 are added, N an orthonormal basis of the pressures that A can feel.
+//! Four or more slipping contacts of a rigid link have normal impulses that A cannot tell apart. These impulses differ in their friction
+//! only. Of them, the method takes those of least norm. It adds the rows (1 − N Nᵀ) f_N = 0 to the equations, where N is an orthonormal
+//! basis of the range of A for the normals.
 
 use super::super::super::round_cones::RoundCones;
 use super::super::super::tolerance::{SOLVED, UNCHANGED};
@@ -10,7 +11,7 @@ use super::equations::{Equations, Unknown};
 use super::{MAX_REFINEMENTS, PatchNewton};
 
 impl PatchNewton {
-    /// Whether a link's contacts that do not stick together push in more ways than it can move.
+    /// Whether a link without a patch has more active contacts than independent normal directions.
     pub(super) fn is_pressure_redundant(&mut self, cones: &RoundCones) -> bool {
         let PatchNewton { groups, contacts, patch, .. } = self;
         let mut redundant = false;
@@ -25,7 +26,7 @@ impl PatchNewton {
         redundant
     }
 
-    /// Takes the solution with the evenest pressure, if it obeys the law too.
+    /// Takes the solution whose normal impulses have the least norm, if it obeys the law as well.
     pub(super) fn use_min_norm_pressure(&mut self, cones: &RoundCones, iterate: &mut Iterate) {
         if !self.is_pressure_redundant(cones) {
             return;
@@ -59,8 +60,8 @@ impl PatchNewton {
 }
 
 impl Equations<'_> {
-    /// Adds that the pressure of a link without a patch is the evenest: of normal impulses that A cannot tell apart there are none. They
-    /// move nothing but by their friction, and would else be quotients of roundings.
+    /// Adds the condition that the normal impulses of a link without a patch have no part in the null space of A. That part affects the
+    /// motion through friction only, and would else be a quotient of rounding errors.
     pub(super) fn use_min_norm_pressure(&self, unknowns: &[Unknown], matrix: &mut [f64]) {
         for group in self.groups.iter().filter(|group| !group.sticks) {
             let contacts = group.first..group.end;

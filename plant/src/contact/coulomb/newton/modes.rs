@@ -1,4 +1,4 @@
-//! What each contact does: as impulse and velocity say, or as a start says.
+//! Mode of each contact: from the present impulse and velocity, or from a guess.
 
 use super::super::super::projection::norm;
 use super::super::super::round_cones::{RoundCones, contact_rows};
@@ -6,19 +6,19 @@ use super::super::super::tolerance::COMPLIANCE;
 use super::super::{ContactMode, Guess, Iterate};
 use super::PatchNewton;
 
-/// What a contact does, and the weights of its equations.
+/// Mode of a contact, and the weights of its equations.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct ModeWeights {
     pub mode: ContactMode,
     /// Direction of friction, e.
     pub along: [f64; 2],
-    /// σρ and 1 − σ.
+    /// Weights σρ of v⊥ and 1 − σ of f⊥.
     pub slip_weight: f64,
     pub friction_weight: f64,
 }
 
 impl PatchNewton {
-    /// The kinds that impulse and velocity speak for.
+    /// Sets the modes from impulse and velocity.
     pub(super) fn classify(&mut self, cones: &RoundCones, Iterate { f, v, .. }: &Iterate) {
         for group in &mut self.groups {
             let mut sticking = 0;
@@ -60,7 +60,7 @@ impl PatchNewton {
         }
     }
 
-    /// The kinds of a start, and the directions in which it slid.
+    /// Sets the modes and friction directions from a guess.
     pub(super) fn apply_guess(&mut self, cones: &RoundCones, guess: &Guess, Iterate { f, .. }: &Iterate) {
         for group in &mut self.groups {
             group.sticks = group.may_stick && guess.modes[group.first..group.end].contains(&ContactMode::Patch);
@@ -85,7 +85,7 @@ impl PatchNewton {
 }
 
 impl ModeWeights {
-    /// A contact that slides against a given direction of friction.
+    /// A contact that slides in a given direction.
     fn sliding_along(slip: [f64; 2]) -> ModeWeights {
         ModeWeights {
             mode: ContactMode::Sliding,
