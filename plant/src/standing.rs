@@ -1,23 +1,26 @@
-//! Links that stand: where nothing that pushed moved in the step before, every link that comes down to the ground is welded to it for
-//! the step. One that does not, a foot just lifted or about to land, hovers: it is only seen to that it goes on to. One that stood on
-//! less than a face in the step before, and has more of it down, lands or turns: then none is welded.
+//! Standing feet: if no active contact moved in the last step, every link on the ground is held fixed for the step.
 //!
-//! The contacts of a rigid link move with its six velocities: of their equations, three each, six are left, however many there are;
-//! on an edge five, for it may turn about that, and on a point three.
-//! With the velocities t of the links about a point c amid their contacts, and the wrenches w there,
+//! Two kinds of links are not held. An airborne foot, just lifted or about to land, has no contact impulse; it is only checked that it
+//! stays above the ground. And if a link stood on fewer points than a face before, and on more points now, it lands or turns: then no link
+//! is held, and the contacts are solved one by one.
+//!
+//! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six, to five on an edge, about
+//! which it may turn, and to three on a point. With the velocities t of the links about a point c amid their contacts, and the wrenches w
+//! there,
 //!
 //! ```text
-//!   t = Λ w + t_free = t_wanted,   Λ = YᵀY
+//!   t = Λ⁻¹ w + t_free = t_wanted,   Λ⁻¹ = J H⁻¹ Jᵀ = YᵀY
 //! ```
 //!
-//! where t_wanted closes what gaps there are and moves nothing else. Neither tangents nor a remembered basis are needed: the soles
-//! say what w is at each contact, and whether all that obeys Coulomb's law; see `weld/sole.rs`.
+//! where t_wanted closes the gaps and is zero otherwise. This needs neither tangents nor a remembered basis. The soles distribute w over
+//! their contacts, and check whether the impulses obey Coulomb's law; see `standing/sole.rs`.
 //!
-//! What Λ of two feet hardly sees (that they press against each other) yields by a hair, each contact by as much as in the full problem;
-//! and what it does not see at all is taken back, so that feet do not press against each other for what no press can change.
+//! Two feet can press against each other along directions that Λ⁻¹ hardly resolves. There, the contacts are compliant, as in the full
+//! problem. The part of w along directions that Λ⁻¹ does not resolve at all is removed, so that feet do not press against each other
+//! without effect.
 //!
 //! # Source
-//! Λ = JH⁻¹Jᵀ: Khatib (1987), the operational-space inertia's inverse, here of every foot at once.
+//! Λ = (J H⁻¹ Jᵀ)⁻¹, the operational-space inertia: Khatib (1987); here Λ⁻¹ of all feet together.
 
 mod certificate;
 mod foot;
@@ -34,33 +37,33 @@ use foot::Foot;
 use inverse_inertia::{BlockLdl, InverseInertia};
 use nalgebra::Vector3;
 
-/// More links are not welded: their contacts are solved one by one.
+/// Feet at most. With more, contacts are solved one by one.
 const MAX_FEET: usize = 4;
-/// Solutions at most: from the second on they undo the yielding, wherever Λ allows.
+/// Solutions of the linear system at most. From the second on, they undo the compliance.
 const MAX_SOLUTIONS: usize = 5;
-/// Contacts that hold a link in all its directions.
+/// Active contacts that hold a link in all its directions.
 const MIN_ACTIVE: usize = 3;
 
-/// Velocity (v at c, angular) or wrench (force, moment about c) in W.
+/// Velocity (v at c, angular) or wrench (force, moment about c), in W.
 type SpatialPair = [Vector3<f64>; 2];
-/// The same in a row, filled up so that it is worked on four at a time.
+/// The same as a row, padded to whole vector registers.
 type PaddedRow = [f64; 8];
 
-/// Room for the welded links of a step.
+/// The standing feet of a step; workspace.
 #[derive(Clone, Debug)]
 pub struct StandingFeet {
     feet: [Foot; MAX_FEET],
     airborne: [Foot; MAX_FEET],
-    /// Λ.
+    /// Λ⁻¹, the inverse operational-space inertia.
     inverse_inertia: InverseInertia,
     factored: BlockLdl,
-    /// The last solution.
+    /// Velocity change of the last solution.
     change: Vec<f64>,
     impulses: Vec<Vector3<f64>>,
 }
 
 impl StandingFeet {
-    /// Room for the feet of a model.
+    /// Allocates for the feet of a model.
     pub fn new(model: &Model) -> StandingFeet {
         let feet = || std::array::from_fn(|_| Foot::new(model));
         StandingFeet {
@@ -73,18 +76,18 @@ impl StandingFeet {
         }
     }
 
-    /// Impulses under which no foot moves, if all can be welded, by which contacts pushed in the step before, and Coulomb's law allows it.
-    /// `friction` is μ, and the radius of the disc within the cone of the law, however that is turned [-].
+    /// Impulses under which no foot moves, if all feet can be held and if Coulomb's law allows it. `was_active` tells which contacts had
+    /// impulses in the last step. `friction` is μ; `disc` is the radius of the greatest disc within the law's cone [-].
     pub fn solve(
         &mut self,
         model: &Model,
         free: &Free,
         touches: &[Touch],
         [friction, disc]: [f64; 2],
-        pushed: impl Fn(usize) -> bool,
+        was_active: impl Fn(usize) -> bool,
     ) -> Option<(Response<'_>, Report)> {
         let StandingFeet { feet, airborne, inverse_inertia, factored, change, impulses } = self;
-        let (feet, airborne) = select_feet(model, free, touches, pushed, feet, airborne)?;
+        let (feet, airborne) = select_feet(model, free, touches, was_active, feet, airborne)?;
         let speed = speed(feet, touches);
         let inverse_inertia = inverse_inertia.fill(model, feet);
         let factored = inverse_inertia.factorize(feet, if feet.len() > 1 { COMPLIANCE } else { 0.0 }, factored)?;
@@ -101,12 +104,13 @@ impl StandingFeet {
     }
 }
 
-/// The feet that are welded, if all can be: where they are, their free motion and what is wanted of it, and Y. And those that hover.
+/// Sorts the links into held feet and airborne feet, and prepares the held ones: position, free motion, wanted motion, and Y. None if some
+/// foot can be neither.
 fn select_feet<'a>(
     model: &Model,
     free: &Free,
     touches: &[Touch],
-    pushed: impl Fn(usize) -> bool,
+    was_active: impl Fn(usize) -> bool,
     feet: &'a mut [Foot],
     airborne: &'a mut [Foot],
 ) -> Option<(&'a mut [Foot], &'a [Foot])> {
@@ -120,7 +124,7 @@ fn select_feet<'a>(
             airborne_count += 1;
             continue;
         }
-        if own.iter().filter(|touch| pushed(touch.id)).count() < own.len().min(MIN_ACTIVE) {
+        if own.iter().filter(|touch| was_active(touch.id)).count() < own.len().min(MIN_ACTIVE) {
             return None;
         }
         count += 1;
@@ -132,7 +136,7 @@ fn select_feet<'a>(
     Some((&mut feet[..count], &airborne[..airborne_count]))
 }
 
-/// w for t = t_wanted, and t.
+/// Solves t = t_wanted for w, and computes t.
 fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &mut [Foot], friction: f64, speed: f64) {
     feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, SpatialPair::default()));
     let mut before = f64::INFINITY;
@@ -149,7 +153,7 @@ fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &
         }
         let left = feet.iter().map(Foot::error_bound).fold(0.0, f64::max);
         if left > STANDING_REDUCTION * before {
-            // it pushes the feet against each other and changes nothing, nor did the solutions before, each by as much
+            // no progress: the solutions only add opposing forces of the feet, by the same amount each time, so these are removed
             for (foot, (wrench, motion)) in feet.iter_mut().zip(kept) {
                 for (now, kept) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
                     *now = kept - (*now - kept) * pass as f64;

@@ -1,13 +1,13 @@
-//! How well the impulses of feet that stand obey Coulomb's law: a bound on the natural map, for which nobody needs the matrix A.
+//! Certificate of standing feet: a bound on the natural map that does not need A.
 //!
-//! The impulses are within their cones, so the natural map of a contact, |f − P_K(f − (F/V) v̂)|/F, is no more than |v̂|/V: no projection on
-//! a cone moves two points further apart. V is the greatest speed of a contact without impulse, as in the certificate of the full problem.
+//! The impulses lie within their cones, and a projection on a cone does not increase distances. So the natural map of a contact, |f − P_K(f
+//! − (F/V) v̂)|/F, is at most |v̂|/V. V is the greatest speed of a contact without impulse, as in the certificate of the full problem.
 
 use super::foot::Foot;
 use crate::contact::{Report, relative};
 use crate::detect::Touch;
 
-/// The residuals of a solution; V is `speed`.
+/// The residuals of a solution. `speed` is V.
 pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, speed: f64) -> Report {
     let mut left = 0.0_f64;
     for foot in feet {
@@ -26,7 +26,7 @@ pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, speed: f64
     Report { natural_map, own: natural_map, signorini: natural_map, energy_gain, work, warm: true, ..Report::default() }
 }
 
-/// V: the greatest speed of a contact without impulse, downwards where it closes its gap within the step and along the ground.
+/// V: the greatest speed of a contact without impulse. Its normal part counts only if it closes more than the gap within the step.
 pub(super) fn speed(feet: &[Foot], touches: &[Touch]) -> f64 {
     let mut speed = 0.0_f64;
     for foot in feet {

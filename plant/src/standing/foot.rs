@@ -1,4 +1,4 @@
-//! One foot on its contacts, and how it moves.
+//! One foot on its contacts, and its motion.
 
 use super::sole::Sole;
 use super::{PaddedRow, SpatialPair, padded, point_velocity, unpadded};
@@ -14,11 +14,11 @@ pub(super) struct Foot {
     /// Its first contact.
     pub first: usize,
     pub sole: Sole,
-    /// K of its six velocities, where it is held, a row for each degree of freedom of its path; once welded, Y = √D⁻¹ L⁻ᵀK.
+    /// J of its six velocities without free axes, one row for each degree of freedom of its path. Once prepared: Y = √D⁻¹ L⁻ᵀJᵀ.
     pub rows: Vec<PaddedRow>,
-    /// Its velocity at the end of the step if nothing touched.
+    /// Velocity at the end of the step without contact.
     pub free: SpatialPair,
-    /// What of it K gains on the way there.
+    /// Change of that velocity from the change of J within the step.
     velocity_gain: SpatialPair,
     wanted: SpatialPair,
     /// t.
@@ -28,13 +28,13 @@ pub(super) struct Foot {
 }
 
 impl Foot {
-    /// Room for the contacts of any link of a model.
+    /// Allocates for the contacts of any link of a model.
     pub fn new(model: &Model) -> Foot {
         Foot { sole: Sole::new(model.contact_points.len()), rows: Vec::with_capacity(model.dofs()), ..Foot::default() }
     }
 
-    /// Becomes the foot on these contacts, the first of all being `first`; finds its free motion, but for turning where they do not hold
-    /// it.
+    /// Sets the foot on these contacts; `first` is the index of the first of them. Computes its free motion, except rotation about its free
+    /// axes.
     pub fn set(&mut self, model: &Model, free: &Free, first: usize, touches: &[Touch]) {
         (self.link, self.first) = (touches[0].link, first);
         self.sole.set(touches);
@@ -54,7 +54,7 @@ impl Foot {
         self.free = [linear + velocity_gain, angular + angular_gain];
     }
 
-    /// Velocity of its contacts at the end of the step when it moves by t.
+    /// Velocities of its contacts at the end of the step, if it moves with t.
     pub fn velocities<'a>(
         &'a self,
         t: &'a SpatialPair,
@@ -66,12 +66,12 @@ impl Foot {
         })
     }
 
-    /// Whether the motion t keeps it above the ground for the step.
+    /// Whether it stays above the ground during the step, if it moves with t.
     pub fn stays_above(&self, t: &SpatialPair, touches: &[Touch]) -> bool {
         self.velocities(t, touches).all(|(v, touch)| v.z + touch.approach > 0.0)
     }
 
-    /// The same if it hovers, after a change of the robot's velocity.
+    /// The same for an airborne foot, after a change of the robot's velocity.
     pub fn stays_above_after(&self, model: &Model, touches: &[Touch], change: &[f64]) -> bool {
         let paired = self.rows.iter().zip(model.path(self.link));
         let t = paired
@@ -79,7 +79,7 @@ impl Foot {
         self.stays_above(&unpadded(&t), touches)
     }
 
-    /// Gets ready to be welded; none where [`Sole::prepare`] has none.
+    /// Prepares the foot to be held; none if [`Sole::prepare`] fails.
     pub fn prepare(&mut self, touches: &[Touch]) -> Option<()> {
         self.sole.prepare()?;
         let velocity_gain = self.velocity_gain;
@@ -89,12 +89,12 @@ impl Foot {
         Some(())
     }
 
-    /// What is wanted of its motion and lacks.
+    /// Difference between its wanted motion and its motion.
     pub fn velocity_error(&self) -> SpatialPair {
         [self.wanted[0] - self.motion[0], self.wanted[1] - self.motion[1]]
     }
 
-    /// No less than any contact moves otherwise than it should [m/s].
+    /// Upper bound on the velocity error of its contacts [m/s].
     pub fn error_bound(&self) -> f64 {
         let [linear, angular] = self.velocity_error();
         linear.norm() + angular.norm() * self.sole.reach

@@ -1,32 +1,32 @@
-//! Λ of the feet in blocks of three: force on force, force on moment, and so on; its factor, and solutions.
+//! Λ⁻¹ of the feet in 3×3 blocks (force-force, force-moment, and so on), its factorisation and solution.
 //!
-//! The factors are those of row by row, LDLᵀ with L unit triangular, but worked on by blocks; nowhere is a block inverted, which where
-//! feet press against each other would lose what the contacts yield by.
+//! The factors are those of the scalar LDLᵀ factorisation with L unit triangular, computed by blocks. No block is inverted: inverses would
+//! lose the compliance where feet press against each other.
 
 use super::foot::Foot;
 use super::{MAX_FEET, PaddedRow, SpatialPair};
 use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 
-/// Blocks of a row.
+/// Blocks per row.
 const BLOCK_ROWS: usize = 2 * MAX_FEET;
 
-/// A symmetric matrix, of which the lower blocks count.
+/// A symmetric matrix; only its lower blocks are stored.
 #[derive(Clone, Debug, Default)]
 pub(super) struct InverseInertia([[Matrix3<f64>; BLOCK_ROWS]; BLOCK_ROWS]);
 
-/// Its factors LDLᵀ.
+/// Its LDLᵀ factorisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BlockLdl {
     /// LD below the diagonal.
     scaled: [[Matrix3<f64>; BLOCK_ROWS]; BLOCK_ROWS],
-    /// L there.
+    /// L below the diagonal.
     below: [[Matrix3<f64>; BLOCK_ROWS]; BLOCK_ROWS],
-    /// What each block on the diagonal is made of.
+    /// Factorisations of the diagonal blocks.
     diagonal: [Ldl3; BLOCK_ROWS],
 }
 
-/// A three by three LDLᵀ: l_21, l_31, l_32, and D⁻¹.
+/// LDLᵀ of a 3×3 block: l_21, l_31, l_32, and D⁻¹.
 #[derive(Clone, Copy, Debug, Default)]
 struct Ldl3 {
     l: [f64; 3],
@@ -34,7 +34,7 @@ struct Ldl3 {
 }
 
 impl InverseInertia {
-    /// Λ = YᵀY of the feet.
+    /// Λ⁻¹ = YᵀY of the feet.
     pub fn fill(&mut self, model: &Model, feet: &[Foot]) -> &InverseInertia {
         for (i, a) in feet.iter().enumerate() {
             for (j, b) in feet[..=i].iter().enumerate() {
@@ -45,7 +45,7 @@ impl InverseInertia {
         self
     }
 
-    /// Sets the six rows and columns where foot i meets foot j <= i: the product of what their rows of Y share.
+    /// Sets the block of feet i and j <= i: the product of the rows of Y that both share.
     fn put(&mut self, i: usize, j: usize, a: &[PaddedRow], b: &[PaddedRow]) {
         let mut product = [PaddedRow::default(); 6];
         for (a, b) in a.iter().zip(b) {
@@ -58,13 +58,13 @@ impl InverseInertia {
         }
     }
 
-    /// Block of a row and a column, times x.
+    /// Product of one block and x.
     #[inline(always)]
     fn block_times(&self, row: usize, column: usize, x: &Vector3<f64>) -> Vector3<f64> {
         if row >= column { self.0[row][column] * x } else { self.0[column][row].tr_mul(x) }
     }
 
-    /// The factor, with every contact yielding by this part of what the first foot does; none unless positive definite.
+    /// Factorises, with each contact compliant by this part of the first foot's translational mobility. None unless positive definite.
     pub fn factorize<'a>(
         &self,
         feet: &[Foot],
@@ -87,7 +87,7 @@ impl InverseInertia {
         Some(factored)
     }
 
-    /// Velocity t of foot i.
+    /// Velocity t of foot i under the wrenches of all feet.
     pub fn times(&self, i: usize, feet: &[Foot]) -> SpatialPair {
         let [mut linear, mut angular] = feet[i].free;
         for (j, foot) in feet.iter().enumerate() {
@@ -119,9 +119,9 @@ impl BlockLdl {
 }
 
 impl Ldl3 {
-    /// Of a symmetric matrix; none unless it is positive definite.
+    /// Factorises a symmetric matrix; none unless it is positive definite.
     fn of(a: &Matrix3<f64>) -> Option<Ldl3> {
-        // a_11 times the second row of what the first leaves, so that two divisions need not wait for each other
+        // a_11 times the second pivot, so that the two divisions can run in parallel
         let (minor, across) = (a.m11 * a.m22 - a.m21 * a.m21, a.m11 * a.m32 - a.m21 * a.m31);
         let (first, second) = (1.0 / a.m11, 1.0 / minor);
         let l = [a.m21 * first, a.m31 * first, across * second];

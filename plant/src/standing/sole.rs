@@ -1,29 +1,29 @@
-//! What a wrench on a sole is at its contacts: pressure linear over the sole, and friction in proportion to the pressure.
+//! Distribution of a wrench over the contacts of a sole: normal impulses linear over the sole, friction in proportion to them.
 //!
-//! Contacts at d_i from c, q_i = (1, x_i, y_i), carry
+//! Contacts at d_i from c, with q_i = (1, x_i, y_i), carry
 //!
 //! ```text
 //!   n_i = q_i·N⁻¹(F_z, -m_y, m_x),   N = Σ q_i q_iᵀ
 //!   f_i = n_i (s + γ z × (d_i − r)), s = F/F_z, γ = (m_z − r × F)/Σ n_i|d_i − r|²
 //! ```
 //!
-//! with r the centre of pressure. Of all pressures with that load these have the least norm; a contact that would pull is left out.
-//! Contacts on one line do not hold the link against turning about it, nor one contact at all: about these axes there is neither a
-//! moment nor anything to be solved for, and N⁻¹ is the inverse where N has one.
+//! where r is the centre of pressure. Of all normal impulses with that load, these have the least norm. A contact that would pull is left
+//! out. Contacts on one line do not hold the link against rotation about that line, and a single contact holds no rotation at all. About
+//! these free axes there is no moment and no unknown, and N⁻¹ is the pseudoinverse.
 //!
-//! Nothing slips, so wherever |f_F| <= μ f_N the impulses obey Coulomb's law.
+//! No contact slips, so the impulses obey Coulomb's law wherever |f_F| <= μ f_N.
 
 use super::SpatialPair;
 use crate::contact::{COLLINEAR, PULL_ROUNDING};
 use crate::detect::Touch;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// Trials of what the friction is in proportion to.
+/// Trials of the friction weights at most.
 const MAX_TRIALS: usize = 8;
-/// What would slip takes so much less of it: somewhat more than it must, so that few trials are enough.
+/// Factor by which the friction weight of a slipping contact is reduced beyond the necessary [-], so that few trials suffice.
 const OVERREDUCTION: f64 = 1.5;
 
-/// The contacts of a link, seen from amid them.
+/// The contacts of a link, relative to a point amid them.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sole {
     /// c, from O [m].
@@ -34,16 +34,16 @@ pub(super) struct Sole {
     pub reach: f64,
     /// N⁻¹ of all contacts.
     moment_inverse: Matrix3<f64>,
-    /// The projection on the axes about which they do not hold the link: zero but for contacts on one line.
+    /// Projection on the free axes, about which the contacts do not hold the link; zero unless they are on one line.
     pub free_axes: Matrix3<f64>,
-    /// Of each contact: the load, what friction is in proportion to, and the friction.
+    /// For each contact: normal impulse, friction weight, and friction impulse.
     pressure: Vec<f64>,
     weights: Vec<f64>,
     friction_forces: Vec<Vector2<f64>>,
 }
 
 impl Sole {
-    /// Room for so many contacts.
+    /// Allocates for so many contacts.
     pub fn new(contacts: usize) -> Sole {
         Sole {
             arms: Vec::with_capacity(contacts),
@@ -54,10 +54,10 @@ impl Sole {
         }
     }
 
-    /// Becomes the sole of a link's contacts.
+    /// Sets the contacts of a link.
     pub fn set(&mut self, touches: &[Touch]) {
         self.centre = touches.iter().map(|touch| touch.arm).sum::<Vector3<f64>>() / touches.len() as f64;
-        self.centre.z = touches[0].arm.z; // all are at the height of the ground
+        self.centre.z = touches[0].arm.z; // all contacts are at the height of the ground
         self.arms.clear();
         self.arms.extend(touches.iter().map(|touch| touch.arm - self.centre));
         self.free_axes = match &self.arms[..] {
@@ -67,7 +67,7 @@ impl Sole {
         };
     }
 
-    /// Gets ready to carry a wrench; none if three contacts or more are on one line.
+    /// Prepares the sole to carry a wrench; none if three or more contacts are on one line.
     pub fn prepare(&mut self) -> Option<()> {
         self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
         self.moment_inverse = match &self.arms[..] {
@@ -81,8 +81,8 @@ impl Sole {
         Some(())
     }
 
-    /// How it yields to force and moment if each contact yields by `relative_compliance`: N⁻¹ for what presses, 1/Σ1 and 1/Σ|d|² for what rubs; by one
-    /// where it is loose.
+    /// Compliance of the sole to force and moment if each contact has this compliance: N⁻¹ for normal forces, 1/Σ1 and 1/Σ|d|² for
+    /// friction. It is one along free axes.
     pub fn compliance(&self, relative_compliance: f64) -> [Matrix3<f64>; 2] {
         let (n, s) = (self.arms.len() as f64, &self.moment_inverse);
         let angular = self.arms.iter().map(|d| d.xy().norm_squared()).sum::<f64>();
@@ -92,14 +92,14 @@ impl Sole {
         [force * relative_compliance, moment * relative_compliance + self.free_axes]
     }
 
-    /// The velocity that brings every contact as near as its step lets it come, and nothing else.
+    /// The velocity that brings every contact as far down as its allowed approach, and is zero otherwise.
     pub fn closing_velocity(&self, touches: &[Touch], approach: impl Fn(&Vector3<f64>, &Touch) -> f64) -> SpatialPair {
         let approach = |(d, touch): (&Vector3<f64>, &Touch)| affine_row(d) * approach(d, touch);
         let fit = self.moment_inverse * self.arms.iter().zip(touches).map(approach).sum::<Vector3<f64>>();
         [Vector3::new(0.0, 0.0, -fit.x), Vector3::new(-fit.z, fit.y, 0.0)]
     }
 
-    /// The impulses that make up the wrench; none if some contact would have to pull, or slip.
+    /// Distributes the wrench over the contacts; none if a contact would have to pull or slip.
     pub fn distribute(&mut self, wrench: &SpatialPair, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
         let Sole { arms, moment_inverse, pressure, weights, friction_forces, .. } = self;
         let [force, moment] = wrench;
@@ -114,7 +114,7 @@ impl Sole {
     }
 }
 
-/// Pressures of least norm for a load (F_z, -m_y, m_x) [N·s, N·m·s], none of which pulls; `all` is N⁻¹ of all contacts.
+/// Normal impulses of least norm for a load (F_z, -m_y, m_x) [N·s, N·m·s], none of which pulls. `all` is N⁻¹ of all contacts.
 fn normal_distribution<'a>(
     arms: &[Vector3<f64>],
     all: &Matrix3<f64>,
@@ -125,7 +125,7 @@ fn normal_distribution<'a>(
     pressure.resize(arms.len(), 1.0);
     let mut fit = all * load;
     loop {
-        let mut least = -PULL_ROUNDING * load.x; // less than this is no pull
+        let mut least = -PULL_ROUNDING * load.x; // a smaller pull is rounding
         let mut worst = None;
         for (i, (n, d)) in pressure.iter_mut().zip(arms).enumerate().filter(|(_, (n, _))| **n != 0.0) {
             *n = affine_row(d).dot(&fit);
@@ -141,7 +141,7 @@ fn normal_distribution<'a>(
     }
 }
 
-/// Friction that makes up a force and a moment: in proportion to the pressure, less where that would slip.
+/// Friction impulses for a force and a moment: in proportion to the normal impulses, reduced where a contact would slip.
 fn friction_distribution<'a>(
     arms: &[Vector3<f64>],
     pressure: &[f64],
@@ -196,7 +196,7 @@ mod tests {
 
     const MU: f64 = 0.7;
 
-    /// A foot of 200 mm by 100 mm.
+    /// A sole of 200 mm by 100 mm.
     fn foot() -> Sole {
         let point = |(id, (x, y)): (usize, (f64, f64))| {
             let arm = Vector3::new(0.3 + x, y - 0.2, -0.6);
@@ -223,7 +223,7 @@ mod tests {
         (sole, wrench, found.map(|()| impulses))
     }
 
-    /// That the impulses are within the law; how far they are from making up the wrench.
+    /// Checks that the impulses are within the law; returns how far they are from the wrench.
     fn lawful(sole: &Sole, wrench: &SpatialPair, impulses: &[Vector3<f64>]) -> f64 {
         for (d, f) in sole.arms.iter().zip(impulses) {
             assert!(f.z >= 0.0 && f.xy().norm() <= MU * f.z * (1.0 + 1e-12), "{f:?} at {d:?}");
@@ -279,14 +279,14 @@ mod tests {
             ([0.101, 0.0], [0.0, 0.0], 0.0),
             ([0.0, -0.051], [0.0, 0.0], 0.0),
             ([0.0, 0.0], [0.5, 0.6], 0.0),
-            ([0.0, 0.0], [0.0, 0.0], 0.08), // more than mu times the distance of the corners
+            ([0.0, 0.0], [0.0, 0.0], 0.08), // more than mu times the distance of the contacts
         ] {
             let (.., impulses) = spread(place, friction_forces, twist);
             assert!(impulses.is_none(), "{place:?} {friction_forces:?} {twist}: {impulses:?}");
         }
     }
 
-    /// The load wanders to where a corner carries nothing, and to the edge of the sole, and by a hair beyond either.
+    /// The load moves to where a contact carries nothing, and to the edge of the sole, and slightly beyond either.
     #[test]
     fn the_wrench_is_made_up_to_rounding_however_little_a_corner_would_pull() {
         let seed = fastrand::u64(..);
@@ -296,7 +296,7 @@ mod tests {
         for _ in 0..20_000 {
             let hair = 10_f64.powf(-2.0 - 12.0 * rng.f64()) * if rng.bool() { 1.0 } else { -1.0 };
             let (along, angular_gain, far) = (0.1 + 0.8 * rng.f64(), [rng.bool(), rng.bool()], rng.bool());
-            // |x|/a + |y|/b = 1, where one corner of four carries nothing, or an edge
+            // |x|/a + |y|/b = 1, where one contact of four carries nothing, or an edge of the sole
             let [x, y] = if far { [1.0, along] } else { [along, 1.0 - along] };
             let turn = |x: f64, angular_gain: bool| if angular_gain { -x } else { x } * (1.0 + hair);
             let place = [0.1 * turn(x, angular_gain[0]), 0.05 * turn(y, angular_gain[1])];

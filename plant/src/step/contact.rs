@@ -1,4 +1,4 @@
-//! The stages of a step at contact: what touches, its impulse (14)-(22), the velocity after it.
+//! Contact stages of a step: touching points, contact impulse (14)-(22), and the velocity after it.
 
 use super::Plant;
 use super::per_contact::PerContact;
@@ -21,9 +21,9 @@ const BOUNCE_STEPS: f64 = 2.0;
 /// The points that may touch within a time.
 pub(super) struct Touches {
     pub list: Vec<Touch>,
-    /// The time [s].
+    /// That time [s].
     pub horizon: f64,
-    /// What comes down slower than this does not bounce [m/s].
+    /// Contacts that approach more slowly than this do not bounce [m/s].
     pub slow: f64,
 }
 
@@ -32,16 +32,16 @@ impl Touches {
         Touches { list: Vec::with_capacity(model.contact_points.len()), horizon: 0.0, slow: 0.0 }
     }
 
-    /// The points that may touch within a step of `h` that ends, if nothing touches, with the velocity `free`.
+    /// Lists the points that may touch within a step of `h` whose velocity without contact would be `free`.
     ///
-    /// What two steps of free fall made as fast does not bounce, or the last of the bounces would never come.
+    /// Slow contacts, whose speed two steps of free fall could have caused, do not bounce.
     pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
         (self.horizon, self.slow) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
         self
     }
 
-    /// The points inside the ground, which come out within `h`.
+    /// Lists the points inside the ground, which have to leave it within `h`.
     pub fn find_penetrating(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         self.find(world, pose, free, 0.0);
         let gravity = world.model.gravity.norm();
@@ -50,7 +50,7 @@ impl Touches {
         self
     }
 
-    /// Adds what the velocity `after` the step takes into the ground though it was not listed; whether there is any.
+    /// Adds points that were not listed but that the velocity `after` the step drives into the ground. Returns whether there are any.
     fn add_penetrating(
         &mut self,
         world: &World,
@@ -64,12 +64,13 @@ impl Touches {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
                 prediction.predict(world, memory, touches);
             }
-            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // it was thrown down within the step
+            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // contact forces within the step accelerated it, so it did not land by itself
         }
         more
     }
 
-    /// The points within `landed` of the ground, and those that pushed in the step before: no time passes, so none comes nearer.
+    /// Lists the points within `landed` of the ground, and those that were active in the step before. An impact takes no time, so no other
+    /// point can come nearer.
     pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: f64, memory: &Memory) -> &mut Touches {
         let Model { contact_points, .. } = &world.model;
         self.list.clear();
@@ -80,20 +81,20 @@ impl Touches {
                 self.list.push(Touch::new(id, point.link, arm, gap));
             }
         }
-        // the lowest first, as in a step: no result depends on how contacts are numbered
+        // lowest first, as in a step, so that no result depends on the numbering of contacts
         self.list.sort_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
         (self.horizon, self.slow) = (0.0, 0.0);
         self
     }
 }
 
-/// What contact makes of the free motion.
+/// Result of the contact stages.
 pub(super) struct Contact {
     /// ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf); between events the acceleration. (12)
     pub rate: Vec<f64>,
     /// H⁻¹KΔf.
     pub change: Vec<f64>,
-    /// Contact points and Δf on each, in W [N·s]; between events the force [N].
+    /// Contact points with their impulses Δf, in W [N·s]; between events, with their forces [N].
     pub impulses: Vec<(usize, Vector3<f64>)>,
     pub report: Report,
 }
@@ -104,14 +105,14 @@ impl Contact {
         Contact { rate, change, impulses: Vec::with_capacity(model.contact_points.len()), report: Report::default() }
     }
 
-    /// As if nothing touched.
+    /// Resets to the motion without contact.
     pub fn clear(&mut self, free: &Free) {
         self.rate.copy_from_slice(free.rate);
         self.change.fill(0.0);
         self.impulses.clear();
     }
 
-    /// With impulses on what touches.
+    /// Sets the motion with contact impulses.
     pub fn set(&mut self, free: &Free, touches: &[Touch], response: &Response, report: Report) {
         for ((rate, free), change) in self.rate.iter_mut().zip(free.rate).zip(response.change) {
             *rate = free + change;
@@ -124,7 +125,7 @@ impl Contact {
 }
 
 impl Record {
-    /// Takes impulses, or forces that act for a time.
+    /// Records impulses, or forces that act for a time.
     pub(super) fn take(&mut self, contact: &Contact, time: f64) {
         if !contact.impulses.is_empty() {
             self.note(&contact.report);
@@ -135,14 +136,14 @@ impl Record {
     }
 }
 
-/// The ways to the impulses.
+/// The solvers of the contact stages: all feet standing, or contact by contact.
 pub(super) struct Contacts {
     pub per_contact: PerContact,
     standing_feet: StandingFeet,
     pub contact: Contact,
-    /// Problems solved so far …
+    /// Problems solved so far.
     pub solved: u64,
-    /// … and those whose remembered basis was right.
+    /// Problems whose remembered basis was the solution.
     pub warm: u64,
 }
 
@@ -159,11 +160,11 @@ impl Contacts {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
-    /// Where nothing that pushed moved in the step before, feet that stand are tried first: see [`crate::standing_feet`]. What the impulses drive
-    /// into the ground though it was not listed joins, and the problem is solved again.
+    /// If no active contact moved in the step before, it first tries the case that all feet stand: see [`crate::standing`]. If the impulses
+    /// drive further points into the ground, these are added, and the problem is solved again.
     ///
     /// # Errors
-    /// If a problem was not solved as well as the scene asks, or the energy rises.
+    /// If a problem misses the scene's tolerance, or if contact raises the energy.
     pub fn solve(
         &mut self,
         world: &World,
@@ -202,7 +203,7 @@ impl Contacts {
 }
 
 impl Plant {
-    /// Impact: the contact law on the velocities of all that is listed, in no time.
+    /// Impact: the contact law on the velocities of all listed points, without passage of time.
     pub(super) fn impact(&mut self) -> Result<(), PlantError> {
         let Plant { world, now, memory, record, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
@@ -215,7 +216,7 @@ impl Plant {
     }
 }
 
-/// The solution in which every link that pushes stays where it is, if it did in the step before and that obeys the law.
+/// The solution in which all feet stand, if they stood in the step before and if it obeys the law.
 fn stand<'a>(
     world: &World,
     free: &Free,
@@ -234,12 +235,14 @@ fn stand<'a>(
     Some((response, report))
 }
 
-/// Work of the impulses at what comes out of the ground [J]: where it was before is none of the law's doing.
+/// Work of the impulses that move points out of the ground [J]. Their penetration is a numerical error, so this work does not count against
+/// the law.
 fn recovery_work(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
     touches.iter().zip(impulses).map(|(touch, impulse)| impulse.z * (-touch.approach).max(0.0)).sum()
 }
 
-/// Radius of the disc within the cone of a law, however its tangents are turned, as a part of μ; none if feet that stand do not obey it.
+/// Radius of the greatest disc within the friction cone of a law, relative to μ, whatever the directions of its tangents are. None for laws
+/// that standing feet may not obey.
 fn disc(law: Law) -> Option<f64> {
     match law {
         Law::Cone => Some(1.0),

@@ -1,4 +1,4 @@
-//! Step doubling: a method watches its own error.
+//! Step doubling: error control by comparison with two half steps.
 
 use super::midpoint_contact::LastAcceleration;
 use super::step_size::{MIN_FACTOR, SAFETY};
@@ -9,7 +9,7 @@ use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
 
-/// Shortest step, as a part of dt: at an impact no step is short enough.
+/// Shortest step, relative to dt [-]. At an impact no step is short enough.
 const MIN_STEP: f64 = 1.0 / 256.0;
 /// Greatest factor from one step to the next [-].
 const MAX_FACTOR: f64 = 4.0;
@@ -18,12 +18,12 @@ const LAST_STEP_STRETCH: f64 = 1.01;
 /// Difference of one step and two half steps, divided by the error of the two [-]: 2^p − 1 for a method of order p = 2.
 const RICHARDSON: f64 = 3.0;
 
-/// What a step begins with beside its state, and what it is compared with.
+/// Memories at the beginning of a step, and the result that it is compared with.
 pub(super) struct StepDoublingState {
     memory: Memory,
     last_acceleration: LastAcceleration,
     events: u64,
-    /// The end of one step over both halves.
+    /// State after one step over both halves.
     coarse: State,
 }
 
@@ -39,11 +39,11 @@ impl StepDoublingState {
 }
 
 impl Plant {
-    /// Goes over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.
+    /// Integrates over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.
     ///
-    /// One step and two half steps of a method of order 2 differ by three times the error of the two. The next step is
-    /// as long as the tolerance allows if the error goes with h³. Where contact jumps it does not, and the shortest step,
-    /// dt/256, is taken as it is.
+    /// For a method of order 2, one step and two half steps differ by three times the error of the two half steps. The next step is as long
+    /// as the tolerance allows, assuming an error of order h³. Where contact forces jump, that assumption fails, and the shortest step,
+    /// dt/256, is accepted in any case.
     ///
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
@@ -51,7 +51,7 @@ impl Plant {
         let (tolerance, shortest) = (self.world.settings.tolerance_step, h * MIN_STEP);
         let (mut done, mut step) = (0.0, self.next_step.min(h));
         while done < h {
-            // a sliver at the end would cost a step of its own
+            // a tiny last step would cost as much as a full one
             let last = done + LAST_STEP_STRETCH * step >= h;
             let part = if last { h - done } else { step };
             let record = self.record;
@@ -79,7 +79,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Back to the beginning of the step.
+    /// Restores the beginning of the step.
     fn go_back(&mut self, record: Record) -> Result<(), PlantError> {
         let Workspace { start, doubling, .. } = &self.work;
         self.now.state.copy(start);
@@ -90,7 +90,7 @@ impl Plant {
     }
 }
 
-/// Greatest difference of two states, each entry in proportion to 1 + |entry|.
+/// Greatest difference of two states, each entry relative to 1 + |entry|.
 fn distance(a: &State, b: &State) -> f64 {
     let pairs = a.x.iter().zip(&b.x).chain(a.xdot.iter().zip(&b.xdot));
     pairs.map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! Euler's methods: one evaluation a step, first order.
+//! Euler's methods: one evaluation per step, first order.
 
 use super::Plant;
 use crate::error::PlantError;
@@ -19,8 +19,7 @@ impl Plant {
         now.integrate_position(world, h)
     }
 
-    /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) a step, and what lands is stopped one step
-    /// late.
+    /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) per step, and a landing is stopped one step late.
     pub(super) fn explicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, now, memory, record, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?; // (1)-(11)

@@ -1,4 +1,4 @@
-//! The stages of a step before contact: H, b, and the motion that there would be if nothing touched.
+//! Stages of a step before contact: H, b, and the motion without contact.
 
 use super::posed_state::PosedState;
 use super::settings::World;
@@ -17,9 +17,9 @@ pub(super) struct Dynamics {
     inertia: PathMatrix,
     pub bias: Vec<f64>,
     pub factor: Factor,
-    /// They are known already for the step to come.
+    /// Already computed for the next step.
     prepared: bool,
-    /// Evaluations so far.
+    /// Number of evaluations so far.
     pub evaluations: u64,
 }
 
@@ -35,8 +35,8 @@ impl Dynamics {
         }
     }
 
-    /// H, b and the factor of H at the present pose and velocity. Springs and dampers act as they will after the time `ahead`,
-    /// their forces changing with those of the step over the time `grip`; see [`springs`].
+    /// Computes H, b and the factor of H at the present pose and velocity. The forces of springs and dampers are those after `force_time`,
+    /// and they change implicitly with the velocity over `implicit_time`; see [`springs`].
     ///
     /// # Errors
     /// If H is not positive definite.
@@ -58,8 +58,8 @@ impl Dynamics {
         Ok(self)
     }
 
-    /// H and its factor at the middle of a step of `h`, where springs and dampers act with the mean velocity, and b at the velocity `mean`,
-    /// which the pose has; the state has that before the step.
+    /// Computes H and its factor at the middle of a step of `h`, with springs and dampers at the mean velocity, and b at the velocity
+    /// `mean`. The pose must have the velocity `mean`, and the state the velocity before the step.
     ///
     /// # Errors
     /// If H is not positive definite.
@@ -78,8 +78,8 @@ impl Dynamics {
         Ok(())
     }
 
-    /// The same at the present pose and velocity, which are a guess at those in the middle of a step of `h` that begins with `before`: H
-    /// takes up what springs and dampers change with the step, so that the next guess has their forces right however stiff they are.
+    /// Computes H, b and the factor of H at a guess of pose and velocity in the middle of a step of `h` that begins with `before`. H
+    /// includes how springs and dampers change with the step, so that the next guess has the right forces, however stiff they are.
     ///
     /// # Errors
     /// If H is not positive definite.
@@ -98,37 +98,38 @@ impl Dynamics {
         Ok(self)
     }
 
-    /// Whether they were known already; they are not for the step after.
+    /// Whether H and b were computed in advance. The mark is cleared for the next step.
     pub fn take_prepared(&mut self) -> bool {
         std::mem::take(&mut self.prepared)
     }
 
-    /// Whether they are known for the step to come.
+    /// Marks H and b as computed in advance, or not.
     pub fn set_prepared(&mut self, ready: bool) {
         self.prepared = ready;
     }
 
-    /// The same ahead of the step that asks for it.
+    /// Computes H and b in advance of the step.
     pub fn prepare(&mut self, model: &Model, now: &PosedState, implicit_time: f64, force_time: f64) {
-        self.prepared = self.find(model, now, implicit_time, force_time).is_ok(); // the step finds the error again
+        self.prepared = self.find(model, now, implicit_time, force_time).is_ok(); // the step reports the error again
     }
 
-    /// The same H with b at the velocity `mean`, which the pose has; the state has that before the step.
+    /// Recomputes b at the velocity `mean`, with the same H. The pose must have the velocity `mean`, and the state the velocity before the
+    /// step.
     pub fn with_bias_at(&mut self, model: &Model, now: &PosedState, mean: &[f64]) -> &Dynamics {
         let Dynamics { composite, bias, .. } = self;
         composite.bias(model, &now.pose, mean, bias);
         springs::add_to_bias(model, &now.state, 0.0, bias);
         for spring in &model.springs {
-            bias[spring.dof] -= spring.damping * (mean[spring.dof] - now.state.xdot[spring.dof]); // H has it already
+            bias[spring.dof] -= spring.damping * (mean[spring.dof] - now.state.xdot[spring.dof]); // H already includes that change
         }
         self
     }
 }
 
-/// Room for the motion without contact.
+/// Workspace for the motion without contact.
 pub(super) struct FreeMotion {
     efforts: Vec<f64>,
-    /// K of a push.
+    /// Column of K for a push.
     column: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
@@ -140,13 +141,13 @@ impl FreeMotion {
         FreeMotion { efforts: zeros(), column: zeros(), velocity: zeros(), acceleration: zeros() }
     }
 
-    /// The motion at the end of a step of `h` if nothing touched. (12)
+    /// The motion at the end of a step of `h` without contact. (12)
     pub fn motion<'a>(&'a mut self, world: &World, now: &'a PosedState, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
         let rate = self.velocity(world, now, dynamics, h);
         Free { pose: &now.pose, factor: &dynamics.factor, rate }
     }
 
-    /// Its velocity, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
+    /// The velocity at the end of a step of `h` without contact, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
     pub fn velocity(&mut self, world: &World, now: &PosedState, dynamics: &Dynamics, h: f64) -> &[f64] {
         let FreeMotion { efforts, column, velocity, .. } = self;
         let efforts = sum_efforts(world, &now.pose, &dynamics.bias, column, efforts);
@@ -156,7 +157,7 @@ impl FreeMotion {
         velocity
     }
 
-    /// The velocity that was found last, with this added to that of the base's frame.
+    /// Adds a velocity of the base's frame to the last result.
     pub fn add_to_base(&mut self, model: &Model, gain: Vector3<f64>) -> &[f64] {
         for (velocity, &axis) in self.velocity.iter_mut().zip(model.base_translation()) {
             *velocity += gain[axis];
@@ -164,12 +165,12 @@ impl FreeMotion {
         &self.velocity
     }
 
-    /// The motion that was found last.
+    /// The last result.
     pub fn found<'a>(&'a self, now: &'a PosedState, dynamics: &'a Dynamics) -> Free<'a> {
         Free { pose: &now.pose, factor: &dynamics.factor, rate: &self.velocity }
     }
 
-    /// The present acceleration if nothing touched, H⁻¹(u − b).
+    /// The present acceleration without contact, H⁻¹(u − b).
     pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a PosedState, dynamics: &'a Dynamics) -> Free<'a> {
         let FreeMotion { efforts, column, acceleration, .. } = self;
         acceleration.copy_from_slice(sum_efforts(world, &now.pose, &dynamics.bias, column, efforts));
@@ -178,7 +179,7 @@ impl FreeMotion {
     }
 }
 
-/// u − b, with the pushes: all efforts but those of contact.
+/// u − b with the pushes: all efforts except those of contact.
 fn sum_efforts<'a>(world: &World, pose: &Pose, bias: &[f64], column: &mut [f64], efforts: &'a mut [f64]) -> &'a [f64] {
     efforts.iter_mut().zip(bias).for_each(|(effort, bias)| *effort = -bias);
     for (&dof, torque) in world.model.joint_dof.iter().zip(world.torques.torque) {

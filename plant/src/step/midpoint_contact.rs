@@ -1,4 +1,4 @@
-//! The midpoint rule with contact: forces at the middle of the step, the law at its end, landings at their own time.
+//! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
 use super::midpoint::update_mean;
 use super::posed_state::BaseCentre;
@@ -10,45 +10,45 @@ use crate::model::Model;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// Rounds of the rule in flight at most; it takes two or three.
+/// Iterations of the rule in flight at most; two or three are typical.
 const MAX_ITERATIONS: usize = 60;
-/// The mean velocity is found when one more round would change it by less than this, relative to 1 + |ẋ|. Each round changes less than the
-/// one before in the same proportion.
+/// The mean velocity has converged when the next iteration would change it by less than this, relative to 1 + |ẋ| [-]. The prediction
+/// assumes linear convergence.
 const CONVERGED: f64 = 1e-12;
-/// Landings that a step is split at; what lands after them does so at its end.
+/// Landings at which a step is split at most. Later landings take effect at the end of the step.
 const MAX_LANDINGS: usize = 3;
-/// Trials of locating a landing at most; it takes two or three.
+/// Trials to locate a landing at most; two or three are typical.
 const MAX_TRIALS: usize = 20;
-/// A landing is located to this part of the way that its point goes in a step.
+/// Tolerance for the place of a landing, relative to the way of its point in a step [-].
 const LOCATED: f64 = 1e-5;
-/// What is nearer to the ground than this when another point lands has landed with it [length of the model].
+/// Points nearer to the ground than this when another point lands have landed too [length of the model].
 const LANDED: f64 = 1e-8;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
 struct Part {
-    /// Its length, and that of the whole step [s].
+    /// Length of the part, and of the whole step [s].
     h: f64,
     whole: f64,
-    /// Whether what lands in it is left out.
+    /// Whether points that land in it are ignored.
     skips_landings: bool,
 }
 
-/// When something lands, from the beginning of a part of a step [s], and how far it is from the ground then [m].
+/// Time of a landing since the beginning of a part [s], and the gap then [m].
 #[derive(Clone, Copy, Debug)]
 struct Landing {
     time: f64,
     gap: f64,
 }
 
-/// The acceleration of the step before, contact included.
+/// Acceleration of the step before, including contact.
 #[derive(Debug)]
 pub(super) struct LastAcceleration {
     rate: Vec<f64>,
-    /// Angular acceleration of the base [rad/s²], and where its centre of mass was from its frame [m].
+    /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
     turn: Vector3<f64>,
     arm: Vector3<f64>,
-    /// Not at the start, nor after an impact.
+    /// False at the start and after an impact.
     known: bool,
 }
 
@@ -57,7 +57,7 @@ impl LastAcceleration {
         LastAcceleration { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
     }
 
-    /// Becomes the other one, in the room it has.
+    /// Copies another one without allocation.
     pub fn copy(&mut self, other: &LastAcceleration) {
         self.rate.copy_from_slice(&other.rate);
         (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
@@ -68,12 +68,12 @@ impl LastAcceleration {
         self.known
     }
 
-    /// It is not known any more.
+    /// Marks it as unknown.
     pub fn forget(&mut self) {
         self.known = false;
     }
 
-    /// Becomes that of the step of `h` that was found.
+    /// Sets it from the last step of `h`.
     fn set(&mut self, work: &Workspace, h: f64) {
         let pairs = work.before.iter().zip(&work.contacts.contact.rate);
         self.rate.iter_mut().zip(pairs).for_each(|(rate, (before, after))| *rate = (after - before) / h);
@@ -81,7 +81,7 @@ impl LastAcceleration {
         (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
     }
 
-    /// Adds what it makes within a time to a velocity where the centre of mass of the base is at `arm` from its frame.
+    /// Adds the velocity that it causes within a time. `arm` points from the base's frame to its centre of mass.
     fn add(&self, model: &Model, arm: &Vector3<f64>, time: f64, velocity: &mut [f64]) {
         velocity.iter_mut().zip(&self.rate).for_each(|(v, rate)| *v += time * rate);
         let moved = self.turn.cross(&(self.arm - arm)) * time;
@@ -90,13 +90,13 @@ impl LastAcceleration {
 }
 
 impl Plant {
-    /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law on K₊ᵀẋ₊.
+    /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law holds for K₊ᵀẋ₊.
     ///
-    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy swings by h² without drifting. In contact ẋ̄ = ẋ₋ + ½hẍ with
-    /// the acceleration of the step before; springs under the feet, which may swing at every step, are left out of that. See [`Prediction`] for
-    /// the law at the end pose. Springs and dampers of joints are implicit.
+    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift. In contact ẋ̄ = ẋ₋ + ½hẍ,
+    /// with the acceleration of the step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step.
+    /// [`Prediction`] explains the law at the end pose. Springs and dampers of joints are implicit.
     ///
-    /// What comes down fast splits the step: the way to the ground without it, an impact, and the rest.
+    /// A fast landing splits the step: the motion to the ground without that contact, the impact, and the rest.
     ///
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Hairer, Lubich & Wanner, *Geometric Numerical
@@ -119,7 +119,7 @@ impl Plant {
         Ok(())
     }
 
-    /// H, b and the factor of H in the middle of the step, whatever the torques will be.
+    /// Computes H, b and the factor of H at the middle of the step. They do not depend on the torques.
     pub(super) fn evaluate_midpoint(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant {
             world,
@@ -141,13 +141,13 @@ impl Plant {
         dynamics.find_at_midpoint(model, middle, mean, h)
     }
 
-    /// Finds the end of a part of a step, which is then in [`Workspace`].
+    /// Computes the end of a part of a step, in [`Workspace`].
     fn find_end(&mut self, part: Part) -> Result<(), PlantError> {
         self.predict_free_motion(part)?;
         self.solve_contact(part)
     }
 
-    /// The motion of a part of a step if nothing touched, and what may touch.
+    /// Predicts the motion of a part of a step without contact, and lists the points that may touch.
     fn predict_free_motion(&mut self, part: Part) -> Result<(), PlantError> {
         let Part { h, whole, skips_landings } = part;
         if !self.work.dynamics.take_prepared() {
@@ -177,7 +177,7 @@ impl Plant {
         Ok(())
     }
 
-    /// What contact makes of that motion.
+    /// Solves the contact problem for the predicted motion.
     fn solve_contact(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, now, memory, work, .. } = self;
         let Workspace { middle, dynamics, free, touches, contacts, centres, .. } = work;
@@ -189,31 +189,31 @@ impl Plant {
         self.work.integrate_position(&self.world, h)
     }
 
-    /// Once more with the acceleration that was found, if that of the step before is not known.
+    /// Repeats the step with the acceleration that it found, if that of the step before is unknown.
     fn repeat_with_acceleration(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, last_acceleration, work, memory, .. } = self;
         if last_acceleration.known
             || world.settings.law == Law::SpringDamper
             || work.contacts.contact.impulses.is_empty()
         {
-            return Ok(()); // in flight the mean velocity is found anyway
+            return Ok(()); // in flight the mean velocity is iterated in any case
         }
         last_acceleration.set(work, part.h);
         std::mem::swap(memory, &mut work.remembered);
         self.predict_free_motion(part)?;
         if self.world.settings.law == Law::Cone {
-            // it starts from what was found; others, as Lagged, are told of the step before
+            // `Cone` starts from this solution; other laws, such as `Lagged`, need the memory of the step before
             std::mem::swap(&mut self.memory, &mut self.work.remembered);
         }
         self.solve_contact(part)
     }
 
-    /// Takes the end that was found as the present.
+    /// Accepts the end that was computed as the present state, and stores its acceleration.
     fn finish(&mut self, part: Part) {
         if part.h == part.whole {
             self.last_acceleration.set(&self.work, part.h);
         } else {
-            self.last_acceleration.forget(); // a rest may be as short as rounding: what it changes is no acceleration
+            self.last_acceleration.forget(); // a part may be as short as rounding, so its velocity change gives no acceleration
         }
         self.accept();
     }
@@ -224,9 +224,9 @@ impl Plant {
         std::mem::swap(now, &mut work.middle);
     }
 
-    /// Goes to where the first of what lands meets the ground, if anything does; else the end is found.
+    /// Advances to the first landing, if there is one. Else the end of the step is computed.
     ///
-    /// The gap is nearly a parabola in time: with its beginning known, each trial gives its bend.
+    /// The gap is nearly a parabola in time. Its beginning is known, and each trial gives its curvature.
     fn advance_to_landing(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
         self.predict_free_motion(rest)?;
         let Plant { memory, last_acceleration, work: Workspace { touches, landing, remembered, .. }, .. } = self;
@@ -272,7 +272,7 @@ impl Plant {
         Ok(None)
     }
 
-    /// The impact of all that is on the ground.
+    /// Impact of all points on the ground.
     fn impact_at_landing(&mut self, landing: Landing) -> Result<(), PlantError> {
         let Plant { world, now, memory, work, .. } = self;
         let landed = landing.gap.max(LANDED * world.model.length);
@@ -285,7 +285,7 @@ impl Plant {
 }
 
 impl Workspace {
-    /// Whether something that lands was stopped.
+    /// Whether an impulse stopped a point that lands.
     fn lands(&self) -> bool {
         let pairs = self.touches.list.iter().zip(&self.contacts.contact.impulses);
         pairs.into_iter().any(|(touch, (_, impulse))| touch.lands() && impulse.z > 0.0)

@@ -1,4 +1,4 @@
-//! Every contact by itself: the problem (14), and its solution (15)-(22).
+//! Contact by contact: the problem (14) and its solution (15)-(22).
 
 use super::contact::Touches;
 use super::settings::{Settings, World};
@@ -10,10 +10,10 @@ use crate::model::Model;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// How near to the greatest coefficient of restitution that makes no energy it is found, as a part of the scene's [-].
+/// Tolerance of the greatest coefficient of restitution that does not raise the energy, relative to the scene's coefficient [-].
 const RESTITUTION_TOLERANCE: f64 = 1e-3;
 
-/// The problem, and its solver.
+/// The contact problem and its solver.
 pub(super) struct PerContact {
     pub map: ContactMap,
     pub solver: Solver,
@@ -26,16 +26,16 @@ impl PerContact {
         PerContact { map: ContactMap::new(model), solver }
     }
 
-    /// Of so many contacts there is no problem, for they are solved otherwise.
+    /// Records that so many contacts were solved otherwise, without a contact problem.
     pub fn skip(&mut self, contacts: usize) {
         self.map.problem.reset_rows(0, 0);
         (self.map.problem.contacts, self.map.problem.tangents) = (contacts, 2);
     }
 
-    /// The problem (14) of the touching points, A apart: their velocity at the end of the step if nothing touched, friction, and how far
-    /// they may still come down.
+    /// Sets up the problem (14) of the touching points, without A: their velocity at the end of the step without contact, friction, and
+    /// allowed approach.
     ///
-    /// Newton's law of impact: what would land and was falling at v_N leaves at -e v_N or more, e being `restitution`.
+    /// Newton's law of impact: a contact that would land with v_N leaves with -e v_N or more, e being `restitution`.
     pub fn set_problem(&mut self, world: &World, free: &Free, touches: &Touches, restitution: f64) {
         let Settings { law, friction, spring, .. } = world.settings;
         let (touches, slow) = (&touches.list, touches.slow);
@@ -70,7 +70,7 @@ impl PerContact {
         }
     }
 
-    /// The solution of the problem (14), (15)-(22).
+    /// Solves the problem (14), (15)-(22).
     pub fn solve(
         &mut self,
         world: &World,
@@ -86,8 +86,8 @@ impl PerContact {
         Ok(report)
     }
 
-    /// The solution with restitution, of which friction may make energy: then with the greatest coefficient of restitution up to the scene's
-    /// that makes none, within [`RESTITUTION_TOLERANCE`] of it. Without restitution no contact makes any.
+    /// Solves with restitution. Together with friction, Newton's law of impact may raise the energy. Then the greatest coefficient up to
+    /// the scene's is taken that does not, within [`RESTITUTION_TOLERANCE`].
     pub fn solve_impact(
         &mut self,
         world: &World,
@@ -116,7 +116,7 @@ impl PerContact {
         self.solve(world, free, &touches.list, law, memory)
     }
 
-    /// Whether a slip whose direction was given goes back on it: then it was not steady.
+    /// Whether a slip with a given direction reverses: then it was not steady.
     pub fn reverses_given_slip(&self) -> bool {
         let problem = &self.map.problem;
         let slips = self.solver.velocity.chunks_exact(1 + problem.tangents);
@@ -126,13 +126,14 @@ impl PerContact {
         problem.slip.iter().zip(slips).any(|pair| along(pair) < 0.0)
     }
 
-    /// What the solution does.
+    /// The velocity change that the solution causes.
     pub fn respond(&mut self, world: &World, free: &Free) -> Response<'_> {
         self.map.respond(&world.model, free.factor, &self.solver.impulse)
     }
 }
 
-/// A velocity whose slip is turned to this direction, if there is one: for a law that finds the direction of friction itself.
+/// The velocity with its slip turned into a given direction, if there is one. For laws that take the direction of friction from the
+/// velocity.
 fn aligned_with(velocity: Vector3<f64>, along: &Vector3<f64>) -> Vector3<f64> {
     if *along == Vector3::zeros() {
         return velocity;

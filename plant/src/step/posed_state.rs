@@ -1,4 +1,4 @@
-//! Where the robot is and how it moves: a state, and the pose that belongs to it.
+//! A state together with its pose.
 
 use super::settings::World;
 use crate::error::PlantError;
@@ -9,22 +9,22 @@ use messages::scene::Base;
 use messages::turn::sin_cos;
 use nalgebra::Vector3;
 
-/// Coordinate of the pitch of virtual joints.
+/// Index of the pitch among the coordinates of the virtual joints.
 const PITCH: usize = 4;
-/// Cosine of a pitch so near to 90° that yaw and roll are the same to rounding.
+/// Cosine of the pitch below which yaw and roll are the same to rounding [-]: the pitch is 90°.
 const GIMBAL_COSINE: f64 = 1e-8;
 
-/// The centre of mass of a base that can move, where that is not in its frame's origin; else all zero.
+/// Centre of mass of a movable base, if that differs from the origin of its frame; else zero.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BaseCentre {
-    /// From the base's frame, in W [m].
+    /// From the origin of the base's frame, in W [m].
     pub arm: Vector3<f64>,
     /// Angular velocity of the base [rad/s].
     pub spin: Vector3<f64>,
 }
 
 impl BaseCentre {
-    /// At a pose, with these rates.
+    /// At a pose, with the rates `xdot`.
     pub fn of(model: &Model, pose: &Pose, xdot: &[f64]) -> BaseCentre {
         if model.base_is_at_its_centre() {
             return BaseCentre::default();
@@ -33,7 +33,7 @@ impl BaseCentre {
         BaseCentre { arm: pose.links[model.base_link].com, spin }
     }
 
-    /// Its velocity beside that of the frame.
+    /// Velocity relative to the origin of the base's frame.
     pub fn velocity(&self) -> Vector3<f64> {
         self.spin.cross(&self.arm)
     }
@@ -55,14 +55,15 @@ impl PosedState {
     /// x₊ = x + time ẋ.
     ///
     /// # Errors
-    /// As [`PosedState::update_pose`], and so the following.
+    /// As [`PosedState::update_pose`].
     pub fn integrate_position(&mut self, world: &World, time: f64) -> Result<(), PlantError> {
         self.state.advance(&world.model, time);
         self.update_pose(world)
     }
 
-    /// x₊ = x + time ẋ with the centre of mass of the base in place of its frame, from where that was `before`: it goes straight, the base
-    /// turns about it, and ẋ is what the frame's velocity has become by then. So no result depends on where somebody has put the frame.
+    /// x₊ = x + time ẋ for the centre of mass of the base instead of its frame. The centre of mass moves on a straight line from where it
+    /// was `before`, and the base turns about it. ẋ becomes the velocity of the frame at the end. So no result depends on where the scene
+    /// places the frame.
     ///
     /// # Errors
     /// As [`PosedState::update_pose`].
@@ -82,7 +83,10 @@ impl PosedState {
         self.update_pose(world)
     }
 
-    /// x = x0 ⊕ d, and ẋ as given.
+    /// Sets x = x0 ⊕ d, and ẋ.
+    ///
+    /// # Errors
+    /// As [`PosedState::update_pose`].
     pub fn set_displaced(
         &mut self,
         world: &World,
@@ -96,10 +100,10 @@ impl PosedState {
         self.update_pose(world)
     }
 
-    /// The pose that belongs to the state.
+    /// Computes the pose of the state.
     ///
     /// # Errors
-    /// If the state is not finite, or the virtual joints stand at their pole.
+    /// If the state is not finite, or the virtual joints are singular.
     pub fn update_pose(&mut self, world: &World) -> Result<(), PlantError> {
         let PosedState { state, pose } = self;
         let time = (world.steps + 1) as f64 * world.settings.h;

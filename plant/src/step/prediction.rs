@@ -1,12 +1,13 @@
-//! What a contact will be at the end of the step, seen from its beginning and its middle.
+//! Prediction of the contacts at the end of the step, from its beginning and its middle.
 //!
-//! The law holds at the end of the step, where K is that of the end pose. It is not known yet, but as it changes evenly, K₊ = 2K_m − K₀:
+//! The law holds at the end of the step, with K of the end pose. That K is not known yet. It changes smoothly, so K₊ = 2K_m − K₀ to second
+//! order:
 //!
 //! ```text
 //!   K₊ᵀẋ₊ = K_mᵀẋ₊ + (K_m − K₀)ᵀẋ₋ + O(h²),    gap₊ = 2 gap_m − gap₀ − ½h K_mᵀẋ₋ + ½h K₊ᵀẋ₊ + O(h³)
 //! ```
 //!
-//! Asking for Kᵀ(ẋ₋ + ẋ₊) = 0 instead would be of second order as well, but a velocity once wrong would change its sign for ever.
+//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would change its sign for ever.
 
 use super::contact::Touches;
 use super::posed_state::PosedState;
@@ -17,12 +18,13 @@ use crate::kinematics::Pose;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// What comes down faster than so many times what the forces of a whole step make is a landing; slower it comes to rest within the step, at
-/// the cost of an error of h².
+/// A contact that approaches faster than this many times the velocity change of a whole step lands, with an impact [-]. A slower one comes
+/// to rest within the step, at the cost of an error of h².
 const LANDING_RATIO: f64 = 2.0;
-/// A gap or a depth that is rounding [length of the model]: what rests is left to rest.
+/// A gap or a penetration up to this value is rounding [length of the model]; a resting contact is left alone.
 const ROUNDING: f64 = 1e-13;
-/// A slip is steady where it is so many times what a step changes it by. Then friction acts against its direction in the middle.
+/// A slip is steady if it is this many times its change within a step [-]. Friction then acts against its direction in the middle of the
+/// step.
 const STEADY_RATIO: f64 = 4.0;
 
 /// A step from its beginning to its middle.
@@ -34,23 +36,24 @@ pub(super) struct Prediction<'a> {
     pub rate: &'a [f64],
     /// Pose in the middle, with the mean velocity.
     pub middle: &'a Pose,
-    /// The velocity that the step would end with if nothing touched.
+    /// The velocity at the end of the step without contact.
     pub free: &'a [f64],
-    /// Length of the step, and of the whole one of which it is a part [s].
+    /// Length of the step, and of the whole step of which it is a part [s].
     pub h: f64,
     pub whole: f64,
 }
 
 impl<'a> Prediction<'a> {
-    /// Of a step that begins now and would end with the velocity `free`: its length and that of the whole one [s].
+    /// Of a step that begins at `now` and would end with the velocity `free` without contact; its length and that of the whole step [s].
     pub fn of(now: &'a PosedState, middle: &'a PosedState, free: &'a [f64], [h, whole]: [f64; 2]) -> Prediction<'a> {
         Prediction { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free, h, whole }
     }
 
-    /// What is to be known of the contacts of one link.
+    /// Predicts the contacts of one link.
     ///
-    /// Along the ground all gain the velocities of a rigid link: that of those that pushed, if any did. Each would gain another one by −½h ω²d, as they turn about each
-    /// other; but no link can be stretched by that at the pose where A is taken, and friction would push against it as hard as it can.
+    /// Along the ground, all contacts of a link get the velocity gain of one rigid motion: the mean of those that were active, if any were.
+    /// Individual gains would differ by −½h ω²d, because the contacts turn about each other. But at the pose of A, a link cannot stretch by
+    /// that, and friction would oppose it with full force.
     pub fn predict(&self, world: &World, memory: &Memory, touches: &mut [Touch]) {
         let Some(link) = touches.first().map(|touch| touch.link) else { return };
         let [before, free] = [self.rate, self.free].map(|rate| self.middle.twist(&world.model, link, rate));
@@ -63,9 +66,9 @@ impl<'a> Prediction<'a> {
             let gap = self.start.reference.z + at_start.z;
             touch.velocity_gain = before.at(&arm) - start;
             let end = free.at(&arm) + touch.velocity_gain;
-            let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ if it came down no more
+            let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
             let pushed = memory.was_active(touch.id);
-            // over a step of the scene: what is left of one after a landing may be as short as rounding, and the speed as great
+            // per step of the scene: the rest of a step after a landing may be as short as rounding, and the speed as large
             let out = |gap: f64| {
                 let rounding = gap.abs() <= ROUNDING * world.model.length;
                 if rounding { 0.0 } else { recovery_speed(gap, world.settings.h, world.model.gravity.norm()) }
@@ -73,7 +76,7 @@ impl<'a> Prediction<'a> {
             touch.approach = match pushed {
                 false if rest > 0.0 => 2.0 * rest / self.h,
                 false => out(gap.min(0.0)),
-                true => out(gap), // a gap closes as a depth does
+                true => out(gap), // a gap closes as a penetration does
             };
             let falls = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
             let bend = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
@@ -97,13 +100,13 @@ impl<'a> Prediction<'a> {
     }
 }
 
-/// When a point at the height `gap` that rises by `rate` and bends by `bend` meets the ground: gap + rate t + bend t² = 0, rate < 0.
+/// Time at which a point meets the ground: gap + rate t + bend t² = 0, with rate < 0.
 pub(super) fn first_root(gap: f64, rate: f64, bend: f64) -> f64 {
     2.0 * gap / (-rate + (rate * rate - 4.0 * bend * gap).max(0.0).sqrt())
 }
 
-/// Direction of a slip if it is steady: its mean hardly differs from its beginning, nor from its end without contact, and the friction of
-/// what would come down does not change it much; else zero.
+/// Direction of the slip if it is steady, else zero. Steady: the mean slip hardly differs from that at the beginning and from that at the
+/// end without contact, and the friction of a landing would change it little.
 fn steady(start: &Vector3<f64>, mean: &Vector3<f64>, end: &Vector3<f64>, friction: f64) -> Vector3<f64> {
     let slip = Vector3::new(mean.x, mean.y, 0.0);
     let changes = [(mean - start).xy().norm(), (end - mean).xy().norm(), friction * end.z.abs()];
@@ -112,7 +115,7 @@ fn steady(start: &Vector3<f64>, mean: &Vector3<f64>, end: &Vector3<f64>, frictio
 }
 
 impl Touches {
-    /// The points that may touch before the end of the step; without those that land, if they are `skips_landings`.
+    /// Lists the points that may touch before the end of the step; without those that land, if `skips_landings` is set.
     pub fn find_predicted(
         &mut self,
         world: &World,
@@ -129,7 +132,7 @@ impl Touches {
             self.list.retain(|touch| !touch.lands());
         }
         if printed {
-            // their conditions stop what is listed at any height, so only what comes down is
+            // these laws stop listed points at any height, so only approaching ones are listed
             let down =
                 |touch: &Touch| prediction.middle.twist(&world.model, touch.link, prediction.free).at(&touch.arm).z;
             self.list.retain(|touch| {

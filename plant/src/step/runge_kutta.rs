@@ -1,12 +1,12 @@
-//! Explicit Runge-Kutta methods, on positions that are not numbers alone.
+//! Explicit Runge-Kutta methods on positions that include a quaternion.
 //!
-//! A step starts from (x0, ẋ0). Its stages live in the displacement d from x0, x = x0 ⊕ d, a vector with one entry per degree
-//! of freedom: for an orientation it is the vector of a rotation, whose rate is dexp⁻¹_d(w). So every method keeps its order
-//! on a quaternion, which stays of unit length, and a uniform rotation is exact.
+//! A step starts from (x0, ẋ0). Its stages use the displacement d from x0, x = x0 ⊕ d, a vector with one entry per degree of freedom. For
+//! an orientation, d is a rotation vector with the rate dexp⁻¹_d(w). So every method keeps its order, the quaternion keeps unit length, and
+//! a uniform rotation is exact.
 //!
 //! # Source
-//! Munthe-Kaas (1999); Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.8. Hairer, Nørsett & Wanner, *Solving
-//! Ordinary Differential Equations I*, II.1 and II.5.
+//! Munthe-Kaas (1999); Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.8. Hairer, Nørsett & Wanner, *Solving Ordinary
+//! Differential Equations I*, II.1 and II.5.
 
 use super::{Plant, Workspace};
 use crate::delassus::Free;
@@ -14,10 +14,10 @@ use crate::error::PlantError;
 use crate::model::Model;
 use crate::state::State;
 
-/// Coefficients of an explicit method; forces do not depend on time, so no nodes are needed.
+/// Coefficients of an explicit method. Forces do not depend on time, so the nodes are not needed.
 #[derive(Debug)]
 pub(super) struct Tableau {
-    /// Weights of the stages before, from the second stage on.
+    /// Weights of the previous stages, from the second stage on.
     pub a: &'static [&'static [f64]],
     /// Weights of the result.
     pub b: &'static [f64],
@@ -27,7 +27,7 @@ pub(super) struct Tableau {
 pub(super) const RK4: Tableau =
     Tableau { a: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]], b: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0] };
 
-/// The method of Dormand & Prince of eighth order.
+/// The method of Dormand and Prince of eighth order.
 ///
 /// # Source
 /// Hairer, Nørsett & Wanner, program DOP853.
@@ -49,7 +49,7 @@ pub(super) const DOP853: Tableau = Tableau {
     b: &[0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199, -0.1521609496625161, 0.20136540080403034, 0.04471061572777259],
 };
 
-/// Its errors of fifth and third order, as weights of the stages.
+/// Its error estimates of fifth and third order, as weights of the stages.
 #[rustfmt::skip]
 pub(super) const DOP853_ERRORS: [&[f64]; 2] = [
     &[0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366, 0.3341791187130175, 0.08192320648511571, -0.022355307863886294],
@@ -75,7 +75,7 @@ impl Stages {
         Stages { displacement_rate: room(), acceleration: room(), displacement: zeros(), velocity: zeros() }
     }
 
-    /// Greatest entry that h times the weighted stages have, in proportion to 1 + |ẋ0|.
+    /// Greatest entry of h times the weighted sum of the stages, relative to 1 + |ẋ0|.
     pub fn sum(&self, start: &State, weights: &[f64], h: f64) -> f64 {
         let entry =
             |stages: &[Vec<f64>], i: usize| weights.iter().zip(stages).map(|(w, k)| w * k[i]).sum::<f64>().abs();
@@ -85,7 +85,7 @@ impl Stages {
         h.abs() * start.xdot.iter().enumerate().map(both).fold(0.0, f64::max)
     }
 
-    /// d and ẋ0 + Δẋ for h times the weighted stages.
+    /// d and ẋ0 + Δẋ for h times the weighted sum of the stages.
     fn combine(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
         let Stages { displacement_rate, acceleration, displacement, velocity } = self;
         velocity.copy_from_slice(&start.xdot);
@@ -100,7 +100,7 @@ impl Stages {
         (displacement, velocity)
     }
 
-    /// Takes the rates of a stage.
+    /// Stores the rates of a stage.
     fn take(&mut self, stage: usize, model: &Model, state: &State, acceleration: &[f64]) {
         self.acceleration[stage].copy_from_slice(acceleration);
         match stage {
@@ -111,16 +111,16 @@ impl Stages {
 }
 
 impl Plant {
-    /// The free motion by the classical method; then, where a point has come below the ground, one impulse of the contact
-    /// law at the end of the step.
+    /// Integrates without contact by the classical method. If a point is then below the ground, applies one impulse of the contact law at
+    /// the end of the step.
     ///
-    /// The impulse stands for forces that acted all through the step, so half of the velocity that it gives counts for the
-    /// position: x₊ = x_f ⊕ ½h(ẋ₊ − ẋ_f). A body at rest falls by ½gh² within the step and is lifted by just as much: it
-    /// neither sinks nor creeps. What lands is stopped up to ½h|ẋ| too deep or too high, and motion with lasting contact is
-    /// of first order, for its stages do not know of the ground.
+    /// The impulse stands for forces that acted during the whole step, so half of its velocity change counts for the position: x₊ = x_f ⊕
+    /// ½h(ẋ₊ − ẋ_f). A body at rest falls by ½gh² within the step and is lifted by the same amount, so it neither sinks nor creeps. A
+    /// landing is stopped up to ½h|ẋ| too low or too high. Motion with lasting contact is first order, because the stages ignore the
+    /// ground.
     pub(super) fn rk4(&mut self, h: f64) -> Result<(), PlantError> {
         self.work.start.copy(&self.now.state);
-        self.integrate(&RK4, h)?; // nothing bears
+        self.integrate(&RK4, h)?; // without active contacts
         let Plant { world, now, memory, record, work, .. } = self;
         let touches = work.touches.find_penetrating(world, &now.pose, &now.state.xdot, h);
         if touches.list.is_empty() {
@@ -135,7 +135,7 @@ impl Plant {
         now.update_pose(world)
     }
 
-    /// Goes from the start of the step to its end, under the forces of what bears.
+    /// Integrates from the start of the step to its end, with the forces of the active contacts.
     pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<(), PlantError> {
         let Plant { world, now, memory, event_contacts, record, work, .. } = self;
         let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;

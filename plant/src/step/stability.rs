@@ -1,4 +1,4 @@
-//! Springs and dampers of joints that are too stiff for a method which takes their forces as they are at a time, not as the step changes them.
+//! Check that explicit methods are stable with the springs and dampers of the joints.
 
 use super::free::Dynamics;
 use super::posed_state::PosedState;
@@ -6,12 +6,12 @@ use super::settings::World;
 use crate::error::PlantError;
 use messages::scene::Method;
 
-/// Greatest h d/H and h √(k/H) of the methods of second order [-]: beyond 2 a damper drives.
+/// Stability limit of h d/H and h √(k/H) for methods of second order [-]. Beyond 2, a damper adds energy.
 const SECOND_ORDER: f64 = 2.0;
-/// The same of the classical Runge-Kutta method; Hairer & Wanner, *Solving Ordinary Differential Equations II*, IV.2.
+/// The same for the classical Runge-Kutta method; Hairer & Wanner, *Solving Ordinary Differential Equations II*, IV.2.
 const FOURTH_ORDER: f64 = 2.78;
 
-/// That the scene's method can have its springs and dampers, at the initial pose.
+/// Checks that the scene's method is stable with its springs and dampers, at the initial pose.
 ///
 /// # Errors
 /// One sentence on the first joint that is too stiff; or if H is not positive definite.
@@ -20,7 +20,7 @@ pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) ->
     let limit = match method {
         Method::ExplicitEuler | Method::MoreauJean => SECOND_ORDER,
         Method::Rk4 | Method::Rk4Impact => FOURTH_ORDER,
-        _ => return Ok(()), // implicit, or in steps as short as they must be
+        _ => return Ok(()), // implicit, or with error control
     };
     let model = &world.model;
     if model.springs.is_empty() {
@@ -31,7 +31,7 @@ pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) ->
         let mut column = vec![0.0; model.dofs()];
         column[spring.dof] = 1.0;
         dynamics.factor.solve(model, &mut column);
-        let mobility = column[spring.dof]; // 1/H of the joint, all others free
+        let mobility = column[spring.dof]; // 1/H of the joint, with all others free
         let stiff = (h * spring.damping * mobility).max(h * (spring.stiffness * mobility).sqrt());
         if stiff > limit {
             let name = (model.body_link.iter())

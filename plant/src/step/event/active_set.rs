@@ -1,4 +1,5 @@
-//! What bears between events: found at the beginning of a step, after the impact of what comes down, and its forces in every stage.
+//! Active contacts between events. They are determined at the beginning of a step, after the impact of landing points, and their forces are
+//! computed in every stage.
 
 use crate::composite::Composite;
 use crate::contact::{Memory, Report};
@@ -14,44 +15,44 @@ use crate::step::settings::World;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// A corner bears up to this gap [length of the model]; an impact is located to 1e-15 m, so what has landed is far below it.
+/// A contact is active up to this gap [length of the model]. An impact is located to 1e-15 m, so a landed point is far below it.
 const ACTIVE_GAP: f64 = 1e-8;
-/// Rate at which gap and velocity of what bears are drawn back to zero [1/s]. Slow: the stages of a step are off the ground
-/// by h², and what pulls them there costs the method its order.
+/// Rate at which gap and velocity of active contacts decay to zero [1/s]. It is slow: the stages of a step are off the ground by h², and a
+/// fast decay there would reduce the method's order.
 const BAUMGARTE_RATE: f64 = 20.0;
-/// What approaches the ground faster than this hits it [lengths/s].
+/// A faster approach to the ground is an impact [lengths/s].
 const IMPACT_SPEED: f64 = 1e-6;
-/// What moves slower than this along the ground sticks [lengths/s].
+/// A contact with a slower slip sticks [lengths/s].
 const STICKING_SPEED: f64 = 1e-6;
-/// What is accelerated less than this sticks on [lengths/s²].
+/// A sticking contact with a lower tangential acceleration continues to stick [lengths/s²].
 const STICKING_ACCELERATION: f64 = 1e-6;
-/// A slip slower than this, beside that at the step's beginning, keeps its direction of then.
+/// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
 
-/// What a corner does: as it was when a step began, and as its last force says.
+/// State of a contact point: at the beginning of the step, and according to its last force.
 ///
-/// Gap and slip of a contact that bears or sticks drift by the method's error. So it goes on doing so for as long as its
-/// force does, however far it has drifted.
+/// Gap and slip of an active or sticking contact drift by the method's error. So it stays active or sticking while its force does, however
+/// far it has drifted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::step) struct EventContact {
-    /// It carries, or would if pressed.
+    /// It carries load, or would under pressure.
     pub(super) active: bool,
-    /// Bearing, it does not move along the ground.
+    /// It is active and does not slip.
     pub(super) sticking: bool,
-    /// Height above the ground; infinite where there is none [m].
+    /// Height above the ground; infinite where there is no ground [m].
     pub(super) gap: f64,
-    /// Direction of slip …
+    /// Direction of slip.
     pub(super) slip_direction: Vector3<f64>,
-    /// … and its speed [m/s].
+    /// Speed of slip [m/s].
     pub(super) speed: f64,
-    /// The last force presses.
+    /// The last force was compressive.
     pressed: bool,
-    /// The last force leaves no acceleration along the ground.
+    /// The last force left no tangential acceleration.
     held: bool,
 }
 
 impl Plant {
-    /// What bears and what sticks now, after the impact of whatever comes down.
+    /// Determines active and sticking contacts, after the impact of landing points.
     pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
         let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
         let (length, mut hits) = (world.model.length, false);
@@ -69,7 +70,7 @@ impl Plant {
         }
         let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
-            // what the impact throws off does not bear, though it has no gap yet; what drifts off does
+            // an impact can open a contact that still has no gap; a drift alone cannot
             let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * length;
             if contact.active && rises && (hits || !contact.pressed) {
                 (contact.active, contact.gap) = (false, contact.gap.max(ACTIVE_GAP * length));
@@ -85,7 +86,7 @@ impl Plant {
 }
 
 impl Touches {
-    /// Lists what bears.
+    /// Lists the active contacts.
     pub(in crate::step) fn find_active(
         &mut self,
         world: &World,
@@ -104,9 +105,10 @@ impl Touches {
 }
 
 impl Contacts {
-    /// The forces of all that bears, and the acceleration with them; `free` is that without. What bears is told what its force does.
+    /// Forces of all active contacts, and the acceleration with them; `free` is the acceleration without. Stores what each force does in
+    /// `event_contacts`.
     ///
-    /// They are those of the round cone under every law of Coulomb's: a slip's direction is known here, so that the laws differ in impacts.
+    /// All Coulomb laws use the round cone here, because the direction of slip is known. They differ in impacts only.
     pub(in crate::step) fn forces(
         &mut self,
         world: &World,
@@ -123,7 +125,7 @@ impl Contacts {
         }
         let (model, length) = (&world.model, world.model.length);
         let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
-        // near its end a slip has no direction, and beyond it goes on being braked: the end is a zero of its speed
+        // a slip near its end has no direction; beyond it, friction keeps its direction, so that the slip speed crosses zero
         let along = |touch: &Touch| {
             let (contact, velocity) = (&event_contacts[touch.id], velocity(touch));
             let slip = Vector3::new(velocity.x, velocity.y, 0.0);
@@ -140,13 +142,13 @@ impl Contacts {
         };
         let problem = per_contact.map.drift(model, free, touches, Law::Cone, pull);
         problem.friction.fill(world.settings.friction);
-        // the law is told the direction of a slip, for it would turn friction against any acceleration
+        // the law gets the direction of the slip; else friction would oppose the acceleration
         let given = |touch: &Touch| if event_contacts[touch.id].sticking { Vector3::zeros() } else { along(touch) };
         problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
         let rows = 1 + problem.tangents;
         let report = per_contact.solve(world, free, touches, Law::Cone, memory)?;
         let response = per_contact.respond(world, free);
-        // what its forces do to accelerations is no energy
+        // the energy gain of forces on accelerations has no meaning
         contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
         (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
         for ((id, force), acceleration) in contact.impulses.iter().zip(per_contact.solver.velocity.chunks_exact(rows)) {
@@ -158,7 +160,7 @@ impl Contacts {
     }
 }
 
-/// Velocity of a corner along the ground [m/s].
+/// Slip velocity of a contact point [m/s].
 pub(super) fn slip(pose: &Pose, point: &ContactPoint) -> Vector3<f64> {
     let velocity = pose.links[point.link].velocity.at(&pose.lowest(point));
     Vector3::new(velocity.x, velocity.y, 0.0)
