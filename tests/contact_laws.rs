@@ -177,7 +177,7 @@ fn what_falls_flat_stays_where_it_lands() {
     for period in 0..1000 {
         plant.advance(&Torques::default()).expect("a step");
         kinematics::pose(plant.model(), plant.state(), &mut pose);
-        let heights = plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at).z);
+        let heights = plant.model().contact_points.iter().map(|corner| pose.point(corner.link, &corner.at).z);
         end = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], z| [low.min(z), high.max(z)]);
         landed |= end[0] < 1e-9;
         if landed {

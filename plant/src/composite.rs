@@ -8,7 +8,7 @@
 
 use crate::factor::PathMatrix;
 use crate::kinematics::Pose;
-use crate::model::{Corner, Model, Motion};
+use crate::model::{ContactPoint, Model, Motion};
 use crate::spatial::{Inertia, Spatial};
 use nalgebra::Vector3;
 
@@ -38,21 +38,21 @@ impl Composite {
         for ((sum, link), pose) in self.inertia.iter_mut().zip(&model.links).zip(&pose.links) {
             *sum = if link.mass > 0.0 { Inertia::new(link.mass, &pose.com, &pose.tensor) } else { Inertia::default() };
         }
-        let upright = model.upright();
-        for i in (1 + upright..model.links.len()).rev() {
+        let aligned = model.world_aligned();
+        for i in (1 + aligned..model.links.len()).rev() {
             let link = &model.links[i];
             let carried = self.inertia[i];
             self.inertia[link.parent] += carried;
             self.wrench[i] = carried.times(&pose.links[i].column);
         }
-        let all = self.inertia[upright]; // what the first links carry; only the last of them may weigh anything itself
-        for (wrench, pose) in self.wrench.iter_mut().zip(&pose.links).take(1 + upright) {
+        let all = self.inertia[aligned]; // what the first links carry; only the last of them may weigh anything itself
+        for (wrench, pose) in self.wrench.iter_mut().zip(&pose.links).take(1 + aligned) {
             *wrench = all.times(&pose.column);
         }
-        if upright > 0 {
+        if aligned > 0 {
             self.wrench[1..].iter().enumerate().for_each(|(i, wrench)| h.set_first(i, wrench));
         }
-        for (j, link) in model.links[1..].iter().enumerate().skip(upright) {
+        for (j, link) in model.links[1..].iter().enumerate().skip(aligned) {
             let Spatial { angular, linear } = pose.links[j + 1].column;
             let wrenches = self.wrench[1..][model.branch(j)].iter();
             // a virtual link slides, or turns about O: half of its column is zero
@@ -71,10 +71,10 @@ impl Composite {
     ///
     /// `xdot` must be the rates that `pose` was computed with.
     pub fn bias(&mut self, model: &Model, pose: &Pose, xdot: &[f64], b: &mut [f64]) {
-        let upright = model.upright();
-        for (i, link) in model.links.iter().enumerate().skip(upright) {
+        let aligned = model.world_aligned();
+        for (i, link) in model.links.iter().enumerate().skip(aligned) {
             let here = &pose.links[i];
-            let a = if i == upright {
+            let a = if i == aligned {
                 // gravity as an upward acceleration of link 0, as the paper does; and what slides sweeps the axes that turn
                 let Spatial { angular: w, linear: v } = here.velocity;
                 Spatial { angular: Vector3::zeros(), linear: v.cross(&w) - model.gravity }
@@ -93,22 +93,22 @@ impl Composite {
                 Spatial::default()
             };
         }
-        for i in (upright + 1..model.links.len()).rev() {
+        for i in (aligned + 1..model.links.len()).rev() {
             let link = &model.links[i];
             let wrench = self.wrench[i];
             b[i - 1] = pose.links[i].column.dot(&wrench) + link.damping * xdot[i - 1];
             self.wrench[link.parent] += wrench;
         }
-        let Spatial { linear: f, angular: n } = self.wrench[upright];
-        b[..upright].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z][..upright]);
+        let Spatial { linear: f, angular: n } = self.wrench[aligned];
+        b[..aligned].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z][..aligned]);
     }
 
     /// K̇ᵀẋ: the acceleration in W that a corner has without ẍ [m/s²], after [`Composite::bias`] at this pose. The lowest
     /// point of a ball stays below its centre, wherever on the ball that is.
-    pub fn swept(&self, model: &Model, pose: &Pose, corner: &Corner) -> Vector3<f64> {
-        let (velocity, acceleration) = (&pose.links[corner.link].velocity, &self.acceleration[corner.link]);
-        let centre = pose.arm(corner.link, &corner.at);
-        let down = Vector3::new(0.0, 0.0, -corner.radius);
+    pub fn bias_acceleration(&self, model: &Model, pose: &Pose, point: &ContactPoint) -> Vector3<f64> {
+        let (velocity, acceleration) = (&pose.links[point.link].velocity, &self.acceleration[point.link]);
+        let centre = pose.arm(point.link, &point.at);
+        let down = Vector3::new(0.0, 0.0, -point.radius);
         let of_centre = acceleration.at(&centre) + velocity.angular.cross(&velocity.at(&centre)) + model.gravity;
         of_centre + acceleration.angular.cross(&down)
     }

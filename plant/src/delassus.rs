@@ -44,7 +44,7 @@ pub struct Response<'a> {
 pub struct ContactMap {
     /// (14).
     pub problem: Problem,
-    groups: Vec<Group>,
+    groups: Vec<LinkColumns>,
     /// Y of each group, [`PANEL`] columns at a time; what fills up the last is zero.
     blocks: Vec<[f64; PANEL]>,
     /// Force and moment about O of a unit impulse along each column of a link, [`PANEL`] columns at a time.
@@ -58,7 +58,7 @@ pub struct ContactMap {
 
 /// The contacts of one link.
 #[derive(Clone, Debug)]
-struct Group {
+struct LinkColumns {
     link: usize,
     /// Their rows in the problem, which are their columns in K.
     columns: Range<usize>,
@@ -71,15 +71,15 @@ struct Group {
 impl ContactMap {
     /// Room for a model.
     pub fn new(model: &Model) -> Self {
-        let corners = model.corners.len();
+        let points = model.contact_points.len();
         ContactMap {
             problem: Problem::default(),
-            groups: Vec::with_capacity(corners),
-            blocks: Vec::with_capacity(corners * model.dofs()),
-            wrenches: Vec::with_capacity(corners),
-            tangents: Vec::with_capacity(corners),
+            groups: Vec::with_capacity(points),
+            blocks: Vec::with_capacity(points * model.dofs()),
+            wrenches: Vec::with_capacity(points),
+            tangents: Vec::with_capacity(points),
             change: vec![0.0; model.dofs()],
-            impulses: Vec::with_capacity(corners),
+            impulses: Vec::with_capacity(points),
         }
     }
 
@@ -153,7 +153,7 @@ impl ContactMap {
                 }
             }
             free.factor.half_solve(model, link, y);
-            groups.push(Group { link, columns, start, height });
+            groups.push(LinkColumns { link, columns, start, height });
         }
         let size = problem.rows();
         problem.delassus.resize(size * size, 0.0);
@@ -182,7 +182,7 @@ impl ContactMap {
     }
 }
 
-impl Group {
+impl LinkColumns {
     /// Its Y, [`PANEL`] columns at a time: the first of them, and their blocks, base first.
     fn columns<'a>(&self, blocks: &'a [[f64; PANEL]]) -> impl Iterator<Item = (usize, &'a [[f64; PANEL]])> + use<'a> {
         let count = self.columns.len().div_ceil(PANEL);
@@ -192,7 +192,7 @@ impl Group {
 }
 
 /// A = YᵀY: two links meet in the degrees of freedom that they share.
-fn multiply(model: &Model, groups: &[Group], blocks: &[[f64; PANEL]], size: usize, product: &mut [f64]) {
+fn multiply(model: &Model, groups: &[LinkColumns], blocks: &[[f64; PANEL]], size: usize, product: &mut [f64]) {
     for (i, a) in groups.iter().enumerate() {
         for b in &groups[..=i] {
             let shared = model.shared(a.link, b.link);

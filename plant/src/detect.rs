@@ -8,7 +8,7 @@ use nalgebra::Vector3;
 /// A contact point near enough to the ground to touch it.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    /// Which of [`Model::corners`].
+    /// Which of [`Model::points`].
     pub id: usize,
     /// Link that carries it.
     pub link: usize,
@@ -20,11 +20,11 @@ pub struct Touch {
     /// Speed at which it may still come down in this step; negative: it must go up [m/s]. See [`approach`].
     pub approach: f64,
     /// Velocity that K gains on the way to the end of the step, in W [m/s]. Zero for a method whose law holds where K is taken.
-    pub swept: Vector3<f64>,
+    pub velocity_gain: Vector3<f64>,
     /// Angular velocity that its link gains there likewise [rad/s].
-    pub turned: Vector3<f64>,
+    pub angular_gain: Vector3<f64>,
     /// Direction of its slip in the middle of the step, if friction is to act against that: a unit vector along the ground, else zero.
-    pub along: Vector3<f64>,
+    pub slip_direction: Vector3<f64>,
     /// Time after which it meets the ground, as its motion to the middle of the step says, if it comes down faster than the step's forces make
     /// it; else infinite [s].
     pub lands_after: f64,
@@ -34,7 +34,17 @@ impl Touch {
     /// A contact point at a place, which may not come down any further.
     pub fn new(id: usize, link: usize, arm: Vector3<f64>, gap: f64) -> Touch {
         let none = Vector3::zeros();
-        Touch { id, link, arm, gap, approach: 0.0, swept: none, turned: none, along: none, lands_after: f64::INFINITY }
+        Touch {
+            id,
+            link,
+            arm,
+            gap,
+            approach: 0.0,
+            velocity_gain: none,
+            angular_gain: none,
+            slip_direction: none,
+            lands_after: f64::INFINITY,
+        }
     }
 
     /// Whether it comes down faster than the step's forces make it.
@@ -44,24 +54,28 @@ impl Touch {
 }
 
 /// Part of a depth that one step takes back [-]: what a step's error leaves is gone within some ten steps, and never thrown back.
-const COMES_OUT: f64 = 0.2;
+const RECOVERED_PART: f64 = 0.2;
 /// Greatest speed at which a depth is taken back, as a part of g h [-]: what comes out rises by less than 50 steps of its own fall.
-const GENTLY: f64 = 10.0;
+const MAX_RECOVERY_SPEED: f64 = 10.0;
 /// A depth that is more than a step's error, as a part of g h² [-]: what methods that stop velocities alone let stay inside the ground.
-const DEEP: f64 = 10.0;
+const DEEP_PENETRATION: f64 = 10.0;
+
+/// A contact point is listed if it is no higher than this many times the way that it can fall in a step [-]. The factor leaves room for what
+/// contact forces add to its speed; [`add_penetrating`] adds the points that are faster still.
+const SEARCH_FACTOR: f64 = 2.0;
 
 /// Speed at which a contact may still come down within `h` [m/s]: it closes its gap. Deep inside the ground it is negative: it comes out.
-pub fn approach(gap: f64, h: f64, gravity: f64) -> f64 {
+pub fn allowed_approach(gap: f64, h: f64, gravity: f64) -> f64 {
     match gap {
         gap if gap > 0.0 => gap / h,
-        gap if gap < -DEEP * gravity * h * h => coming_out(gap, h, gravity),
+        gap if gap < -DEEP_PENETRATION * gravity * h * h => recovery_speed(gap, h, gravity),
         _ => 0.0,
     }
 }
 
 /// Speed at which a contact may come down that is to come out of the ground by a part of its depth in a step of `h` [m/s].
-pub fn coming_out(gap: f64, h: f64, gravity: f64) -> f64 {
-    (COMES_OUT * gap / h).max(-GENTLY * gravity * h)
+pub fn recovery_speed(gap: f64, h: f64, gravity: f64) -> f64 {
+    (RECOVERED_PART * gap / h).max(-MAX_RECOVERY_SPEED * gravity * h)
 }
 
 /// Lists the points that may touch within a step of `h` [s], link by link, the lowest first, so that results do not depend on the order in
@@ -69,65 +83,65 @@ pub fn coming_out(gap: f64, h: f64, gravity: f64) -> f64 {
 ///
 /// The printed laws stop whatever touches at any height, so for them touching means a gap no larger than two steps of
 /// free fall open, 2gh². The other laws let a point close its gap first, so every point is listed that could close it, by its
-/// velocity now or without contact, going twice as far; what contact makes faster still is seen afterwards: [`overlooked`]. A spring
+/// velocity now or without contact, going twice as far; what contact makes faster still is seen afterwards: [`add_penetrating`]. A spring
 /// pushes what it is compressed by now.
 pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touches: &mut Vec<Touch>) {
     touches.clear();
     let mut first = 0;
-    for corners in model.corners.chunk_by(|a, b| a.link == b.link) {
-        let (link, start) = (corners[0].link, touches.len());
+    for points in model.contact_points.chunk_by(|a, b| a.link == b.link) {
+        let (link, start) = (points[0].link, touches.len());
         let (now, after) = (pose.links[link].velocity, pose.twist(model, link, free));
-        for (id, corner) in (first..).zip(corners) {
-            let arm = pose.lowest(corner);
+        for (id, point) in (first..).zip(points) {
+            let arm = pose.lowest(point);
             let gap = pose.reference.z + arm.z;
             let reach = match law {
                 Law::SpringDamper => 0.0,
-                Law::EnergyQp | Law::Complementarity => 2.0 * model.gravity.norm() * h * h,
-                _ => 2.0 * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
+                Law::EnergyQp | Law::Complementarity => SEARCH_FACTOR * model.gravity.norm() * h * h,
+                _ => SEARCH_FACTOR * h * now.at(&arm).norm_squared().max(after.at(&arm).norm_squared()).sqrt(),
             };
-            if gap <= reach && corner.has_ground(pose.reference.x + arm.x) {
-                let approach = approach(gap, h, model.gravity.norm());
+            if gap <= reach && point.has_ground(pose.reference.x + arm.x) {
+                let approach = allowed_approach(gap, h, model.gravity.norm());
                 touches.push(Touch { approach, ..Touch::new(id, link, arm, gap) });
             }
         }
-        first += corners.len();
-        level(&mut touches[start..]);
+        first += points.len();
+        flatten(&mut touches[start..]);
     }
 }
 
 /// Lists the lowest first, and gives all contacts of a link its height.
-fn level(touches: &mut [Touch]) {
+fn flatten(touches: &mut [Touch]) {
     touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
     let height = touches.first().map_or(0.0, |lowest| lowest.arm.z);
     touches.iter_mut().for_each(|touch| touch.arm.z = height);
 }
 
 /// Adds the points that were not listed and that the velocity `after` the step takes into the ground within `h`; whether there are any.
-pub fn overlooked(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], touches: &mut Vec<Touch>) -> bool {
+pub fn add_penetrating(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], touches: &mut Vec<Touch>) -> bool {
     if matches!(law, Law::SpringDamper | Law::EnergyQp | Law::Complementarity) {
         return false;
     }
     let (before, mut first) = (touches.len(), 0);
-    for corners in model.corners.chunk_by(|a, b| a.link == b.link) {
-        let link = corners[0].link;
+    for points in model.contact_points.chunk_by(|a, b| a.link == b.link) {
+        let link = points[0].link;
         let listed = |id: usize, touches: &[Touch]| touches[..before].iter().any(|touch| touch.id == id);
-        if touches[..before].iter().filter(|touch| touch.link == link).count() < corners.len() {
+        if touches[..before].iter().filter(|touch| touch.link == link).count() < points.len() {
             let after = pose.twist(model, link, after);
-            for (id, corner) in (first..).zip(corners) {
-                let arm = pose.lowest(corner);
+            for (id, point) in (first..).zip(points) {
+                let arm = pose.lowest(point);
                 let gap = pose.reference.z + arm.z;
                 let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
-                if sinks && corner.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
+                if sinks && point.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
                     touches.push(Touch { approach: gap / h, ..Touch::new(id, link, arm, gap) });
                 }
             }
         }
-        first += corners.len();
+        first += points.len();
     }
     if touches.len() == before {
         return false;
     }
     touches.sort_by_key(|touch| touch.link);
-    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(level);
+    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(flatten);
     true
 }

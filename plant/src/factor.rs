@@ -164,21 +164,21 @@ impl Factor {
             v[i] = y;
         }
         v.iter_mut().zip(&self.inverse).for_each(|(v, inverse)| *v *= inverse);
-        self.descend(stride, model, v);
+        self.forward_solve(stride, model, v);
     }
 
     /// v = L⁻¹ √D⁻¹ v: what [`Factor::half_solve`] leaves to do.
     pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
         v.iter_mut().zip(&self.root).for_each(|(v, root)| *v *= root);
         match self.l.stride {
-            1 => self.descend(1, model, v),
-            stride => self.descend(stride, model, v),
+            1 => self.forward_solve(1, model, v),
+            stride => self.forward_solve(stride, model, v),
         }
     }
 
     /// v = L⁻¹ v.
     #[inline(always)]
-    fn descend(&self, stride: usize, model: &Model, v: &mut [f64]) {
+    fn forward_solve(&self, stride: usize, model: &Model, v: &mut [f64]) {
         let width = stride * PANEL;
         let numbers = self.l.blocks.as_flattened();
         for i in 0..model.dofs() {

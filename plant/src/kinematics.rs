@@ -1,6 +1,6 @@
 //! Where everything is: poses and velocities of links, points, Jacobian columns, and sums over the robot.
 
-use crate::model::{Corner, Link, Model, Motion};
+use crate::model::{ContactPoint, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
 use messages::scene::Base;
@@ -42,12 +42,12 @@ impl Pose {
     pub fn new(model: &Model) -> Self {
         let at_rest = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
         let mut links = vec![at_rest; model.links.len()];
-        settle(&model.links[0], &mut links[0]);
-        for (k, link) in links[1..=model.upright()].iter_mut().enumerate() {
+        set_mass_properties(&model.links[0], &mut links[0]);
+        for (k, link) in links[1..=model.world_aligned()].iter_mut().enumerate() {
             let unit = |first: usize| Vector3::from_fn(|row, _| f64::from(first + row == k));
             link.column = Spatial { linear: unit(0), angular: unit(3) };
         }
-        let turns = vec![(0.0, 1.0); model.dofs() - model.upright()];
+        let turns = vec![(0.0, 1.0); model.dofs() - model.world_aligned()];
         Pose { reference: Vector3::zeros(), links, turns }
     }
 
@@ -65,16 +65,16 @@ impl Pose {
 
     /// Where a corner would touch the ground, from O: itself, or the lowest point of its ball [m].
     #[inline]
-    pub fn lowest(&self, corner: &Corner) -> Vector3<f64> {
-        let mut arm = self.arm(corner.link, &corner.at);
-        arm.z -= corner.radius;
+    pub fn lowest(&self, point: &ContactPoint) -> Vector3<f64> {
+        let mut arm = self.arm(point.link, &point.at);
+        arm.z -= point.radius;
         arm
     }
 
     /// Height of a corner above the ground [m].
     #[inline]
-    pub fn height(&self, corner: &Corner) -> f64 {
-        self.reference.z + self.lowest(corner).z
+    pub fn height(&self, point: &ContactPoint) -> f64 {
+        self.reference.z + self.lowest(point).z
     }
 
     /// Velocity that rates `xdot` would give a link at this pose.
@@ -122,21 +122,21 @@ fn rotation(q: &[f64]) -> Matrix3<f64> {
 /// What slides along the axes of W and turns about them moves as one: O slides, and the last of these links has all their velocity.
 pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     let Pose { reference, links, turns } = pose;
-    let upright = model.upright();
-    let joints = &state.x[upright + model.coordinates() - model.dofs()..];
+    let aligned = model.world_aligned();
+    let joints = &state.x[aligned + model.coordinates() - model.dofs()..];
     *reference = model.mount_position;
-    if upright > 0 {
+    if aligned > 0 {
         *reference += Vector3::from_column_slice(&state.x[..3]);
-        links[upright].velocity = upright_velocity(upright, &state.xdot);
+        links[aligned].velocity = aligned_velocity(aligned, &state.xdot);
     }
     if model.base == Base::Quaternion {
-        links[upright].rotation = rotation(&state.x[3..7]);
-        settle(&model.links[upright], &mut links[upright]);
+        links[aligned].rotation = rotation(&state.x[3..7]);
+        set_mass_properties(&model.links[aligned], &mut links[aligned]);
     }
     sines_cosines(joints, turns);
-    for (i, link) in model.links.iter().enumerate().skip(1 + upright) {
+    for (i, link) in model.links.iter().enumerate().skip(1 + aligned) {
         let virtual_link = i <= model.base_link;
-        let (x, turn) = (joints[i - 1 - upright], turns[i - 1 - upright]);
+        let (x, turn) = (joints[i - 1 - aligned], turns[i - 1 - aligned]);
         let (before, rest) = links.split_at_mut(i);
         let (parent, here) = (&before[link.parent], &mut rest[0]);
         let axis = match link.along {
@@ -162,29 +162,29 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
             }
         }
         here.velocity = parent.velocity + here.column * state.xdot[i - 1];
-        settle(link, here);
+        set_mass_properties(link, here);
     }
 }
 
 /// Gives every link the velocity that the rates `xdot` make at this pose.
 pub fn velocities(model: &Model, xdot: &[f64], pose: &mut Pose) {
-    let upright = model.upright();
-    pose.links[upright].velocity = upright_velocity(upright, xdot);
-    for (i, link) in model.links.iter().enumerate().skip(1 + upright) {
+    let aligned = model.world_aligned();
+    pose.links[aligned].velocity = aligned_velocity(aligned, xdot);
+    for (i, link) in model.links.iter().enumerate().skip(1 + aligned) {
         pose.links[i].velocity = pose.links[link.parent].velocity + pose.links[i].column * xdot[i - 1];
     }
 }
 
-/// Velocity of the first links, which move as one: they slide and turn, only slide, or there are none ([`Model::upright`]).
-fn upright_velocity(upright: usize, xdot: &[f64]) -> Spatial {
+/// Velocity of the first links, which move as one: they slide and turn, only slide, or there are none ([`Model::aligned`]).
+fn aligned_velocity(aligned: usize, xdot: &[f64]) -> Spatial {
     let part =
-        |from: usize| if upright > from { Vector3::from_column_slice(&xdot[from..from + 3]) } else { Vector3::zeros() };
+        |from: usize| if aligned > from { Vector3::from_column_slice(&xdot[from..from + 3]) } else { Vector3::zeros() };
     Spatial { angular: part(3), linear: part(0) }
 }
 
 /// Centre of mass and tensor of a link whose rotation and origin are known.
 #[inline]
-fn settle(link: &Link, here: &mut LinkPose) {
+fn set_mass_properties(link: &Link, here: &mut LinkPose) {
     if link.mass > 0.0 {
         here.com = here.origin + here.rotation * link.com;
         here.tensor = Symmetric::principal(&link.moments, &here.rotation);

@@ -45,11 +45,11 @@ pub mod simulation;
 pub mod smallest;
 pub mod spatial;
 pub mod springs;
+pub mod standing;
 pub mod state;
 pub mod step;
 pub mod truth;
 pub mod watchdog;
-pub mod weld;
 
 pub use error::PlantError;
 pub use simulation::Simulation;

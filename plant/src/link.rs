@@ -65,7 +65,7 @@ impl<'a> Link<'a> {
         if self.serve(simulation, sensors)? == Next::Afresh {
             return Ok(Next::Afresh);
         }
-        simulation.get_ready();
+        simulation.prepare();
         match self.pace {
             Pace::Lockstep => self.answer(simulation, sensors),
             Pace::RealTime => self.on_time(simulation, sensors),

@@ -67,7 +67,7 @@ pub struct Link {
 
 /// A point that may touch the ground, or a ball that does so with its lowest point.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Corner {
+pub struct ContactPoint {
     /// Link that carries it.
     pub link: usize,
     /// Where it or its centre is, in the link's frame [m].
@@ -78,7 +78,7 @@ pub struct Corner {
     pub tiles: Option<Tiles>,
 }
 
-impl Corner {
+impl ContactPoint {
     /// Whether there is ground under it when it is at x [m].
     #[inline]
     pub fn has_ground(&self, x: f64) -> bool {
@@ -121,7 +121,7 @@ pub struct Model {
     /// Degree of freedom of each joint, in the order of the scene's bodies that carry joints (wire order).
     pub joint_dof: Vec<usize>,
     /// Contact points and balls, in the order of the scene's bodies.
-    pub corners: Vec<Corner>,
+    pub contact_points: Vec<ContactPoint>,
     /// Greatest distance of a joint or a contact from the centre of mass of a body that it is on: the scale of lengths, wherever the
     /// bodies' frames are [m].
     pub length: f64,
@@ -150,7 +150,7 @@ impl Model {
 
     /// How many degrees of freedom, from the first on, are along and then about the axes of W.
     #[inline]
-    pub fn upright(&self) -> usize {
+    pub fn world_aligned(&self) -> usize {
         match self.base {
             Base::Fixed | Base::Planar => 0,
             Base::Virtual => 3,
@@ -182,7 +182,7 @@ impl Model {
     }
 
     /// Whether every link can move in all six directions, for the base can.
-    pub fn floats(&self) -> bool {
+    pub fn has_floating_base(&self) -> bool {
         matches!(self.base, Base::Virtual | Base::Quaternion)
     }
 

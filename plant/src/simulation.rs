@@ -82,8 +82,8 @@ impl Simulation {
     }
 
     /// As [`Plant::get_ready`].
-    pub fn get_ready(&mut self) {
-        self.plant.get_ready();
+    pub fn prepare(&mut self) {
+        self.plant.prepare();
     }
 
     /// As [`Plant::push`].

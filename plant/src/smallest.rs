@@ -83,7 +83,7 @@ impl Size {
     /// If the scene cannot be simulated at all; see [`PlantError`].
     pub fn of(scene: &Scene) -> Result<Size, PlantError> {
         let model = Model::new(scene)?;
-        let (dofs, contacts) = (model.dofs(), model.corners.len());
+        let (dofs, contacts) = (model.dofs(), model.contact_points.len());
         let directions = crate::contact::tangents(scene.plant.law).min(model.directions);
         Ok(Size { base: model.base, dofs, contacts, directions })
     }

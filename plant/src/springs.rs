@@ -17,7 +17,7 @@ use crate::model::Model;
 use crate::state::State;
 
 /// Adds τ d + τ² k to the diagonal of H.
-pub fn stiffen(model: &Model, tau: f64, inertia: &mut PathMatrix) {
+pub fn add_to_inertia(model: &Model, tau: f64, inertia: &mut PathMatrix) {
     for spring in &model.springs {
         inertia.add_diagonal(spring.dof, tau * (spring.damping + tau * spring.stiffness));
     }
@@ -27,7 +27,7 @@ pub fn stiffen(model: &Model, tau: f64, inertia: &mut PathMatrix) {
 ///
 /// θ = ½ is of second order, but what a strong damper should stop would change its sign at every step; θ = 1 is not. Between them this is the
 /// part of the step in which an exponential decay acts, to the order of z³.
-pub fn stiffen_in_the_middle(model: &Model, h: f64, inertia: &mut PathMatrix) {
+pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix) {
     for spring in &model.springs {
         let own = inertia.row(spring.dof).last().copied().unwrap_or(0.0);
         let z = h * spring.damping / own;
@@ -37,7 +37,7 @@ pub fn stiffen_in_the_middle(model: &Model, h: f64, inertia: &mut PathMatrix) {
 }
 
 /// Adds k (x + τ ẋ - q0) to b, which has d ẋ already.
-pub fn pull(model: &Model, state: &State, tau: f64, bias: &mut [f64]) {
+pub fn add_to_bias(model: &Model, state: &State, tau: f64, bias: &mut [f64]) {
     let offset = state.x.len() - state.xdot.len();
     for spring in &model.springs {
         let next = state.x[spring.dof + offset] + tau * state.xdot[spring.dof];

@@ -7,6 +7,14 @@ use messages::scene::{Base, Initial};
 use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
+/// Determinant of the axes of the virtual joints, the sine of the angle to their singular pitch, below which they cannot turn every way [-].
+const MIN_DETERMINANT: f64 = 1e-6;
+/// Half of a rotation angle below which (1 − ½d cot ½d)/d² is taken from its series [rad]: the closed form would lose digits to cancellation,
+/// and the next term of the series is below 1e-16.
+const SERIES_ANGLE: f64 = 0.02;
+/// Half of a rotation angle below which sin(x)/x rounds to 1 [rad]: the next term of the series is x²/6.
+const SINC_ANGLE: f64 = 1e-8;
+
 /// Generalised position and velocity of (1).
 ///
 /// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` matches
@@ -56,18 +64,18 @@ impl State {
             state.x[dof + offset] = initial.joints.get(k).copied().unwrap_or(0.0);
             state.xdot[dof] = initial.joint_rates.get(k).copied().unwrap_or(0.0);
         }
-        state.place(model, initial)?;
-        state.set_going(model, initial)?;
+        state.set_initial_pose(model, initial)?;
+        state.set_initial_rates(model, initial)?;
         if let (Some(clearance), Some(up)) = (initial.clearance, height_coordinate(model.base)) {
             let mut pose = Pose::new(model);
             kinematics::pose(model, &state, &mut pose);
-            state.x[up] += lift(model, &pose, clearance)?;
+            state.x[up] += height_offset(model, &pose, clearance)?;
         }
         Ok(state)
     }
 
     /// Position and orientation of the base.
-    fn place(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
+    fn set_initial_pose(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let position = finite(initial.position, || "initial.position".into())?;
         let rotation = orientation(initial)?;
         let [roll, pitch, yaw] = initial.orientation_deg.map(f64::to_radians);
@@ -90,7 +98,7 @@ impl State {
     }
 
     /// Rates of the base's coordinates from its velocity and angular velocity in W.
-    fn set_going(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
+    fn set_initial_rates(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
         let velocity = finite(initial.velocity, || "initial.velocity".into())?;
         let spin = finite(initial.angular_velocity, || "initial.angular_velocity".into())?;
         let foreign = |what: &str, value: [f64; 3], good: bool, rule: &str| {
@@ -114,7 +122,8 @@ impl State {
                 let axes = Matrix3::from_columns(&[4, 5, 6].map(|link: usize| pose.links[link].column.angular));
                 let rule = "another pitch: at ±90° the virtual joints cannot turn every way";
                 let lost = || PlantError::value("initial.orientation_deg", initial.orientation_deg, rule);
-                let rates = axes.try_inverse().filter(|_| axes.determinant().abs() > 1e-6).ok_or_else(lost)? * spin;
+                let rates =
+                    axes.try_inverse().filter(|_| axes.determinant().abs() > MIN_DETERMINANT).ok_or_else(lost)? * spin;
                 self.xdot[..3].copy_from_slice(velocity.as_slice());
                 self.xdot[3..6].copy_from_slice(rates.as_slice());
             }
@@ -130,7 +139,7 @@ impl State {
             for i in 0..3 {
                 self.x[i] += h * self.xdot[i];
             }
-            let turned = turn(&self.x[3..7], &self.xdot[3..6], h);
+            let turned = rotated(&self.x[3..7], &self.xdot[3..6], h);
             self.x[3..7].copy_from_slice(&turned);
         }
         let offset = self.x.len() - self.xdot.len();
@@ -145,7 +154,7 @@ impl State {
         if model.base == Base::Quaternion {
             joints = 6;
             self.x[..3].iter_mut().enumerate().for_each(|(i, x)| *x += by(i));
-            let turned = turn(&self.x[3..7], &[by(3), by(4), by(5)], 1.0);
+            let turned = rotated(&self.x[3..7], &[by(3), by(4), by(5)], 1.0);
             self.x[3..7].copy_from_slice(&turned);
         }
         let offset = self.x.len() - self.xdot.len();
@@ -163,7 +172,7 @@ impl State {
             let (d, w) = (Vector3::from_column_slice(&by[3..6]), Vector3::from_column_slice(&rate[3..6]));
             let square = d.norm_squared();
             let half = 0.5 * square.sqrt();
-            let factor = match half < 0.02 {
+            let factor = match half < SERIES_ANGLE {
                 true => 1.0 / 12.0 + square / 720.0 + square * square / 30240.0,
                 false => (1.0 - half / half.tan()) / square,
             };
@@ -196,11 +205,11 @@ impl State {
 }
 
 /// exp(h w) q, of unit length: q turned by the angular velocity w in W for the time h.
-fn turn(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
+fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
     // sin(half)/half, whose series needs no second term below 1e-8
     let (sin, cos) = sin_cos(half);
-    let sinc = if half < 1e-8 { 1.0 } else { sin / half };
+    let sinc = if half < SINC_ANGLE { 1.0 } else { sin / half };
     let [a, x, y, z] = [cos, 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
     let product = [
         a * q[0] - x * q[1] - y * q[2] - z * q[3],
@@ -228,8 +237,8 @@ pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError>
 }
 
 /// How far to lift the robot until its lowest contact point is `clearance` above the ground z = 0 [m].
-pub(crate) fn lift(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
-    let heights = model.corners.iter().map(|corner| pose.height(corner));
+pub(crate) fn height_offset(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
+    let heights = model.contact_points.iter().map(|point| pose.height(point));
     let lowest = heights.fold(f64::INFINITY, f64::min);
     if lowest.is_finite() && clearance.is_finite() {
         return Ok(clearance - lowest);

@@ -1,13 +1,13 @@
-//! The step: one integration step of the plant, in the order of the paper's section 2.
+//! One integration step of the plant, in the order of the paper's section 2.
 //!
 //! ```text
-//!   pose → H, b → free motion (12) → touching → problem (14) → impulse (15)-(22) → velocity (12) → position
+//!   pose → H, b → free motion (12) → touching points → problem (14) → impulse (15)-(22) → velocity (12) → position
 //! ```
 //!
-//! The stages are in `step/free.rs`, `step/contact.rs` and `step/each.rs`: each reads what it is given and returns what it makes, in room
-//! of its own. An integration method has them in its order:
+//! The stages are in `step/free.rs`, `step/contact.rs` and `step/per_contact.rs`. Each stage reads its arguments and returns its result in
+//! its own workspace. The integration methods call the stages in different orders:
 //!
-//! | method | where |
+//! | method | file |
 //! |---|---|
 //! | `ExplicitEuler`, `SemiImplicitEuler` | `step/euler.rs` |
 //! | `MoreauJean` | `step/moreau.rs` |
@@ -17,28 +17,29 @@
 //! | `Rk4` | `step/runge_kutta.rs` |
 //! | `Rk4Impact`, `EventDriven` | `step/event.rs` |
 
-mod ahead;
 mod contact;
 mod doubling;
-mod each;
 mod euler;
 mod event;
 mod free;
 mod midpoint;
 mod midpoint_contact;
 mod moreau;
-mod now;
+mod per_contact;
+mod posed_state;
+mod prediction;
 mod runge_kutta;
 mod settings;
-mod stiff;
+mod stability;
+mod step_size;
 
 use contact::{Contacts, Touches};
-use doubling::Doubling;
-use event::Bearing;
+use doubling::StepDoublingState;
+use event::EventContact;
 use free::{Dynamics, FreeMotion};
-use midpoint_contact::Rise;
+use midpoint_contact::LastAcceleration;
 use moreau::Means;
-use now::{Centre, Now};
+use posed_state::{BaseCentre, PosedState};
 use runge_kutta::Stages;
 use settings::{Push, World};
 
@@ -52,20 +53,23 @@ use messages::scene::{Law, Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 use std::f64::consts::PI;
 
+/// Nanoseconds in a second [ns/s].
+const NS_PER_S: f64 = 1e9;
+
 /// A robot, its ground and its drives.
 ///
-/// The world stays as it is during a step. The state, with the memories of contacts and drives, is all that the future depends on; the
-/// workspace may be dropped without changing a result.
+/// The world is constant during a step. The future depends only on the state and on the memories of contacts and drives. The workspace may
+/// be replaced without changing a result.
 pub struct Plant {
     world: World,
     drives: Drives,
-    now: Now,
+    now: PosedState,
     memory: Memory,
-    rise: Rise,
-    /// What every corner does between events.
-    bearings: Vec<Bearing>,
-    /// Length that the step control would take next [s].
-    stride: f64,
+    last_acceleration: LastAcceleration,
+    /// Mode of every contact point between events.
+    event_contacts: Vec<EventContact>,
+    /// Length of the next step, as the step size control chose it [s].
+    next_step: f64,
     record: Record,
     /// As in [`Counts`].
     events: u64,
@@ -73,43 +77,43 @@ pub struct Plant {
     work: Workspace,
 }
 
-/// What a run has cost so far.
+/// Cost of a run so far.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Evaluations of H and b.
     pub evaluations: u64,
     /// Contact problems solved.
     pub contacts: u64,
-    /// Those whose remembered basis was right.
+    /// Contact problems whose remembered basis was the solution.
     pub warm: u64,
-    /// Impacts and ends of slip that a step was split at.
+    /// Impacts and ends of slip at which a step was split.
     pub events: u64,
-    /// Steps that were taken back and made shorter.
+    /// Steps that were rejected and repeated with a shorter length.
     pub rejected: u64,
 }
 
-/// Room for what the stages make.
+/// Results of the stages; allocated once.
 struct Workspace {
     dynamics: Dynamics,
     free: FreeMotion,
     touches: Touches,
     contacts: Contacts,
-    /// The middle of a step, then its end.
-    middle: Now,
-    /// ẋ₋ in the middle of the step, and the centre of the base there, with ẋ₋ and ẋ₊.
+    /// The state at the middle of a step, then at its end.
+    middle: PosedState,
+    /// ẋ₋ at the middle of the step, and the centre of mass of the base there, with ẋ₋ and with ẋ₊.
     before: Vec<f64>,
-    centres: [Centre; 2],
-    /// What the contacts did before a step that may have to be split.
+    centres: [BaseCentre; 2],
+    /// Contact memory from before a step that may have to be split.
     remembered: Memory,
-    /// What lands in it.
+    /// Contact points that land in the step.
     landing: Vec<usize>,
-    /// Where a step began, or a part of it.
+    /// State at the beginning of a step, or of a part of it.
     start: State,
     stages: Stages,
     means: Means,
     /// Mean velocity of an implicit step.
     mean: Vec<f64>,
-    doubling: Doubling,
+    doubling: StepDoublingState,
 }
 
 impl Plant {
@@ -121,16 +125,16 @@ impl Plant {
         let world = World::new(scene)?;
         let model = &world.model;
         let (now, mut work) =
-            (Now::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
-        stiff::check(&world, &now, &mut work.dynamics)?;
+            (PosedState::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
+        stability::check(&world, &now, &mut work.dynamics)?;
         work.dynamics.evaluations = 0;
         Ok(Plant {
             drives: Drives::new(&scene.plant),
             now,
-            memory: Memory::of(model.corners.len()),
-            rise: Rise::new(model),
-            bearings: vec![Bearing::default(); model.corners.len()],
-            stride: scene.plant.dt,
+            memory: Memory::of(model.contact_points.len()),
+            last_acceleration: LastAcceleration::new(model),
+            event_contacts: vec![EventContact::default(); model.contact_points.len()],
+            next_step: scene.plant.dt,
             record: Record::default(),
             events: 0,
             rejected: 0,
@@ -139,11 +143,11 @@ impl Plant {
         })
     }
 
-    /// One control period: the torques go through the drives and act for as many steps as fit.
+    /// One control period: the torques pass through the drives and act for all steps of the period.
     ///
     /// # Errors
-    /// If the state is no longer finite or H no longer positive definite: the simulation has blown up. If a contact
-    /// problem was not solved as well as `plant.tolerance` asks: [`PlantError::Unsolved`] holds it.
+    /// [`PlantError::Unsolved`] if a contact problem misses `plant.tolerance`; it contains the problem. Other errors if the simulation has
+    /// diverged: the state is not finite, or H is not positive definite.
     pub fn advance(&mut self, command: &Torques) -> Result<Encoders, PlantError> {
         self.world.torques = self.drives.apply(command);
         self.record.begin_period();
@@ -153,27 +157,27 @@ impl Plant {
         Ok(self.encoders())
     }
 
-    /// Finds what the next step needs whatever the torques will be: H, b and the factor of H. Who waits for a command may
-    /// call this meanwhile; no result depends on it.
-    pub fn get_ready(&mut self) {
+    /// Computes the parts of the next step that do not depend on the torques: H, b and the factor of H. A caller that waits for a command
+    /// may call this meanwhile. No result depends on it.
+    pub fn prepare(&mut self) {
         let h = self.world.settings.h;
         match self.world.settings.method {
-            Method::SemiImplicitEuler => self.work.dynamics.get_ready(&self.world.model, &self.now, h, h),
-            Method::MidpointContact if self.rise.known() => {
-                let found = self.get_to_the_middle(h).is_ok(); // the step finds an error again
-                self.work.dynamics.set_ready(found);
+            Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.now, h, h),
+            Method::MidpointContact if self.last_acceleration.known() => {
+                let found = self.evaluate_midpoint(h).is_ok(); // the step reports the error again
+                self.work.dynamics.set_prepared(found);
             }
             _ => {}
         }
     }
 
-    /// One integration step under the torques in force.
+    /// One integration step with the present torques.
     ///
     /// # Errors
     /// As [`Plant::advance`].
     pub fn step(&mut self) -> Result<(), PlantError> {
         let h = self.world.settings.h;
-        self.work.contacts.each.map.problem.reset_rows(0, 0); // of the step before
+        self.work.contacts.per_contact.map.problem.reset_rows(0, 0); // clears the problem of the step before
         match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),
@@ -188,12 +192,12 @@ impl Plant {
         }?;
         self.world.steps += 1;
         self.record.fold(&self.now.state);
-        self.turns_slowly()
+        self.check_rotation_rate()
     }
 
-    /// That nothing turns by more than half a turn in a step, which looks as if it turned the other way: what comes of that is no motion,
-    /// and may have any energy. A method that chooses its own steps finds shorter ones.
-    fn turns_slowly(&self) -> Result<(), PlantError> {
+    /// Checks that nothing turns by more than half a turn per step. Faster rotation is aliased, so its result is meaningless and may have
+    /// any energy. Methods that choose their own steps are exempt.
+    fn check_rotation_rate(&self) -> Result<(), PlantError> {
         let World { model, settings, steps, .. } = &self.world;
         let (rate, dt) = (self.now.state.fastest_turn(model), settings.h);
         if rate * dt <= PI || settings.method.chooses_steps() {
@@ -202,14 +206,14 @@ impl Plant {
         Err(PlantError::Spins { time: *steps as f64 * dt, rate, dt })
     }
 
-    /// Every contact by itself even where whole links stick: for a comparison, or for [`Plant::problem`].
-    pub fn without_welds(mut self) -> Plant {
-        self.world.settings.welds = false;
+    /// Solves contact by contact even where whole feet stand: for comparisons, or for [`Plant::problem`].
+    pub fn without_standing_feet(mut self) -> Plant {
+        self.world.settings.standing_feet = false;
         self
     }
 
-    /// Pushes the centre of mass of a body of the scene, from now on: an impulse in W [N·s], spread over a duration [s].
-    /// Returns whether there is such a body.
+    /// Pushes the centre of mass of a body from now on, with an impulse in W [N·s] that is spread over a duration [s]. Returns whether the
+    /// body exists.
     pub fn push(&mut self, body: usize, impulse: [f64; 3], duration: f64) -> bool {
         let World { model, settings, pushes, steps, .. } = &mut self.world;
         let Some(&link) = model.body_link.get(body) else { return false };
@@ -218,13 +222,13 @@ impl Plant {
         true
     }
 
-    /// What the joint encoders read now.
+    /// Present encoder counts of the joints.
     pub fn encoders(&self) -> Encoders {
         let (model, state) = (self.model(), self.state());
         self.drives.read((0..model.joint_dof.len()).map(|k| state.joint(model, k)))
     }
 
-    /// What only a simulation knows, now and of the control period before. Stamp and timings are the caller's.
+    /// Ground truth of the present state and of the last control period. The caller sets stamp and timings.
     pub fn truth(&self) -> Truth {
         let World { model, settings, torques, .. } = &self.world;
         let period = settings.h * settings.steps_per_period as f64;
@@ -233,21 +237,20 @@ impl Plant {
 
     /// Simulated time [ns].
     pub fn time_ns(&self) -> u64 {
-        (self.world.time() * 1e9).round() as u64
+        (self.world.time() * NS_PER_S).round() as u64
     }
 
-    /// The robot as the dynamics see it.
+    /// The robot model of the dynamics.
     pub fn model(&self) -> &Model {
         &self.world.model
     }
 
-    /// The contact problem of the last step; of no contact if nothing touched. Of welded links only their number counts, and there is
-    /// no A.
+    /// The contact problem of the last step; empty if nothing touched. For standing feet it has their number of contacts only, and no A.
     pub fn problem(&self) -> &Problem {
-        &self.work.contacts.each.map.problem
+        &self.work.contacts.per_contact.map.problem
     }
 
-    /// What the run has cost so far.
+    /// Cost of the run so far.
     pub fn counts(&self) -> Counts {
         let Plant { events, rejected, work: Workspace { dynamics, contacts, .. }, .. } = self;
         Counts {
@@ -272,16 +275,16 @@ impl Workspace {
             free: FreeMotion::new(model),
             touches: Touches::new(model),
             contacts: Contacts::new(model, law),
-            middle: Now::new(model, State::zero(model)),
+            middle: PosedState::new(model, State::zero(model)),
             before: vec![0.0; model.dofs()],
-            centres: [Centre::default(); 2],
-            remembered: Memory::of(model.corners.len()),
-            landing: Vec::with_capacity(model.corners.len()),
+            centres: [BaseCentre::default(); 2],
+            remembered: Memory::of(model.contact_points.len()),
+            landing: Vec::with_capacity(model.contact_points.len()),
             start: State::zero(model),
             stages: Stages::new(model),
             means: Means::new(model),
             mean: vec![0.0; model.dofs()],
-            doubling: Doubling::new(model),
+            doubling: StepDoublingState::new(model),
         }
     }
 }

@@ -62,7 +62,7 @@ impl Record {
     pub fn truth(&self, model: &Model, state: &State, pose: &Pose, torques: &Torques, period: f64) -> Truth {
         let base = &pose.links[model.base_link];
         let position = pose.point(model.base_link, &Vector3::zeros());
-        let over_ground = model.corners.iter().map(|corner| (corner, pose.reference + pose.lowest(corner)));
+        let over_ground = model.contact_points.iter().map(|corner| (corner, pose.reference + pose.lowest(corner)));
         let heights = over_ground.filter(|(corner, point)| corner.has_ground(point.x)).map(|(_, point)| point.z);
         let lowest = heights.fold(f64::INFINITY, f64::min);
         let mut truth = Truth {

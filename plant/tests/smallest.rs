@@ -60,10 +60,10 @@ fn shown(plant: &Plant) -> Shown {
     ];
     let mut force = vec![Vector3::zeros(); model.links.len()];
     let (mut load, mut moment) = (0.0, Vector2::zeros());
-    for (corner, on) in model.corners.iter().zip(truth.contact_force.chunks_exact(3)) {
-        force[corner.link] += Vector3::from_column_slice(on);
+    for (point, on) in model.contact_points.iter().zip(truth.contact_force.chunks_exact(3)) {
+        force[point.link] += Vector3::from_column_slice(on);
         load += on[2];
-        moment += on[2] * (pose.reference + pose.lowest(corner)).xy();
+        moment += on[2] * (pose.reference + pose.lowest(point)).xy();
     }
     let force = model.body_link.iter().map(|&link| force[link]).collect();
     Shown { motion, force, zmp: (moment / load, load) }

@@ -47,7 +47,7 @@ fn time(recording: &Recording, ready: usize, least: &mut [f64]) {
     let mut plant = Plant::new(&recording.scene).expect("a good scene");
     for (torques, least) in recording.torques.iter().zip(least) {
         if ready == 1 {
-            plant.get_ready();
+            plant.prepare();
         }
         let begun = Instant::now();
         plant.advance(torques).expect("it did before");

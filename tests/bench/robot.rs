@@ -71,7 +71,7 @@ impl Recording {
     pub fn of(doing: Doing, settings: &[String]) -> Recording {
         let (scene, window) = (doing.scene(settings), doing.window());
         let mut plant = Plant::new(&scene).expect("a good scene");
-        let mut posing = Plant::new(&scene).expect("a good scene").without_welds();
+        let mut posing = Plant::new(&scene).expect("a good scene").without_standing_feet();
         let controller = scene.controller.as_ref().map(|_| Controller::new(&scene));
         let mut controller = controller.transpose().expect("a good scene");
         let (encoders, torques, states, truths, problems) = Default::default();

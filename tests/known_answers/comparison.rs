@@ -16,7 +16,7 @@ const BEST: &[&str] = &["plant.method=EventDriven", "plant.dt=0.001", "rate=1000
 /// Where each contact point is [m].
 fn points(plant: &Plant) -> Vec<Vector3<f64>> {
     let pose = pose(plant);
-    plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect()
+    plant.model().contact_points.iter().map(|corner| pose.point(corner.link, &corner.at)).collect()
 }
 
 /// Speed of the contact point that moved most in the second half of the scene [m/s].

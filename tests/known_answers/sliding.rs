@@ -145,7 +145,7 @@ fn sway(friction: &str) -> (f64, f64, f64) {
         let torques = controller.tick(&plant.encoders()).expect("a tick");
         plant.advance(&torques).expect("a period");
         let (model, pose) = (plant.model(), pose(&plant));
-        let corners: Vec<_> = model.corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect();
+        let corners: Vec<_> = model.contact_points.iter().map(|corner| pose.point(corner.link, &corner.at)).collect();
         let [left, right] = [0, 4].map(|first| corners[first..first + 4].iter().map(|at| at.y).sum::<f64>() / 4.0);
         let roll = pose.links[model.base_link].rotation.column(1).z.asin();
         off = off.max((left - right - HIPS / roll.cos()).abs());

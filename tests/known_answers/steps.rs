@@ -21,13 +21,13 @@ pub struct Step {
 /// The engine stops at multiples of dt. The moment of the step is where the motion after it, which is smooth, has the foot
 /// behind on the ground: it is extrapolated back by the polynomial through positions and velocities of four states.
 pub fn walk_on(plant: &mut Plant, stance: usize, h: f64) -> Step {
-    let feet = plant.model().corners.len();
+    let feet = plant.model().contact_points.len();
     let mut steps = 0;
     let foot = loop {
         advance(plant);
         steps += 1;
         assert!(f64::from(steps) * h < 20.0, "no step");
-        let (pose, corners) = (pose(plant), &plant.model().corners);
+        let (pose, corners) = (pose(plant), &plant.model().contact_points);
         let ahead = |foot: usize| pose.lowest(&corners[foot]).x > pose.lowest(&corners[stance]).x + 0.05;
         if let Some(foot) = (0..feet).find(|&foot| load(plant, foot).z > 0.0 && ahead(foot)) {
             break foot;
@@ -38,7 +38,7 @@ pub fn walk_on(plant: &mut Plant, stance: usize, h: f64) -> Step {
         advance(plant);
         samples.push(plant.state().clone());
     }
-    let (corner, mut pose) = (plant.model().corners[stance].clone(), Pose::new(plant.model()));
+    let (corner, mut pose) = (plant.model().contact_points[stance].clone(), Pose::new(plant.model()));
     let mut height = |back: f64| {
         kinematics::pose(plant.model(), &extrapolated(&samples, -back, h), &mut pose);
         pose.reference.z + pose.lowest(&corner).z

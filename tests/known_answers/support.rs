@@ -77,7 +77,7 @@ pub fn totals(plant: &Plant) -> Totals {
 /// Height of the lowest point that can touch [m].
 pub fn clearance(plant: &Plant) -> f64 {
     let pose = pose(plant);
-    let heights = plant.model().corners.iter().map(|corner| pose.reference.z + pose.lowest(corner).z);
+    let heights = plant.model().contact_points.iter().map(|corner| pose.reference.z + pose.lowest(corner).z);
     heights.fold(f64::INFINITY, f64::min)
 }
 

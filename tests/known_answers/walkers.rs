@@ -49,7 +49,7 @@ fn wheel(scene: &Scene, at: &DVector<f64>) -> (DVector<f64>, f64) {
     scene.initial.angular_velocity = [0.0, at[0], 0.0];
     let mut plant = Plant::new(&scene).expect("a wheel");
     let front = {
-        let (pose, corners) = (pose(&plant), &plant.model().corners);
+        let (pose, corners) = (pose(&plant), &plant.model().contact_points);
         (0..8).find(|&i| pose.lowest(&corners[i]).x > 0.1 && pose.lowest(&corners[i]).z < -0.9).expect("a front spoke")
     };
     let step = walk_on(&mut plant, front, scene.plant.dt);

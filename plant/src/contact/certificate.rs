@@ -1,4 +1,4 @@
-//! How far an impulse is from Coulomb's law with the round cone: the certificate of every law without a basis along its tangents.
+//! Certificate of a contact impulse: how far it is from Coulomb's law with the round cone.
 //!
 //! The natural map of a contact compares its impulse with the nearest point of its cone,
 //!
@@ -6,74 +6,68 @@
 //!   r = |f − P_K(f − (F/V) v̂)| / F,   v̂ = (v_N + μ|v_F|, v_F),   F = max(|f|, V/A)
 //! ```
 //!
-//! with V the greatest speed without impulse of all contacts that are coupled with it, and A the greatest entry of its own diagonal. The
-//! map is zero exactly when the impulse obeys (17)-(22) with the round cone. Both scales are the contact's own: `r` bounds the error of the
-//! impulse as a part of this contact's impulse, and the velocity that it should not have as a part of V. A heavy neighbour hides
-//! neither.
+//! V is the greatest speed without contact impulse of all contacts that are coupled with this one. A is the greatest entry of this
+//! contact's own diagonal. The map is zero exactly when the impulse obeys (17)-(22) with the round cone. Both scales belong to the contact
+//! itself, so a heavy neighbour hides no error: r bounds the error of the impulse relative to F, and the error of the velocity relative to
+//! V.
 //!
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
-use super::project::{cone, length};
-use super::tolerance::{ROUNDING, SOLVED};
-use super::{Problem, lift};
+use super::projection::{norm, project_on_cone};
+use super::tolerance::{ABOVE_ROUNDING, NO_DIRECTION, ROUNDING, SOLVED};
+use super::{Problem, approach_offset};
 use messages::scene::Law;
 use std::ops::Range;
 
-/// A natural map beyond this is not rounding, however large A f is [-].
-const HIDDEN: f64 = 1e-3;
-
-/// An impulse or a slip this small, as a part of its scale, has no direction.
-const NO_DIRECTION: f64 = 1e-6;
-
-/// How well an impulse obeys Coulomb's law.
+/// Residuals of Coulomb's law.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Residual {
     /// Greatest natural map of all contacts [-].
     pub natural_map: f64,
-    /// Greatest |f_N v_N| of (19), as a part of F V [-].
+    /// Greatest |f_N v_N| of (19), relative to F V [-].
     pub signorini: f64,
     /// Greatest angle between friction and −slip [rad].
     pub misalignment: f64,
 }
 
-/// What a contact is measured by: V [m/s] and F [N·s].
+/// Scales of one contact: V [m/s] and F [N·s].
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Scales {
     pub speed: f64,
     pub impulse: f64,
-    /// Rounding of the velocity, where it was asked for.
+    /// Rounding of the velocity [m/s]; zero unless it was asked for.
     pub rounding: f64,
 }
 
 impl Scales {
-    /// Of an impulse f at a contact of inverse mass A.
+    /// Scales for an impulse f at a contact of inverse mass A.
     pub fn of(speed: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let size = (f[0] * f[0] + f[1] * f[1] + f[2] * f[2]).sqrt();
         let stopping = if inverse_mass > 0.0 { speed / inverse_mass } else { 0.0 };
         Scales { speed, impulse: if size > stopping { size } else { stopping }, rounding: 0.0 }
     }
 
-    /// The same where Σ|A f| or b is so large that its rounding hides what V asks for. A slip of mere rounding is none, however great the
-    /// friction.
-    pub fn as_known(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
+    /// The same scales, raised to the rounding of A f + b: with large terms Σ|A f| or b, rounding hides velocities of the size of V. A slip
+    /// within the rounding counts as none, however great the friction coefficient is.
+    pub fn limited_by_rounding(self, sum: f64, inverse_mass: f64, f: [f64; 3]) -> Scales {
         let known = sum * (ROUNDING / SOLVED);
         let scales = if known > self.speed { Scales::of(known, inverse_mass, f) } else { self };
         Scales { rounding: ROUNDING * sum, ..scales }
     }
 
-    /// The natural map of one contact, in any units in which f and F agree, and v and V. A contact with `given` direction of slip is
-    /// braked along it whatever the other velocities are.
+    /// The natural map of one contact. f and F may have any common unit, and so may v and V. Where the direction of slip is `given`,
+    /// friction acts against that direction, whatever the velocity is.
     pub fn natural_map(self, f: [f64; 3], v: [f64; 3], friction: f64, given: [f64; 2]) -> f64 {
-        let hidden = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // what is no number shows, whatever is compared
+        let hidden = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // NaN if any number is NaN, because the comparisons below would hide it
         if self.speed == 0.0 || self.impulse == 0.0 {
             let moves = v.iter().any(|v| *v != 0.0) && f.iter().any(|f| *f != 0.0) || v[0] < 0.0;
             return if moves { f64::INFINITY } else { 0.0 } + hidden;
         }
         let step = self.impulse / self.speed;
         let nearest = if given == [0.0; 2] {
-            let slip = (length(v[1], v[2]) - self.rounding).max(0.0);
-            cone([f[0] - step * (v[0] + friction * slip), f[1] - step * v[1], f[2] - step * v[2]], friction)
+            let slip = (norm(v[1], v[2]) - self.rounding).max(0.0);
+            project_on_cone([f[0] - step * (v[0] + friction * slip), f[1] - step * v[1], f[2] - step * v[2]], friction)
         } else {
             let normal = (f[0] - step * v[0]).max(0.0);
             [normal, -friction * f[0] * given[0], -friction * f[0] * given[1]]
@@ -83,7 +77,8 @@ impl Scales {
     }
 }
 
-/// The natural map of one contact, measured as finely as the rounding of A f + b lets it: `sum` is their size, see [`greatest_sum`].
+/// The natural map of one contact. Near the tolerance it allows for the rounding of A f + b, whose terms have the size `sum`; see
+/// [`largest_row_sum`].
 pub(super) fn of_contact(
     scales: Scales,
     inverse_mass: f64,
@@ -93,25 +88,25 @@ pub(super) fn of_contact(
     sum: impl FnOnce() -> f64,
 ) -> f64 {
     let map = scales.natural_map(f, v, friction, given);
-    if map > SOLVED && map < HIDDEN {
-        return scales.as_known(sum(), inverse_mass, f).natural_map(f, v, friction, given);
+    if map > SOLVED && map < ABOVE_ROUNDING {
+        return scales.limited_by_rounding(sum(), inverse_mass, f).natural_map(f, v, friction, given);
     }
     map
 }
 
-/// The greater of two; what is no number stays.
-pub(super) fn greater(worst: f64, next: f64) -> f64 {
+/// The greater of two numbers; NaN if the first is NaN.
+pub(super) fn max_or_nan(worst: f64, next: f64) -> f64 {
     if worst.is_nan() || next <= worst { worst } else { next }
 }
 
-/// A ratio that is zero, not NaN, for nothing of nothing.
+/// x / scale, but zero for 0 / 0.
 pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
 }
 
-/// The greatest Σ|A f| of some rows, and the greatest `speed` without impulse of all rows that are coupled with them: b has the rounding of
-/// the motion that it is a small difference of.
-pub(super) fn greatest_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, speed: impl Fn(usize) -> f64) -> f64 {
+/// The greatest Σ|A f| of some rows, plus the greatest `speed` without impulse of all rows that are coupled with them. b is a small
+/// difference of such speeds, so it has their rounding.
+pub(super) fn largest_row_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, speed: impl Fn(usize) -> f64) -> f64 {
     let row = |row: usize| {
         let a = &delassus[row * f.len()..][..f.len()];
         let coupled = (0..f.len()).filter(|&k| a[k] != 0.0).map(&speed).fold(0.0, f64::max);
@@ -120,8 +115,9 @@ pub(super) fn greatest_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, spee
     rows.map(row).fold(0.0, f64::max)
 }
 
-/// V of each contact, from its drift with the approach, three rows each in units of `scale`: the greatest speed of all that are coupled
-/// with it, directly or through others. A normal velocity counts where it goes down.
+/// V of each contact: the greatest speed of all contacts that are coupled with it, directly or through others. Each contact's speed follows
+/// from its three rows of `drift`, in units of `scale`, with the allowed approach added. A normal velocity counts only if it points
+/// downwards.
 pub(super) fn speeds(drift: &[f64], scale: &[f64], coupled: impl Fn(usize, usize) -> bool, speeds: &mut Vec<f64>) {
     let size = |b: &[f64]| (b[0].min(0.0).powi(2) + b[1] * b[1] + b[2] * b[2]).sqrt() + 0.0 * b[0];
     speeds.clear();
@@ -139,17 +135,17 @@ pub(super) fn speeds(drift: &[f64], scale: &[f64], coupled: impl Fn(usize, usize
     }
 }
 
-/// Judges impulses; workspace.
+/// Evaluates the certificate; workspace.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Judge {
+pub(super) struct Evaluator {
     drift: Vec<f64>,
     ones: Vec<f64>,
     speeds: Vec<f64>,
 }
 
-impl Judge {
-    /// The residual of an impulse with its velocity v = A f + b, both in the rows of the problem.
-    pub fn judge(&mut self, problem: &Problem, law: Law, impulse: &[f64], velocity: &[f64]) -> Residual {
+impl Evaluator {
+    /// The residual of an impulse and its velocity v = A f + b, both in the rows of the problem.
+    pub fn evaluate(&mut self, problem: &Problem, law: Law, impulse: &[f64], velocity: &[f64]) -> Residual {
         let (m, stride) = (problem.rows(), 1 + problem.tangents);
         let contact = |rows: &[f64], i: usize, lifted: f64| {
             let mut all = [0.0; 3];
@@ -157,9 +153,9 @@ impl Judge {
             all[0] += lifted;
             all
         };
-        let Judge { drift, ones, speeds: speed } = self;
+        let Evaluator { drift, ones, speeds: speed } = self;
         drift.clear();
-        (0..problem.contacts).for_each(|i| drift.extend(contact(&problem.drift, i, lift(problem, law, i))));
+        (0..problem.contacts).for_each(|i| drift.extend(contact(&problem.drift, i, approach_offset(problem, law, i))));
         let coupled = |i: usize, k: usize| {
             (i * stride..(i + 1) * stride)
                 .any(|row| problem.delassus[row * m + k * stride..][..stride].iter().any(|a| *a != 0.0))
@@ -169,18 +165,18 @@ impl Judge {
         speeds(drift, ones, coupled, speed);
         let mut residual = Residual::default();
         for (i, &speed) in speed.iter().enumerate() {
-            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, lift(problem, law, i)));
+            let (f, v) = (contact(impulse, i, 0.0), contact(velocity, i, approach_offset(problem, law, i)));
             let rows = i * stride..(i + 1) * stride;
             let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
             let scales = Scales::of(speed, inverse_mass, f);
-            let sum = || greatest_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs());
+            let sum = || largest_row_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs());
             let map = of_contact(scales, inverse_mass, [f, v], friction, given, sum);
-            residual.natural_map = greater(residual.natural_map, map);
+            residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();
             let signorini = if work == 0.0 { 0.0 } else { work / (scales.impulse * scales.speed) };
-            residual.signorini = greater(residual.signorini, signorini);
-            // where the direction of slip is given, that is what friction has to oppose
+            residual.signorini = max_or_nan(residual.signorini, signorini);
+            // a given direction of slip replaces the velocity: friction must oppose it
             let along = scales.speed.max(f64::MIN_POSITIVE);
             let slip = if given == [0.0; 2] { v } else { [v[0], given[0] * along, given[1] * along] };
             residual.misalignment = residual.misalignment.max(misalignment(f, slip, scales));
@@ -189,9 +185,9 @@ impl Judge {
     }
 }
 
-/// Angle between f_F and −v_F if both have a direction [rad].
+/// Angle between f_F and −v_F, zero unless both have a direction [rad].
 fn misalignment(f: [f64; 3], v: [f64; 3], scales: Scales) -> f64 {
-    if length(f[1], f[2]) <= NO_DIRECTION * scales.impulse || length(v[1], v[2]) <= NO_DIRECTION * scales.speed {
+    if norm(f[1], f[2]) <= NO_DIRECTION * scales.impulse || norm(v[1], v[2]) <= NO_DIRECTION * scales.speed {
         return 0.0;
     }
     (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))

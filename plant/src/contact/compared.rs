@@ -1,64 +1,64 @@
-//! The laws that the default is compared with, and how each of them is solved. Nothing of the default law is in here.
+//! The laws that the default law is compared with, and their solvers. The default law uses nothing of this module.
 //!
-//! | law | solved by |
+//! | law | solver |
 //! |---|---|
 //! | `EnergyQp`, `EnergyQpGap` | the energy program along the edges of its cones ([`energy_qp`]) |
-//! | `Complementarity`, `Aligned` | the same, shifted along a path; Lemke in 32 digits ([`pivoting`]) |
-//! | `Facets`, `ConeQp`, `FixedPoint`, `Lagged`, `Sweep` | semismooth Newton and what is behind it ([`cones`]) |
+//! | `Complementarity`, `Aligned` | the energy program with a shift that is followed along a path; Lemke's method with 32 digits ([`basis_solver`]) |
+//! | `Facets`, `ConeQp`, `FixedPoint`, `Lagged`, `Sweep` | semismooth Newton, with fallbacks ([`cone_solver`]) |
 //! | `SpringDamper` | a formula ([`spring_damper`]) |
 
-mod basis;
+mod basis_solver;
+mod basis_system;
+mod condition;
 mod cone_qp;
-mod cones;
-mod diamond;
+mod cone_solver;
 mod dictionary;
+mod double_double;
 mod energy_qp;
 mod facets;
 mod fixed_point;
+mod gauss_seidel;
 mod lemke;
-mod newton;
-mod pivoting;
 mod polygon;
-mod rule;
-mod scaled;
+mod scaled_problem;
+mod semismooth_newton;
 mod spring_damper;
+mod square_cone;
 mod status;
-mod sweep;
-mod twofold;
 
 use super::{Memory, Problem, Report, has_basis};
-use cones::Cones;
+use basis_solver::BasisSolver;
+use cone_solver::ConeSolver;
 use messages::scene::Law;
-use pivoting::Pivoting;
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Compared {
-    pivoting: Pivoting,
-    cones: Cones,
+    basis_solver: BasisSolver,
+    cone_solver: ConeSolver,
 }
 
 impl Compared {
-    /// Solves; writes the impulse [N·s]. Of the report's residuals it has the law's own.
+    /// Solves the problem and writes the impulse [N·s]. The report has the law's own residual only.
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
         match has_basis(law) {
-            true => self.pivoting.solve(problem, law, memory, impulse),
-            false => self.cones.solve(problem, law, memory, impulse),
+            true => self.basis_solver.solve(problem, law, memory, impulse),
+            false => self.cone_solver.solve(problem, law, memory, impulse),
         }
     }
 
-    /// The residual of a given impulse in the law's own problem.
+    /// The residual of a given impulse in the conditions of the law itself.
     pub fn own_residual(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> f64 {
         match has_basis(law) {
-            true => self.pivoting.own_residual(problem, law, impulse),
-            false => self.cones.own_residual(problem, law, impulse),
+            true => self.basis_solver.own_residual(problem, law, impulse),
+            false => self.cone_solver.own_residual(problem, law, impulse),
         }
     }
 
-    /// Makes room for so many contacts, so that no step of a law with a basis allocates.
-    pub fn rehearse(&mut self, contacts: usize, tangents: usize, law: Law) {
+    /// Allocates for so many contacts, so that no step of a law with a basis allocates.
+    pub fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         if has_basis(law) && contacts > 0 {
-            self.pivoting.rehearse(contacts, tangents, law);
+            self.basis_solver.reserve_for(contacts, tangents, law);
         }
     }
 }

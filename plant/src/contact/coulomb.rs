@@ -2,64 +2,65 @@
 //!
 //! ```text
 //!   solve(problem, memory):
-//!     recall     what each contact did in the last step, its impulse and its slip
-//!     Newton     from there; patches that do not hold are freed, and Newton again         (newton, patch)
-//!     interior   points, fast and slowly, each with Newton from where they end            (interior)
-//!     minima     of the energy with De Saxcé's shift held, each with Newton, until the
-//!                shift is that of the slip                                                (shift)
-//!     keep       of all impulses that with the least residual, and what its contacts do   (certificate)
+//!     recall             mode, impulse and slip of each contact in the last step
+//!     Newton             from there; patches that do not hold are released, then Newton again    (newton, patch)
+//!     interior points    with bold, then with cautious steps, each followed by Newton            (interior)
+//!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
+//!                        equals mu times the slip speed                                          (held_shift)
+//!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
-//! Each rung leaves its impulse; the next is taken where none meets the certificate yet: the natural map of the round cone in the problem
-//! as it was posed. What the last leaves unsolved is flagged. Before all of them the step tries feet that stand, for which nobody needs A:
-//! [`crate::weld`].
+//! The stages form a cascade. A stage runs only if no impulse so far meets the certificate: the natural map of the round cone, for the
+//! problem as posed. If the last stage fails too, the report has `fallback` set. Before this solver, the step tries the case that all feet
+//! stand, which needs no A: [`crate::standing`].
 //!
-//! Coulomb's law has several answers in places. Among impulses with the same effect that of least norm over each link is taken, spread as
-//! [`patch`] says; among different motions the first that is found, from what the contacts did in the step before. So it is in every method.
+//! Some problems have several solutions. Among impulses with the same effect, every stage takes the one of least norm over each link,
+//! distributed as [`patch`] describes. Among different motions, every stage takes the first that it finds, starting from the modes of the
+//! step before.
 
+#[cfg(test)]
+mod cascade;
+mod held_shift;
 mod interior;
 mod newton;
 mod patch;
-#[cfg(test)]
-mod rungs;
-mod shift;
 
-use super::memory::{Contact, Memory};
-use super::round::{Round, part};
+use super::memory::{LastContact, Memory};
+use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{PROMISED, SOLVED};
 use super::{Problem, Report};
-use interior::{Interior, Pace};
+use held_shift::HeldShift;
+use interior::{Interior, StepRule};
 use messages::scene::Law;
-use newton::Newton;
-use shift::Shift;
+use newton::PatchNewton;
 
-/// Choices of patches that are tried: all that there may be, then without those that stuck.
-const CHOICES: usize = 2;
-/// Energy minima at most. Half of the problems that need them need one, one in ten more than ten.
-const MINIMA: u32 = 50;
+/// Choices of patches that Newton's method tries from the memory: first all possible patches, then none for links whose patch did not hold.
+const MAX_PATCH_CHOICES: usize = 2;
+/// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten.
+const MAX_MINIMA: u32 = 50;
 
-/// What a contact does.
+/// Contact mode: what a contact does.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum Kind {
-    /// It does not push.
+pub(super) enum ContactMode {
+    /// No impulse.
     #[default]
     Open,
-    /// It pushes and does not move, alone.
-    Sticks,
-    /// It pushes and does not move, nor do others of its link.
+    /// Impulse without motion, each contact by itself.
+    Sticking,
+    /// Impulse without motion, together with other contacts of its link.
     Patch,
-    /// It pushes and slips.
-    Slides,
+    /// Impulse and slip.
+    Sliding,
 }
 
-/// What contacts did somewhere: kinds, and velocities of slip in scaled units.
+/// Initial guess for Newton's method: modes, and slip velocities in scaled units.
 #[derive(Clone, Debug, Default)]
-struct Start {
-    kinds: Vec<Kind>,
+struct Guess {
+    modes: Vec<ContactMode>,
     slips: Vec<[f64; 2]>,
 }
 
-/// An impulse, its velocity and its residual, scaled; and the linear systems solved so far.
+/// An impulse with its velocity and residual, all scaled; and the number of linear systems solved so far.
 #[derive(Clone, Debug, Default)]
 struct Iterate {
     f: Vec<f64>,
@@ -71,146 +72,147 @@ struct Iterate {
 /// Workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Coulomb {
-    round: Round,
-    newton: Newton,
+    cones: RoundCones,
+    newton: PatchNewton,
     interior: Interior,
-    shift: Shift,
-    start: Start,
+    shift: HeldShift,
+    guess: Guess,
     iterate: Iterate,
-    /// The impulse that Newton's method begins at.
-    begin: Vec<f64>,
-    /// The impulse with the least residual so far, and what its contacts do.
+    /// Impulse from which Newton's method starts.
+    initial: Vec<f64>,
+    /// The impulse with the least residual so far, and the modes of its contacts.
     best: Iterate,
-    kinds: Vec<Kind>,
+    modes: Vec<ContactMode>,
 }
 
 impl Coulomb {
-    /// Solves; writes the impulse [N·s]. The report has no residuals yet.
+    /// Solves the problem and writes the impulse [N·s]. The report has no residuals yet.
     pub fn solve(&mut self, problem: &Problem, memory: &mut Memory, impulse: &mut Vec<f64>) -> Report {
-        self.round.set(problem, Law::Cone);
-        self.newton.begin(&self.round);
+        self.cones.set(problem, Law::Cone);
+        self.newton.set_problem(&self.cones);
         self.recall(problem, memory);
-        let solved = self.near() || self.through_interior() || self.through_minima();
-        self.round.velocity(&self.best.f, &mut self.best.v);
-        self.keep(problem, memory);
-        self.round.write(problem, &self.best.f, impulse);
+        let solved = self.newton_from_memory() || self.interior_points() || self.energy_minima();
+        self.cones.velocity(&self.best.f, &mut self.best.v);
+        self.store(problem, memory);
+        self.cones.unscale_impulse(problem, &self.best.f, impulse);
         let steps = self.iterate.steps;
         Report { pivots: steps, warm: solved && steps == 1, fallback: !solved, ..Report::default() }
     }
 
-    /// What the contacts did in the last step.
+    /// Takes modes, slips and impulses of the last step from the memory as the initial guess.
     fn recall(&mut self, problem: &Problem, memory: &Memory) {
-        let Coulomb { round, start, iterate, begin, best, kinds, .. } = self;
-        start.kinds.clear();
-        start.slips.clear();
-        begin.clear();
-        begin.resize(3 * problem.contacts, 0.0);
+        let Coulomb { cones, guess, iterate, initial, best, modes, .. } = self;
+        guess.modes.clear();
+        guess.slips.clear();
+        initial.clear();
+        initial.resize(3 * problem.contacts, 0.0);
         for (i, &id) in problem.id.iter().enumerate() {
             let last = memory.contact(id);
-            start.kinds.push(last.kind);
-            start.slips.push(last.slip.map(|slip| slip / round.scale[i]));
-            (0..1 + problem.tangents).for_each(|k| begin[3 * i + k] = last.impulse[k] * round.scale[i]);
+            guess.modes.push(last.mode);
+            guess.slips.push(last.slip.map(|slip| slip / cones.scale[i]));
+            (0..1 + problem.tangents).for_each(|k| initial[3 * i + k] = last.impulse[k] * cones.scale[i]);
         }
-        iterate.f.clone_from(begin);
+        iterate.f.clone_from(initial);
         iterate.steps = 0;
-        best.f.clone_from(begin);
+        best.f.clone_from(initial);
         best.f.fill(0.0);
         best.error = f64::INFINITY;
-        kinds.clone_from(&start.kinds);
+        modes.clone_from(&guess.modes);
     }
 
-    /// Newton's method from what the contacts did, or from no impulse: with all patches that there may be, then without those that stuck and
+    /// Newton's method from the memory, or from zero impulse if that is empty. It first allows all patches, then releases the patches that
     /// did not hold.
-    fn near(&mut self) -> bool {
-        let recalls = self.begin.iter().any(|f| *f != 0.0);
-        let mut free = 0;
-        for _ in 0..CHOICES {
-            if self.newton_from(recalls, free) {
+    fn newton_from_memory(&mut self) -> bool {
+        let has_memory = self.initial.iter().any(|f| *f != 0.0);
+        let mut released = 0;
+        for _ in 0..MAX_PATCH_CHOICES {
+            if self.newton_from(has_memory, released) {
                 return true;
             }
             let sticking = self.newton.groups.iter().enumerate().filter(|(_, group)| group.sticks);
-            let next = sticking.fold(free, |bits, (g, _)| bits | 1 << g.min(31));
-            if next == free {
+            let next = sticking.fold(released, |bits, (g, _)| bits | 1 << g.min(31));
+            if next == released {
                 return false;
             }
-            free = next;
+            released = next;
         }
         false
     }
 
-    /// Interior points with |v_F| as it becomes.
-    fn through_interior(&mut self) -> bool {
-        [Pace::FAST, Pace::SLOW].into_iter().any(|pace| self.at_pace(pace, false)) || self.best.error <= PROMISED
+    /// Interior points with the shift mu |v_F| as an unknown.
+    fn interior_points(&mut self) -> bool {
+        [StepRule::AGGRESSIVE, StepRule::CAUTIOUS].into_iter().any(|rule| self.interior_then_newton(rule, false))
+            || self.best.error <= PROMISED
     }
 
-    /// Energy minima with |v_F| held, until it is that of the slip.
-    fn through_minima(&mut self) -> bool {
-        self.shift.begin(self.round.contacts);
-        for _ in 0..MINIMA {
-            if self.at_pace(Pace::FAST, true) {
+    /// Energy minima with a held shift, until the shift equals mu |v_F|.
+    fn energy_minima(&mut self) -> bool {
+        self.shift.reset(self.cones.contacts);
+        for _ in 0..MAX_MINIMA {
+            if self.interior_then_newton(StepRule::AGGRESSIVE, true) {
                 return true;
             }
-            self.round.velocity(&self.begin, &mut self.iterate.v);
-            self.shift.follow(&self.iterate.v);
+            self.cones.velocity(&self.initial, &mut self.iterate.v);
+            self.shift.update(&self.iterate.v);
         }
         self.best.error <= PROMISED
     }
 
-    /// Interior points, then Newton's method from what the contacts do there, with patches and without.
-    fn at_pace(&mut self, pace: Pace, holds: bool) -> bool {
-        let held = holds.then_some(&*self.shift.held);
-        self.interior.run(&self.round, pace, held, &mut self.iterate);
+    /// Interior points, then Newton's method from the modes found there: first with patches, then without.
+    fn interior_then_newton(&mut self, rule: StepRule, holds_shift: bool) -> bool {
+        let held = holds_shift.then_some(&*self.shift.held);
+        self.interior.run(&self.cones, rule, held, &mut self.iterate);
         let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
-        self.interior.start(&self.round, groups, &mut self.start);
-        self.begin.clone_from(&self.iterate.f);
-        self.note(true);
+        self.interior.guess(&self.cones, groups, &mut self.guess);
+        self.initial.clone_from(&self.iterate.f);
+        self.keep_best(true);
         self.newton_from(true, 0) || self.newton_from(false, u32::MAX) || self.best.error <= SOLVED
     }
 
-    /// Newton's method from the beginning; the groups of `free` do not stick as a patch.
-    fn newton_from(&mut self, knows: bool, free: u32) -> bool {
-        self.iterate.f.clone_from(&self.begin);
-        let start = knows.then_some(&self.start);
-        let solved = self.newton.run(&self.round, free, start, &mut self.iterate);
-        self.note(!solved);
+    /// Newton's method from the initial impulse. The links in the bit set `released` form no patch.
+    fn newton_from(&mut self, uses_guess: bool, released: u32) -> bool {
+        self.iterate.f.clone_from(&self.initial);
+        let guess = uses_guess.then_some(&self.guess);
+        let solved = self.newton.run(&self.cones, released, guess, &mut self.iterate);
+        self.keep_best(!solved);
         if solved {
-            self.kinds.clear();
-            self.kinds.extend(self.newton.kinds());
+            self.modes.clear();
+            self.modes.extend(self.newton.modes());
         }
         solved
     }
 
-    /// Remembers the impulse if its residual, which may have to be found yet, is the least so far.
-    fn note(&mut self, finds: bool) {
-        let Coulomb { round, start, iterate, best, kinds, .. } = self;
-        if finds {
-            round.velocity(&iterate.f, &mut iterate.v);
-            iterate.error = round.residual(&iterate.f, &iterate.v);
+    /// Keeps the present impulse if its residual is the least so far. `evaluates` tells whether the residual must be computed first.
+    fn keep_best(&mut self, evaluates: bool) {
+        let Coulomb { cones, guess, iterate, best, modes, .. } = self;
+        if evaluates {
+            cones.velocity(&iterate.f, &mut iterate.v);
+            iterate.error = cones.residual(&iterate.f, &iterate.v);
         }
         if iterate.error < best.error {
             best.copy(iterate);
-            kinds.clone_from(&start.kinds);
+            modes.clone_from(&guess.modes);
         }
     }
 
-    /// Keeps what the contacts did for the next step.
-    fn keep(&mut self, problem: &Problem, memory: &mut Memory) {
-        let Coulomb { round, kinds, best, .. } = self;
-        let mut rests = true;
-        memory.forget();
+    /// Stores modes, slips and impulses for the next step.
+    fn store(&mut self, problem: &Problem, memory: &mut Memory) {
+        let Coulomb { cones, modes, best, .. } = self;
+        let mut is_static = true;
+        memory.clear();
         for (i, &id) in problem.id.iter().enumerate() {
-            let (f, v) = (part(&best.f, i), part(&best.v, i));
-            let kind = if f[0] > 0.0 { kinds[i] } else { Kind::Open };
-            rests &= f[0] <= 0.0 || v.iter().all(|v| v.abs() <= SOLVED * round.speed(i));
-            let slip = [v[1] * round.scale[i], v[2] * round.scale[i]];
-            *memory.contact_mut(id) = Contact { kind, slip, impulse: f.map(|f| f / round.scale[i]), basis: 0 };
+            let (f, v) = (contact_rows(&best.f, i), contact_rows(&best.v, i));
+            let mode = if f[0] > 0.0 { modes[i] } else { ContactMode::Open };
+            is_static &= f[0] <= 0.0 || v.iter().all(|v| v.abs() <= SOLVED * cones.speed(i));
+            let slip = [v[1] * cones.scale[i], v[2] * cones.scale[i]];
+            *memory.contact_mut(id) = LastContact { mode, slip, impulse: f.map(|f| f / cones.scale[i]), basis: 0 };
         }
-        memory.rests = rests;
+        memory.is_static = is_static;
     }
 }
 
 impl Iterate {
-    /// Becomes the other impulse, in the room it has; it counts its own systems.
+    /// Copies another iterate without allocation, but not its count of linear systems.
     fn copy(&mut self, other: &Iterate) {
         self.f.clone_from(&other.f);
         self.v.clone_from(&other.v);

@@ -1,92 +1,93 @@
-//! What a step remembers of the one before.
+//! Warm-start memory: what a step knows of the contacts of the step before.
 
 use super::Problem;
-use super::coulomb::Kind;
+use super::coulomb::ContactMode;
 use nalgebra::Vector3;
 
-/// What the contacts did in the last step, by their identity. Part of the state of a simulation: where A is singular, f (not v) depends
-/// on it.
+/// Mode, slip and impulse of each contact in the last step, by identity. It is part of the state of a simulation: where A is singular, f
+/// depends on it, but v does not.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Memory {
-    contacts: Vec<Contact>,
-    /// The last solution left no velocity where anything pushed.
-    pub(super) rests: bool,
+    contacts: Vec<LastContact>,
+    /// No contact with an impulse moved in the last solution.
+    pub(super) is_static: bool,
 }
 
-/// What a contact did in the last step, in the axes of the problem.
+/// One contact in the last step, in the axes of the problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Contact {
-    /// By the round cone; by another law only whether it pushed.
-    pub kind: Kind,
+pub(super) struct LastContact {
+    /// Contact mode. Laws other than `Cone` only tell whether there was an impulse.
+    pub mode: ContactMode,
     /// Velocity of slip [m/s].
     pub slip: [f64; 2],
-    /// Normal and tangents [N·s].
+    /// Normal and tangential impulse [N·s].
     pub impulse: [f64; 3],
-    /// By a law with a basis, its bits; see [`super::compared`].
+    /// Bits of its basis, under a law with a basis; see [`super::compared`].
     pub basis: u8,
 }
 
 impl Memory {
-    /// Of so many contacts, none of which did anything.
+    /// Memory of so many contacts without impulse.
     pub(crate) fn of(contacts: usize) -> Memory {
-        Memory { contacts: vec![Contact::default(); contacts], rests: false }
+        Memory { contacts: vec![LastContact::default(); contacts], is_static: false }
     }
 
-    /// Becomes the other memory, in the room it has.
+    /// Copies another memory without allocation.
     pub(crate) fn copy(&mut self, other: &Memory) {
         self.contacts.clone_from(&other.contacts);
-        self.rests = other.rests;
+        self.is_static = other.is_static;
     }
 
-    /// Remembers contacts that neither moved nor slipped, with their impulses in W [N·s]: those that push stick, the others are open.
-    pub(crate) fn stand(&mut self, contacts: impl Iterator<Item = (usize, Vector3<f64>)>) {
-        self.forget();
+    /// Stores contacts of standing feet with their impulses in W [N·s]. Contacts with an impulse stick as a patch, the others are open.
+    pub(crate) fn record_standing(&mut self, contacts: impl Iterator<Item = (usize, Vector3<f64>)>) {
+        self.clear();
         for (id, impulse) in contacts {
-            let kind = if impulse.z > 0.0 { Kind::Patch } else { Kind::Open };
-            *self.contact_mut(id) = Contact { kind, impulse: [impulse.z, impulse.x, impulse.y], ..Contact::default() };
+            let mode = if impulse.z > 0.0 { ContactMode::Patch } else { ContactMode::Open };
+            *self.contact_mut(id) =
+                LastContact { mode, impulse: [impulse.z, impulse.x, impulse.y], ..LastContact::default() };
         }
-        self.rests = true;
+        self.is_static = true;
     }
 
-    /// Whether nothing that pushed moved in the last step.
-    pub(crate) fn rests(&self) -> bool {
-        self.rests
+    /// Whether no contact with an impulse moved in the last step.
+    pub(crate) fn is_static(&self) -> bool {
+        self.is_static
     }
 
-    /// Whether a contact pushed in the last step.
-    pub(crate) fn pushed(&self, id: usize) -> bool {
-        self.contact(id).kind != Kind::Open
+    /// Whether a contact had an impulse in the last step.
+    pub(crate) fn was_active(&self, id: usize) -> bool {
+        self.contact(id).mode != ContactMode::Open
     }
 
-    /// Whether a contact pushed and slipped in the last step.
-    pub(crate) fn slid(&self, id: usize) -> bool {
-        self.contact(id).kind == Kind::Slides
+    /// Whether a contact had an impulse and slipped in the last step.
+    pub(crate) fn was_sliding(&self, id: usize) -> bool {
+        self.contact(id).mode == ContactMode::Sliding
     }
 
-    /// What a contact did in the last step; nothing if it was not listed.
-    pub(super) fn contact(&self, id: usize) -> Contact {
+    /// The contact in the last step; the default if it was not listed.
+    pub(super) fn contact(&self, id: usize) -> LastContact {
         self.contacts.get(id).copied().unwrap_or_default()
     }
 
-    pub(super) fn contact_mut(&mut self, id: usize) -> &mut Contact {
+    pub(super) fn contact_mut(&mut self, id: usize) -> &mut LastContact {
         if self.contacts.len() <= id {
-            self.contacts.resize(id + 1, Contact::default());
+            self.contacts.resize(id + 1, LastContact::default());
         }
         &mut self.contacts[id]
     }
 
-    /// Forgets what the contacts did, before it is told anew.
-    pub(super) fn forget(&mut self) {
-        self.contacts.fill(Contact::default());
+    /// Resets all contacts to the default.
+    pub(super) fn clear(&mut self) {
+        self.contacts.fill(LastContact::default());
     }
 
-    /// Keeps the impulses of a law that knows no kinds, and which contacts push.
-    pub(super) fn keep(&mut self, problem: &Problem, impulse: &[f64]) {
-        self.forget();
+    /// Stores the impulses of a law that has no contact modes, and which contacts are active.
+    pub(super) fn store(&mut self, problem: &Problem, impulse: &[f64]) {
+        self.clear();
         for (&id, part) in problem.id.iter().zip(impulse.chunks_exact(1 + problem.tangents)) {
             let own = self.contact_mut(id);
             own.impulse[..part.len()].copy_from_slice(part);
-            own.kind = if part[0] > 0.0 { Kind::Slides } else { Kind::Open };
+            own.mode = if part[0] > 0.0 { ContactMode::Sliding } else { ContactMode::Open };
         }
     }
 }

@@ -1,15 +1,15 @@
-//! A contact problem, and whether its numbers are those of one.
+//! A contact problem, and the check of its numbers.
 
+use super::tolerance::ASYMMETRY;
 use serde::{Deserialize, Serialize};
 
-/// Contacts of a problem at most, and numbers of contacts.
-const MOST: usize = 1 << 12;
+/// Greatest number of contacts, and upper limit of their identities.
+const MAX_CONTACTS: usize = 1 << 12;
 
-/// One contact step, `v = A f + b`.
+/// One contact problem, `v = A f + b`.
 ///
-/// Rows are contact-major: for each contact its normal, then its tangents. The first tangent is the direction of the free
-/// slip, so b = (v_N, v_s >= 0, 0); any other choice is solved as well, but the square cone of two tangents is exact only
-/// along them.
+/// Rows are contact-major: for each contact its normal, then its tangents. The first tangent is the direction of the free slip, so b =
+/// (v_N, v_s >= 0, 0). Other tangents are allowed, but the four-sided cone of two tangents is exact only along these.
 ///
 /// # Source
 /// (12)-(14): A = K^T H^-1 K and b = K^T (xdot + H^-1 Δf_b).
@@ -20,7 +20,7 @@ pub struct Problem {
     pub contacts: usize,
     /// Tangents per contact: 1 or 2.
     pub tangents: usize,
-    /// Stable identity of each contact, a small number; carries the memory from step to step.
+    /// Stable identity of each contact, a small number, by which the memory finds it in the next step.
     pub id: Vec<usize>,
     /// Delassus matrix A, row-major, m by m with m = contacts·(1 + tangents) [1/kg].
     pub delassus: Vec<f64>,
@@ -28,44 +28,44 @@ pub struct Problem {
     pub drift: Vec<f64>,
     /// Coulomb friction coefficient of each contact [-].
     pub friction: Vec<f64>,
-    /// Speed at which each contact would close its gap within the step, max(gap, 0)/h; if it bounces, e v_N of the
-    /// velocity before, which is negative [m/s].
+    /// Speed at which each contact would close its gap within the step, max(gap, 0)/h. If it bounces, e v_N of the velocity before, which
+    /// is negative [m/s].
     pub approach: Vec<f64>,
-    /// Height of each contact above the ground, negative inside it; for `SpringDamper` [m].
+    /// Height of each contact above the ground, negative inside it; used by `SpringDamper` [m].
     pub gap: Vec<f64>,
-    /// Contact velocity before the step, rows as of `drift`; likewise [m/s].
+    /// Contact velocity before the step, rows as in `drift`; used by `SpringDamper` [m/s].
     pub before: Vec<f64>,
-    /// The spring of each contact, likewise.
-    pub spring: Spring,
-    /// Link of each contact: those of one link, listed together, can stick only together. Empty if nobody knows.
+    /// Spring and damper of each contact; used by `SpringDamper`.
+    pub spring: ContactSpring,
+    /// Link of each contact. Contacts of one link are listed together and can stick as a patch. May be empty.
     #[serde(default)]
     pub link: Vec<usize>,
-    /// Unit direction of slip of each contact, along the tangents, where it is given by a motion that goes on, else zero; empty if it
-    /// is given nowhere. Friction then acts against it, whatever the velocity.
+    /// Given unit direction of slip of each contact, along the tangents; zero where it is not given, and empty if it is given nowhere.
+    /// Friction acts against it, whatever the velocity is. A steady slip has one.
     #[serde(default)]
     pub slip: Vec<[f64; 2]>,
 }
 
-/// What `SpringDamper` needs to know besides the state of a contact.
+/// Parameters of `SpringDamper`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Spring {
+pub struct ContactSpring {
     /// k [N/m].
     pub stiffness: f64,
-    /// zeta, 1 being critical for the contact point by itself [-].
+    /// Damping ratio zeta; 1 is critical for the mass of the contact point by itself [-].
     pub damping_ratio: f64,
     /// Step over which the force acts [s].
     pub h: f64,
 }
 
 impl Problem {
-    /// A problem of this size, all zeros. Keeps its buffers: no allocation when it was as large before.
+    /// Resets to a problem of this size with all numbers zero. It allocates only if the problem is larger than any before.
     pub fn reset(&mut self, contacts: usize, tangents: usize) {
         self.reset_rows(contacts, tangents);
         self.delassus.resize(self.rows() * self.rows(), 0.0);
     }
 
-    /// The same without A, which is still to come.
+    /// The same, but A is left empty.
     pub(crate) fn reset_rows(&mut self, contacts: usize, tangents: usize) {
         (self.contacts, self.tangents) = (contacts, tangents);
         let m = self.rows();
@@ -85,12 +85,12 @@ impl Problem {
         self.slip.clear();
     }
 
-    /// The direction of slip of a contact where it is given, else zero.
+    /// The given direction of slip of a contact, or zero.
     pub(crate) fn given_slip(&self, i: usize) -> [f64; 2] {
         self.slip.get(i).copied().unwrap_or_default()
     }
 
-    /// The same contacts with their first `tangents` tangents alone.
+    /// The same problem with the first `tangents` tangents of each contact only.
     pub fn narrowed(&self, tangents: usize) -> Problem {
         let keeps = |row: &usize| row % (1 + self.tangents) <= tangents;
         let rows: Vec<usize> = (0..self.rows()).filter(keeps).collect();
@@ -102,16 +102,16 @@ impl Problem {
         narrow
     }
 
-    /// Whether its numbers are those of a contact problem; if not, which are not.
+    /// Checks that the numbers are those of a contact problem.
     ///
     /// # Errors
-    /// A sentence.
+    /// One sentence that names the wrong number.
     pub fn check(&self) -> Result<(), String> {
         if !(1..=2).contains(&self.tangents) {
             return Err(format!("tangents = {}, but it must be 1 or 2", self.tangents));
         }
-        if self.contacts > MOST {
-            return Err(format!("contacts = {}, but there may be {MOST} at most", self.contacts));
+        if self.contacts > MAX_CONTACTS {
+            return Err(format!("contacts = {}, but there may be {MAX_CONTACTS} at most", self.contacts));
         }
         let m = self.rows();
         let lengths = [
@@ -139,8 +139,8 @@ impl Problem {
                 ));
             }
         }
-        if let Some(id) = self.id.iter().find(|id| **id >= MOST) {
-            return Err(format!("id {id} is not below {MOST}"));
+        if let Some(id) = self.id.iter().find(|id| **id >= MAX_CONTACTS) {
+            return Err(format!("id {id} is not below {MAX_CONTACTS}"));
         }
         if let Some(i) = (1..self.contacts).find(|&i| self.id[..i].contains(&self.id[i])) {
             return Err(format!("id {} is there twice", self.id[i]));
@@ -154,7 +154,7 @@ impl Problem {
         }
         let at = |i: usize, j: usize| self.delassus[i * m + j];
         let asymmetric =
-            (0..m).any(|i| (0..i).any(|j| (at(i, j) - at(j, i)).abs() > 1e-9 * (at(i, i) * at(j, j)).sqrt()));
+            (0..m).any(|i| (0..i).any(|j| (at(i, j) - at(j, i)).abs() > ASYMMETRY * (at(i, i) * at(j, j)).sqrt()));
         if asymmetric || (0..m).any(|i| at(i, i) < 0.0) {
             return Err("delassus must be symmetric and not negative on its diagonal".into());
         }

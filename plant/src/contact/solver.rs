@@ -1,14 +1,13 @@
-//! The solver: the default law or one of those it is compared with, and the certificate of what it found.
+//! The solver: it dispatches to the law's method and certifies the result.
 
-use super::certificate::Judge;
+use super::certificate::Evaluator;
 use super::compared::Compared;
 use super::coulomb::Coulomb;
-use super::round::respond;
+use super::round_cones::apply_delassus;
 use super::{Memory, Problem, Report};
 use messages::scene::Law;
 
-/// Solver of contact problems: workspace and last solution. With [`Memory`] kept it may be dropped between steps without
-/// changing results.
+/// Solver of contact problems: workspace and last solution. It holds no state: with [`Memory`] kept, a new solver gives the same results.
 #[derive(Clone, Debug, Default)]
 pub struct Solver {
     /// Contact impulse f [N·s].
@@ -17,15 +16,15 @@ pub struct Solver {
     pub velocity: Vec<f64>,
     coulomb: Coulomb,
     compared: Compared,
-    judge: Judge,
+    evaluator: Evaluator,
 }
 
 impl Solver {
     /// Solves the problem under the law and writes [`Solver::impulse`] and [`Solver::velocity`].
     ///
-    /// Nothing is allocated up to the size that was rehearsed or met before, but by some laws without a basis. Where the law has one
-    /// velocity as its answer, v is the same warm or cold to the residual; f may differ by what A does not see. (The energy minimum
-    /// always has one. Coulomb's law has several in jammed arrangements at high friction; then either is valid.)
+    /// It does not allocate for sizes that were reserved or met before; some laws without a basis do. If the law determines one velocity, v
+    /// is the same from any memory, up to the residual; f may differ within the null space of A. The energy minimum always determines v.
+    /// Coulomb's law does not in jammed arrangements at high friction; then any solution is valid.
     pub fn solve(&mut self, problem: &Problem, law: Law, memory: &mut Memory) -> Report {
         let report = match law {
             Law::Cone => self.coulomb.solve(problem, memory, &mut self.impulse),
@@ -34,7 +33,7 @@ impl Solver {
         self.certify(problem, law, report)
     }
 
-    /// Residuals of a given impulse, as a yardstick for any other solver.
+    /// Residuals of a given impulse, to measure other solvers by.
     pub fn measure_impulse(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
         self.impulse.clear();
         self.impulse.extend_from_slice(impulse);
@@ -45,15 +44,15 @@ impl Solver {
         self.certify(problem, law, Report { own, ..Report::default() })
     }
 
-    /// Makes room before the first step, so that none allocates.
-    pub(crate) fn rehearse(&mut self, contacts: usize, tangents: usize, law: Law) {
-        self.compared.rehearse(contacts, tangents, law);
+    /// Allocates before the first step, so that no step does.
+    pub(crate) fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
+        self.compared.reserve_for(contacts, tangents, law);
     }
 
-    /// Velocity, the residuals of Coulomb's law with the round cone, and the energy.
+    /// Computes the velocity, the residuals of Coulomb's law with the round cone, and the energy gain.
     fn certify(&mut self, problem: &Problem, law: Law, report: Report) -> Report {
-        respond(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
-        let residual = self.judge.judge(problem, law, &self.impulse, &self.velocity);
+        apply_delassus(&problem.delassus, &problem.drift, &self.impulse, &mut self.velocity);
+        let residual = self.evaluator.evaluate(problem, law, &self.impulse, &self.velocity);
         let (energy_gain, work) = self.energy(problem);
         Report {
             natural_map: residual.natural_map,
@@ -66,8 +65,8 @@ impl Solver {
         }
     }
 
-    /// f·v - f·A f/2 with A f = v - b, and what that is to be seen beside: the work of the impulses, and the energy of motion that the
-    /// contacts could take \[J\].
+    /// Energy gain f·v - f·A f/2 with A f = v - b, and its scale: the work of the impulses, and the kinetic energy that the contacts could
+    /// take \[J\].
     fn energy(&self, problem: &Problem) -> (f64, f64) {
         let rows = self.impulse.iter().zip(self.velocity.iter().zip(&problem.drift));
         let diagonal = problem.delassus.iter().step_by(problem.rows() + 1);

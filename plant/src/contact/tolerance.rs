@@ -1,25 +1,150 @@
-//! The numbers by which Coulomb's law is solved and judged, each with its unit and what it follows from.
+//! Every tolerance of the contact laws and of standing feet, with its unit, its reason, and the constants that it follows from.
+//!
+//! All of them are dimensionless [-]: the solvers work on scaled problems, in which the diagonal of A is about 1.
+//!
+//! ```text
+//!   PROMISED 1e-10  >  STANDING_BOUND 8e-11  >  SOLVED 4e-11  >  WELL_SOLVED = COMPLIANCE 2e-11  >  LEMKE_COMPLIANCE 4e-12
+//! ```
 
-/// A natural map up to this is a solution [-]. Below the 1e-10 that every step promises, so that a second evaluation, which rounds
-/// differently, also finds less than that.
+// What counts as solved.
+
+/// A natural map up to this value is a solution. It lies below [`PROMISED`], so that a second evaluation, which rounds differently, also
+/// stays below the promise.
 pub(crate) const SOLVED: f64 = 4e-11;
 
-/// The natural map that every solved step promises [-].
+/// The natural map that every solved step promises.
 pub const PROMISED: f64 = 1e-10;
 
-/// Compliance of the contacts [-]: what is added to the scaled A, whose diagonal of the normal is 1.
+/// A natural map up to this value needs no further iteration. Half of [`SOLVED`]: the rest is left for rounding in later evaluations.
+pub(crate) const WELL_SOLVED: f64 = 0.5 * SOLVED;
+
+/// Standing feet are accepted up to this bound of their natural map. Twice [`SOLVED`], because the map itself is less than its bound; still
+/// below [`PROMISED`].
+pub(crate) const STANDING_BOUND: f64 = 2.0 * SOLVED;
+
+// Compliance.
+
+/// Compliance of the contacts: the number that is added to the diagonal of the scaled A.
 ///
-/// Two feet of one robot press against each other along directions that A holds at 1e-12 or not at all. With the compliance the impulse
-/// there is the one of least norm, not a quotient of two roundings. Half of [`SOLVED`]: what it moves is then seldom too much.
+/// Two feet of one robot press against each other along directions that A resolves to 1e-12 or not at all. With the compliance, the impulse
+/// there is the one of least norm. Without it, the impulse is a quotient of two rounding errors. Half of [`SOLVED`]: the residual of rigid
+/// contacts then seldom exceeds [`SOLVED`].
 pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
-/// Rounding of A f + b, as a part of the size of its terms [-]. A contact cannot be judged more finely than that.
+/// Compliance while Lemke's method pivots with 32 digits. It lies far above the rounding of A (1e-16), so that there is one solution. It is
+/// a tenth of [`SOLVED`], so that it does not show in the residual.
+pub(super) const LEMKE_COMPLIANCE: f64 = 4e-12;
+
+/// Compliances in the steps of [`super::compared`]'s semismooth Newton method, tried in this order. The residual does not include them. The
+/// first is [`COMPLIANCE`]; where it lets a step go too far along directions that A resolves to 1e-12, larger ones shorten the step. The
+/// last is the first again, from the better start.
+pub(super) const STEP_COMPLIANCES: [f64; 6] = [COMPLIANCE, 1e-4, 1e-5, 1e-7, 1e-9, COMPLIANCE];
+
+// Rounding.
+
+/// Rounding of A f + b, relative to the sum of the magnitudes of its terms. No contact can be judged more finely.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
-/// What is left of the diagonal of A when a direction depends on those before it, as a part of the greatest [-]. A has 16 digits, so
-/// what is left of a dependent direction is near 1e-16.
+/// A natural map above this value is no rounding error, however large the terms of A f are.
+pub(super) const ABOVE_ROUNDING: f64 = 1e-3;
+
+/// A natural map up to this value is rounding: another Newton step over patches would change nothing. About 10 units in the last place.
+pub(super) const PATCH_NEWTON_ROUNDING: f64 = 2e-15;
+
+/// The same for the semismooth Newton method of the compared laws.
+pub(super) const SEMISMOOTH_ROUNDING: f64 = 1e-14;
+
+/// The same for proximal steps of the energy program, which end at one unit in the last place.
+pub(super) const PROXIMAL_ROUNDING: f64 = f64::EPSILON;
+
+/// A change of the impulse up to this part of the greatest entry is rounding.
+pub(super) const UNCHANGED: f64 = 1e-14;
+
+/// A contact that pulls by less than this part of the greatest normal impulse pulls by rounding only.
+pub(crate) const PULL_ROUNDING: f64 = 1e-14;
+
+/// What remains of an amount that becomes zero, relative to its value before, is below this by rounding.
+pub(super) const ZERO_AMOUNT: f64 = 1e-14;
+
+/// A negative edge velocity of the energy program up to this part of the step's scale is rounding. Some thousand units in
+/// the last place: the velocity is a sum over many edges.
+pub(super) const NEGATIVE_VELOCITY: f64 = 1e-12;
+
+/// A value that falls by less than this part of the fastest change along a path does not fall.
+pub(super) const MIN_FALL: f64 = 1e-10;
+
+// Dependent directions.
+
+/// Remaining diagonal of A, relative to the greatest, below which a direction depends on those before it. A has 16 digits, so the remainder
+/// of a dependent direction is near 1e-16.
 pub(super) const DEPENDENT: f64 = 1e-12;
 
-/// A diagonal entry of A this small beside the largest is a direction in which the contact cannot move [-]. A = YᵀY has squared rounding
-/// on its diagonal, so an honest zero is near 1e-32.
+/// The same for a pivot among entries of about 1, with compliant contacts. It must lie below [`COMPLIANCE`], which is all that remains of a
+/// redundant contact.
+pub(super) const DEPENDENT_PIVOT: f64 = 1e-14;
+
+/// The same where any of the dependent solutions will do.
+pub(super) const NEARLY_DEPENDENT_PIVOT: f64 = 1e-7;
+
+/// A diagonal entry of A, relative to the greatest, below which the contact cannot move in that direction. A = YᵀY squares the rounding of
+/// Y, so a true zero is near 1e-32.
 pub(super) const IMMOVABLE: f64 = 1e-20;
+
+/// Three contacts lie on one line if the determinant of their moment matrix, relative to the product of its diagonal, is below this value.
+pub(crate) const COLLINEAR: f64 = 1e-9;
+
+// Directions and slip.
+
+/// An impulse or a slip up to this part of its scale has no direction.
+pub(super) const NO_DIRECTION: f64 = 1e-6;
+
+/// At the optimum of the energy program, a contact slips if it moves faster than this part of the step's scale.
+pub(super) const MIN_SLIP: f64 = 1e-10;
+
+// Convergence of iterations.
+
+/// A refinement continues while it reduces its error to this part or less. What shrinks less lies along dependent directions.
+pub(super) const REFINEMENT_REDUCTION: f64 = 0.1;
+
+/// A solution of standing feet after the first must leave no more than this part of the velocity error before it.
+pub(crate) const STANDING_REDUCTION: f64 = 0.5;
+
+/// A fixed-point iteration progresses if its change falls below this part of the least change before.
+pub(super) const FIXED_POINT_PROGRESS: f64 = 0.9;
+
+/// Factor on the relaxation of a fixed-point iteration that creeps on the same way without progress.
+pub(super) const ACCELERATION: f64 = 2.0;
+
+/// Factor on the relaxation of a fixed-point iteration that overshoots to and fro without progress.
+pub(super) const DAMPING: f64 = 0.5;
+
+/// Interior points stop to reduce the complementarity τ below this value, the step's speed being 1. The impulse is then within 1e-10 of its
+/// cone (the root of this value), and Newton's method finds the last digits. Below, rounding of x decides whether x is inside its cone.
+pub(super) const MIN_TAU: f64 = 1e-20;
+
+/// The residual of interior points that is rounding, the step's speed being 1.
+pub(super) const INTERIOR_RESIDUAL: f64 = 1e-13;
+
+/// Gap and feasibility that the external interior-point solver (clarabel) is asked for. It ends near 1e-9; Newton's method finds the rest.
+pub(super) const CLARABEL_TOLERANCE: f64 = 1e-13;
+
+// Lemke's method, with 32 digits.
+
+/// Entries up to this value are no pivots. In the scaled problem a true pivot is about 1. With [`LEMKE_COMPLIANCE`], entries reach the
+/// inverse of that value, and their rounding 1e-20.
+pub(super) const MIN_PIVOT: f64 = 1e-16;
+
+/// Rows that reach zero within this distance of each other, relative to the largest entry of each row, are tied. The right side is about 1.
+pub(super) const TIE: f64 = 1e-28;
+
+/// A pivot that differs from 1 by more than this factor has cost three digits: the dictionary is then computed afresh.
+pub(super) const MAX_PIVOT_RATIO: f64 = 1e3;
+
+/// Perturbation of the right side that separates tied rows. Far above the rounding of 32 digits, and far below [`SOLVED`].
+pub(super) const PERTURBATION: f64 = 1e-14;
+
+// Input.
+
+/// A given A is symmetric if its entries differ by no more than this part of the geometric mean of the diagonal. A larger difference is an
+/// error in the data, not rounding.
+pub(super) const ASYMMETRY: f64 = 1e-9;

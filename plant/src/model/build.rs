@@ -1,6 +1,6 @@
 //! From a scene to a model: the tree in order, each body's mass, payload and gravity, every value checked.
 
-use super::{Corner, Link, Model, Motion, Spring, unknown};
+use super::{ContactPoint, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::state::{self, State};
@@ -8,6 +8,9 @@ use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Law, Scene};
 use messages::turn;
 use nalgebra::{Matrix3, Vector3};
+
+/// Least length of a joint axis as the scene gives it [-]; a shorter one has no direction.
+const MIN_AXIS: f64 = 1e-12;
 
 impl Model {
     /// Builds the model of a scene's bodies, base, payload and gravity.
@@ -22,16 +25,16 @@ impl Model {
         let (path, path_start) = paths(&links);
         let tilt = scene.plant.incline_deg.to_radians();
         let jointed = |&(body, _): &(&Body, &usize)| body.joint.is_some();
-        let corners = corners(bodies, &body_link)?;
+        let contact_points = contact_points(bodies, &body_link)?;
         let mut model = Model {
-            length: length(&links, &corners),
+            length: length(&links, &contact_points),
             base: scene.plant.base,
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * not_negative(scene.plant.gravity, "gravity")?,
             mount_rotation: Matrix3::identity(),
             mount_position: Vector3::zeros(),
             base_link: virtual_links(scene.plant.base).len(),
             joint_dof: bodies.iter().zip(&body_link).filter(jointed).map(|(_, link)| link - 1).collect(),
-            corners,
+            contact_points,
             directions: if matches!(scene.plant.law, Law::Aligned | Law::Cone) && moves_in_plane(scene) {
                 1
             } else {
@@ -59,7 +62,7 @@ impl Model {
                 if let Some(clearance) = scene.initial.clearance {
                     let mut pose = Pose::new(self);
                     kinematics::pose(self, &State::initial(self, &scene.initial)?, &mut pose);
-                    self.mount_position.z += state::lift(self, &pose, clearance)?;
+                    self.mount_position.z += state::height_offset(self, &pose, clearance)?;
                 }
             }
             Base::Planar => self.mount_position.y = position.y,
@@ -103,27 +106,27 @@ fn links(scene: &Scene) -> Result<(Vec<Link>, Vec<usize>), PlantError> {
                 ..virtual_link(body_link[parent], motion, unit(joint.axis, &body.name)?)
             });
         }
-        fill(&mut links[body_link[index]], body)?;
+        set_mass(&mut links[body_link[index]], body)?;
     }
-    load(&mut links, scene, &body_link, base_link)?;
+    add_payload(&mut links, scene, &body_link, base_link)?;
     Ok((links, body_link))
 }
 
-fn corners(bodies: &[Body], body_link: &[usize]) -> Result<Vec<Corner>, PlantError> {
-    let mut corners = vec![];
+fn contact_points(bodies: &[Body], body_link: &[usize]) -> Result<Vec<ContactPoint>, PlantError> {
+    let mut contact_points = vec![];
     for (body, &link) in bodies.iter().zip(body_link) {
         for ball in body.touchable() {
             let at = finite(ball.at, || format!("a contact point of body `{}`", body.name))?;
             let radius = not_negative(ball.radius, "the radius of a ball")?;
-            corners.push(Corner { link, at, radius, tiles: body.tiles });
+            contact_points.push(ContactPoint { link, at, radius, tiles: body.tiles });
         }
     }
-    Ok(corners)
+    Ok(contact_points)
 }
 
 /// Greatest distance of a contact or a joint from the centre of mass of the body that carries it [m].
-fn length(links: &[Link], corners: &[Corner]) -> f64 {
-    let reaches = corners.iter().map(|corner| (corner.at - links[corner.link].com).norm() + corner.radius);
+fn length(links: &[Link], contact_points: &[ContactPoint]) -> f64 {
+    let reaches = contact_points.iter().map(|point| (point.at - links[point.link].com).norm() + point.radius);
     let massive = links.iter().filter(|link| link.mass > 0.0);
     let joints = massive.map(|link| link.com.norm().max((link.at - links[link.parent].com).norm()));
     let jointed = links.len() > 1 + links.iter().filter(|link| link.mass == 0.0).count();
@@ -237,7 +240,7 @@ fn virtual_links(base: Base) -> Vec<Link> {
 }
 
 /// Gives a link the mass of its body.
-fn fill(link: &mut Link, body: &Body) -> Result<(), PlantError> {
+fn set_mass(link: &mut Link, body: &Body) -> Result<(), PlantError> {
     let of = |what: &str| format!("the {what} of body `{}`", body.name);
     let positive = |value: f64| value > 0.0 && value.is_finite();
     let moments = body.moments();
@@ -254,7 +257,7 @@ fn fill(link: &mut Link, body: &Body) -> Result<(), PlantError> {
 }
 
 /// Adds the scene's payload, a point mass, to the link of its body.
-fn load(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link: usize) -> Result<(), PlantError> {
+fn add_payload(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link: usize) -> Result<(), PlantError> {
     let plant = &scene.plant;
     let mass = not_negative(plant.payload_kg, "the payload")?;
     let offset = finite(plant.payload_offset, || "the offset of the payload".into())?;
@@ -275,7 +278,7 @@ fn load(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link: usize
 
 fn unit(axis: [f64; 3], body: &str) -> Result<Vector3<f64>, PlantError> {
     let rule = || PlantError::value(format!("the joint axis of body `{body}`"), axis, "a direction, not zero");
-    Vector3::from(axis).try_normalize(1e-12).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
+    Vector3::from(axis).try_normalize(MIN_AXIS).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
 }
 
 pub(crate) fn finite(value: [f64; 3], what: impl Fn() -> String) -> Result<Vector3<f64>, PlantError> {

@@ -1,96 +1,100 @@
-//! The stages of a step at contact: what touches, its impulse (14)-(22), the velocity after it.
+//! Contact stages of a step: touching points, contact impulse (14)-(22), and the velocity after it.
 
 use super::Plant;
-use super::ahead::Ahead;
-use super::each::Each;
+use super::per_contact::PerContact;
+use super::prediction::Prediction;
 use super::settings::{Settings, World};
 use crate::contact::{Memory, Report};
 use crate::delassus::{Free, Response};
-use crate::detect::{Touch, approach, overlooked, touching};
+use crate::detect::{Touch, add_penetrating, allowed_approach, touching};
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::Model;
+use crate::standing::StandingFeet;
 use crate::truth::Record;
-use crate::weld::Weld;
 use messages::scene::Law;
 use nalgebra::Vector3;
+
+/// A contact bounces only if it approaches faster than free fall makes it in this many steps [-]. Otherwise a ball would bounce without end.
+const BOUNCE_STEPS: f64 = 2.0;
 
 /// The points that may touch within a time.
 pub(super) struct Touches {
     pub list: Vec<Touch>,
-    /// The time [s].
+    /// That time [s].
     pub horizon: f64,
-    /// What comes down slower than this does not bounce [m/s].
+    /// Contacts that approach more slowly than this do not bounce [m/s].
     pub slow: f64,
 }
 
 impl Touches {
     pub fn new(model: &Model) -> Touches {
-        Touches { list: Vec::with_capacity(model.corners.len()), horizon: 0.0, slow: 0.0 }
+        Touches { list: Vec::with_capacity(model.contact_points.len()), horizon: 0.0, slow: 0.0 }
     }
 
-    /// The points that may touch within a step of `h` that ends, if nothing touches, with the velocity `free`.
+    /// Lists the points that may touch within a step of `h` whose velocity without contact would be `free`.
     ///
-    /// What two steps of free fall made as fast does not bounce, or the last of the bounces would never come.
+    /// Slow contacts, whose speed two steps of free fall could have caused, do not bounce.
     pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
-        (self.horizon, self.slow) = (h, 2.0 * world.model.gravity.norm() * h);
+        (self.horizon, self.slow) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
         self
     }
 
-    /// The points inside the ground, which come out within `h`.
-    pub fn find_inside(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
+    /// Lists the points inside the ground, which have to leave it within `h`.
+    pub fn find_penetrating(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         self.find(world, pose, free, 0.0);
         let gravity = world.model.gravity.norm();
-        self.list.iter_mut().for_each(|touch| touch.approach = approach(touch.gap, h, gravity));
-        self.slow = 2.0 * gravity * h;
+        self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, gravity));
+        self.slow = BOUNCE_STEPS * gravity * h;
         self
     }
 
-    /// Adds what the velocity `after` the step takes into the ground though it was not listed; whether there is any.
-    fn add_overlooked(
+    /// Adds points that were not listed but that the velocity `after` the step drives into the ground. Returns whether there are any.
+    fn add_penetrating(
         &mut self,
         world: &World,
         pose: &Pose,
         after: &[f64],
-        ahead: Option<&Ahead>,
+        prediction: Option<&Prediction>,
         memory: &Memory,
     ) -> bool {
-        let more = overlooked(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
-        if let Some(ahead) = ahead.filter(|_| more) {
+        let more = add_penetrating(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
+        if let Some(prediction) = prediction.filter(|_| more) {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
-                ahead.look(world, memory, touches);
+                prediction.predict(world, memory, touches);
             }
-            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // it was thrown down within the step
+            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // contact forces within the step accelerated it, so it did not land by itself
         }
         more
     }
 
-    /// The points within `landed` of the ground, and those that pushed in the step before: no time passes, so none comes nearer.
+    /// Lists the points within `landed` of the ground, and those that were active in the step before. An impact takes no time, so no other
+    /// point can come nearer.
     pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: f64, memory: &Memory) -> &mut Touches {
-        let Model { corners, .. } = &world.model;
+        let Model { contact_points, .. } = &world.model;
         self.list.clear();
-        for (id, corner) in corners.iter().enumerate() {
-            let arm = pose.lowest(corner);
+        for (id, point) in contact_points.iter().enumerate() {
+            let arm = pose.lowest(point);
             let gap = pose.reference.z + arm.z;
-            if (gap <= landed || memory.pushed(id)) && corner.has_ground(pose.reference.x + arm.x) {
-                self.list.push(Touch::new(id, corner.link, arm, gap));
+            if (gap <= landed || memory.was_active(id)) && point.has_ground(pose.reference.x + arm.x) {
+                self.list.push(Touch::new(id, point.link, arm, gap));
             }
         }
-        // the lowest first, as in a step: no result depends on how contacts are numbered
+        // lowest first, as in a step, so that no result depends on the numbering of contacts
         self.list.sort_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
         (self.horizon, self.slow) = (0.0, 0.0);
         self
     }
 }
 
-/// What contact makes of the free motion.
+/// Result of the contact stages.
 pub(super) struct Contact {
     /// ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf); between events the acceleration. (12)
     pub rate: Vec<f64>,
     /// H⁻¹KΔf.
     pub change: Vec<f64>,
-    /// Contact points and Δf on each, in W [N·s]; between events the force [N].
+    /// Contact points with their impulses Δf, in W [N·s]; between events, with their forces [N].
     pub impulses: Vec<(usize, Vector3<f64>)>,
     pub report: Report,
 }
@@ -98,17 +102,17 @@ pub(super) struct Contact {
 impl Contact {
     fn new(model: &Model) -> Contact {
         let (rate, change) = (vec![0.0; model.dofs()], vec![0.0; model.dofs()]);
-        Contact { rate, change, impulses: Vec::with_capacity(model.corners.len()), report: Report::default() }
+        Contact { rate, change, impulses: Vec::with_capacity(model.contact_points.len()), report: Report::default() }
     }
 
-    /// As if nothing touched.
+    /// Resets to the motion without contact.
     pub fn clear(&mut self, free: &Free) {
         self.rate.copy_from_slice(free.rate);
         self.change.fill(0.0);
         self.impulses.clear();
     }
 
-    /// With impulses on what touches.
+    /// Sets the motion with contact impulses.
     pub fn set(&mut self, free: &Free, touches: &[Touch], response: &Response, report: Report) {
         for ((rate, free), change) in self.rate.iter_mut().zip(free.rate).zip(response.change) {
             *rate = free + change;
@@ -121,7 +125,7 @@ impl Contact {
 }
 
 impl Record {
-    /// Takes impulses, or forces that act for a time.
+    /// Records impulses, or forces that act for a time.
     pub(super) fn take(&mut self, contact: &Contact, time: f64) {
         if !contact.impulses.is_empty() {
             self.note(&contact.report);
@@ -132,22 +136,22 @@ impl Record {
     }
 }
 
-/// The ways to the impulses.
+/// The solvers of the contact stages: all feet standing, or contact by contact.
 pub(super) struct Contacts {
-    pub each: Each,
-    weld: Weld,
+    pub per_contact: PerContact,
+    standing_feet: StandingFeet,
     pub contact: Contact,
-    /// Problems solved so far …
+    /// Problems solved so far.
     pub solved: u64,
-    /// … and those whose remembered basis was right.
+    /// Problems whose remembered basis was the solution.
     pub warm: u64,
 }
 
 impl Contacts {
     pub fn new(model: &Model, law: Law) -> Contacts {
         Contacts {
-            each: Each::new(model, law),
-            weld: Weld::new(model),
+            per_contact: PerContact::new(model, law),
+            standing_feet: StandingFeet::new(model),
             contact: Contact::new(model),
             solved: 0,
             warm: 0,
@@ -156,41 +160,41 @@ impl Contacts {
 
     /// Δf by the contact law, and the velocity after it: ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf). (12)
     ///
-    /// Where nothing that pushed moved in the step before, feet that stand are tried first: see [`crate::weld`]. What the impulses drive
-    /// into the ground though it was not listed joins, and the problem is solved again.
+    /// If no active contact moved in the step before, it first tries the case that all feet stand: see [`crate::standing`]. If the impulses
+    /// drive further points into the ground, these are added, and the problem is solved again.
     ///
     /// # Errors
-    /// If a problem was not solved as well as the scene asks, or the energy rises.
+    /// If a problem misses the scene's tolerance, or if contact raises the energy.
     pub fn solve(
         &mut self,
         world: &World,
         free: &Free,
         touches: &mut Touches,
-        ahead: Option<&Ahead>,
+        prediction: Option<&Prediction>,
         memory: &mut Memory,
     ) -> Result<&Contact, PlantError> {
-        let Contacts { each, weld, contact, solved, warm } = self;
+        let Contacts { per_contact, standing_feet, contact, solved, warm } = self;
         contact.clear(free);
         while !touches.list.is_empty() {
-            let (response, mut report) = match stand(world, free, &touches.list, memory, weld) {
+            let (response, mut report) = match stand(world, free, &touches.list, memory, standing_feet) {
                 Some(held) => {
-                    each.leave(touches.list.len());
+                    per_contact.skip(touches.list.len());
                     held
                 }
                 None => {
-                    let mut report = each.solve_impact(world, free, touches, memory)?; // (14)-(22)
-                    if each.turns_round() {
-                        touches.list.iter_mut().for_each(|touch| touch.along = Vector3::zeros());
-                        report = each.solve_impact(world, free, touches, memory)?;
+                    let mut report = per_contact.solve_impact(world, free, touches, memory)?; // (14)-(22)
+                    if per_contact.reverses_given_slip() {
+                        touches.list.iter_mut().for_each(|touch| touch.slip_direction = Vector3::zeros());
+                        report = per_contact.solve_impact(world, free, touches, memory)?;
                     }
-                    (each.respond(world, free), report)
+                    (per_contact.respond(world, free), report)
                 }
             };
-            report.energy_gain -= lifts(&touches.list, response.impulses);
+            report.energy_gain -= recovery_work(&touches.list, response.impulses);
             world.check_energy(&report)?;
             contact.set(free, &touches.list, &response, report); // (12)
             (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
-            if !touches.add_overlooked(world, free.pose, &contact.rate, ahead, memory) {
+            if !touches.add_penetrating(world, free.pose, &contact.rate, prediction, memory) {
                 break;
             }
         }
@@ -199,7 +203,7 @@ impl Contacts {
 }
 
 impl Plant {
-    /// Impact: the contact law on the velocities of all that is listed, in no time.
+    /// Impact: the contact law on the velocities of all listed points, without passage of time.
     pub(super) fn impact(&mut self) -> Result<(), PlantError> {
         let Plant { world, now, memory, record, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
@@ -212,31 +216,33 @@ impl Plant {
     }
 }
 
-/// The solution in which every link that pushes stays where it is, if it did in the step before and that obeys the law.
+/// The solution in which all feet stand, if they stood in the step before and if it obeys the law.
 fn stand<'a>(
     world: &World,
     free: &Free,
     touches: &[Touch],
     memory: &mut Memory,
-    weld: &'a mut Weld,
+    feet: &'a mut StandingFeet,
 ) -> Option<(Response<'a>, Report)> {
-    let Settings { law, restitution, welds, friction, .. } = world.settings;
+    let Settings { law, restitution, standing_feet, friction, .. } = world.settings;
     let disc = disc(law)?;
-    if !(welds && restitution == 0.0 && world.model.floats() && memory.rests()) {
+    if !(standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static()) {
         return None;
     }
     let (response, report) =
-        weld.hold(&world.model, free, touches, [friction, disc * friction], |id| memory.pushed(id))?;
-    memory.stand(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
+        feet.solve(&world.model, free, touches, [friction, disc * friction], |id| memory.was_active(id))?;
+    memory.record_standing(touches.iter().zip(response.impulses).map(|(touch, impulse)| (touch.id, *impulse)));
     Some((response, report))
 }
 
-/// Work of the impulses at what comes out of the ground [J]: where it was before is none of the law's doing.
-fn lifts(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
+/// Work of the impulses that move points out of the ground [J]. Their penetration is a numerical error, so this work does not count against
+/// the law.
+fn recovery_work(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
     touches.iter().zip(impulses).map(|(touch, impulse)| impulse.z * (-touch.approach).max(0.0)).sum()
 }
 
-/// Radius of the disc within the cone of a law, however its tangents are turned, as a part of μ; none if feet that stand do not obey it.
+/// Radius of the greatest disc within the friction cone of a law, relative to μ, whatever the directions of its tangents are. None for laws
+/// that standing feet may not obey.
 fn disc(law: Law) -> Option<f64> {
     match law {
         Law::Cone => Some(1.0),

@@ -1,6 +1,7 @@
-//! Step doubling: a method watches its own error.
+//! Step doubling: error control by comparison with two half steps.
 
-use super::midpoint_contact::Rise;
+use super::midpoint_contact::LastAcceleration;
+use super::step_size::{MIN_FACTOR, SAFETY};
 use super::{Plant, Workspace};
 use crate::contact::Memory;
 use crate::error::PlantError;
@@ -8,23 +9,29 @@ use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
 
-/// Shortest step, as a part of dt: at an impact no step is short enough.
-const SHORTEST: f64 = 1.0 / 256.0;
+/// Shortest step, relative to dt [-]. At an impact no step is short enough.
+const MIN_STEP: f64 = 1.0 / 256.0;
+/// Greatest factor from one step to the next [-].
+const MAX_FACTOR: f64 = 4.0;
+/// The last step may be longer than planned by this factor [-], so that no tiny step remains.
+const LAST_STEP_STRETCH: f64 = 1.01;
+/// Difference of one step and two half steps, divided by the error of the two [-]: 2^p − 1 for a method of order p = 2.
+const RICHARDSON: f64 = 3.0;
 
-/// What a step begins with beside its state, and what it is compared with.
-pub(super) struct Doubling {
+/// Memories at the beginning of a step, and the result that it is compared with.
+pub(super) struct StepDoublingState {
     memory: Memory,
-    rise: Rise,
+    last_acceleration: LastAcceleration,
     events: u64,
-    /// The end of one step over both halves.
+    /// State after one step over both halves.
     coarse: State,
 }
 
-impl Doubling {
-    pub fn new(model: &Model) -> Doubling {
-        Doubling {
-            memory: Memory::of(model.corners.len()),
-            rise: Rise::new(model),
+impl StepDoublingState {
+    pub fn new(model: &Model) -> StepDoublingState {
+        StepDoublingState {
+            memory: Memory::of(model.contact_points.len()),
+            last_acceleration: LastAcceleration::new(model),
             events: 0,
             coarse: State::zero(model),
         }
@@ -32,37 +39,37 @@ impl Doubling {
 }
 
 impl Plant {
-    /// Goes over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.
+    /// Integrates over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.
     ///
-    /// One step and two half steps of a method of order 2 differ by three times the error of the two. The next step is
-    /// as long as the tolerance allows if the error goes with h³. Where contact jumps it does not, and the shortest step,
-    /// dt/256, is taken as it is.
+    /// For a method of order 2, one step and two half steps differ by three times the error of the two half steps. The next step is as long
+    /// as the tolerance allows, assuming an error of order h³. Where contact forces jump, that assumption fails, and the shortest step,
+    /// dt/256, is accepted in any case.
     ///
     /// # Source
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
     pub(super) fn step_doubling(&mut self, h: f64) -> Result<(), PlantError> {
-        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * SHORTEST);
-        let (mut done, mut step) = (0.0, self.stride.min(h));
+        let (tolerance, shortest) = (self.world.settings.tolerance_step, h * MIN_STEP);
+        let (mut done, mut step) = (0.0, self.next_step.min(h));
         while done < h {
-            // a sliver at the end would cost a step of its own
-            let last = done + 1.01 * step >= h;
+            // a tiny last step would cost as much as a full one
+            let last = done + LAST_STEP_STRETCH * step >= h;
             let part = if last { h - done } else { step };
             let record = self.record;
             self.work.start.copy(&self.now.state);
             self.work.doubling.memory.copy(&self.memory);
-            self.work.doubling.rise.copy(&self.rise);
+            self.work.doubling.last_acceleration.copy(&self.last_acceleration);
             self.work.doubling.events = self.events;
             self.midpoint_contact(part)?;
             self.work.doubling.coarse.copy(&self.now.state);
             self.go_back(record)?;
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
-            let error = distance(&self.work.doubling.coarse, &self.now.state) / 3.0;
-            let factor = (0.9 * (tolerance / error).cbrt()).clamp(0.2, 4.0);
+            let error = distance(&self.work.doubling.coarse, &self.now.state) / RICHARDSON;
+            let factor = (SAFETY * (tolerance / error).cbrt()).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);
-                self.stride = step;
+                self.next_step = step;
             } else {
                 self.rejected += 1;
                 step = (part * factor).max(shortest);
@@ -72,18 +79,18 @@ impl Plant {
         Ok(())
     }
 
-    /// Back to the beginning of the step.
+    /// Restores the beginning of the step.
     fn go_back(&mut self, record: Record) -> Result<(), PlantError> {
         let Workspace { start, doubling, .. } = &self.work;
         self.now.state.copy(start);
         self.memory.copy(&doubling.memory);
-        self.rise.copy(&doubling.rise);
+        self.last_acceleration.copy(&doubling.last_acceleration);
         (self.record, self.events) = (record, doubling.events);
-        self.now.find_pose(&self.world)
+        self.now.update_pose(&self.world)
     }
 }
 
-/// Greatest difference of two states, each entry in proportion to 1 + |entry|.
+/// Greatest difference of two states, each entry relative to 1 + |entry|.
 fn distance(a: &State, b: &State) -> f64 {
     let pairs = a.x.iter().zip(&b.x).chain(a.xdot.iter().zip(&b.xdot));
     pairs.map(|(a, b)| (a - b).abs() / (1.0 + b.abs())).fold(0.0, f64::max)

@@ -1,4 +1,4 @@
-//! Euler's methods: one evaluation a step, first order.
+//! Euler's methods: one evaluation per step, first order.
 
 use super::Plant;
 use crate::error::PlantError;
@@ -16,11 +16,10 @@ impl Plant {
         let contact = work.contacts.solve(world, &free, touches, None, memory)?; // (12)-(22)
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
-        now.travel(world, h)
+        now.integrate_position(world, h)
     }
 
-    /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) a step, and what lands is stopped one step
-    /// late.
+    /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) per step, and a landing is stopped one step late.
     pub(super) fn explicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, now, memory, record, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?; // (1)-(11)
@@ -30,6 +29,6 @@ impl Plant {
         record.take(contact, 1.0);
         now.state.advance(&world.model, h);
         now.state.xdot.copy_from_slice(&contact.rate);
-        now.find_pose(world)
+        now.update_pose(world)
     }
 }

@@ -1,6 +1,6 @@
-//! The stages of a step before contact: H, b, and the motion that there would be if nothing touched.
+//! Stages of a step before contact: H, b, and the motion without contact.
 
-use super::now::Now;
+use super::posed_state::PosedState;
 use super::settings::World;
 use crate::composite::Composite;
 use crate::delassus::Free;
@@ -17,9 +17,9 @@ pub(super) struct Dynamics {
     inertia: PathMatrix,
     pub bias: Vec<f64>,
     pub factor: Factor,
-    /// They are known already for the step to come.
-    ready: bool,
-    /// Evaluations so far.
+    /// Already computed for the next step.
+    prepared: bool,
+    /// Number of evaluations so far.
     pub evaluations: u64,
 }
 
@@ -30,48 +30,66 @@ impl Dynamics {
             inertia: PathMatrix::new(model),
             bias: vec![0.0; model.dofs()],
             factor: Factor::new(model),
-            ready: false,
+            prepared: false,
             evaluations: 0,
         }
     }
 
-    /// H, b and the factor of H at the present pose and velocity. Springs and dampers act as they will after the time `ahead`,
-    /// their forces changing with those of the step over the time `grip`; see [`springs`].
+    /// Computes H, b and the factor of H at the present pose and velocity. The forces of springs and dampers are those after `force_time`,
+    /// and they change implicitly with the velocity over `implicit_time`; see [`springs`].
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) -> Result<&Dynamics, PlantError> {
-        if !std::mem::take(&mut self.ready) {
+    pub fn find(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        implicit_time: f64,
+        force_time: f64,
+    ) -> Result<&Dynamics, PlantError> {
+        if !std::mem::take(&mut self.prepared) {
             self.evaluations += 1;
             self.composite.inertia(model, &now.pose, &mut self.inertia);
             self.composite.bias(model, &now.pose, &now.state.xdot, &mut self.bias);
-            springs::stiffen(model, grip, &mut self.inertia);
-            springs::pull(model, &now.state, ahead, &mut self.bias);
+            springs::add_to_inertia(model, implicit_time, &mut self.inertia);
+            springs::add_to_bias(model, &now.state, force_time, &mut self.bias);
             self.factor.factorize(model, &self.inertia)?;
         }
         Ok(self)
     }
 
-    /// H and its factor at the middle of a step of `h`, where springs and dampers act with the mean velocity, and b at the velocity `mean`,
-    /// which the pose has; the state has that before the step.
+    /// Computes H and its factor at the middle of a step of `h`, with springs and dampers at the mean velocity, and b at the velocity
+    /// `mean`. The pose must have the velocity `mean`, and the state the velocity before the step.
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find_in_the_middle(&mut self, model: &Model, now: &Now, mean: &[f64], h: f64) -> Result<(), PlantError> {
+    pub fn find_at_midpoint(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        mean: &[f64],
+        h: f64,
+    ) -> Result<(), PlantError> {
         self.evaluations += 1;
         self.composite.inertia(model, &now.pose, &mut self.inertia);
-        springs::stiffen_in_the_middle(model, h, &mut self.inertia);
+        springs::add_to_midpoint_inertia(model, h, &mut self.inertia);
         self.factor.factorize(model, &self.inertia)?;
         self.with_bias_at(model, now, mean);
         Ok(())
     }
 
-    /// The same at the present pose and velocity, which are a guess at those in the middle of a step of `h` that begins with `before`: H
-    /// takes up what springs and dampers change with the step, so that the next guess has their forces right however stiff they are.
+    /// Computes H, b and the factor of H at a guess of pose and velocity in the middle of a step of `h` that begins with `before`. H
+    /// includes how springs and dampers change with the step, so that the next guess has the right forces, however stiff they are.
     ///
     /// # Errors
     /// If H is not positive definite.
-    pub fn find_around(&mut self, model: &Model, now: &Now, before: &[f64], h: f64) -> Result<&Dynamics, PlantError> {
+    pub fn find_with_guess(
+        &mut self,
+        model: &Model,
+        now: &PosedState,
+        before: &[f64],
+        h: f64,
+    ) -> Result<&Dynamics, PlantError> {
         self.find(model, now, 0.5 * h, 0.0)?;
         for spring in &model.springs {
             let guessed = now.state.xdot[spring.dof] - before[spring.dof];
@@ -80,37 +98,38 @@ impl Dynamics {
         Ok(self)
     }
 
-    /// Whether they were known already; they are not for the step after.
-    pub fn was_ready(&mut self) -> bool {
-        std::mem::take(&mut self.ready)
+    /// Whether H and b were computed in advance. The mark is cleared for the next step.
+    pub fn take_prepared(&mut self) -> bool {
+        std::mem::take(&mut self.prepared)
     }
 
-    /// Whether they are known for the step to come.
-    pub fn set_ready(&mut self, ready: bool) {
-        self.ready = ready;
+    /// Marks H and b as computed in advance, or not.
+    pub fn set_prepared(&mut self, ready: bool) {
+        self.prepared = ready;
     }
 
-    /// The same ahead of the step that asks for it.
-    pub fn get_ready(&mut self, model: &Model, now: &Now, grip: f64, ahead: f64) {
-        self.ready = self.find(model, now, grip, ahead).is_ok(); // the step finds the error again
+    /// Computes H and b in advance of the step.
+    pub fn prepare(&mut self, model: &Model, now: &PosedState, implicit_time: f64, force_time: f64) {
+        self.prepared = self.find(model, now, implicit_time, force_time).is_ok(); // the step reports the error again
     }
 
-    /// The same H with b at the velocity `mean`, which the pose has; the state has that before the step.
-    pub fn with_bias_at(&mut self, model: &Model, now: &Now, mean: &[f64]) -> &Dynamics {
+    /// Recomputes b at the velocity `mean`, with the same H. The pose must have the velocity `mean`, and the state the velocity before the
+    /// step.
+    pub fn with_bias_at(&mut self, model: &Model, now: &PosedState, mean: &[f64]) -> &Dynamics {
         let Dynamics { composite, bias, .. } = self;
         composite.bias(model, &now.pose, mean, bias);
-        springs::pull(model, &now.state, 0.0, bias);
+        springs::add_to_bias(model, &now.state, 0.0, bias);
         for spring in &model.springs {
-            bias[spring.dof] -= spring.damping * (mean[spring.dof] - now.state.xdot[spring.dof]); // H has it already
+            bias[spring.dof] -= spring.damping * (mean[spring.dof] - now.state.xdot[spring.dof]); // H already includes that change
         }
         self
     }
 }
 
-/// Room for the motion without contact.
+/// Workspace for the motion without contact.
 pub(super) struct FreeMotion {
     efforts: Vec<f64>,
-    /// K of a push.
+    /// Column of K for a push.
     column: Vec<f64>,
     velocity: Vec<f64>,
     acceleration: Vec<f64>,
@@ -122,14 +141,14 @@ impl FreeMotion {
         FreeMotion { efforts: zeros(), column: zeros(), velocity: zeros(), acceleration: zeros() }
     }
 
-    /// The motion at the end of a step of `h` if nothing touched. (12)
-    pub fn motion<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
+    /// The motion at the end of a step of `h` without contact. (12)
+    pub fn motion<'a>(&'a mut self, world: &World, now: &'a PosedState, dynamics: &'a Dynamics, h: f64) -> Free<'a> {
         let rate = self.velocity(world, now, dynamics, h);
         Free { pose: &now.pose, factor: &dynamics.factor, rate }
     }
 
-    /// Its velocity, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
-    pub fn velocity(&mut self, world: &World, now: &Now, dynamics: &Dynamics, h: f64) -> &[f64] {
+    /// The velocity at the end of a step of `h` without contact, ẋ₋ + H⁻¹Δf_b with Δf_b = (u − b)h. (12)
+    pub fn velocity(&mut self, world: &World, now: &PosedState, dynamics: &Dynamics, h: f64) -> &[f64] {
         let FreeMotion { efforts, column, velocity, .. } = self;
         let efforts = sum_efforts(world, &now.pose, &dynamics.bias, column, efforts);
         velocity.iter_mut().zip(efforts).for_each(|(free, effort)| *free = effort * h); // Δf_b
@@ -138,7 +157,7 @@ impl FreeMotion {
         velocity
     }
 
-    /// The velocity that was found last, with this added to that of the base's frame.
+    /// Adds a velocity of the base's frame to the last result.
     pub fn add_to_base(&mut self, model: &Model, gain: Vector3<f64>) -> &[f64] {
         for (velocity, &axis) in self.velocity.iter_mut().zip(model.base_translation()) {
             *velocity += gain[axis];
@@ -146,13 +165,13 @@ impl FreeMotion {
         &self.velocity
     }
 
-    /// The motion that was found last.
-    pub fn found<'a>(&'a self, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
+    /// The last result.
+    pub fn found<'a>(&'a self, now: &'a PosedState, dynamics: &'a Dynamics) -> Free<'a> {
         Free { pose: &now.pose, factor: &dynamics.factor, rate: &self.velocity }
     }
 
-    /// The present acceleration if nothing touched, H⁻¹(u − b).
-    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a Now, dynamics: &'a Dynamics) -> Free<'a> {
+    /// The present acceleration without contact, H⁻¹(u − b).
+    pub fn acceleration<'a>(&'a mut self, world: &World, now: &'a PosedState, dynamics: &'a Dynamics) -> Free<'a> {
         let FreeMotion { efforts, column, acceleration, .. } = self;
         acceleration.copy_from_slice(sum_efforts(world, &now.pose, &dynamics.bias, column, efforts));
         dynamics.factor.solve(&world.model, acceleration);
@@ -160,7 +179,7 @@ impl FreeMotion {
     }
 }
 
-/// u − b, with the pushes: all efforts but those of contact.
+/// u − b with the pushes: all efforts except those of contact.
 fn sum_efforts<'a>(world: &World, pose: &Pose, bias: &[f64], column: &mut [f64], efforts: &'a mut [f64]) -> &'a [f64] {
     efforts.iter_mut().zip(bias).for_each(|(effort, bias)| *effort = -bias);
     for (&dof, torque) in world.model.joint_dof.iter().zip(world.torques.torque) {

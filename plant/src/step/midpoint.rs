@@ -4,25 +4,25 @@ use super::{Plant, Workspace};
 use crate::error::PlantError;
 use crate::kinematics;
 
-/// Rounds of the implicit rule at most; it takes three or four where dt is short enough to be of use.
-const ROUNDS: usize = 60;
+/// Iterations of the implicit rule at most; three or four are typical for a useful dt.
+const MAX_ITERATIONS: usize = 60;
 /// A change of the mean velocity this small, relative to 1 + |ẋ|, is rounding.
 const ROUNDING: f64 = 4.0 * f64::EPSILON;
-/// A change this small at the last round is good enough to go on with.
-const ENOUGH: f64 = 1e-9;
+/// A change this small in the last iteration is accepted.
+const ACCEPTED_CHANGE: f64 = 1e-9;
 
 impl Plant {
     /// x_m = x + ½h ẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H, b, K and gaps at x_m; x₊ = x_m + ½h ẋ₊.
     ///
-    /// b is quadratic in the velocity, so it is taken at the mean velocity that it would lead to itself without contact:
-    /// two evaluations of b and one of H make the flight of second order. A lasting contact that pivots is of first order:
-    /// the law asks for Kᵀẋ₊ at the middle, which opens the gap by ½h²ω²l a step or closes it.
+    /// b is quadratic in the velocity, so it is evaluated at the mean velocity of the motion without contact. Two evaluations of b and one
+    /// of H make the flight second order. A lasting contact that rolls is first order: the law holds for Kᵀẋ₊ at the middle, which opens or
+    /// closes the gap by ½h²ω²l per step.
     ///
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Acary & Brogliato (2008), 10.1.
     pub(super) fn midpoint_moreau(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, now, memory, record, work, .. } = self;
-        now.travel(world, 0.5 * h)?;
+        now.integrate_position(world, 0.5 * h)?;
         let dynamics = work.dynamics.find(&world.model, now, 0.5 * h, 0.0)?;
         let mean = work.free.velocity(world, now, dynamics, 0.5 * h);
         kinematics::velocities(&world.model, mean, &mut now.pose);
@@ -32,16 +32,16 @@ impl Plant {
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
-        now.travel(world, 0.5 * h)
+        now.integrate_position(world, 0.5 * h)
     }
 
     /// ẋ_m = ½(ẋ₋ + ẋ₊), x_m = x + ½h ẋ_m, x₊ = x + h ẋ_m; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with all of H, b, K at (x_m, ẋ_m).
     ///
-    /// Symmetric in time: in flight the energy swings by h² and does not drift. The contact law holds for ẋ₊, as in
+    /// Symmetric in time: in flight the energy oscillates by h² and does not drift. The contact law holds for ẋ₊, as in
     /// [`Plant::midpoint_moreau`].
     ///
     /// # Errors
-    /// If the iteration does not settle: dt is too long.
+    /// If the iteration does not converge: dt is too long.
     ///
     /// # Source
     /// Hairer, Lubich & Wanner, *Geometric Numerical Integration*, II.1 and VIII.6.
@@ -54,30 +54,31 @@ impl Plant {
         let (contact, change) = loop {
             now.state.x.copy_from_slice(&start.x);
             now.state.xdot.copy_from_slice(mean);
-            now.travel(world, 0.5 * h)?; // (x_m, ẋ_m)
-            let dynamics = dynamics.find_around(&world.model, now, &start.xdot, h)?;
+            now.integrate_position(world, 0.5 * h)?; // (x_m, ẋ_m)
+            let dynamics = dynamics.find_with_guess(&world.model, now, &start.xdot, h)?;
             now.state.xdot.copy_from_slice(&start.xdot);
             let free = free.motion(world, now, dynamics, h);
             let touches = touches.find(world, free.pose, free.rate, 0.5 * h);
             let contact = contacts.solve(world, &free, touches, None, memory)?;
-            let change = improve(mean, &start.xdot, &contact.rate);
+            let change = update_mean(mean, &start.xdot, &contact.rate);
             rounds += 1;
-            if change <= ROUNDING || rounds == ROUNDS {
+            if change <= ROUNDING || rounds == MAX_ITERATIONS {
                 break (contact, change);
             }
         };
-        if change > ENOUGH {
-            let reason =
-                format!("its velocity still changes by {change:.1e} after {ROUNDS} rounds; plant.dt is too long");
+        if change > ACCEPTED_CHANGE {
+            let reason = format!(
+                "its velocity still changes by {change:.1e} after {MAX_ITERATIONS} rounds; plant.dt is too long"
+            );
             return Err(PlantError::Unsettled { time: world.time(), reason });
         }
         record.take(contact, 1.0);
-        now.place(world, start, |i| h * mean[i], &contact.rate)
+        now.set_displaced(world, start, |i| h * mean[i], &contact.rate)
     }
 }
 
-/// Sets the mean to ½(ẋ₋ + ẋ₊); its greatest change, relative to 1 + |ẋ|.
-pub(super) fn improve(mean: &mut [f64], before: &[f64], after: &[f64]) -> f64 {
+/// Sets the mean to ½(ẋ₋ + ẋ₊); returns its greatest change, relative to 1 + |ẋ|.
+pub(super) fn update_mean(mean: &mut [f64], before: &[f64], after: &[f64]) -> f64 {
     let mut change = 0.0;
     for ((mean, after), before) in mean.iter_mut().zip(after).zip(before) {
         let better = 0.5 * (before + after);

@@ -1,8 +1,8 @@
-//! The midpoint rule with contact: forces at the middle of the step, the law at its end, landings at their own time.
+//! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
-use super::ahead::{Ahead, first_root};
-use super::midpoint::improve;
-use super::now::Centre;
+use super::midpoint::update_mean;
+use super::posed_state::BaseCentre;
+use super::prediction::{Prediction, first_root};
 use super::{Plant, Workspace};
 use crate::error::PlantError;
 use crate::kinematics;
@@ -10,55 +10,55 @@ use crate::model::Model;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// Rounds of the rule in flight at most; it takes two or three.
-const ROUNDS: usize = 60;
-/// The mean velocity is found when one more round would change it by less than this, relative to 1 + |ẋ|. Each round changes less than the
-/// one before in the same proportion.
-const SETTLED: f64 = 1e-12;
-/// Landings that a step is split at; what lands after them does so at its end.
-const LANDINGS: usize = 3;
-/// Trials of locating a landing at most; it takes two or three.
-const TRIALS: usize = 20;
-/// A landing is located to this part of the way that its point goes in a step.
+/// Iterations of the rule in flight at most; two or three are typical.
+const MAX_ITERATIONS: usize = 60;
+/// The mean velocity has converged when the next iteration would change it by less than this, relative to 1 + |ẋ| [-]. The prediction
+/// assumes linear convergence.
+const CONVERGED: f64 = 1e-12;
+/// Landings at which a step is split at most. Later landings take effect at the end of the step.
+const MAX_LANDINGS: usize = 3;
+/// Trials to locate a landing at most; two or three are typical.
+const MAX_TRIALS: usize = 20;
+/// Tolerance for the place of a landing, relative to the way of its point in a step [-].
 const LOCATED: f64 = 1e-5;
-/// What is nearer to the ground than this when another point lands has landed with it [length of the model].
+/// Points nearer to the ground than this when another point lands have landed too [length of the model].
 const LANDED: f64 = 1e-8;
 
 /// A part of a step.
 #[derive(Clone, Copy, Debug)]
 struct Part {
-    /// Its length, and that of the whole step [s].
+    /// Length of the part, and of the whole step [s].
     h: f64,
     whole: f64,
-    /// Whether what lands in it is left out.
-    falls_on: bool,
+    /// Whether points that land in it are ignored.
+    skips_landings: bool,
 }
 
-/// When something lands, from the beginning of a part of a step [s], and how far it is from the ground then [m].
+/// Time of a landing since the beginning of a part [s], and the gap then [m].
 #[derive(Clone, Copy, Debug)]
 struct Landing {
     time: f64,
     gap: f64,
 }
 
-/// The acceleration of the step before, contact included.
+/// Acceleration of the step before, including contact.
 #[derive(Debug)]
-pub(super) struct Rise {
+pub(super) struct LastAcceleration {
     rate: Vec<f64>,
-    /// Angular acceleration of the base [rad/s²], and where its centre of mass was from its frame [m].
+    /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
     turn: Vector3<f64>,
     arm: Vector3<f64>,
-    /// Not at the start, nor after an impact.
+    /// False at the start and after an impact.
     known: bool,
 }
 
-impl Rise {
-    pub fn new(model: &Model) -> Rise {
-        Rise { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
+impl LastAcceleration {
+    pub fn new(model: &Model) -> LastAcceleration {
+        LastAcceleration { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
     }
 
-    /// Becomes the other one, in the room it has.
-    pub fn copy(&mut self, other: &Rise) {
+    /// Copies another one without allocation.
+    pub fn copy(&mut self, other: &LastAcceleration) {
         self.rate.copy_from_slice(&other.rate);
         (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
     }
@@ -68,12 +68,12 @@ impl Rise {
         self.known
     }
 
-    /// It is not known any more.
+    /// Marks it as unknown.
     pub fn forget(&mut self) {
         self.known = false;
     }
 
-    /// Becomes that of the step of `h` that was found.
+    /// Sets it from the last step of `h`.
     fn set(&mut self, work: &Workspace, h: f64) {
         let pairs = work.before.iter().zip(&work.contacts.contact.rate);
         self.rate.iter_mut().zip(pairs).for_each(|(rate, (before, after))| *rate = (after - before) / h);
@@ -81,7 +81,7 @@ impl Rise {
         (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
     }
 
-    /// Adds what it makes within a time to a velocity where the centre of mass of the base is at `arm` from its frame.
+    /// Adds the velocity that it causes within a time. `arm` points from the base's frame to its centre of mass.
     fn add(&self, model: &Model, arm: &Vector3<f64>, time: f64, velocity: &mut [f64]) {
         velocity.iter_mut().zip(&self.rate).for_each(|(v, rate)| *v += time * rate);
         let moved = self.turn.cross(&(self.arm - arm)) * time;
@@ -90,78 +90,84 @@ impl Rise {
 }
 
 impl Plant {
-    /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law on K₊ᵀẋ₊.
+    /// x_m = x ⊕ ½hẋ₋; ẋ₊ = ẋ₋ + H⁻¹(Δf_b + KΔf) with H and K at x_m, b at (x_m, ẋ̄); x₊ = x_m ⊕ ½hẋ₊; the law holds for K₊ᵀẋ₊.
     ///
-    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy swings by h² without drifting. In contact ẋ̄ = ẋ₋ + ½hẍ with
-    /// the acceleration of the step before; springs under the feet, which may swing at every step, are left out of that. See [`Ahead`] for
-    /// the law at the end pose. Springs and dampers of joints are implicit.
+    /// In flight ẋ̄ = ½(ẋ₋ + ẋ₊): the step is symmetric in time, and its energy oscillates by h² without drift. In contact ẋ̄ = ẋ₋ + ½hẍ,
+    /// with the acceleration of the step before. With `SpringDamper` ẋ̄ = ẋ₋, because contact springs may oscillate from step to step.
+    /// [`Prediction`] explains the law at the end pose. Springs and dampers of joints are implicit.
     ///
-    /// What comes down fast splits the step: the way to the ground without it, an impact, and the rest.
+    /// A fast landing splits the step: the motion to the ground without that contact, the impact, and the rest.
     ///
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Hairer, Lubich & Wanner, *Geometric Numerical
     /// Integration*, V.
     pub(super) fn midpoint_contact(&mut self, h: f64) -> Result<(), PlantError> {
-        let mut rest = Part { h, whole: h, falls_on: false };
-        for _ in 0..LANDINGS {
-            let Some(landing) = self.go_down(rest)? else {
-                self.arrive(rest);
+        let mut rest = Part { h, whole: h, skips_landings: false };
+        for _ in 0..MAX_LANDINGS {
+            let Some(landing) = self.advance_to_landing(rest)? else {
+                self.finish(rest);
                 return Ok(());
             };
-            self.hit_ground(landing)?;
+            self.impact_at_landing(landing)?;
             rest.h -= landing.time;
             if rest.h <= 0.0 {
                 return Ok(());
             }
         }
-        self.reach(rest)?;
-        self.arrive(rest);
+        self.find_end(rest)?;
+        self.finish(rest);
         Ok(())
     }
 
-    /// H, b and the factor of H in the middle of the step, whatever the torques will be.
-    pub(super) fn get_to_the_middle(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, rise, work: Workspace { middle, mean, before, centres, dynamics, .. }, .. } = self;
+    /// Computes H, b and the factor of H at the middle of the step. They do not depend on the torques.
+    pub(super) fn evaluate_midpoint(&mut self, h: f64) -> Result<(), PlantError> {
+        let Plant {
+            world,
+            now,
+            last_acceleration,
+            work: Workspace { middle, mean, before, centres, dynamics, .. },
+            ..
+        } = self;
         let model = &world.model;
         middle.state.copy(&now.state);
-        middle.travel_by_centre(world, 0.5 * h, Centre::of(model, &now.pose, &now.state.xdot))?;
-        centres[0] = Centre::of(model, &middle.pose, &middle.state.xdot);
+        middle.integrate_by_com(world, 0.5 * h, BaseCentre::of(model, &now.pose, &now.state.xdot))?;
+        centres[0] = BaseCentre::of(model, &middle.pose, &middle.state.xdot);
         before.copy_from_slice(&middle.state.xdot);
         mean.copy_from_slice(before);
-        if rise.known && world.settings.law != Law::SpringDamper {
-            rise.add(model, &centres[0].arm, 0.5 * h, mean);
+        if last_acceleration.known && world.settings.law != Law::SpringDamper {
+            last_acceleration.add(model, &centres[0].arm, 0.5 * h, mean);
         }
         kinematics::velocities(model, mean, &mut middle.pose);
-        dynamics.find_in_the_middle(model, middle, mean, h)
+        dynamics.find_at_midpoint(model, middle, mean, h)
     }
 
-    /// Finds the end of a part of a step, which is then in [`Workspace`].
-    fn reach(&mut self, part: Part) -> Result<(), PlantError> {
-        self.look_ahead(part)?;
-        self.meet(part)
+    /// Computes the end of a part of a step, in [`Workspace`].
+    fn find_end(&mut self, part: Part) -> Result<(), PlantError> {
+        self.predict_free_motion(part)?;
+        self.solve_contact(part)
     }
 
-    /// The motion of a part of a step if nothing touched, and what may touch.
-    fn look_ahead(&mut self, part: Part) -> Result<(), PlantError> {
-        let Part { h, whole, falls_on } = part;
-        if !self.work.dynamics.was_ready() {
-            self.get_to_the_middle(h)?;
+    /// Predicts the motion of a part of a step without contact, and lists the points that may touch.
+    fn predict_free_motion(&mut self, part: Part) -> Result<(), PlantError> {
+        let Part { h, whole, skips_landings } = part;
+        if !self.work.dynamics.take_prepared() {
+            self.evaluate_midpoint(h)?;
         }
         let Plant { world, now, memory, work, .. } = self;
         let Workspace { middle, mean, dynamics, free, touches, .. } = work;
         let mut last = 0.0;
-        for round in 0..ROUNDS {
+        for round in 0..MAX_ITERATIONS {
             free.velocity(world, middle, dynamics, h); // (12)
-            let turn = Centre::of(&world.model, &middle.pose, mean);
-            let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.gained()) * h);
+            let turn = BaseCentre::of(&world.model, &middle.pose, mean);
+            let rate = free.add_to_base(&world.model, turn.spin.cross(&turn.velocity()) * h);
             if round == 0 {
-                let ahead = Ahead::of(now, middle, rate, [h, whole]);
-                if !touches.find_ahead(world, &ahead, memory, falls_on).list.is_empty() {
+                let prediction = Prediction::of(now, middle, rate, [h, whole]);
+                if !touches.find_predicted(world, &prediction, memory, skips_landings).list.is_empty() {
                     break;
                 }
             }
-            let change = improve(mean, &middle.state.xdot, rate);
-            if change <= SETTLED || change * change <= SETTLED * last {
+            let change = update_mean(mean, &middle.state.xdot, rate);
+            if change <= CONVERGED || change * change <= CONVERGED * last {
                 break;
             }
             last = change;
@@ -171,40 +177,43 @@ impl Plant {
         Ok(())
     }
 
-    /// What contact makes of that motion.
-    fn meet(&mut self, part: Part) -> Result<(), PlantError> {
+    /// Solves the contact problem for the predicted motion.
+    fn solve_contact(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, now, memory, work, .. } = self;
         let Workspace { middle, dynamics, free, touches, contacts, centres, .. } = work;
         let Part { h, whole, .. } = part;
         let free = free.found(middle, dynamics);
-        let ahead = Ahead::of(now, middle, free.rate, [h, whole]);
-        let contact = contacts.solve(world, &free, touches, Some(&ahead), memory)?;
-        centres[1] = Centre::of(&world.model, &middle.pose, &contact.rate);
-        self.work.finish(&self.world, h)
+        let prediction = Prediction::of(now, middle, free.rate, [h, whole]);
+        let contact = contacts.solve(world, &free, touches, Some(&prediction), memory)?;
+        centres[1] = BaseCentre::of(&world.model, &middle.pose, &contact.rate);
+        self.work.integrate_position(&self.world, h)
     }
 
-    /// Once more with the acceleration that was found, if that of the step before is not known.
-    fn meet_again(&mut self, part: Part) -> Result<(), PlantError> {
-        let Plant { world, rise, work, memory, .. } = self;
-        if rise.known || world.settings.law == Law::SpringDamper || work.contacts.contact.impulses.is_empty() {
-            return Ok(()); // in flight the mean velocity is found anyway
+    /// Repeats the step with the acceleration that it found, if that of the step before is unknown.
+    fn repeat_with_acceleration(&mut self, part: Part) -> Result<(), PlantError> {
+        let Plant { world, last_acceleration, work, memory, .. } = self;
+        if last_acceleration.known
+            || world.settings.law == Law::SpringDamper
+            || work.contacts.contact.impulses.is_empty()
+        {
+            return Ok(()); // in flight the mean velocity is iterated in any case
         }
-        rise.set(work, part.h);
+        last_acceleration.set(work, part.h);
         std::mem::swap(memory, &mut work.remembered);
-        self.look_ahead(part)?;
+        self.predict_free_motion(part)?;
         if self.world.settings.law == Law::Cone {
-            // it starts from what was found; others, as Lagged, are told of the step before
+            // `Cone` starts from this solution; other laws, such as `Lagged`, need the memory of the step before
             std::mem::swap(&mut self.memory, &mut self.work.remembered);
         }
-        self.meet(part)
+        self.solve_contact(part)
     }
 
-    /// Takes the end that was found as the present.
-    fn arrive(&mut self, part: Part) {
+    /// Accepts the end that was computed as the present state, and stores its acceleration.
+    fn finish(&mut self, part: Part) {
         if part.h == part.whole {
-            self.rise.set(&self.work, part.h);
+            self.last_acceleration.set(&self.work, part.h);
         } else {
-            self.rise.forget(); // a rest may be as short as rounding: what it changes is no acceleration
+            self.last_acceleration.forget(); // a part may be as short as rounding, so its velocity change gives no acceleration
         }
         self.accept();
     }
@@ -215,77 +224,77 @@ impl Plant {
         std::mem::swap(now, &mut work.middle);
     }
 
-    /// Goes to where the first of what lands meets the ground, if anything does; else the end is found.
+    /// Advances to the first landing, if there is one. Else the end of the step is computed.
     ///
-    /// The gap is nearly a parabola in time: with its beginning known, each trial gives its bend.
-    fn go_down(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
-        self.look_ahead(rest)?;
-        let Plant { memory, rise, work: Workspace { touches, landing, remembered, .. }, .. } = self;
+    /// The gap is nearly a parabola in time. Its beginning is known, and each trial gives its curvature.
+    fn advance_to_landing(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
+        self.predict_free_motion(rest)?;
+        let Plant { memory, last_acceleration, work: Workspace { touches, landing, remembered, .. }, .. } = self;
         landing.clear();
         landing.extend(touches.list.iter().filter(|touch| touch.lands()).map(|touch| touch.id));
         let h = rest.h;
         let mut time = touches.list.iter().fold(f64::INFINITY, |first, touch| first.min(touch.lands_after));
-        if !landing.is_empty() || !rise.known {
+        if !landing.is_empty() || !last_acceleration.known {
             remembered.copy(memory);
         }
         if time >= h {
-            self.meet(rest)?;
+            self.solve_contact(rest)?;
             if !self.work.lands() {
-                return self.meet_again(rest).map(|()| None);
+                return self.repeat_with_acceleration(rest).map(|()| None);
             }
             self.memory.copy(&self.work.remembered);
             time = h;
         }
         let Plant { world, now, work: Workspace { landing, .. }, .. } = self;
-        let height = |id: &usize| now.pose.height(&world.model.corners[*id]);
+        let height = |id: &usize| now.pose.height(&world.model.contact_points[*id]);
         if landing.iter().any(|id| height(id) <= LANDED * world.model.length) {
             return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
         }
         for trial in 1.. {
-            self.reach(Part { h: time, falls_on: true, ..rest })?;
+            self.find_end(Part { h: time, skips_landings: true, ..rest })?;
             let Plant { world, now, work: Workspace { middle, landing, .. }, .. } = self;
-            let corners = &world.model.corners;
-            let end = |id: usize| middle.pose.height(&corners[id]);
+            let points = &world.model.contact_points;
+            let end = |id: usize| middle.pose.height(&points[id]);
             let Some(&first) = landing.iter().min_by(|a, b| end(**a).total_cmp(&end(**b))) else { break };
-            let (gap, corner) = (end(first), &corners[first]);
+            let (gap, point) = (end(first), &points[first]);
             if gap > 0.0 && time >= h {
                 return Ok(None);
             }
-            let fall = now.pose.links[corner.link].velocity.at(&now.pose.lowest(corner)).z;
-            if gap.abs() <= LOCATED * fall.abs() * h || trial == TRIALS {
+            let fall = now.pose.links[point.link].velocity.at(&now.pose.lowest(point)).z;
+            if gap.abs() <= LOCATED * fall.abs() * h || trial == MAX_TRIALS {
                 self.accept();
                 return Ok(Some(Landing { time, gap }));
             }
-            let start = now.pose.height(corner);
+            let start = now.pose.height(point);
             time = first_root(start, fall, (gap - start - fall * time) / (time * time)).min(h);
             self.memory.copy(&self.work.remembered);
         }
         Ok(None)
     }
 
-    /// The impact of all that is on the ground.
-    fn hit_ground(&mut self, landing: Landing) -> Result<(), PlantError> {
+    /// Impact of all points on the ground.
+    fn impact_at_landing(&mut self, landing: Landing) -> Result<(), PlantError> {
         let Plant { world, now, memory, work, .. } = self;
         let landed = landing.gap.max(LANDED * world.model.length);
         work.touches.find_on_ground(world, &now.pose, landed, memory);
         self.events += 1;
         self.impact()?;
-        self.rise.forget();
+        self.last_acceleration.forget();
         Ok(())
     }
 }
 
 impl Workspace {
-    /// Whether something that lands was stopped.
+    /// Whether an impulse stopped a point that lands.
     fn lands(&self) -> bool {
         let pairs = self.touches.list.iter().zip(&self.contacts.contact.impulses);
         pairs.into_iter().any(|(touch, (_, impulse))| touch.lands() && impulse.z > 0.0)
     }
 
     /// x₊ = x_m ⊕ ½hẋ₊.
-    fn finish(&mut self, world: &super::World, h: f64) -> Result<(), PlantError> {
+    fn integrate_position(&mut self, world: &super::World, h: f64) -> Result<(), PlantError> {
         let Workspace { middle, contacts, centres, .. } = self;
         middle.state.xdot.copy_from_slice(&contacts.contact.rate);
-        middle.travel_by_centre(world, 0.5 * h, centres[1])
+        middle.integrate_by_com(world, 0.5 * h, centres[1])
     }
 }

@@ -1,11 +1,11 @@
-//! The method of Moreau and Jean with θ = ½: means over the step, second order.
+//! The method of Moreau and Jean with θ = ½: mean forces over the step, second order.
 
 use super::Plant;
 use crate::delassus::Free;
 use crate::error::PlantError;
 use crate::model::Model;
 
-/// Room for the means of a step.
+/// Mean values of a step.
 pub(super) struct Means {
     /// h a(x, ẋ₋).
     rise: Vec<f64>,
@@ -20,10 +20,10 @@ impl Means {
 }
 
 impl Plant {
-    /// ẋ₊ = ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)) + H⁻¹KΔf, x₊ = x + ½h(ẋ₋ + ẋ₊), with the law at the end of the step.
+    /// ẋ₊ = ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)) + H⁻¹KΔf, x₊ = x + ½h(ẋ₋ + ẋ₊), with the contact law at the end of the step.
     ///
-    /// a = H⁻¹(u − b). The end (x*, ẋ*) is the step made with the forces of its beginning alone, contact included; H, K and
-    /// gaps are taken there: one round of the iteration that the implicit method would go on with.
+    /// a = H⁻¹(u − b). The predicted end (x*, ẋ*) is the result of a step with the forces of its beginning alone, contact included. H, K
+    /// and gaps are evaluated there. This is one iteration of the implicit method.
     ///
     /// # Source
     /// Moreau (1988); Jean (1999); Acary & Brogliato, *Numerical Methods for Nonsmooth Dynamical Systems* (2008), 10.1.
@@ -38,7 +38,7 @@ impl Plant {
         }
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
-        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
+        now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)?; // (x*, ẋ*)
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
         let ends = free.rate.iter().zip(&now.state.xdot).map(|(free, end)| free - end); // h a(x*, ẋ*)
@@ -49,6 +49,6 @@ impl Plant {
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
         record.take(contact, 1.0);
-        now.place(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
+        now.set_displaced(world, start, |i| 0.5 * h * (start.xdot[i] + contact.rate[i]), &contact.rate)
     }
 }

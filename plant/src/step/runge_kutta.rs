@@ -1,12 +1,12 @@
-//! Explicit Runge-Kutta methods, on positions that are not numbers alone.
+//! Explicit Runge-Kutta methods on positions that include a quaternion.
 //!
-//! A step starts from (x0, ẋ0). Its stages live in the displacement d from x0, x = x0 ⊕ d, a vector with one entry per degree
-//! of freedom: for an orientation it is the vector of a rotation, whose rate is dexp⁻¹_d(w). So every method keeps its order
-//! on a quaternion, which stays of unit length, and a uniform rotation is exact.
+//! A step starts from (x0, ẋ0). Its stages use the displacement d from x0, x = x0 ⊕ d, a vector with one entry per degree of freedom. For
+//! an orientation, d is a rotation vector with the rate dexp⁻¹_d(w). So every method keeps its order, the quaternion keeps unit length, and
+//! a uniform rotation is exact.
 //!
 //! # Source
-//! Munthe-Kaas (1999); Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.8. Hairer, Nørsett & Wanner, *Solving
-//! Ordinary Differential Equations I*, II.1 and II.5.
+//! Munthe-Kaas (1999); Hairer, Lubich & Wanner, *Geometric Numerical Integration*, IV.8. Hairer, Nørsett & Wanner, *Solving Ordinary
+//! Differential Equations I*, II.1 and II.5.
 
 use super::{Plant, Workspace};
 use crate::delassus::Free;
@@ -14,10 +14,10 @@ use crate::error::PlantError;
 use crate::model::Model;
 use crate::state::State;
 
-/// Coefficients of an explicit method; forces do not depend on time, so no nodes are needed.
+/// Coefficients of an explicit method. Forces do not depend on time, so the nodes are not needed.
 #[derive(Debug)]
 pub(super) struct Tableau {
-    /// Weights of the stages before, from the second stage on.
+    /// Weights of the previous stages, from the second stage on.
     pub a: &'static [&'static [f64]],
     /// Weights of the result.
     pub b: &'static [f64],
@@ -27,7 +27,7 @@ pub(super) struct Tableau {
 pub(super) const RK4: Tableau =
     Tableau { a: &[&[0.5], &[0.0, 0.5], &[0.0, 0.0, 1.0]], b: &[1.0 / 6.0, 1.0 / 3.0, 1.0 / 3.0, 1.0 / 6.0] };
 
-/// The method of Dormand & Prince of eighth order.
+/// The method of Dormand and Prince of eighth order.
 ///
 /// # Source
 /// Hairer, Nørsett & Wanner, program DOP853.
@@ -49,7 +49,7 @@ pub(super) const DOP853: Tableau = Tableau {
     b: &[0.054293734116568765, 0.0, 0.0, 0.0, 0.0, 4.450312892752409, 1.8915178993145003, -5.801203960010585, 0.3111643669578199, -0.1521609496625161, 0.20136540080403034, 0.04471061572777259],
 };
 
-/// Its errors of fifth and third order, as weights of the stages.
+/// Its error estimates of fifth and third order, as weights of the stages.
 #[rustfmt::skip]
 pub(super) const DOP853_ERRORS: [&[f64]; 2] = [
     &[0.01312004499419488, 0.0, 0.0, 0.0, 0.0, -1.2251564463762044, -0.4957589496572502, 1.6643771824549864, -0.35032884874997366, 0.3341791187130175, 0.08192320648511571, -0.022355307863886294],
@@ -60,9 +60,9 @@ pub(super) const DOP853_ERRORS: [&[f64]; 2] = [
 #[derive(Debug)]
 pub(super) struct Stages {
     /// Rate of the displacement in each stage.
-    travel: Vec<Vec<f64>>,
+    displacement_rate: Vec<Vec<f64>>,
     /// Acceleration in each stage.
-    pull: Vec<Vec<f64>>,
+    acceleration: Vec<Vec<f64>>,
     /// d and ẋ of the present stage.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -72,54 +72,57 @@ impl Stages {
     pub fn new(model: &Model) -> Self {
         let zeros = || vec![0.0; model.dofs()];
         let room = || vec![zeros(); DOP853.b.len()];
-        Stages { travel: room(), pull: room(), displacement: zeros(), velocity: zeros() }
+        Stages { displacement_rate: room(), acceleration: room(), displacement: zeros(), velocity: zeros() }
     }
 
-    /// Greatest entry that h times the weighted stages have, in proportion to 1 + |ẋ0|.
+    /// Greatest entry of h times the weighted sum of the stages, relative to 1 + |ẋ0|.
     pub fn sum(&self, start: &State, weights: &[f64], h: f64) -> f64 {
         let entry =
             |stages: &[Vec<f64>], i: usize| weights.iter().zip(stages).map(|(w, k)| w * k[i]).sum::<f64>().abs();
-        let both = |(i, rate): (usize, &f64)| entry(&self.travel, i).max(entry(&self.pull, i)) / (1.0 + rate.abs());
+        let both = |(i, rate): (usize, &f64)| {
+            entry(&self.displacement_rate, i).max(entry(&self.acceleration, i)) / (1.0 + rate.abs())
+        };
         h.abs() * start.xdot.iter().enumerate().map(both).fold(0.0, f64::max)
     }
 
-    /// d and ẋ0 + Δẋ for h times the weighted stages.
-    fn reach(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
-        let Stages { travel, pull, displacement, velocity } = self;
+    /// d and ẋ0 + Δẋ for h times the weighted sum of the stages.
+    fn combine(&mut self, start: &State, weights: &[f64], h: f64) -> (&[f64], &[f64]) {
+        let Stages { displacement_rate, acceleration, displacement, velocity } = self;
         velocity.copy_from_slice(&start.xdot);
         displacement.fill(0.0);
-        for ((weight, travel), pull) in weights.iter().zip(travel).zip(pull).filter(|((weight, _), _)| **weight != 0.0)
+        for ((weight, displacement_rate), acceleration) in
+            weights.iter().zip(displacement_rate).zip(acceleration).filter(|((weight, _), _)| **weight != 0.0)
         {
             let step = h * weight;
-            displacement.iter_mut().zip(travel).for_each(|(d, rate)| *d += step * *rate);
-            velocity.iter_mut().zip(pull).for_each(|(v, rate)| *v += step * *rate);
+            displacement.iter_mut().zip(displacement_rate).for_each(|(d, rate)| *d += step * *rate);
+            velocity.iter_mut().zip(acceleration).for_each(|(v, rate)| *v += step * *rate);
         }
         (displacement, velocity)
     }
 
-    /// Takes the rates of a stage.
+    /// Stores the rates of a stage.
     fn take(&mut self, stage: usize, model: &Model, state: &State, acceleration: &[f64]) {
-        self.pull[stage].copy_from_slice(acceleration);
+        self.acceleration[stage].copy_from_slice(acceleration);
         match stage {
-            0 => self.travel[stage].copy_from_slice(&state.xdot), // d = 0
-            _ => state.displacement_rate(model, &self.displacement, &mut self.travel[stage]),
+            0 => self.displacement_rate[stage].copy_from_slice(&state.xdot), // d = 0
+            _ => state.displacement_rate(model, &self.displacement, &mut self.displacement_rate[stage]),
         }
     }
 }
 
 impl Plant {
-    /// The free motion by the classical method; then, where a point has come below the ground, one impulse of the contact
-    /// law at the end of the step.
+    /// Integrates without contact by the classical method. If a point is then below the ground, applies one impulse of the contact law at
+    /// the end of the step.
     ///
-    /// The impulse stands for forces that acted all through the step, so half of the velocity that it gives counts for the
-    /// position: x₊ = x_f ⊕ ½h(ẋ₊ − ẋ_f). A body at rest falls by ½gh² within the step and is lifted by just as much: it
-    /// neither sinks nor creeps. What lands is stopped up to ½h|ẋ| too deep or too high, and motion with lasting contact is
-    /// of first order, for its stages do not know of the ground.
+    /// The impulse stands for forces that acted during the whole step, so half of its velocity change counts for the position: x₊ = x_f ⊕
+    /// ½h(ẋ₊ − ẋ_f). A body at rest falls by ½gh² within the step and is lifted by the same amount, so it neither sinks nor creeps. A
+    /// landing is stopped up to ½h|ẋ| too low or too high. Motion with lasting contact is first order, because the stages ignore the
+    /// ground.
     pub(super) fn rk4(&mut self, h: f64) -> Result<(), PlantError> {
         self.work.start.copy(&self.now.state);
-        self.integrate(&RK4, h)?; // nothing bears
+        self.integrate(&RK4, h)?; // without active contacts
         let Plant { world, now, memory, record, work, .. } = self;
-        let touches = work.touches.find_inside(world, &now.pose, &now.state.xdot, h);
+        let touches = work.touches.find_penetrating(world, &now.pose, &now.state.xdot, h);
         if touches.list.is_empty() {
             return Ok(());
         }
@@ -129,30 +132,30 @@ impl Plant {
         record.take(contact, 1.0);
         now.state.xdot.copy_from_slice(&contact.rate);
         now.state.displace(&world.model, |i| 0.5 * h * contact.change[i]);
-        now.find_pose(world)
+        now.update_pose(world)
     }
 
-    /// Goes from the start of the step to its end, under the forces of what bears.
+    /// Integrates from the start of the step to its end, with the forces of the active contacts.
     pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, bearings, record, work, .. } = self;
+        let Plant { world, now, memory, event_contacts, record, work, .. } = self;
         let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;
         if now.state != *start {
             now.state.copy(start);
-            now.find_pose(world)?;
+            now.update_pose(world)?;
         }
         for (stage, weight) in tableau.b.iter().enumerate() {
             if stage > 0 {
-                let (way, velocity) = stages.reach(start, tableau.a[stage - 1], h);
-                now.place(world, start, |i| way[i], velocity)?;
+                let (displacement, velocity) = stages.combine(start, tableau.a[stage - 1], h);
+                now.set_displaced(world, start, |i| displacement[i], velocity)?;
             }
             let dynamics = dynamics.find(&world.model, now, 0.0, 0.0)?;
             let free = free.acceleration(world, now, dynamics); // H⁻¹(u − b)
-            let touches = touches.bearing(world, &now.pose, bearings);
-            let contact = contacts.forces(world, &free, &dynamics.composite, touches, bearings, memory)?;
+            let touches = touches.find_active(world, &now.pose, event_contacts);
+            let contact = contacts.forces(world, &free, &dynamics.composite, touches, event_contacts, memory)?;
             record.take(contact, weight * h);
             stages.take(stage, &world.model, &now.state, &contact.rate);
         }
-        let (way, velocity) = stages.reach(start, tableau.b, h);
-        now.place(world, start, |i| way[i], velocity)
+        let (displacement, velocity) = stages.combine(start, tableau.b, h);
+        now.set_displaced(world, start, |i| displacement[i], velocity)
     }
 }

@@ -1,28 +1,29 @@
-//! What a step is given: the robot, what the scene asks, and what acts.
+//! Constant input of a step: robot, settings of the scene, torques and pushes.
 
-use crate::contact::{Problem, Report, Spring, has_basis, is_coulomb, is_plastic};
+use crate::contact::{ContactSpring, Problem, Report, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
 use crate::model::Model;
 use messages::scene::{Law, Method, PlantScene, Scene};
 use messages::wire::Torques;
 use nalgebra::Vector3;
 
-/// Energy that plastic contact may gain, as a part of the work of its impulses [-]: what residuals of 1e-10 at many contacts make of it.
-const GAIN: f64 = 1e-8;
+/// Energy gain of plastic contact that is accepted, relative to the work of its impulses [-]: the sum of residuals of 1e-10 at many
+/// contacts.
+const ENERGY_GAIN: f64 = 1e-8;
 
-/// What a step is given, and leaves as it is.
+/// Constant input of a step.
 pub(super) struct World {
     pub model: Model,
     pub settings: Settings,
     /// Torques of the drives.
     pub torques: Torques,
-    /// The scene's, and those that somebody asked for on the way.
+    /// Pushes of the scene, and those requested during the run.
     pub pushes: Vec<Push>,
-    /// Number of the step.
+    /// Number of steps so far.
     pub steps: u64,
 }
 
-/// How to integrate.
+/// Settings of the integration.
 #[derive(Debug)]
 pub(super) struct Settings {
     pub h: f64,
@@ -32,13 +33,13 @@ pub(super) struct Settings {
     pub method: Method,
     pub friction: f64,
     pub restitution: f64,
-    pub spring: Spring,
-    /// Whether links that stick are welded.
-    pub welds: bool,
+    pub spring: ContactSpring,
+    /// Whether to try the case that all feet stand.
+    pub standing_feet: bool,
     pub tolerance_step: f64,
 }
 
-/// A force on a body's centre of mass for a while.
+/// A force on a body's centre of mass for some steps.
 #[derive(Debug)]
 pub(super) struct Push {
     pub link: usize,
@@ -47,7 +48,7 @@ pub(super) struct Push {
 }
 
 impl Push {
-    /// An impulse [N·s] on a link, spread over as many steps of `h` from step `from` on as the duration holds [s], but one.
+    /// An impulse [N·s] on a link from step `from` on. It is spread over the steps of `h` in the duration [s], but at least one.
     pub fn new(link: usize, impulse: [f64; 3], from: u64, duration: f64, h: f64) -> Push {
         let count = ((duration / h).round() as u64).max(1);
         Push { link, force: Vector3::from(impulse) / (count as f64 * h), steps: from..from.saturating_add(count) }
@@ -74,23 +75,24 @@ impl World {
         self.steps as f64 * self.settings.h
     }
 
-    /// That contact has not raised the energy: f·v − f·A f/2 is never positive, whatever slides or lands. What rounding makes of it
-    /// goes with the work of the impulses.
+    /// Checks that contact has not raised the energy: f·v − f·A f/2 is never positive, for sliding and landing contacts alike. Rounding is
+    /// relative to the work of the impulses.
     pub fn check_energy(&self, report: &Report) -> Result<(), PlantError> {
         let law = self.settings.law;
-        if is_plastic(law) && !self.is_lawful(report) {
+        if is_plastic(law) && !self.is_dissipative(report) {
             let (time, gain) = (self.time(), report.energy_gain);
             return Err(PlantError::GainsEnergy { time, law, gain, residual: report.own });
         }
         Ok(())
     }
 
-    /// Whether a solution has not raised the energy but for rounding.
-    pub fn is_lawful(&self, report: &Report) -> bool {
-        report.energy_gain <= GAIN * report.work
+    /// Whether a solution has not raised the energy, except by rounding.
+    pub fn is_dissipative(&self, report: &Report) -> bool {
+        report.energy_gain <= ENERGY_GAIN * report.work
     }
 
-    /// That a step was solved as well as the scene asks. (A problem that is not finite is for the state to tell.)
+    /// Checks that a step meets the scene's tolerance. A problem with numbers that are not finite passes: the check of the state reports
+    /// it.
     pub fn check(&self, report: &Report, problem: &Problem) -> Result<(), PlantError> {
         let Settings { law, tolerance, .. } = self.settings;
         if report.own <= tolerance || !has_basis(law) || problem.check().is_err() {
@@ -105,7 +107,7 @@ impl Settings {
     /// The settings of a scene.
     ///
     /// # Errors
-    /// If the method cannot have the law, or they have no restitution.
+    /// If the method does not support the law, or method and law do not support restitution.
     pub fn new(plant: &PlantScene, rate: f64) -> Result<Self, PlantError> {
         let (law, events) = (plant.law, [Method::Rk4Impact, Method::EventDriven].contains(&plant.method));
         if events && !is_coulomb(law) {
@@ -133,12 +135,12 @@ impl Settings {
             method: plant.method,
             friction: plant.friction,
             restitution: plant.restitution,
-            spring: Spring {
+            spring: ContactSpring {
                 stiffness: plant.contact_stiffness,
                 damping_ratio: plant.contact_damping_ratio,
                 h: plant.dt,
             },
-            welds: true,
+            standing_feet: true,
             tolerance_step: plant.tolerance_step,
         })
     }
@@ -148,7 +150,7 @@ impl Settings {
 mod tests {
     use super::*;
 
-    /// What is made of a report of plastic contact, or of another, in the world of a scene.
+    /// The verdict on a report, in the world of a scene.
     fn judged(law: Law, restitution: f64, energy_gain: f64, work: f64) -> Result<(), PlantError> {
         let mut scene = Scene::default();
         (scene.plant.law, scene.plant.restitution) = (law, restitution);
@@ -160,7 +162,7 @@ mod tests {
     fn plastic_contact_that_raises_the_energy_ends_the_run_and_rounding_does_not() {
         for law in [Law::Cone, Law::Aligned, Law::EnergyQp, Law::ConeQp] {
             for work in [1e-9, 1.0, 1e6] {
-                let least = GAIN * work;
+                let least = ENERGY_GAIN * work;
                 for gain in [-work, 0.0, least] {
                     assert_eq!(judged(law, 0.0, gain, work), Ok(()), "{law}, {gain:e} of {work:e}");
                 }

@@ -153,13 +153,13 @@ fn a_rocking_block_loses_what_housner_says() {
             // Half-width b, half-height h; before the impact it turns about the right corner at omega, and the left lands.
             let (mass, omega) = (1.0_f64, 1.0);
             let inertia = mass * (b * b + h * h) / 3.0;
-            let corner = |x: f64| [vec![0., 1., -x], vec![1., 0., -h], vec![0.; 3]];
+            let point = |x: f64| [vec![0., 1., -x], vec![1., 0., -h], vec![0.; 3]];
             // (x, z, pitch), v = v_c + omega (z, -x); the corner (b, -h) rests.
             let xdot = [omega * h, omega * b, omega];
-            let problem = assemble(law, &[corner(b), corner(-b)], &[1. / mass, 1. / mass, 1. / inertia], &xdot, mu);
+            let problem = assemble(law, &[point(b), point(-b)], &[1. / mass, 1. / mass, 1. / inertia], &xdot, mu);
             assert!(problem.drift[0].abs() < 1e-15 && problem.drift[problem.tangents + 1] > 0.0);
             let mirrored: Vec<f64> = xdot.iter().zip([1., -1., 1.]).map(|(x, s)| x * s).collect();
-            let problem = assemble(law, &[corner(b), corner(-b)], &[1. / mass, 1. / mass, 1. / inertia], &mirrored, mu);
+            let problem = assemble(law, &[point(b), point(-b)], &[1. / mass, 1. / mass, 1. / inertia], &mirrored, mu);
             let (solver, _) = solve(&problem, law);
             let stride = 1 + problem.tangents;
             // Turning rate from the normal velocities of the corners.

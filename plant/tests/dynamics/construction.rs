@@ -95,7 +95,7 @@ fn clearance_is_the_height_of_the_lowest_contact_point_on_every_base() {
         scene.initial.joints = vec![0.3, 0.2, -1.0, 0.5, 0.1, 0.4, -0.2, -0.6];
         let model = model(&scene);
         let case = Case::new(&model, &State::initial(&model, &scene.initial).expect("a good state"));
-        let heights = model.corners.iter().map(|corner| case.pose.point(corner.link, &corner.at).z);
+        let heights = model.contact_points.iter().map(|point| case.pose.point(point.link, &point.at).z);
         let lowest = heights.fold(f64::INFINITY, f64::min);
         assert!((lowest - 0.02).abs() < 1e-14, "{base:?}: {lowest}");
     }

@@ -11,11 +11,11 @@ use plant::delassus::{ContactMap, Free};
 use plant::detect::Touch;
 use plant::factor::Factor;
 use plant::kinematics::{self, Pose};
-use plant::model::Corner;
+use plant::model::ContactPoint;
 
 /// All corners of a robot at once.
 fn touches(case: &Case) -> Vec<Touch> {
-    let corners = case.model.corners.iter().enumerate();
+    let corners = case.model.contact_points.iter().enumerate();
     corners.map(|(id, c)| Touch::new(id, c.link, case.pose.arm(c.link, &c.at), 0.0)).collect()
 }
 
@@ -29,8 +29,8 @@ fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column
         let rate: Vec<f64> = (0..model.dofs()).map(|_| 2.0 * rng.f64() - 1.0).collect();
         let (free, touches) = (Free { pose, factor: &factor, rate: &rate }, touches(&case));
         let velocity = |i: usize, rate: &[f64]| {
-            let corner = &model.corners[touches[i].id];
-            let v = case.jacobian(corner.link, &corner.at) * DVector::from_column_slice(rate);
+            let point = &model.contact_points[touches[i].id];
+            let v = case.jacobian(point.link, &point.at) * DVector::from_column_slice(rate);
             Vector3::new(v[0], v[1], v[2])
         };
         for law in [Law::Cone, Law::Aligned] {
@@ -65,7 +65,7 @@ fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column
                     let row = i * stride + k;
                     close("direction of a row", responses[row].0.as_slice(), axis.as_slice(), 1e-12);
                     assert!((problem.drift[row] - v.dot(axis)).abs() < 1e-12 * (1.0 + v.norm()), "{law}: drift");
-                    let effort = case.jacobian(touch.link, &model.corners[touch.id].at).transpose() * axis;
+                    let effort = case.jacobian(touch.link, &model.contact_points[touch.id].at).transpose() * axis;
                     same("H⁻¹Kf", &responses[row].1, &case.solve(effort.as_slice()), quick);
                 }
             }
@@ -96,7 +96,7 @@ fn rows_of_round_cones_are_the_axes_of_the_world() {
     for (id, drift) in problem.id.iter().zip(problem.drift.chunks_exact(3)) {
         let [x, y, _] = corners[*id];
         for (found, exact) in drift.iter().zip([-9.81e-3, 0.3 - 2.0 * y, -0.4 + 2.0 * x]) {
-            assert!((found - exact).abs() < 1e-15, "corner {id}: {drift:?}");
+            assert!((found - exact).abs() < 1e-15, "point {id}: {drift:?}");
         }
     }
 }
@@ -107,13 +107,13 @@ fn a_contact_is_swept_as_its_velocity_changes_at_a_constant_rate() {
     let step = 1e-5;
     for_each_case(21, 8, |rng, case| {
         let Case { mut model, state, .. } = case;
-        model.corners.iter_mut().for_each(|corner| corner.radius = 0.2 * rng.f64());
+        model.contact_points.iter_mut().for_each(|point| point.radius = 0.2 * rng.f64());
         let velocities = |time: f64| {
             let mut moved = state.clone();
             moved.advance(&model, time);
             let Case { pose, .. } = Case::new(&model, &moved);
-            let velocity = |corner: &Corner| pose.links[corner.link].velocity.at(&pose.lowest(corner));
-            model.corners.iter().map(velocity).collect::<Vec<_>>()
+            let velocity = |point: &ContactPoint| pose.links[point.link].velocity.at(&pose.lowest(point));
+            model.contact_points.iter().map(velocity).collect::<Vec<_>>()
         };
         let [before, after] = [-step, step].map(velocities);
         let changes: Vec<f64> =
@@ -121,8 +121,11 @@ fn a_contact_is_swept_as_its_velocity_changes_at_a_constant_rate() {
         let (mut composite, mut pose, mut b) = (Composite::new(&model), Pose::new(&model), vec![0.0; model.dofs()]);
         kinematics::pose(&model, &state, &mut pose);
         composite.bias(&model, &pose, &state.xdot, &mut b);
-        let swept: Vec<f64> =
-            model.corners.iter().flat_map(|corner| composite.swept(&model, &pose, corner).data.0[0]).collect();
+        let swept: Vec<f64> = model
+            .contact_points
+            .iter()
+            .flat_map(|point| composite.bias_acceleration(&model, &pose, point).data.0[0])
+            .collect();
         close("K̇ᵀẋ", &swept, &changes, 1e-7);
     });
 }

@@ -89,12 +89,12 @@ fn equations_9_and_10_need_the_force_of_the_ground_on_the_link_and_its_moment() 
     let rest = vec![0.0; 14];
     for data in &floating() {
         let case = Case::new(&model, &state_of(&model, data));
-        for corner in &model.corners {
+        for point in &model.contact_points {
             let force =
-                dynamics::Force { link: corner.link, arm: case.pose.arm(corner.link, &corner.at), force: Vector3::z() };
+                dynamics::Force { link: point.link, arm: case.pose.arm(point.link, &point.at), force: Vector3::z() };
             let given = Given { rate: &rest, acceleration: &rest, gravity: Vector3::zeros(), forces: &[force] };
             // with u = -K f, K is the row of the Jacobian that the reference data confirms
-            let k: Vec<f64> = case.jacobian(corner.link, &corner.at).row(2).iter().copied().collect();
+            let k: Vec<f64> = case.jacobian(point.link, &point.at).row(2).iter().copied().collect();
             let map = |reading| recursion(&case, &given, reading).iter().map(|u| -u).collect::<Vec<_>>();
             close("K", &map(CORRECTED), &k, 1e-11);
             let printed = map(Reading { external: 1.0, external_moment: 1.0, ..CORRECTED });

@@ -28,13 +28,13 @@ fn one_recursion_gives_the_bias_of_zero_acceleration() {
 #[test]
 fn jacobian_columns_are_the_contact_map_of_unit_forces() {
     for_each_case(3, 10, |rng, case| {
-        for corner in &case.model.corners {
-            let (arm, force) = (case.pose.arm(corner.link, &corner.at), vector(rng, 1.0).into());
-            let mut column = vec![0.0; case.model.depth(corner.link)];
-            contact_column(&case.model, &case.pose, corner.link, &arm, &force, &mut column);
+        for point in &case.model.contact_points {
+            let (arm, force) = (case.pose.arm(point.link, &point.at), vector(rng, 1.0).into());
+            let mut column = vec![0.0; case.model.depth(point.link)];
+            contact_column(&case.model, &case.pose, point.link, &arm, &force, &mut column);
             let mut full = vec![0.0; case.model.dofs()];
-            column.iter().zip(case.model.path(corner.link)).for_each(|(k, &dof)| full[dof] = *k);
-            let reference = dynamics::contact_column(&case.model, &case.pose, Force { link: corner.link, arm, force });
+            column.iter().zip(case.model.path(point.link)).for_each(|(k, &dof)| full[dof] = *k);
+            let reference = dynamics::contact_column(&case.model, &case.pose, Force { link: point.link, arm, force });
             let scale = reference.iter().fold(1.0_f64, |scale, k| scale.max(k.abs()));
             for (fast, reference) in full.iter().zip(&reference) {
                 assert!((fast - reference).abs() <= 1e-12 * scale, "{full:?} instead of {reference:?}");
@@ -60,9 +60,8 @@ fn half_solved_columns_give_the_delassus_matrix() {
         let model = &case.model;
         let mut factor = Factor::new(model);
         factor.factorize(model, &case.h).expect("a positive H");
-        let corners = &model.corners;
-        let jacobians: Vec<DMatrix<f64>> =
-            corners.iter().map(|corner| case.jacobian(corner.link, &corner.at)).collect();
+        let corners = &model.contact_points;
+        let jacobians: Vec<DMatrix<f64>> = corners.iter().map(|point| case.jacobian(point.link, &point.at)).collect();
         let half = |c: usize, axis: usize| {
             let column = model.path(corners[c].link).iter().map(|&dof| jacobians[c][(axis, dof)]);
             let mut y: Vec<_> = column.map(|k| [k]).collect();

@@ -97,8 +97,8 @@ fn corners_are_where_other_engines_see_them_and_move_likewise() {
         let case = Case::new(&model, &state_of(&model, data));
         let (corners, angular, leg) =
             (numbers(&data["corners"]), numbers(&data["corner_jac_ang"]), numbers(&data["corner_jac_leg"]));
-        for (i, corner) in model.corners.iter().enumerate() {
-            let position = case.pose.point(corner.link, &corner.at);
+        for (i, point) in model.contact_points.iter().enumerate() {
+            let position = case.pose.point(point.link, &point.at);
             close("corner", position.as_slice(), &corners[3 * i..3 * i + 3], TOLERANCE);
             let mut expected = DMatrix::zeros(3, 14);
             let first = if i < 4 { 6 } else { 10 };
@@ -112,15 +112,15 @@ fn corners_are_where_other_engines_see_them_and_move_likewise() {
                     expected[(row, dof)] = SIGN[dof] * leg[12 * i + 4 * row + column];
                 }
             }
-            let jacobian = case.jacobian(corner.link, &corner.at);
-            close("corner Jacobian", jacobian.as_slice(), expected.as_slice(), TOLERANCE);
-            let velocity = case.pose.point_velocity(corner.link, &corner.at);
+            let jacobian = case.jacobian(point.link, &point.at);
+            close("point Jacobian", jacobian.as_slice(), expected.as_slice(), TOLERANCE);
+            let velocity = case.pose.point_velocity(point.link, &point.at);
             let by_jacobian = jacobian * DVector::from_vec(case.state.xdot.clone());
-            close("corner velocity", velocity.as_slice(), by_jacobian.as_slice(), TOLERANCE);
+            close("point velocity", velocity.as_slice(), by_jacobian.as_slice(), TOLERANCE);
             for axis in 0..3 {
                 let mut force = Vector3::zeros();
                 force[axis] = 1.0;
-                let force = dynamics::Force { link: corner.link, arm: case.pose.arm(corner.link, &corner.at), force };
+                let force = dynamics::Force { link: point.link, arm: case.pose.arm(point.link, &point.at), force };
                 let column = dynamics::contact_column(&model, &case.pose, force);
                 let row: Vec<f64> = expected.row(axis).iter().copied().collect();
                 close("K by unit forces", &column, &row, TOLERANCE);

@@ -94,9 +94,9 @@ fn virtual_joints_and_quaternion_tell_the_same_motion() {
             u.rows_mut(6, 11).copy_from(&torques);
             let acceleration = case.forward(u.as_slice());
             let sum = totals(&model, &case.state, &case.pose);
-            let corner = case.pose.point_velocity(model.corners[3].link, &model.corners[3].at);
+            let point = case.pose.point_velocity(model.contact_points[3].link, &model.contact_points[3].at);
             let joints = acceleration[6..].to_vec();
-            [joints, acceleration[..3].to_vec(), corner.as_slice().to_vec(), vec![sum.kinetic, sum.potential]]
+            [joints, acceleration[..3].to_vec(), point.as_slice().to_vec(), vec![sum.kinetic, sum.potential]]
         };
         let by_virtual_joints = motion(&scene);
         scene.plant.base = Base::Quaternion;
@@ -154,15 +154,15 @@ fn a_fixed_base_is_a_free_one_that_is_held() {
 fn points_move_with_the_velocity_that_their_jacobian_says() {
     for_each_case(16, 5, |_, case| {
         let rest = vec![0.0; case.model.dofs()];
-        for corner in &case.model.corners {
+        for point in &case.model.contact_points {
             let at = |time: f64| {
                 let later = Case::new(&case.model, &after(&case.model, &case.state, &rest, time));
-                later.pose.point(corner.link, &corner.at)
+                later.pose.point(point.link, &point.at)
             };
             let slope = |h: f64| (at(h) - at(-h)) / (2.0 * h);
             let found: Vector3<f64> = (slope(1e-4) * 4.0 - slope(2e-4)) / 3.0;
             let xdot = DVector::from_vec(case.state.xdot.clone());
-            let expected = case.jacobian(corner.link, &corner.at) * xdot;
+            let expected = case.jacobian(point.link, &point.at) * xdot;
             let error = (found - &expected).amax();
             assert!(error < 1e-9 * (1.0 + expected.amax()), "{found} instead of {expected}");
         }

@@ -2,7 +2,7 @@
 
 use super::support::*;
 use messages::scene::Law;
-use plant::contact::{Memory, Problem, Solver, Spring};
+use plant::contact::{ContactSpring, Memory, Problem, Solver};
 
 /// A convex program lifts what slides, gap or no gap, round cone or square: v_N = mu |v_F|.
 #[test]
@@ -77,7 +77,7 @@ fn grows(zeta: f64, omega_h: f64) -> bool {
         let mut problem: Problem = point_mass(mass, [0.0, 0.0, speed - G * h], 0.5);
         problem.gap[0] = gap;
         problem.before[0] = speed;
-        problem.spring = Spring { stiffness, damping_ratio: zeta, h };
+        problem.spring = ContactSpring { stiffness, damping_ratio: zeta, h };
         solver.solve(&problem, Law::SpringDamper, &mut memory);
         speed = solver.velocity[0];
         gap += h * speed;

@@ -10,7 +10,7 @@ use plant::{Plant, PlantError};
 fn run(scene: &Scene, tolerance: f64, steps: usize) -> Result<(), PlantError> {
     let mut scene = scene.clone();
     scene.plant.tolerance = tolerance;
-    let mut plant = Plant::new(&scene)?.without_welds();
+    let mut plant = Plant::new(&scene)?.without_standing_feet();
     (0..steps).try_for_each(|_| plant.advance(&Torques::default()).map(|_| ()))
 }
 
@@ -22,7 +22,7 @@ fn a_run_ends_at_the_first_step_that_leaves_more_than_the_tolerance() {
             let mut scene = built_in(name);
             (scene.plant.law, scene.plant.method) = (law, Method::SemiImplicitEuler);
             (scene.plant.dt, scene.rate) = (1e-3, 1e3);
-            let mut plant = Plant::new(&scene).expect("a good scene").without_welds();
+            let mut plant = Plant::new(&scene).expect("a good scene").without_standing_feet();
             let (mut solver, mut memory) = (Solver::default(), Memory::default());
             let (mut greatest, mut at) = (0.0, 0);
             for step in 0..steps {

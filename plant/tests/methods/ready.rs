@@ -15,7 +15,7 @@ fn who_gets_ready_for_a_step_before_its_torques_are_known_takes_the_same() {
         println!("seed {seed}");
         let mut random = fastrand::Rng::with_seed(seed);
         for step in 0..300 {
-            early.get_ready();
+            early.prepare();
             let torques = Torques { torque: std::array::from_fn(|_| 10.0 * random.f64() - 5.0) };
             for plant in [&mut early, &mut late] {
                 if step == 100 {
@@ -25,7 +25,7 @@ fn who_gets_ready_for_a_step_before_its_torques_are_known_takes_the_same() {
             }
             assert_eq!(early.truth().hash, late.truth().hash, "{method:?} at step {step}");
             assert_eq!(early.counts(), late.counts());
-            early.get_ready();
+            early.prepare();
             go(&mut other, 1);
         }
         assert_ne!(early.truth().hash, other.truth().hash, "negative control: other torques");

@@ -34,7 +34,7 @@ pub fn energy(plant: &Plant) -> f64 {
 
 /// Height of the lowest contact point [m].
 pub fn gap(plant: &Plant) -> f64 {
-    corners(plant).iter().map(|corner| corner.z).fold(f64::INFINITY, f64::min)
+    corners(plant).iter().map(|point| point.z).fold(f64::INFINITY, f64::min)
 }
 
 /// Greatest difference of two states' coordinates and rates.
@@ -75,7 +75,7 @@ pub fn built_in(name: &str) -> Scene {
 pub fn corners(plant: &Plant) -> Vec<Vector3<f64>> {
     let mut pose = Pose::new(plant.model());
     kinematics::pose(plant.model(), plant.state(), &mut pose);
-    plant.model().corners.iter().map(|corner| pose.point(corner.link, &corner.at)).collect()
+    plant.model().contact_points.iter().map(|point| pose.point(point.link, &point.at)).collect()
 }
 
 /// Distance along the ground [m].

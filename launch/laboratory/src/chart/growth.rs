@@ -146,7 +146,7 @@ mod tests {
     fn a_table_that_does_not_tip_is_welded_and_stands_as_corner_by_corner() {
         for (points, scene) in Curve::ALL[0].scenes(false).expect("good scenes") {
             let plant = || plant::Plant::new(&scene).expect("a good scene");
-            let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_welds(), 0.0_f64, 0);
+            let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_standing_feet(), 0.0_f64, 0);
             for _ in 0..300 {
                 for plant in [&mut ours, &mut theirs] {
                     plant.advance(&Default::default()).expect("a step");

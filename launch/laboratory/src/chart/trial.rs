@@ -158,7 +158,7 @@ fn cpu_seconds() -> f64 {
 
 /// The contact points [m].
 fn points(plant: &Plant, pose: &Pose) -> Vec<Vector3<f64>> {
-    plant.model().corners.iter().map(|corner| pose.reference + pose.lowest(corner)).collect()
+    plant.model().contact_points.iter().map(|corner| pose.reference + pose.lowest(corner)).collect()
 }
 
 impl Log {
@@ -183,7 +183,7 @@ impl Log {
             load: self.sights.last().map_or(0.0, |last| last.load),
             ..Sight::default()
         };
-        for corner in &model.corners {
+        for corner in &model.contact_points {
             let arm = pose.lowest(corner);
             let point = pose.reference + arm;
             if point.z < sight.low {

@@ -32,7 +32,7 @@ const EPISODE: (usize, usize) = (25, 200);
 fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result<[Tally; 2], Failure> {
     let mut random = Rng::with_seed(seed);
     let (scene, begin) = family.scene(&mut random)?;
-    let mut plant = Plant::new(&scene)?.without_welds();
+    let mut plant = Plant::new(&scene)?.without_standing_feet();
     let controller = scene.controller.as_ref().map(|_| Controller::new(&scene)).transpose();
     let mut controller = controller.map_err(controller::process::ProcessError::from)?;
     let (mut torques, mut encoders) = (Torques::default(), plant.encoders());

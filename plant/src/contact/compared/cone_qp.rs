@@ -1,77 +1,79 @@
-//! The energy minimum over cones by an interior-point method of others: the reference of the convex family.
+//! The energy minimum over cones by an external interior-point solver (clarabel): the reference of the convex laws.
 //!
-//! min f·A f/2 + f·(b + shift) with each contact's (mu f_N, f_F), or (bound, f_F) beside f_N >= 0, in a second-order cone.
-//! Interior points end at about 1e-9; Newton's method finds the last digits. This one solver allocates.
+//! It minimises f·A f/2 + f·(b + shift). A second-order cone holds (mu f_N, f_F) of each contact, or (bound, f_F) together with f_N >= 0.
+//! The solver ends at about 1e-9, and Newton's method finds the last digits. It is the only solver here that always allocates.
 
-use super::super::round::Round;
-use super::newton::YIELDS;
-use super::rule::Rule;
+use super::super::round_cones::RoundCones;
+use super::super::tolerance::{CLARABEL_TOLERANCE, COMPLIANCE};
+use super::condition::Condition;
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use std::cmp::Ordering;
 
-/// Stateless but for its settings.
+/// It has no state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConeQp;
 
 impl ConeQp {
-    /// Writes the minimum under a convex rule and returns the iterations; leaves `f` as it is if there is none.
-    pub fn solve(&mut self, round: &Round, rule: Rule<'_>, f: &mut [f64]) -> u32 {
+    /// Writes the minimum of a convex condition and returns the number of iterations. Leaves `f` unchanged if there is no minimum.
+    pub fn solve(&mut self, cones: &RoundCones, condition: Condition<'_>, f: &mut [f64]) -> u32 {
         let n = f.len();
-        if n == 0 || !round.size.is_finite() || round.size == 0.0 || round.delassus.iter().any(|a| !a.is_finite()) {
+        if n == 0 || !cones.size.is_finite() || cones.size == 0.0 || cones.delassus.iter().any(|a| !a.is_finite()) {
             return 0;
         }
-        // Jammed contacts could push each other without end: those that yield do not.
+        // The compliance bounds the internal impulses of jammed contacts.
         let upper = |k: usize, l: usize| match k.cmp(&l) {
-            Ordering::Less => round.delassus[k * n + l],
-            Ordering::Equal => round.delassus[k * n + l] + YIELDS[0],
+            Ordering::Less => cones.delassus[k * n + l],
+            Ordering::Equal => cones.delassus[k * n + l] + COMPLIANCE,
             Ordering::Greater => 0.0,
         };
         let energy: Vec<Vec<f64>> = (0..n).map(|k| (0..n).map(|l| upper(k, l)).collect()).collect();
-        let mut linear: Vec<f64> = round.drift.iter().map(|b| b / round.size).collect();
-        // Constraint: right - rows f in the cones.
-        let (mut rows, mut right, mut cones) = (Vec::new(), Vec::new(), Vec::new());
+        let mut linear: Vec<f64> = cones.drift.iter().map(|b| b / cones.size).collect();
+        // Constraints: right - rows f lies in the cones.
+        let (mut rows, mut right, mut constraints) = (Vec::new(), Vec::new(), Vec::new());
         let mut constrain = |entries: &[(usize, f64)], constant: f64| {
             let mut row = vec![0.0; n];
             entries.iter().for_each(|&(k, x)| row[k] = x);
             rows.push(row);
             right.push(constant);
         };
-        for i in 0..round.contacts {
+        for i in 0..cones.contacts {
             let k = 3 * i;
-            match rule {
-                Rule::Bound(bound) => {
+            match condition {
+                Condition::Bound(bound) => {
                     constrain(&[(k, -1.0)], 0.0);
-                    cones.push(SupportedConeT::NonnegativeConeT(1));
-                    constrain(&[], bound[i] / round.size);
+                    constraints.push(SupportedConeT::NonnegativeConeT(1));
+                    constrain(&[], bound[i] / cones.size);
                 }
-                Rule::Energy(shift) => {
-                    linear[k] += shift.get(i).copied().unwrap_or(0.0) / round.size;
-                    constrain(&[(k, -round.friction[i])], 0.0);
+                Condition::Energy(shift) => {
+                    linear[k] += shift.get(i).copied().unwrap_or(0.0) / cones.size;
+                    constrain(&[(k, -cones.friction[i])], 0.0);
                 }
-                Rule::Coulomb | Rule::Polygon(_) => return 0,
+                Condition::Coulomb | Condition::Polygon(_) => return 0,
             }
             constrain(&[(k + 1, -1.0)], 0.0);
             constrain(&[(k + 2, -1.0)], 0.0);
-            cones.push(SupportedConeT::SecondOrderConeT(3));
-            if round.friction[i] == 0.0 {
+            constraints.push(SupportedConeT::SecondOrderConeT(3));
+            if cones.friction[i] == 0.0 {
                 constrain(&[(k, -1.0)], 0.0);
-                cones.push(SupportedConeT::NonnegativeConeT(1));
+                constraints.push(SupportedConeT::NonnegativeConeT(1));
             }
         }
         let settings = DefaultSettings {
             verbose: false,
-            tol_gap_abs: 1e-13,
-            tol_gap_rel: 1e-13,
-            tol_feas: 1e-13,
+            tol_gap_abs: CLARABEL_TOLERANCE,
+            tol_gap_rel: CLARABEL_TOLERANCE,
+            tol_feas: CLARABEL_TOLERANCE,
             max_iter: 100,
             ..DefaultSettings::default()
         };
         let (energy, rows) = (CscMatrix::from(&energy), CscMatrix::from(&rows));
-        let Ok(mut solver) = DefaultSolver::new(&energy, &linear, &rows, &right, &cones, settings) else { return 0 };
+        let Ok(mut solver) = DefaultSolver::new(&energy, &linear, &rows, &right, &constraints, settings) else {
+            return 0;
+        };
         solver.solve();
         if solver.solution.x.iter().all(|x| x.is_finite()) {
-            f.iter_mut().zip(&solver.solution.x).for_each(|(f, x)| *f = x * round.size);
+            f.iter_mut().zip(&solver.solution.x).for_each(|(f, x)| *f = x * cones.size);
         }
         solver.info.iterations
     }

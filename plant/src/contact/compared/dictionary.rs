@@ -1,33 +1,33 @@
-//! A dictionary: basic variables as affine functions of the nonbasic ones, and the exchange of two of them.
+//! Dictionary of a linear complementarity problem: basic variables as affine functions of the nonbasic ones, and their exchange.
 
-use super::twofold::Twofold;
+use super::double_double::DoubleDouble;
 
 /// `basic = entry · (nonbasic, 1)`, row-major; the last column holds the constants.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Dictionary {
     pub rows: usize,
     pub width: usize,
-    entry: Vec<Twofold>,
-    pivot_row: Vec<Twofold>,
+    entry: Vec<DoubleDouble>,
+    pivot_row: Vec<DoubleDouble>,
 }
 
 impl Dictionary {
-    /// All zeros, `rows` basic variables and `width - 1` nonbasic ones.
+    /// Resets to zeros, with `rows` basic and `width - 1` nonbasic variables.
     pub fn reset(&mut self, rows: usize, width: usize) {
         (self.rows, self.width) = (rows, width);
         self.entry.clear();
-        self.entry.resize(rows * width, Twofold::default());
-        self.pivot_row.resize(width, Twofold::default());
+        self.entry.resize(rows * width, DoubleDouble::default());
+        self.pivot_row.resize(width, DoubleDouble::default());
     }
 
-    /// Becomes the same dictionary, in the buffers it has.
+    /// Copies another dictionary without allocation.
     pub fn copy(&mut self, original: &Dictionary) {
         (self.rows, self.width) = (original.rows, original.width);
         self.entry.clone_from(&original.entry);
         self.pivot_row.clone_from(&original.pivot_row);
     }
 
-    pub fn at(&self, row: usize, column: usize) -> Twofold {
+    pub fn at(&self, row: usize, column: usize) -> DoubleDouble {
         self.entry[row * self.width + column]
     }
 
@@ -37,28 +37,28 @@ impl Dictionary {
         entries.iter().fold(0.0, |most: f64, &x| most.max(Into::<f64>::into(x).abs()))
     }
 
-    pub fn constant(&self, row: usize) -> Twofold {
+    pub fn constant(&self, row: usize) -> DoubleDouble {
         self.entry[(row + 1) * self.width - 1]
     }
 
-    pub fn row_mut(&mut self, row: usize) -> &mut [Twofold] {
+    pub fn row_mut(&mut self, row: usize) -> &mut [DoubleDouble] {
         &mut self.entry[row * self.width..(row + 1) * self.width]
     }
 
-    /// The basic variable of `row` and the nonbasic one of `column` change places.
+    /// Exchanges the basic variable of `row` and the nonbasic variable of `column`.
     pub fn exchange(&mut self, row: usize, column: usize) {
         let width = self.width;
-        let inverse = Twofold::from(1.0) / self.at(row, column);
+        let inverse = DoubleDouble::from(1.0) / self.at(row, column);
         let pivot = &mut self.entry[row * width..(row + 1) * width];
         pivot.iter_mut().for_each(|x| *x = *x * -inverse);
         pivot[column] = inverse;
         self.pivot_row.copy_from_slice(pivot);
         for (i, other) in self.entry.chunks_exact_mut(width).enumerate() {
             let factor = other[column];
-            if i == row || factor == Twofold::default() {
+            if i == row || factor == DoubleDouble::default() {
                 continue;
             }
-            other[column] = Twofold::default();
+            other[column] = DoubleDouble::default();
             for (x, &p) in other.iter_mut().zip(&self.pivot_row) {
                 *x = *x + factor * p;
             }

@@ -1,79 +1,76 @@
-//! The quadratic program (14)-(16) as printed, and with shifted normal rows Coulomb's law: an active set over the edges of the cones.
+//! The quadratic program (14)-(16) by an active-set method over the edges of the friction cones. With shifted normal rows it solves
+//! Coulomb's law.
 //!
-//! Along the edges ([`Edges`]) it is min ½ yᵀQy + qᵀy over y >= 0 with Q = EᵀAE positive semidefinite, and its conditions are
-//! `0 <= y ⟂ w = Q y + q >= 0`.
+//! Along the edges ([`Edges`]), the program is min ½ yᵀQy + qᵀy over y >= 0, with Q = EᵀAE positive semidefinite. Its optimality conditions
+//! are `0 <= y ⟂ w = Q y + q >= 0`.
 //!
-//! The edge with the most negative w joins the basic ones; a basic y that would become negative on the way to the new optimum
-//! leaves, and the way goes on without it. An edge whose w is still negative is independent of the basic ones, so redundant contacts
-//! (singular Q) do no harm.
+//! The edge with the most negative w becomes basic. A basic amount y that would become negative on the way to the new optimum leaves the
+//! basis, and the way continues without it. An edge with negative w is independent of the basic edges, so redundant contacts (singular Q)
+//! do no harm.
 //!
-//! At the optimum contacts have yielded to the impulse ([`Scaled::give`]). A proximal step undoes that in q, and what w has lost to
-//! rounding: the limit is the optimum of rigid contacts, and the first step mostly has all its digits.
+//! The contacts are compliant ([`ScaledProblem::set_compliance`]). Proximal steps undo the compliance in q, together with rounding errors
+//! of w. They converge to the optimum of rigid contacts, and the first one mostly has all digits.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, section 4.2; in the form of Lawson & Hanson's NNLS. Proximal steps:
 //! Rockafellar, *Monotone operators and the proximal point algorithm* (1976).
 
-mod border;
-mod directions;
+mod conjugate_directions;
 mod edges;
-mod responses;
-mod shift;
-mod slides;
+mod ratio_test;
+mod shift_path;
+mod shift_responses;
+mod sliding;
 
-use super::diamond::greatest;
-use super::scaled::Scaled;
+use super::super::tolerance::{NEGATIVE_VELOCITY, ZERO_AMOUNT};
+use super::scaled_problem::ScaledProblem;
+use super::square_cone::max_abs;
 use super::status::EDGES;
-use directions::Directions;
-use edges::{Edges, Panel, WIDTH, add, of_contact, place_of};
+use conjugate_directions::ConjugateDirections;
+use edges::{Edges, Panel, WIDTH, add, index_of, of_contact};
 use messages::scene::Law;
-pub(super) use shift::Shift;
-
-/// A negative w this small, relative to the step's scale, is rounding.
-const ROUNDING: f64 = 1e-12;
-/// What is left of an amount that becomes zero.
-const NOTHING: f64 = 1e-14;
+pub(super) use shift_path::ShiftPath;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
 pub(super) struct EnergyQp {
     edges: Edges,
-    /// Edges that may push, and zero for each of them, one for the others.
+    /// Basic edges; and a mask, zero for basic edges and one for the others.
     basic: Vec<usize>,
     idle: Vec<Panel>,
-    directions: Directions,
-    /// \[y; w\]; y is zero of what is not basic.
+    directions: ConjugateDirections,
+    /// \[y; w\]; y is zero for nonbasic edges.
     state: Vec<Panel>,
-    /// What leads from there to the optimum over the basic edges.
-    course: Vec<Panel>,
-    /// Zero for edges that could not join since the energy last fell, one for the others.
-    open: Vec<Panel>,
-    /// What is left of each amount where something ceases to push.
-    left: Vec<Panel>,
-    /// Those that are about to leave.
+    /// Direction from the state to the optimum over the basic edges.
+    direction: Vec<Panel>,
+    /// Mask: zero for edges that failed to become basic since the energy last fell, one for the others.
+    candidates: Vec<Panel>,
+    /// Remaining amount of each edge after a step.
+    remaining: Vec<Panel>,
+    /// Edges that are about to leave the basis.
     leaving: Vec<usize>,
-    /// How often an edge has joined or left since the basis was given.
+    /// Number of basis exchanges since the basis was given.
     pub exchanges: u32,
-    /// What contacts push by, and the drift with what that undoes.
+    /// Impulse of the proximal centre, and the drift with its compliance undone.
     impulse: Vec<f64>,
     drift: Vec<f64>,
 }
 
-/// Whether a law is this program.
+/// Whether a law minimises the energy, as this program does.
 pub(super) fn minimises_energy(law: Law) -> bool {
     matches!(law, Law::EnergyQp | Law::EnergyQpGap)
 }
 
 impl EnergyQp {
-    /// No amount of any edge, and those of the basis basic.
-    pub fn begin(&mut self, scaled: &Scaled, basis: &[u8]) {
+    /// Resets to zero amounts, with the edges of `basis` as the basic edges.
+    pub fn reset(&mut self, scaled: &ScaledProblem, basis: &[u8]) {
         self.edges.set(scaled);
         let (count, width) = (self.edges.count(), self.edges.width());
-        for list in [&mut self.state, &mut self.course] {
+        for list in [&mut self.state, &mut self.direction] {
             list.clear();
             list.resize(2 * width, [0.0; WIDTH]);
         }
-        for marks in [&mut self.idle, &mut self.open, &mut self.left] {
+        for marks in [&mut self.idle, &mut self.candidates, &mut self.remaining] {
             marks.clear();
             marks.resize(width, [1.0; WIDTH]);
         }
@@ -81,61 +78,61 @@ impl EnergyQp {
         self.directions.clear(width);
         let each = self.edges.each;
         for r in (0..count).filter(|r| basis[r / each] >> (r % each) & 1 == 1) {
-            self.join(scaled, r);
+            self.make_basic(scaled, r);
         }
         self.exchanges = 0;
     }
 
-    /// Goes on to the optimum with this shift of the normal rows. Adds those that join to `count`; false if there are more than 20 an
+    /// Finds the optimum with this shift of the normal rows. Adds the number of entering edges to `count`. False after 20 exchanges per
     /// edge.
-    pub fn pivot(&mut self, scaled: &Scaled, shift: &[f64], count: &mut u32) -> bool {
-        self.open.fill([1.0; WIDTH]);
-        self.harden(scaled, shift);
+    pub fn solve(&mut self, scaled: &ScaledProblem, shift: &[f64], count: &mut u32) -> bool {
+        self.candidates.fill([1.0; WIDTH]);
+        self.remove_compliance(scaled, shift);
         for _ in 0..20 * self.edges.count() {
             let Some(r) = self.most_negative(scaled) else { return true };
             *count += 1;
-            self.let_in(scaled, r);
+            self.enter(scaled, r);
         }
         self.edges.count() == 0
     }
 
-    /// Writes the impulse, and as a basis the edges that push.
-    pub fn write(&self, scaled: &Scaled, f: &mut Vec<f64>, basis: &mut [u8]) {
+    /// Writes the impulse, and the basic edges as a basis.
+    pub fn write(&self, scaled: &ScaledProblem, f: &mut Vec<f64>, basis: &mut [u8]) {
         self.edges.impulse(scaled, &self.basic, self.state.as_flattened(), f);
         basis.fill(EDGES);
         self.basic.iter().for_each(|r| basis[r / self.edges.each] |= 1 << (r % self.edges.each));
     }
 
-    /// The optimum over the basic edges where what contacts have yielded by so far is undone; w is made afresh.
-    fn harden(&mut self, scaled: &Scaled, shift: &[f64]) {
-        let EnergyQp { edges, basic, directions, state, course, impulse, drift, .. } = self;
+    /// Proximal step: undoes the compliance of the present impulse and goes to the optimum over the basic edges. Recomputes w.
+    fn remove_compliance(&mut self, scaled: &ScaledProblem, shift: &[f64]) {
+        let EnergyQp { edges, basic, directions, state, direction, impulse, drift, .. } = self;
         edges.impulse(scaled, basic, state.as_flattened(), impulse);
         drift.clone_from(&scaled.drift);
-        scaled.harden(impulse, drift);
+        scaled.remove_compliance(impulse, drift);
         drift.iter_mut().step_by(scaled.stride()).zip(shift).for_each(|(v, shift)| *v += shift);
-        edges.turn(scaled, drift);
+        edges.set_drift(scaled, drift);
         let (y, w) = state.split_at_mut(edges.width());
         edges.velocity(basic, y.as_flattened(), w);
-        directions.aim(state, course);
-        self.follow();
+        directions.to_optimum(state, direction);
+        self.go_to_optimum();
     }
 
-    /// Makes edge r basic and goes to the optimum; bars it if that gains nothing.
-    fn let_in(&mut self, scaled: &Scaled, r: usize) {
-        if self.join(scaled, r) {
-            self.directions.aim_along_last(&self.state, &mut self.course);
-            self.follow();
+    /// Makes edge r basic and goes to the optimum. Excludes the edge if that gains nothing.
+    fn enter(&mut self, scaled: &ScaledProblem, r: usize) {
+        if self.make_basic(scaled, r) {
+            self.directions.to_optimum_along_last(&self.state, &mut self.direction);
+            self.go_to_optimum();
         }
-        if self.pushes(r) {
-            self.open.fill([1.0; WIDTH]);
+        if self.is_basic(r) {
+            self.candidates.fill([1.0; WIDTH]);
         } else {
-            self.open[r / WIDTH][r % WIDTH] = 0.0;
+            self.candidates[r / WIDTH][r % WIDTH] = 0.0;
         }
     }
 
-    /// Makes edge r basic; false if it depends on those that are.
-    fn join(&mut self, scaled: &Scaled, r: usize) -> bool {
-        let joined = self.directions.join(r, self.edges.row(scaled, r));
+    /// Makes edge r basic; false if it depends on the basic edges.
+    fn make_basic(&mut self, scaled: &ScaledProblem, r: usize) -> bool {
+        let joined = self.directions.append(r, self.edges.row(scaled, r));
         if joined {
             self.basic.push(r);
             self.idle[r / WIDTH][r % WIDTH] = 0.0;
@@ -144,23 +141,23 @@ impl EnergyQp {
         joined
     }
 
-    /// Edge r is no longer basic, and the course goes on without it.
-    fn let_out(&mut self, r: usize) {
+    /// Makes edge r nonbasic, and removes its part from the direction.
+    fn leave(&mut self, r: usize) {
         self.basic.retain(|basic| *basic != r);
         self.idle[r / WIDTH][r % WIDTH] = 1.0;
         self.exchanges += 1;
         self.state[r / WIDTH][r % WIDTH] = 0.0;
-        self.directions.leave(r);
-        self.directions.without(r, &mut self.course);
+        self.directions.remove(r);
+        self.directions.project_out(r, &mut self.direction);
     }
 
     /// Whether edge r is basic.
-    fn pushes(&self, r: usize) -> bool {
+    fn is_basic(&self, r: usize) -> bool {
         self.idle[r / WIDTH][r % WIDTH] == 0.0
     }
 
-    /// A bit for each edge of a contact that is basic.
-    fn pushing_of(&self, contact: usize) -> u32 {
+    /// Bit set of the basic edges of a contact.
+    fn basic_edges_of(&self, contact: usize) -> u32 {
         let idle = of_contact(&self.idle, contact, self.edges.each);
         idle.iter().rev().fold(0, |bits, idle| bits << 1 | u32::from(*idle == 0.0))
     }
@@ -176,68 +173,68 @@ impl EnergyQp {
         &mut self.state[width..].as_flattened_mut()[contact * each..][..each]
     }
 
-    /// The edge outside the basis along which the energy falls most.
-    fn most_negative(&self, scaled: &Scaled) -> Option<usize> {
-        let panels = self.edges.speeds(self.velocity()).zip(self.open.iter().zip(&self.idle));
+    /// The nonbasic edge along which the energy falls fastest.
+    fn most_negative(&self, scaled: &ScaledProblem) -> Option<usize> {
+        let panels = self.edges.speeds(self.velocity()).zip(self.candidates.iter().zip(&self.idle));
         let free = panels.map(|(speeds, (open, idle))| -> Panel {
-            std::array::from_fn(|k| speeds[k] * (open[k] * idle[k])) // a choice would be a branch for each
+            std::array::from_fn(|k| speeds[k] * (open[k] * idle[k])) // a product instead of a branch
         });
         let least = free.clone().fold([0.0; WIDTH], |least: Panel, speeds| {
             std::array::from_fn(|k| if speeds[k] < least[k] { speeds[k] } else { least[k] })
         });
         let least = edges::least(&least);
-        if least >= -ROUNDING * self.scale(scaled) {
+        if least >= -NEGATIVE_VELOCITY * self.scale(scaled) {
             return None;
         }
-        free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + place_of(least, &speeds)?))
+        free.enumerate().find_map(|(p, speeds)| Some(p * WIDTH + index_of(least, &speeds)?))
     }
 
-    /// The step's scale.
-    fn scale(&self, scaled: &Scaled) -> f64 {
-        scaled.size.max(greatest(self.state[..self.edges.width()].as_flattened()))
+    /// The scale of the step.
+    fn scale(&self, scaled: &ScaledProblem) -> f64 {
+        scaled.size.max(max_abs(self.state[..self.edges.width()].as_flattened()))
     }
 
-    /// Follows the course to its end; those that become negative on the way leave, and it goes on without them.
-    fn follow(&mut self) {
+    /// Goes along the direction to its end. Edges whose amounts would become negative leave, and the way continues without them.
+    fn go_to_optimum(&mut self) {
         for _ in 0..=self.edges.count() {
-            let EnergyQp { basic, state, course, left, leaving, .. } = self;
-            let Some(share) = share(state, course) else {
-                return add(state, 1.0, course);
+            let EnergyQp { basic, state, direction, remaining, leaving, .. } = self;
+            let Some(share) = share(state, direction) else {
+                return add(state, 1.0, direction);
             };
-            see_what_is_left(state, course, share, left);
+            find_remaining(state, direction, share, remaining);
             leaving.clear();
-            leaving.extend(basic.iter().filter(|&&r| left[r / WIDTH][r % WIDTH] <= 0.0));
-            add(state, share, course);
+            leaving.extend(basic.iter().filter(|&&r| remaining[r / WIDTH][r % WIDTH] <= 0.0));
+            add(state, share, direction);
             if leaving.is_empty() {
                 return;
             }
-            course.as_flattened_mut().iter_mut().for_each(|z| *z *= 1.0 - share);
+            direction.as_flattened_mut().iter_mut().for_each(|z| *z *= 1.0 - share);
             while let Some(r) = self.leaving.pop() {
-                self.let_out(r);
+                self.leave(r);
             }
         }
     }
 }
 
-/// Of each amount what is left after so much of a course or at its end, whichever is more: no more than zero of those only that
-/// become negative on the way. Of all at once, for a processor cannot guess which they are.
-fn see_what_is_left(state: &[Panel], course: &[Panel], share: f64, left: &mut [Panel]) {
-    for (left, (y, z)) in left.iter_mut().zip(state.iter().zip(course)) {
-        *left = std::array::from_fn(|k| {
+/// For each amount, the greater of its value after this share of the direction and its value at the end. Only amounts that become negative
+/// on the way are then zero or less. Without branches, which a processor could not predict.
+fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &mut [Panel]) {
+    for (remaining, (y, z)) in remaining.iter_mut().zip(state.iter().zip(direction)) {
+        *remaining = std::array::from_fn(|k| {
             let goal = y[k] + z[k];
             let most = if y[k] > -goal { y[k] } else { -goal };
-            let rest = z[k].mul_add(share, y[k]) - NOTHING * most;
+            let rest = z[k].mul_add(share, y[k]) - ZERO_AMOUNT * most;
             if rest > goal { rest } else { goal }
         });
     }
 }
 
-/// How far a course can be followed before something ceases to push, if anything does on the way.
-fn share(state: &[Panel], course: &[Panel]) -> Option<f64> {
+/// Share of the direction at which the first amount becomes zero, if any does.
+fn share(state: &[Panel], direction: &[Panel]) -> Option<f64> {
     let width = state.len() / 2;
-    let least = state[..width].iter().zip(course).fold([f64::INFINITY; WIDTH], |least: Panel, (y, z)| {
+    let least = state[..width].iter().zip(direction).fold([f64::INFINITY; WIDTH], |least: Panel, (y, z)| {
         std::array::from_fn(|k| {
-            // of nothing from nothing, which is no number, nothing is known
+            // 0/0 is NaN and compares as false
             let share = if y[k] + z[k] > 0.0 { f64::INFINITY } else { y[k] / -z[k] };
             if share < least[k] { share } else { least[k] }
         })

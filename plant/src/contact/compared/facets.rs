@@ -1,4 +1,4 @@
-//! Conditions (17)-(22) as a linear complementarity problem (Stewart & Trinkle), d facets per contact.
+//! Conditions (17)-(22) as a linear complementarity problem with d facets per contact (Stewart & Trinkle).
 //!
 //! With friction f_F = sum beta_j d_j along the directions d_j = -t1, +t1 (, -t2, +t2):
 //!
@@ -8,57 +8,62 @@
 //! 0 <= s       _|_  mu f_N - sum beta >= 0    (20)
 //! ```
 //!
-//! Two facets are the paper's one slip direction, four resist both tangents, more come near a round cone from within. In
-//! scaled rows (`Scaled`) s has the scale of the normal row, so each beta_j comes with a weight c_j: `d_j v_F + c_j s` and
-//! `mu f_N - sum c_j beta_j = w_s`.
+//! Two facets are the paper's one slip direction. Four facets resist both tangents. More facets approximate a round cone from within. In
+//! scaled rows (`ScaledProblem`), s has the scale of the normal row, and each beta_j has a weight c_j: `d_j v_F + c_j s` and `mu f_N - sum
+//! c_j beta_j = w_s`.
 //!
-//! Lemke does not start at zero but where each contact slides the way it would freely go: the facet that opposes it, say
-//! j, carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots a
-//! contact, and only normal rows can be negative, so the artificial variable lifts all contact points by one velocity.
-//! A ray would need an impulse in the cone with A f = 0 and f·b + (lift) < 0; but A f = 0 means K f = 0, and b is in the
-//! range of K^T, so f·b = 0: there is none.
+//! Lemke's method does not start from zero. It starts with each contact sliding in the direction of its free slip. The opposing facet j
+//! carries `beta_j = (mu f_N - sum_k c_k beta_k - w_s)/c_j`, with `s = (w_j - d_j v_F)/c_j`. That saves two pivots per contact. Only normal
+//! rows can be negative then, so the artificial variable adds one velocity to all contacts. The method cannot end on a ray: a ray needs an
+//! impulse in the cone with A f = 0 and f·b + (offset) < 0. But A f = 0 means K f = 0, and b is in the range of K^T, so f·b = 0.
 
+use super::double_double::DoubleDouble;
 use super::lemke::Lemke;
-use super::polygon::corner;
-use super::scaled::Scaled;
-use super::twofold::Twofold;
+use super::polygon::vertex;
+use super::scaled_problem::ScaledProblem;
 
-/// Assembly of the problem, pivoting, and the reading of its solution: pairs, `d + 2` of each contact.
+/// Assembly of the problem and its solution by Lemke's method. Each contact has `d + 2` complementary pairs.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Facets {
     lemke: Lemke,
     /// d_j of every contact in its scaled rows, and its weight c_j.
-    facet: Vec<([Twofold; 3], Twofold)>,
+    facet: Vec<([DoubleDouble; 3], DoubleDouble)>,
     /// d.
     count: usize,
-    /// Facet j of each contact, along which it slides at the start.
-    start: Vec<usize>,
-    /// For each pair: impulse, in the rows of its contact, that one unit of the nonbasic partner gives.
-    push: Vec<[Twofold; 3]>,
-    /// For each pair: coefficients with which the basic partner reads the contact's velocity.
-    read: Vec<[Twofold; 3]>,
+    /// Facet on which each contact slides initially.
+    initial_facet: Vec<usize>,
+    /// For each pair: the impulse of its contact for one unit of the nonbasic variable.
+    impulse_column: Vec<[DoubleDouble; 3]>,
+    /// For each pair: the coefficients of the contact's velocity in the basic variable.
+    velocity_row: Vec<[DoubleDouble; 3]>,
 }
 
-/// Whether the partner of a pair is basic at the start: the facet of the slide, and the slip speed.
-fn at_start(slides: usize, size: usize, local: usize) -> bool {
+/// Whether a pair's partner is basic initially: the facet of the slide, and the slip speed.
+fn is_initially_basic(slides: usize, size: usize, local: usize) -> bool {
     local == 1 + slides || local == size - 1
 }
 
 impl Facets {
-    /// Solves with friction there and back along each tangent, from the given basis if that can be and else from the start; writes basis and
-    /// impulse. A bit of the basis for each basic variable: 0 the normal, 1 + j facet j, d + 1 the slip speed. Adds the pivots to `count`;
-    /// false when there is no solution to be found.
-    pub fn pivot(&mut self, scaled: &Scaled, basis: &mut [u8], f: &mut Vec<f64>, count: &mut u32) -> bool {
-        self.along_tangents(scaled);
+    /// Solves with two facets per tangent, from the given basis if possible, else from the initial basis. Writes basis and impulse. The
+    /// bits of the basis stand for basic variables: 0 the normal, 1 + j facet j, d + 1 the slip speed. Adds the pivots to `count`. False if
+    /// no solution was found.
+    pub fn solve_along_tangents(
+        &mut self,
+        scaled: &ScaledProblem,
+        basis: &mut [u8],
+        f: &mut Vec<f64>,
+        count: &mut u32,
+    ) -> bool {
+        self.set_tangent_facets(scaled);
         let size = self.count + 2;
-        let Facets { lemke, start, .. } = self;
+        let Facets { lemke, initial_facet, .. } = self;
         let entered = |pair: usize| {
             let (i, local) = (pair / size, pair % size);
-            (basis[i] >> local & 1 == 1) != at_start(start[i], size, local)
+            (basis[i] >> local & 1 == 1) != is_initially_basic(initial_facet[i], size, local)
         };
         let mut solved = lemke.run_from(entered, count);
         if !solved {
-            self.along_tangents(scaled);
+            self.set_tangent_facets(scaled);
             solved = self.lemke.run(count);
         }
         if solved {
@@ -68,34 +73,34 @@ impl Facets {
         solved
     }
 
-    /// Writes the problem with friction there and back along each tangent.
-    fn along_tangents(&mut self, scaled: &Scaled) {
+    /// Sets up the problem with two facets per tangent.
+    fn set_tangent_facets(&mut self, scaled: &ScaledProblem) {
         self.count = scaled.facets();
         self.facet.clear();
         for ratio in scaled.ratio.chunks_exact(scaled.stride()) {
             self.facet.extend((0..self.count).map(|j| {
-                let (row, sign) = Scaled::facet(j);
-                let mut unit = [Twofold::default(); 3];
+                let (row, sign) = ScaledProblem::facet(j);
+                let mut unit = [DoubleDouble::default(); 3];
                 unit[row] = sign.into();
                 (unit, ratio[row].into())
             }));
         }
-        self.directions(scaled);
+        self.set_initial_facets(scaled);
         self.assemble(scaled);
     }
 
-    /// Solves with friction in `d` directions of equal angles around each contact, whose rows are scaled alike, and writes the impulse; what it
-    /// returns and counts is likewise.
-    pub fn around(&mut self, scaled: &Scaled, d: usize, f: &mut Vec<f64>, count: &mut u32) -> bool {
+    /// Solves with friction in `d` directions of equal angles around each contact, and writes the impulse. The rows of each contact must
+    /// have a common scale. Count and result as above.
+    pub fn solve_polygon(&mut self, scaled: &ScaledProblem, d: usize, f: &mut Vec<f64>, count: &mut u32) -> bool {
         self.count = d;
         self.facet.clear();
         for _ in 0..scaled.contacts {
             self.facet.extend((0..d).map(|j| {
-                let [x, y] = corner(d, j);
-                ([0.0, x, y].map(Twofold::from), 1.0.into())
+                let [x, y] = vertex(d, j);
+                ([0.0, x, y].map(DoubleDouble::from), 1.0.into())
             }));
         }
-        self.directions(scaled);
+        self.set_initial_facets(scaled);
         self.assemble(scaled);
         let solved = self.lemke.run(count);
         if solved {
@@ -107,38 +112,40 @@ impl Facets {
     fn basis(&self, basis: &mut [u8]) {
         let size = self.count + 2;
         for (i, bits) in basis.iter_mut().enumerate() {
-            let basic = |local: &usize| at_start(self.start[i], size, *local) != self.lemke.entered(i * size + local);
+            let basic = |local: &usize| {
+                is_initially_basic(self.initial_facet[i], size, *local) != self.lemke.entered(i * size + local)
+            };
             *bits = (0..size).filter(basic).map(|local| 1 << local).sum();
         }
     }
 
-    fn impulse(&self, scaled: &Scaled, f: &mut Vec<f64>) {
+    fn impulse(&self, scaled: &ScaledProblem, f: &mut Vec<f64>) {
         f.clear();
-        for push in self.push.chunks_exact(self.count + 2).enumerate() {
-            let (first, push) = (push.0 * (self.count + 2), push.1);
+        for (i, columns) in self.impulse_column.chunks_exact(self.count + 2).enumerate() {
+            let first = i * (self.count + 2);
             let of = |row: usize| {
-                let parts = push.iter().enumerate().map(|(k, push)| self.lemke.partner(first + k) * push[row]);
-                f64::from(parts.fold(Twofold::default(), |sum, part| sum + part)) * scaled.size
+                let parts = columns.iter().enumerate().map(|(k, column)| self.lemke.partner(first + k) * column[row]);
+                f64::from(parts.fold(DoubleDouble::default(), |sum, part| sum + part)) * scaled.size
             };
             f.extend((0..scaled.stride()).map(of));
         }
     }
 
-    /// Chooses the facets of the start and from them what each variable pushes and reads.
-    fn directions(&mut self, scaled: &Scaled) {
-        let (d, stride, zero) = (self.count, scaled.stride(), Twofold::default());
-        self.start.clear();
-        self.push.clear();
-        self.read.clear();
+    /// Chooses the initial facets, and from them the columns and rows of each variable.
+    fn set_initial_facets(&mut self, scaled: &ScaledProblem) {
+        let (d, stride, zero) = (self.count, scaled.stride(), DoubleDouble::default());
+        self.initial_facet.clear();
+        self.impulse_column.clear();
+        self.velocity_row.clear();
         for (i, facet) in self.facet.chunks_exact(d).enumerate() {
-            // The facet against which the contact freely slips fastest.
+            // Speed of the free slip against facet j.
             let slip = |j: usize| {
                 let (unit, weight) = facet[j];
                 -(1..stride).fold(zero, |sum, k| sum + unit[k] * scaled.drift[i * stride + k].into()) / weight
             };
             let j = (1..d).fold(0, |best, j| if slip(j) > slip(best) { j } else { best });
             let (against, weight) = facet[j];
-            self.start.push(j);
+            self.initial_facet.push(j);
             for local in 0..d + 2 {
                 let mut e = [zero; 3];
                 if local == 0 {
@@ -149,48 +156,50 @@ impl Facets {
                     let (unit, other) = facet[local - 1];
                     e = [0, 1, 2].map(|k| unit[k] - against[k] * other / weight);
                 }
-                self.read.push(e);
+                self.velocity_row.push(e);
                 if local == 0 {
                     e = against.map(|x| x * scaled.friction[i].into() / weight);
                     e[0] = 1.0.into();
                 }
-                self.push.push(e);
+                self.impulse_column.push(e);
             }
         }
     }
 
-    /// Writes the dictionary: `read · (A push + b)`, and the couplings of beta_j and s inside a contact.
-    fn assemble(&mut self, scaled: &Scaled) {
-        let Facets { lemke, facet, count, start, push, read } = self;
+    /// Assembles the dictionary: `velocity_row · (A impulse_column + b)`, and the coupling of beta_j and s within each contact.
+    fn assemble(&mut self, scaled: &ScaledProblem) {
+        let Facets { lemke, facet, count, initial_facet, impulse_column, velocity_row } = self;
         let (d, stride, m) = (*count, scaled.stride(), scaled.drift.len());
-        let (size, n) = (d + 2, push.len());
+        let (size, n) = (d + 2, impulse_column.len());
         lemke.reset(n);
-        for (r, e) in read.iter().enumerate() {
-            let weights = || (r / size * stride..).zip(&e[..stride]).filter(|(_, e)| **e != Twofold::default());
+        for (r, e) in velocity_row.iter().enumerate() {
+            let weights = || (r / size * stride..).zip(&e[..stride]).filter(|(_, e)| **e != DoubleDouble::default());
             let read = |column: usize| {
-                weights().fold(Twofold::default(), |sum, (k, &e)| sum + e * scaled.delassus[k * m + column].into())
+                weights().fold(DoubleDouble::default(), |sum, (k, &e)| sum + e * scaled.delassus[k * m + column].into())
             };
             let entries = lemke.dictionary.row_mut(r);
-            let b = weights().fold(Twofold::default(), |sum, (k, &e)| sum + e * scaled.drift[k].into());
+            let b = weights().fold(DoubleDouble::default(), |sum, (k, &e)| sum + e * scaled.drift[k].into());
             entries[n + 1] = b / scaled.size.into();
-            for (i, (columns, push)) in entries.chunks_exact_mut(size).zip(push.chunks_exact(size)).enumerate() {
-                let a: [Twofold; 3] =
-                    [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { Twofold::default() });
-                for (entry, e) in columns.iter_mut().zip(push) {
+            for (i, (columns, impulse)) in
+                entries.chunks_exact_mut(size).zip(impulse_column.chunks_exact(size)).enumerate()
+            {
+                let a: [DoubleDouble; 3] =
+                    [0, 1, 2].map(|l| if l < stride { read(i * stride + l) } else { DoubleDouble::default() });
+                for (entry, e) in columns.iter_mut().zip(impulse) {
                     *entry = a[0] * e[0] + a[1] * e[1] + a[2] * e[2];
                 }
             }
         }
-        for (i, &j) in start.iter().enumerate() {
+        for (i, &j) in initial_facet.iter().enumerate() {
             let ratio = |k: usize| facet[i * d + k].1;
             let first = i * size;
-            let mut couple = |row: usize, column: usize, x: Twofold| {
+            let mut couple = |row: usize, column: usize, x: DoubleDouble| {
                 let entry = &mut lemke.dictionary.row_mut(first + row)[column];
                 *entry = *entry + x;
             };
-            let one = Twofold::from(1.0);
+            let one = DoubleDouble::from(1.0);
             couple(0, n, one);
-            couple(1 + j, first, Twofold::from(scaled.friction[i]) / ratio(j));
+            couple(1 + j, first, DoubleDouble::from(scaled.friction[i]) / ratio(j));
             couple(1 + j, first + d + 1, -one / ratio(j));
             couple(d + 1, first + 1 + j, one / ratio(j));
             for k in (0..d).filter(|&k| k != j) {

@@ -1,35 +1,27 @@
-//! Lemke's complementary pivoting with lexicographic ties.
+//! Lemke's complementary pivoting with the lexicographic ratio test.
 //!
-//! Given `w = q + M z` with every pair `w_i, z_i >= 0`, `w_i z_i = 0` wanted: an artificial variable t is added on the rows
-//! of `cover` and made as small as the most negative q allows. From there each variable that leaves the basis is followed
-//! by its partner entering, until t leaves. Ties are broken as if row i of q were larger by eps^i, so no basis comes twice
-//! and redundant contacts (singular M) do not cycle. For a copositive M the path ends at a solution.
+//! It solves `w = q + M z` with `w_i, z_i >= 0` and `w_i z_i = 0` for every pair. An artificial variable t is added to the rows and takes
+//! the least value at which no row is negative. Whenever a variable leaves the basis, its partner enters, until t leaves. Ties are broken
+//! as if row i of q were larger by eps^i. Hence no basis occurs twice, and redundant contacts (singular M) cause no cycle. For a copositive
+//! M the path ends at a solution.
 //!
-//! The dictionary has 32 digits: feet that all but hold each other ask for that, and the path ends in few pivots. It may also begin at a
-//! guess, whose contradictions t makes good.
+//! The dictionary has 32 digits. Two feet that almost lock each other need them, and with them the path ends in few pivots. The path may
+//! also start from a guessed basis; t then makes up for its negative rows.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.
 
+use super::super::tolerance::{MAX_PIVOT_RATIO, MIN_PIVOT, PERTURBATION, TIE};
 use super::dictionary::Dictionary;
-use super::twofold::Twofold;
+use super::double_double::DoubleDouble;
 use std::cmp::Ordering;
 
-/// Entries below this are no pivots: in the scaled problem an honest one is about 1; with contacts that yield by
-/// [`super::scaled::HAIR`] they reach its inverse, their rounding 1e-20.
-const ZERO: f64 = 1e-16;
-/// Rows that come this close to zero together, beside the largest entry of each, are ties; q is at most about 1.
-const TIE: f64 = 1e-28;
-/// Pivots per pair at most, from the start and from a guess; if that is a bad one, better from the start.
-const MOST: [usize; 2] = [50, 2];
-/// A pivot so much smaller or larger than 1 has cost digits.
-const FAR: f64 = 1e3;
-/// Its multiples have fractions far from each other.
-const GOLDEN: f64 = 0.618_033_988_75;
-/// What parts the rows of q in 32 digits: far above their rounding, far below any residual.
-const PARTED: f64 = 1e-14;
+/// Pivots per pair at most: from the initial basis, and from a guess. A bad guess costs more than the initial basis.
+const MAX_PIVOTS: [usize; 2] = [50, 2];
+/// (√5 − 1)/2: the fractional parts of its multiples are evenly spread.
+const GOLDEN_RATIO: f64 = 0.618_033_988_75;
 
-/// Workspace of one run. Variable i < n is the basic variable of row i at the start, n + i its partner, 2n is t.
+/// Workspace of one run. Variable i < n is initially basic in row i, n + i is its partner, and 2n is t.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Lemke {
     /// n rows; columns: the n partners, t, constants.
@@ -45,76 +37,77 @@ pub(super) struct Lemke {
 }
 
 impl Lemke {
-    /// Empties the dictionary for n pairs.
+    /// Resets the dictionary for n pairs.
     pub fn reset(&mut self, n: usize) {
         self.dictionary.reset(n, n + 2);
     }
 
-    /// Whether the start's nonbasic partner of row i is basic now.
+    /// Whether the partner of row i has become basic.
     pub fn entered(&self, i: usize) -> bool {
         let n = self.dictionary.rows;
         self.place[n + i] < n
     }
 
-    /// Value of that partner in the solution.
-    pub fn partner(&self, i: usize) -> Twofold {
+    /// Value of the partner of row i at the solution.
+    pub fn partner(&self, i: usize) -> DoubleDouble {
         let n = self.dictionary.rows;
         let place = self.place[n + i];
-        if place < n { self.dictionary.constant(place) } else { Twofold::default() }
+        if place < n { self.dictionary.constant(place) } else { DoubleDouble::default() }
     }
 
-    /// Runs to a complementary basis and adds the pivots to `count`; false on a ray or after too many.
+    /// Pivots to a complementary basis and adds the pivots to `count`. False on a ray or after too many pivots.
     pub fn run(&mut self, count: &mut u32) -> bool {
-        self.part();
+        self.perturb();
         self.original.copy(&self.dictionary);
-        self.begin();
-        self.follow(MOST[0], count)
+        self.reset_basis();
+        self.pivot_to_end(MAX_PIVOTS[0], count)
     }
 
-    /// The same from the basis that the partners of these rows have entered; false also if it is singular.
+    /// Starts from the basis in which the partners of the `entered` rows are basic; false also if that basis is singular.
     ///
-    /// There t lifts each negative row, by a little more than it needs, so that no two reach zero together. In the rows of
-    /// the start, of which the dictionary is made afresh, that is B c: c what t adds to the basic variables, B their columns.
+    /// There, t raises each negative row by slightly more than it needs, so that no two rows reach zero together. In terms of the initial
+    /// rows, from which the dictionary is recomputed, that is B c: c holds the coefficients of t in the basic variables, and B holds their
+    /// columns.
     pub fn run_from(&mut self, entered: impl Fn(usize) -> bool, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
-        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = Twofold::default());
-        self.part();
+        (0..n).for_each(|r| self.dictionary.row_mut(r)[n] = DoubleDouble::default());
+        self.perturb();
         self.original.copy(&self.dictionary);
-        self.begin();
+        self.reset_basis();
         self.entering.extend((0..n).filter(|&i| entered(i)));
         self.leaving.clone_from(&self.entering);
         *count += 1;
-        if !self.gather() {
+        if !self.exchange_all() {
             return false;
         }
         for r in 0..n {
-            let lift = greater(-self.dictionary.constant(r), Twofold::default());
-            self.dictionary.row_mut(r)[n] = lift * Twofold::from(1.0 + r as f64 / n as f64);
+            let rise = greater(-self.dictionary.constant(r), DoubleDouble::default());
+            self.dictionary.row_mut(r)[n] = rise * DoubleDouble::from(1.0 + r as f64 / n as f64);
         }
         for r in 0..n {
-            let lift = |place: usize| if place < n { self.dictionary.at(place, n) } else { Twofold::default() };
+            let rise = |place: usize| if place < n { self.dictionary.at(place, n) } else { DoubleDouble::default() };
             let columns = (0..n).filter(|i| self.place[n + i] < n);
-            let lifts = columns.map(|i| self.original.at(r, i) * lift(self.place[n + i]));
-            self.original.row_mut(r)[n] = lift(self.place[r]) - lifts.fold(Twofold::default(), |sum, x| sum + x);
+            let lifts = columns.map(|i| self.original.at(r, i) * rise(self.place[n + i]));
+            self.original.row_mut(r)[n] = rise(self.place[r]) - lifts.fold(DoubleDouble::default(), |sum, x| sum + x);
         }
-        self.follow(MOST[1], count)
+        self.pivot_to_end(MAX_PIVOTS[1], count)
     }
 
-    /// Adds to each row of q what no residual shows, so that no two are tied: a tie that rounding decides wrongly among
-    /// feet that hold each other ends on a ray.
-    fn part(&mut self) {
+    /// Adds a perturbation below any residual to each row of q, so that no rows are tied. If rounding decides a tie wrongly, as with feet
+    /// that lock each other, the path ends on a ray.
+    fn perturb(&mut self) {
         let n = self.dictionary.rows;
         for r in 0..n {
-            let hair = PARTED * (1.0 + (r as f64 * GOLDEN).fract());
+            let perturbation = PERTURBATION * (1.0 + (r as f64 * GOLDEN_RATIO).fract());
             let q = &mut self.dictionary.row_mut(r)[n + 1];
-            *q = *q + hair.into();
+            *q = *q + perturbation.into();
         }
     }
 
-    /// The basis of the start.
-    fn begin(&mut self) {
+    /// Resets to the initial basis.
+    fn reset_basis(&mut self) {
         let n = self.dictionary.rows;
-        // room for the worst at once: nothing is taken from the heap on the way
+        // reserves for the worst case, so that pivoting does not allocate
         for list in [&mut self.ties, &mut self.entering, &mut self.leaving] {
             list.clear();
             list.reserve(n + 1);
@@ -127,10 +120,10 @@ impl Lemke {
         self.place.extend((0..n).chain(n..=2 * n));
     }
 
-    /// Lets t enter, then partners until it leaves.
-    fn follow(&mut self, most: usize, count: &mut u32) -> bool {
+    /// Lets t enter, then one partner after the other, until t leaves.
+    fn pivot_to_end(&mut self, most: usize, count: &mut u32) -> bool {
         let n = self.dictionary.rows;
-        let Some(mut row) = self.first_row() else { return true };
+        let Some(mut row) = self.first_leaving_row() else { return true };
         let mut column = n;
         for _ in 0..most * n {
             *count += 1;
@@ -140,18 +133,18 @@ impl Lemke {
             if left == 2 * n {
                 return true;
             }
-            if !(1.0 / FAR..FAR).contains(&pivot) && !self.refresh() {
+            if !(1.0 / MAX_PIVOT_RATIO..MAX_PIVOT_RATIO).contains(&pivot) && !self.refactorize() {
                 return false;
             }
             column = self.place[(left + n) % (2 * n)] - n;
-            let Some(next) = self.leaving(column) else { return false };
+            let Some(next) = self.ratio_test(column) else { return false };
             row = next;
         }
         false
     }
 
-    /// Makes the dictionary of the present basis from the original one.
-    fn refresh(&mut self) -> bool {
+    /// Recomputes the dictionary of the present basis from the original one.
+    fn refactorize(&mut self) -> bool {
         let n = self.dictionary.rows;
         self.dictionary.copy(&self.original);
         self.entering.clear();
@@ -162,14 +155,14 @@ impl Lemke {
         self.basic.extend(0..n);
         self.nonbasic.clear();
         self.nonbasic.extend(n..=2 * n);
-        self.gather()
+        self.exchange_all()
     }
 
-    /// Exchanges the rows of `leaving` for the columns of `entering`, the largest pivots first; false if one is nothing.
-    fn gather(&mut self) -> bool {
+    /// Exchanges the rows of `leaving` for the columns of `entering`, the largest pivots first. False if a pivot is zero.
+    fn exchange_all(&mut self) -> bool {
         let n = self.dictionary.rows;
         while !self.entering.is_empty() {
-            let (mut best, mut size) = ((0, 0), ZERO);
+            let (mut best, mut size) = ((0, 0), MIN_PIVOT);
             for (i, &row) in self.leaving.iter().enumerate() {
                 for (j, &column) in self.entering.iter().enumerate() {
                     let entry = f64::from(self.dictionary.at(row, column)).abs();
@@ -178,7 +171,7 @@ impl Lemke {
                     }
                 }
             }
-            if size <= ZERO {
+            if size <= MIN_PIVOT {
                 return false;
             }
             let (row, column) = (self.leaving.swap_remove(best.0), self.entering.swap_remove(best.1));
@@ -194,12 +187,12 @@ impl Lemke {
         true
     }
 
-    /// Row that t must lift most; of equal ones the last, whose perturbation is smallest.
-    fn first_row(&self) -> Option<usize> {
-        let (n, zero) = (self.dictionary.rows, Twofold::default());
-        let lift = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
-        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > zero && lift(r) > zero);
-        lifted.max_by(|&a, &b| order(lift(a), lift(b)))
+    /// Row with the most negative value per unit of t. Of tied rows the last, whose perturbation is smallest.
+    fn first_leaving_row(&self) -> Option<usize> {
+        let (n, zero) = (self.dictionary.rows, DoubleDouble::default());
+        let rise = |r: usize| -self.dictionary.constant(r) / self.dictionary.at(r, n);
+        let lifted = (0..n).filter(|&r| self.dictionary.at(r, n) > zero && rise(r) > zero);
+        lifted.max_by(|&a, &b| order(rise(a), rise(b)))
     }
 
     fn exchange(&mut self, row: usize, column: usize) {
@@ -210,14 +203,14 @@ impl Lemke {
         self.place[self.nonbasic[column]] = n + column;
     }
 
-    /// Lexicographic ratio test: the row that reaches zero first while the variable of `column` grows.
-    fn leaving(&mut self, column: usize) -> Option<usize> {
+    /// Lexicographic ratio test: the row that first reaches zero while the variable of `column` grows.
+    fn ratio_test(&mut self, column: usize) -> Option<usize> {
         let n = self.dictionary.rows;
         let Lemke { dictionary, place, ties, .. } = self;
         let slope = |r: usize| -dictionary.at(r, column);
-        let ratio = |r: usize| greater(dictionary.constant(r), Twofold::default()) / slope(r);
-        let tie = |r: usize| Twofold::from(TIE * dictionary.largest(r));
-        let falling = (0..n).filter(|&r| slope(r) > Twofold::from(ZERO));
+        let ratio = |r: usize| greater(dictionary.constant(r), DoubleDouble::default()) / slope(r);
+        let tie = |r: usize| DoubleDouble::from(TIE * dictionary.largest(r));
+        let falling = (0..n).filter(|&r| slope(r) > DoubleDouble::from(MIN_PIVOT));
         let least = falling.clone().map(ratio).min_by(|&a, &b| order(a, b))?;
         ties.clear();
         ties.extend(falling.filter(|&r| dictionary.constant(r) - least * slope(r) <= tie(r)));
@@ -228,7 +221,7 @@ impl Lemke {
             if ties.len() < 2 {
                 break;
             }
-            // Coefficient of this power of eps in row r: the perturbed variable itself, or minus its column.
+            // Coefficient of this power of eps in row r: of the perturbed variable itself, or minus its column.
             let power = |r: usize| if at >= n { -dictionary.at(r, at - n) } else { f64::from(at == r).into() };
             let least = ties.iter().map(|&r| power(r) / slope(r)).min_by(|&a, &b| order(a, b))?;
             ties.retain(|&r| power(r) - least * slope(r) <= tie(r));
@@ -237,11 +230,11 @@ impl Lemke {
     }
 }
 
-/// What is no number is equal to all.
-fn order(a: Twofold, b: Twofold) -> Ordering {
+/// Order of two numbers; NaN equals everything.
+fn order(a: DoubleDouble, b: DoubleDouble) -> Ordering {
     a.partial_cmp(&b).unwrap_or(Ordering::Equal)
 }
 
-fn greater(a: Twofold, b: Twofold) -> Twofold {
+fn greater(a: DoubleDouble, b: DoubleDouble) -> DoubleDouble {
     if a > b { a } else { b }
 }

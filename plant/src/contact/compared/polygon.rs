@@ -1,16 +1,16 @@
-//! Nearest points of the sets that friction may fill besides the round cone: cylinder and pyramid. Coordinates are (normal, two tangents).
+//! Projections on the friction sets other than the round cone: cylinder and pyramid. Coordinates are (normal, two tangents).
 
-use super::super::project::length;
+use super::super::projection::norm;
 
 /// Nearest point of f_N >= 0, |f_F| <= bound.
-pub(super) fn bounded(x: [f64; 3], bound: f64) -> [f64; 3] {
-    let r = length(x[1], x[2]);
+pub(super) fn project_on_cylinder(x: [f64; 3], bound: f64) -> [f64; 3] {
+    let r = norm(x[1], x[2]);
     let share = if r > bound { bound / r } else { 1.0 };
     [x[0].max(0.0), share * x[1], share * x[2]]
 }
 
-/// Corner j of the polygon of friction.
-pub(super) fn corner(d: usize, j: usize) -> [f64; 2] {
+/// Vertex j of the friction polygon.
+pub(super) fn vertex(d: usize, j: usize) -> [f64; 2] {
     // Exact along the axes.
     match 4 * j % (4 * d) / d {
         0 if j.is_multiple_of(d) => [1.0, 0.0],
@@ -24,14 +24,14 @@ pub(super) fn corner(d: usize, j: usize) -> [f64; 2] {
     }
 }
 
-/// Greatest speed against a corner of the polygon.
+/// Greatest slip speed against a vertex of the polygon.
 pub(super) fn greatest_slip(d: usize, v: [f64; 3]) -> f64 {
-    (0..d).map(|j| corner(d, j)).map(|[c, s]| -(c * v[1] + s * v[2])).fold(0.0, f64::max)
+    (0..d).map(|j| vertex(d, j)).map(|[c, s]| -(c * v[1] + s * v[2])).fold(0.0, f64::max)
 }
 
-/// Nearest point of the pyramid whose edges are (1, mu corner).
-pub(super) fn pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
-    // In the sector around the middle of a side, x = (n, across, along) with 0 at that middle.
+/// Nearest point of the pyramid whose edges are (1, mu vertex).
+pub(super) fn project_on_pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
+    // In the sector of one side: x = (n, across, along), with 0 at the middle of the side.
     let sector = std::f64::consts::TAU / d as f64;
     let middle = ((x[2].atan2(x[1]) / sector).floor() + 0.5) * sector;
     let (sin, cos) = middle.sin_cos();
@@ -40,7 +40,7 @@ pub(super) fn pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
     if across <= depth * x[0] {
         return x;
     }
-    // The face across = depth n, and if that is beyond its edges, the nearer edge along = ±half n.
+    // The face is across = depth n. Beyond its edges, the nearest point lies on the nearer edge, along = ±half n.
     let edge = ((x[0] + depth * across) / (1.0 + depth * depth)).max(0.0);
     let nearest = if along.abs() <= half * edge {
         [edge, depth * edge, along]

@@ -1,17 +1,17 @@
-//! Springs and dampers in place of a law: f_N = h max(0, -k gap - c v_N), f_F = -mu f_N v_F/max(|v_F|, v_s).
+//! Springs and dampers in place of a contact law: f_N = h max(0, -k gap - c v_N), f_F = -mu f_N v_F/max(|v_F|, v_s).
 //!
-//! Gap and velocity are those before the step. With semi-implicit Euler a mass m on such a spring is stable if and only if
-//! omega h < 2 (sqrt(1 + zeta^2) - zeta), omega^2 = k/m, c = 2 zeta sqrt(k m): the roots of
-//! z^2 - (2 - omega^2 h^2 - 2 zeta omega h) z + (1 - 2 zeta omega h) stay in the unit circle. Here m is what the contact
-//! point weighs by itself, 1/A_NN. Below v_s friction is viscous, so whatever stands on a slope creeps.
+//! Gap and velocity are those before the step. With semi-implicit Euler, a mass m on such a spring is stable if and only if omega h < 2
+//! (sqrt(1 + zeta^2) - zeta), where omega^2 = k/m and c = 2 zeta sqrt(k m). The reason: the roots of z^2 - (2 - omega^2 h^2 - 2 zeta omega
+//! h) z + (1 - 2 zeta omega h) then lie in the unit circle. Here m is the effective mass of the contact point, 1/A_NN. Below v_s friction
+//! is viscous, so a body that stands on a slope creeps.
 
 use super::super::Problem;
 
-/// Slip speed v_s from which on friction is full [m/s].
-const SLIP: f64 = 1e-2;
+/// Slip speed v_s above which friction is full [m/s].
+const FULL_FRICTION_SPEED: f64 = 1e-2;
 
 /// Writes the impulse [N·s].
-pub(super) fn push(problem: &Problem, impulse: &mut Vec<f64>) {
+pub(super) fn write_impulse(problem: &Problem, impulse: &mut Vec<f64>) {
     let (m, stride) = (problem.rows(), 1 + problem.tangents);
     let spring = problem.spring;
     impulse.clear();
@@ -21,9 +21,9 @@ pub(super) fn push(problem: &Problem, impulse: &mut Vec<f64>) {
         let damping =
             if mobility > 0.0 { 2.0 * spring.damping_ratio * (spring.stiffness / mobility).sqrt() } else { 0.0 };
         let force = if problem.gap[i] < 0.0 { -spring.stiffness * problem.gap[i] - damping * v[0] } else { 0.0 };
-        let normal = spring.h * force.max(0.0) + 0.0 * force; // max hides a NaN
+        let normal = spring.h * force.max(0.0) + 0.0 * force; // the last term propagates NaN, which max hides
         let slip = v[1..].iter().fold(0.0, |slip: f64, v| slip.hypot(*v));
-        let share = problem.friction[i] * normal / slip.max(SLIP);
+        let share = problem.friction[i] * normal / slip.max(FULL_FRICTION_SPEED);
         impulse.push(normal);
         impulse.extend(v[1..].iter().map(|v| -share * v));
     }

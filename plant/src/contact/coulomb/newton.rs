@@ -1,166 +1,168 @@
-//! Semismooth Newton on Coulomb's law, over patches and contacts.
+//! Semismooth Newton method for Coulomb's law, over patches and single contacts.
 //!
-//! Each contact is open, sticks or slides, as x = f − ρ v says; contacts of one link that stick do so together, as a patch. That gives
-//! unknowns G y = f and as many equations R v + D y = 0, with v = A f + b + ε(f − f₀), ε the compliance:
+//! Each contact is open, sticks or slides, depending on x = f − ρ v. Contacts of one link that stick do so together, as a patch. The
+//! unknowns y with f = G y obey as many equations R v + D y = 0, where v = A f + b + ε(f − f₀), and ε is the compliance:
 //!
-//! | contact | when | unknowns | equations |
+//! | mode | condition | unknowns | equations |
 //! |---|---|---|---|
 //! | open | x_N ≤ 0 | – | – |
-//! | sticks | \|x_F\| ≤ μ x_N | f | v = 0 |
-//! | patch | sticks, as another of its link | z, f = Q z | Qᵀv = 0 |
-//! | slides | else; e = x_F/\|x_F\| | f_N along (1, μe), f⊥ along e⊥ | v_N = 0, σρ v⊥ + (1 − σ) f⊥ = 0, σ = μ x_N/\|x_F\| |
+//! | sticking | \|x_F\| ≤ μ x_N | f | v = 0 |
+//! | patch | sticking, with others of its link | z, f = Q z | Qᵀv = 0 |
+//! | sliding | else; e = x_F/\|x_F\| | f_N along (1, μe), f⊥ along e⊥ | v_N = 0, σρ v⊥ + (1 − σ) f⊥ = 0, σ = μ x_N/\|x_F\| |
 //!
-//! Near a solution the kinds no longer change and the steps converge quadratically. Far from it they need not: then there is another start.
+//! Near a solution the modes no longer change, and the steps converge quadratically. Far from it they may diverge; the next stage of the
+//! cascade then provides another start.
 //!
 //! # Source
 //! Alart & Curnier (1991): the equations of a contact. Compliance around f₀: the proximal point method of Rockafellar (1976).
 
 mod equations;
-mod evenness;
-mod kinds;
+mod min_norm;
+mod modes;
 
-use super::super::pivoted::Pivoted;
-use super::super::round::{Round, part};
-use super::super::tolerance::{COMPLIANCE, SOLVED};
-use super::patch::{Group, Patch};
-use super::{Iterate, Kind, Start};
+use super::super::lu::Lu;
+use super::super::round_cones::{RoundCones, contact_rows};
+use super::super::tolerance::{COMPLIANCE, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
+use super::patch::{LinkContacts, Patch};
+use super::{ContactMode, Guess, Iterate};
 use equations::{Equations, Unknown};
-use kinds::Contact;
+use modes::ModeWeights;
 
-/// Steps at most; from a good start it takes one to four.
-const STEPS: u32 = 12;
-/// Steps in which a patch may be outside its cones before it is given up.
-const PATIENCE: u32 = 4;
-/// A residual up to this is rounding: another step would change nothing [-].
-const EXACT: f64 = 2e-15;
-/// Solutions at most that undo the compliance.
-const REFINEMENTS: u32 = 4;
+/// Steps at most; from a good guess it takes one to four.
+const MAX_STEPS: u32 = 12;
+/// Steps in which the impulse of a patch may be outside the cones before the method gives up.
+const MAX_STEPS_OUTSIDE: u32 = 4;
+/// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
+const COMPLIANCE_DOMINATES: f64 = 0.1;
+/// Proximal steps at most, which undo the compliance.
+const MAX_REFINEMENTS: u32 = 4;
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Newton {
-    pub groups: Vec<Group>,
-    contacts: Vec<Contact>,
+pub(super) struct PatchNewton {
+    pub groups: Vec<LinkContacts>,
+    contacts: Vec<ModeWeights>,
     patch: Patch,
     unknowns: Vec<Unknown>,
     response: Vec<f64>,
-    /// The equations, column by column.
+    /// Matrix of the equations, column by column.
     matrix: Vec<f64>,
-    factor: Pivoted,
+    factor: Lu,
     right: Vec<f64>,
-    /// The impulse that the compliance acts around, f₀, and G y before patches are spread.
-    around: Vec<f64>,
-    linear: Vec<f64>,
-    kept: Vec<f64>,
+    /// f₀, the centre of the proximal step; and G y, the impulse before it is distributed over patches.
+    prox_centre: Vec<f64>,
+    undistributed: Vec<f64>,
+    saved: Vec<f64>,
     change: Vec<f64>,
-    found: Iterate,
-    /// Patches that the last run found outside their cones, as bits of their groups.
+    solution: Iterate,
+    /// Bit set of the links whose patches were outside their cones in the last run.
     failed: u32,
 }
 
-impl Newton {
-    /// Begins with a problem: its contacts by link.
-    pub fn begin(&mut self, round: &Round) {
+impl PatchNewton {
+    /// Takes a problem: groups its contacts by link.
+    pub fn set_problem(&mut self, cones: &RoundCones) {
         self.groups.clear();
-        for i in 0..round.contacts {
+        for i in 0..cones.contacts {
             match self.groups.last_mut() {
-                Some(group) if round.link[i] == round.link[i - 1] => group.end = i + 1,
-                _ => self.groups.push(Group { first: i, end: i + 1, ..Group::default() }),
+                Some(group) if cones.link[i] == cones.link[i - 1] => group.end = i + 1,
+                _ => self.groups.push(LinkContacts { first: i, end: i + 1, ..LinkContacts::default() }),
             }
         }
-        self.patch.begin(round.contacts);
+        self.patch.reset(cones.contacts);
     }
 
-    /// The kinds of the last run.
-    pub fn kinds(&self) -> impl Iterator<Item = Kind> + '_ {
-        self.contacts.iter().map(|contact| contact.kind)
+    /// The modes of the last run.
+    pub fn modes(&self) -> impl Iterator<Item = ContactMode> + '_ {
+        self.contacts.iter().map(|contact| contact.mode)
     }
 
-    /// From the present impulse to the solution. The groups of `free` do not stick as a patch. False if it does not get there.
-    pub fn run(&mut self, round: &Round, free: u32, start: Option<&Start>, iterate: &mut Iterate) -> bool {
+    /// Iterates from the present impulse to the solution. The links in the bit set `released` form no patch. False if it does not converge.
+    pub fn run(&mut self, cones: &RoundCones, released: u32, guess: Option<&Guess>, iterate: &mut Iterate) -> bool {
         self.contacts.clear();
-        self.contacts.resize(round.contacts, Contact::default());
+        self.contacts.resize(cones.contacts, ModeWeights::default());
         for (g, group) in self.groups.iter_mut().enumerate() {
-            (group.sticks, group.may) = (false, free >> g.min(31) & 1 == 0);
+            (group.sticks, group.may_stick) = (false, released >> g.min(31) & 1 == 0);
         }
-        self.around.clear();
-        self.around.resize(iterate.f.len(), 0.0);
-        self.linear.clone_from(&iterate.f);
-        self.velocity(round, iterate);
+        self.prox_centre.clear();
+        self.prox_centre.resize(iterate.f.len(), 0.0);
+        self.undistributed.clone_from(&iterate.f);
+        self.velocity(cones, iterate);
         let (mut outside, mut refined) = (0, 0);
-        for step in 0..STEPS {
-            match start {
-                Some(start) if step == 0 => self.recall(round, start, iterate),
-                _ => self.classify(round, iterate),
+        for step in 0..MAX_STEPS {
+            match guess {
+                Some(guess) if step == 0 => self.apply_guess(cones, guess, iterate),
+                _ => self.classify(cones, iterate),
             }
             iterate.steps += 1;
             self.failed = 0;
-            let evenly = step == 0 && start.is_some() && self.has_spare_pressure(round);
-            if !self.solve(round, evenly, &mut iterate.f) {
+            let min_norm = step == 0 && guess.is_some() && self.is_pressure_redundant(cones);
+            if !self.solve(cones, min_norm, &mut iterate.f) {
                 return false;
             }
-            self.linear.clone_from(&iterate.f);
-            self.spread(round, &mut iterate.f);
+            self.undistributed.clone_from(&iterate.f);
+            self.distribute(cones, &mut iterate.f);
             if self.failed != 0 {
                 outside += 1;
-                let moves = |contact: &Contact| matches!(contact.kind, Kind::Sticks | Kind::Slides);
-                if outside >= PATIENCE || !self.contacts.iter().any(moves) {
+                let moves =
+                    |contact: &ModeWeights| matches!(contact.mode, ContactMode::Sticking | ContactMode::Sliding);
+                if outside >= MAX_STEPS_OUTSIDE || !self.contacts.iter().any(moves) {
                     return false;
                 }
-                iterate.f.clone_from(&self.linear);
-                self.velocity(round, iterate);
+                iterate.f.clone_from(&self.undistributed);
+                self.velocity(cones, iterate);
                 continue;
             }
-            round.velocity(&iterate.f, &mut iterate.v);
-            iterate.error = round.residual(&iterate.f, &iterate.v);
+            cones.velocity(&iterate.f, &mut iterate.v);
+            iterate.error = cones.residual(&iterate.f, &iterate.v);
             if iterate.error <= SOLVED {
-                self.refine(round, iterate);
-                if !evenly || iterate.error > EXACT {
-                    self.press_evenly(round, iterate);
+                self.refine(cones, iterate);
+                if !min_norm || iterate.error > PATCH_NEWTON_ROUNDING {
+                    self.use_min_norm_pressure(cones, iterate);
                 }
                 return true;
             }
             let rigid = iterate.error;
-            self.velocity(round, iterate);
-            if self.patches_move(round, iterate) {
+            self.velocity(cones, iterate);
+            if self.patches_move(cones, iterate) {
                 return false;
             }
-            if round.residual(&iterate.f, &iterate.v) <= 0.1 * rigid {
-                // solved but for what the compliance moves
-                if refined == REFINEMENTS {
+            if cones.residual(&iterate.f, &iterate.v) <= COMPLIANCE_DOMINATES * rigid {
+                // solved except for the compliance
+                if refined == MAX_REFINEMENTS {
                     return false;
                 }
                 refined += 1;
-                self.around.clone_from(&self.linear);
+                self.prox_centre.clone_from(&self.undistributed);
             }
         }
         false
     }
 
     /// v = A f + b + ε(G y − f₀).
-    fn velocity(&self, round: &Round, Iterate { f, v, .. }: &mut Iterate) {
-        round.velocity(f, v);
-        for ((v, y), around) in v.iter_mut().zip(&self.linear).zip(&self.around) {
-            *v += COMPLIANCE * (y - around);
+    fn velocity(&self, cones: &RoundCones, Iterate { f, v, .. }: &mut Iterate) {
+        cones.velocity(f, v);
+        for ((v, y), prox_centre) in v.iter_mut().zip(&self.undistributed).zip(&self.prox_centre) {
+            *v += COMPLIANCE * (y - prox_centre);
         }
     }
 
-    /// One solution of the equations, if asked for that with the evenest pressure; writes f = G y.
-    fn solve(&mut self, round: &Round, evenly: bool, f: &mut [f64]) -> bool {
-        let Newton { groups, contacts, patch, unknowns, response, matrix, factor, right, around, .. } = self;
+    /// Solves the equations once and writes f = G y; with `min_norm`, the normal impulses get the least norm.
+    fn solve(&mut self, cones: &RoundCones, min_norm: bool, f: &mut [f64]) -> bool {
+        let PatchNewton { groups, contacts, patch, unknowns, response, matrix, factor, right, prox_centre, .. } = self;
         unknowns.clear();
         for (g, group) in groups.iter_mut().enumerate() {
             if group.sticks {
-                patch.find_basis(round, group, 3, |i| contacts[i].kind == Kind::Patch);
+                patch.find_basis(cones, group, 3, |i| contacts[i].mode == ContactMode::Patch);
                 unknowns.extend((0..group.rank).map(|column| Unknown::Patch { group: g, column }));
-            } else if evenly {
-                patch.find_basis(round, group, 1, |i| contacts[i].kind != Kind::Open);
+            } else if min_norm {
+                patch.find_basis(cones, group, 1, |i| contacts[i].mode != ContactMode::Open);
             }
             for (contact, own) in (group.first..).zip(&contacts[group.first..group.end]) {
-                match own.kind {
-                    Kind::Open | Kind::Patch => {}
-                    Kind::Sticks => unknowns.extend([0, 1, 2].map(|row| Unknown::Sticks { contact, row })),
-                    Kind::Slides => unknowns.extend([Unknown::Along(contact), Unknown::Across(contact)]),
+                match own.mode {
+                    ContactMode::Open | ContactMode::Patch => {}
+                    ContactMode::Sticking => unknowns.extend([0, 1, 2].map(|row| Unknown::Sticking { contact, row })),
+                    ContactMode::Sliding => unknowns.extend([Unknown::ConeEdge(contact), Unknown::Transverse(contact)]),
                 }
             }
         }
@@ -168,29 +170,29 @@ impl Newton {
             f.fill(0.0);
             return true;
         }
-        let equations = Equations { round, groups: &*groups, contacts, patch: &*patch };
+        let equations = Equations { cones, groups: &*groups, contacts, patch: &*patch };
         let (n, m) = (unknowns.len(), f.len());
         matrix.clear();
         right.clear();
         for (place, unknown) in unknowns.iter().enumerate() {
             response.clear();
             response.resize(m, 0.0);
-            equations.push(*unknown, |row, weight| {
-                let a = &round.delassus[row * m..][..m];
+            equations.scatter(*unknown, |row, weight| {
+                let a = &cones.delassus[row * m..][..m];
                 response.iter_mut().zip(a).for_each(|(sum, a)| *sum = a.mul_add(weight, *sum));
                 response[row] += COMPLIANCE * weight;
             });
-            equations.read(unknowns, response, matrix);
-            if let Unknown::Across(i) = *unknown {
-                matrix[place * n + place] += contacts[i].friction;
+            equations.gather(unknowns, response, matrix);
+            if let Unknown::Transverse(i) = *unknown {
+                matrix[place * n + place] += contacts[i].friction_weight;
             }
         }
-        if evenly {
-            equations.press_evenly(unknowns, matrix);
+        if min_norm {
+            equations.use_min_norm_pressure(unknowns, matrix);
         }
         response.clear();
-        response.extend(round.drift.iter().zip(&*around).map(|(b, around)| COMPLIANCE * around - b));
-        equations.read(unknowns, response, right);
+        response.extend(cones.drift.iter().zip(&*prox_centre).map(|(b, prox_centre)| COMPLIANCE * prox_centre - b));
+        equations.gather(unknowns, response, right);
         if !factor.factorize(n, matrix, 0.0) {
             return false;
         }
@@ -200,55 +202,56 @@ impl Newton {
         f.iter().all(|f| f.is_finite())
     }
 
-    /// Undoes what the compliance has moved, wherever A allows, by the factor that is there; kept if the residual is less.
-    fn refine(&mut self, round: &Round, iterate: &mut Iterate) {
+    /// Undoes the compliance with the present factors. Keeps the result if its residual is less.
+    fn refine(&mut self, cones: &RoundCones, iterate: &mut Iterate) {
         let Iterate { f, v, error, .. } = iterate;
-        let Newton { groups, contacts, patch, unknowns, factor, right, linear, kept, change, .. } = self;
+        let PatchNewton { groups, contacts, patch, unknowns, factor, right, undistributed, saved, change, .. } = self;
         if unknowns.is_empty() {
             return;
         }
-        kept.clone_from(f);
-        let equations = Equations { round, groups, contacts, patch };
+        saved.clone_from(f);
+        let equations = Equations { cones, groups, contacts, patch };
         change.clear();
-        equations.read(unknowns, v, change);
+        equations.gather(unknowns, v, change);
         for ((change, unknown), y) in change.iter_mut().zip(&*unknowns).zip(&*right) {
             *change = match *unknown {
-                Unknown::Across(i) => -*change - contacts[i].friction * y,
+                Unknown::Transverse(i) => -*change - contacts[i].friction_weight * y,
                 _ => -*change,
             };
         }
         factor.solve(change);
-        f.clone_from(linear);
+        f.clone_from(undistributed);
         equations.add(unknowns, change, f);
         self.failed = 0;
-        self.spread(round, f);
-        round.velocity(f, v);
-        let refined = round.residual(f, v);
+        self.distribute(cones, f);
+        cones.velocity(f, v);
+        let refined = cones.residual(f, v);
         if self.failed == 0 && refined < *error {
             *error = refined;
         } else {
-            f.clone_from(&self.kept);
-            round.velocity(f, v);
+            f.clone_from(&self.saved);
+            cones.velocity(f, v);
         }
     }
 
-    /// Spreads the impulses of patches over their contacts; notes those that cannot be.
-    fn spread(&mut self, round: &Round, f: &mut [f64]) {
-        let Newton { groups, contacts, patch, failed, .. } = self;
+    /// Distributes the impulses of patches over their contacts; marks patches for which that fails.
+    fn distribute(&mut self, cones: &RoundCones, f: &mut [f64]) {
+        let PatchNewton { groups, contacts, patch, failed, .. } = self;
         for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.sticks) {
-            if !patch.spread(round, group, |i| contacts[i].kind == Kind::Patch, f) {
+            if !patch.distribute(cones, group, |i| contacts[i].mode == ContactMode::Patch, f) {
                 *failed |= 1 << g.min(31);
             }
         }
     }
 
-    /// Whether what should stick moves all the same: points of a link that land from different heights pull it to and fro.
-    fn patches_move(&mut self, round: &Round, Iterate { v, .. }: &Iterate) -> bool {
+    /// Whether a patch moves at the solution. That happens if points of a link land from different heights and their conditions contradict
+    /// each other.
+    fn patches_move(&mut self, cones: &RoundCones, Iterate { v, .. }: &Iterate) -> bool {
         for (g, group) in self.groups.iter().enumerate().filter(|(_, group)| group.sticks) {
-            let members = (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch);
+            let members = (group.first..group.end).filter(|&i| self.contacts[i].mode == ContactMode::Patch);
             let mut speed =
-                members.map(|i| part(v, i).iter().fold(0.0, |most: f64, v| most.max(v.abs())) / round.speed(i));
-            if speed.any(|speed| speed > 0.5 * SOLVED) {
+                members.map(|i| contact_rows(v, i).iter().fold(0.0, |most: f64, v| most.max(v.abs())) / cones.speed(i));
+            if speed.any(|speed| speed > WELL_SOLVED) {
                 self.failed |= 1 << g.min(31);
             }
         }

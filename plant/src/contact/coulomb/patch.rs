@@ -1,48 +1,47 @@
-//! Contacts of one link that stick together: a patch.
+//! Patch: the contacts of one link that stick together.
 //!
-//! A rigid link that stands on its contacts has six velocities at most, however many contacts there are, so a patch has that many unknowns:
-//! f = Q z with the columns of Q an orthonormal basis of what A of these contacts can feel. Of all impulses with the same effect this is
-//! the one of least norm. It need not be within the cones: the impulse is then spread anew, with weights W on the contacts,
+//! The contacts of a rigid link move with at most six velocities, so a patch has at most six unknowns: f = Q z. The columns of Q are an
+//! orthonormal basis of the range of A for these contacts. Of all impulses with the same effect, f has the least norm. It may lie outside
+//! the friction cones. The impulse is then distributed again, with weights W on the contacts,
 //!
 //! ```text
-//!   f = W Q (QᵀW Q)⁻¹ z,
+//!   f = W Q (QᵀW Q)⁻¹ z.
 //! ```
 //!
-//! zero for a contact that would pull, less for the friction of one that would slip. If no weights do, the patch does not stick.
+//! The weight is zero for a contact that would pull, and lower for the friction of a contact that would slip. If no weights succeed, the
+//! patch does not stick.
 
-use super::super::project::length;
-use super::super::round::{Round, part};
-use super::super::tolerance::DEPENDENT;
+use super::super::projection::norm;
+use super::super::round_cones::{RoundCones, contact_rows};
+use super::super::tolerance::{DEPENDENT, PULL_ROUNDING};
 use nalgebra::{Matrix6, Vector6};
 
-/// Directions in which a rigid link moves.
-pub(super) const MOST: usize = 6;
-/// Trials of the weights.
-const TRIALS: usize = 10;
-/// What would slip gets so much less weight: somewhat more than it must, so that few trials are enough [-].
-const EASE: f64 = 1.5;
-/// A contact that pulls less than this part of the greatest push does so by rounding [-].
-const ROUNDING: f64 = 1e-14;
+/// Degrees of freedom of a rigid link.
+pub(super) const LINK_DOFS: usize = 6;
+/// Trials of the weights at most.
+const MAX_TRIALS: usize = 10;
+/// Factor by which the friction weight of a slipping contact is reduced beyond the necessary [-], so that few trials suffice.
+const OVERREDUCTION: f64 = 1.5;
 
-/// Three rows of Q.
-pub(super) type Rows = [[f64; MOST]; 3];
+/// The three rows of Q of one contact.
+pub(super) type Rows = [[f64; LINK_DOFS]; 3];
 
-/// The contacts of one link, and what they can do together.
+/// The contacts of one link, and their patch.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Group {
+pub(super) struct LinkContacts {
     pub first: usize,
     pub end: usize,
-    /// Those that push stick together.
+    /// The active contacts form a patch.
     pub sticks: bool,
-    /// Whether they may.
-    pub may: bool,
+    /// They may form a patch.
+    pub may_stick: bool,
     /// Columns of Q.
     pub rank: usize,
-    /// Members that Q is of, as bits, and how many rows of each; none yet.
-    pub of: (u64, usize),
+    /// Contacts in the present Q, as a bit set, and its number of rows per contact.
+    pub basis_of: (u64, usize),
 }
 
-/// Q by contact, and the weights of normal and friction; workspace.
+/// Q by contact, and the weights of normal and friction impulses; workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Patch {
     pub basis: Vec<Rows>,
@@ -51,50 +50,57 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Room for so many contacts.
-    pub fn begin(&mut self, contacts: usize) {
+    /// Allocates for so many contacts and forgets all bases.
+    pub fn reset(&mut self, contacts: usize) {
         self.basis.clear();
         self.basis.resize(contacts, Rows::default());
         self.diagonal.resize(contacts, [0.0; 3]);
         self.weights.resize(contacts, [0.0; 2]);
     }
 
-    /// Q of the first `rows` of the members of a group, the normal or all three: the factor of their A by pivoted Cholesky, made
-    /// orthonormal by Gram and Schmidt, twice.
-    pub fn find_basis(&mut self, round: &Round, group: &mut Group, rows: usize, member: impl Fn(usize) -> bool) {
-        let (m, contacts) = (3 * round.contacts, group.first..group.end);
+    /// Computes Q from the first `rows` rows of the members of a link: one for the normals, three for all. It is the pivoted Cholesky
+    /// factor of their A, orthonormalised by Gram-Schmidt, twice.
+    pub fn find_basis(
+        &mut self,
+        cones: &RoundCones,
+        group: &mut LinkContacts,
+        rows: usize,
+        member: impl Fn(usize) -> bool,
+    ) {
+        let (m, contacts) = (3 * cones.contacts, group.first..group.end);
         let members = contacts.clone().filter(|&i| member(i)).fold(0, |bits, i| bits | 1 << (i - group.first).min(63));
-        if contacts.len() < 64 && group.of == (members, rows) {
+        if contacts.len() < 64 && group.basis_of == (members, rows) {
             return;
         }
-        group.of = (members, rows);
+        group.basis_of = (members, rows);
         let Patch { basis, diagonal, .. } = self;
         for i in contacts.clone() {
             basis[i] = Rows::default();
             diagonal[i] =
-                [0, 1, 2].map(|k| if member(i) && k < rows { round.delassus[(3 * i + k) * (m + 1)] } else { 0.0 });
+                [0, 1, 2].map(|k| if member(i) && k < rows { cones.delassus[(3 * i + k) * (m + 1)] } else { 0.0 });
         }
-        let least = DEPENDENT * diagonal[contacts.clone()].as_flattened().iter().fold(0.0, |most: f64, d| most.max(*d));
+        let least =
+            DEPENDENT * diagonal[contacts.clone()].as_flattened().iter().fold(0.0, |greatest: f64, d| greatest.max(*d));
         group.rank = 0;
-        while group.rank < MOST {
+        while group.rank < LINK_DOFS {
             let c = group.rank;
-            let (mut pivot, mut most) = ((0, 0), least);
+            let (mut pivot, mut greatest) = ((0, 0), least);
             for i in contacts.clone() {
                 for (k, left) in diagonal[i].into_iter().enumerate() {
-                    if left > most {
-                        (pivot, most) = ((i, k), left);
+                    if left > greatest {
+                        (pivot, greatest) = ((i, k), left);
                     }
                 }
             }
-            if most <= least {
+            if greatest <= least {
                 break;
             }
             let row = basis[pivot.0][pivot.1];
-            let scale = 1.0 / most.sqrt();
+            let scale = 1.0 / greatest.sqrt();
             for i in contacts.clone().filter(|&i| member(i)) {
                 for k in 0..rows {
                     let known: f64 = (0..c).map(|d| basis[i][k][d] * row[d]).sum();
-                    let entry = (round.delassus[(3 * pivot.0 + pivot.1) * m + 3 * i + k] - known) * scale;
+                    let entry = (cones.delassus[(3 * pivot.0 + pivot.1) * m + 3 * i + k] - known) * scale;
                     basis[i][k][c] = entry;
                     diagonal[i][k] -= entry * entry;
                 }
@@ -113,35 +119,41 @@ impl Patch {
         }
     }
 
-    /// Spreads the impulse of a patch over its contacts; false if no weights bring it within the cones.
-    pub fn spread(&mut self, round: &Round, group: &Group, member: impl Fn(usize) -> bool, f: &mut [f64]) -> bool {
+    /// Distributes the impulse of a patch over its contacts; false if no weights bring it into the cones.
+    pub fn distribute(
+        &mut self,
+        cones: &RoundCones,
+        group: &LinkContacts,
+        member: impl Fn(usize) -> bool,
+        f: &mut [f64],
+    ) -> bool {
         let Patch { basis, weights, .. } = self;
         let members = || (group.first..group.end).filter(|&i| member(i));
-        let mut together = Vector6::zeros();
+        let mut coordinates = Vector6::zeros();
         for i in members() {
-            for (row, f) in basis[i].iter().zip(part(f, i)) {
-                together += Vector6::from_column_slice(row) * f;
+            for (row, f) in basis[i].iter().zip(contact_rows(f, i)) {
+                coordinates += Vector6::from_column_slice(row) * f;
             }
         }
         let greatest = members().map(|i| f[3 * i]).fold(0.0, f64::max);
         members().for_each(|i| weights[i] = [1.0; 2]);
-        for trial in 0..TRIALS {
+        for trial in 0..MAX_TRIALS {
             let mut within = true;
             for i in members() {
-                let [normal, along, across] = part(f, i);
-                let (friction, bound) = (length(along, across), round.friction[i] * normal);
+                let [normal, along, across] = contact_rows(f, i);
+                let (friction, bound) = (norm(along, across), cones.friction[i] * normal);
                 if normal <= 0.0 {
-                    within &= normal >= -ROUNDING * greatest;
+                    within &= normal >= -PULL_ROUNDING * greatest;
                     weights[i] = [0.0; 2];
                     continue;
                 }
                 if trial == 0 {
-                    weights[i][1] = bound / greatest; // friction in proportion to the pressure, to begin with
+                    weights[i][1] = bound / greatest; // initial guess: friction in proportion to the normal impulse
                 }
                 if friction > bound {
                     within = false;
                     if trial > 0 {
-                        weights[i][1] *= (bound / friction).powi(2) / EASE;
+                        weights[i][1] *= (bound / friction).powi(2) / OVERREDUCTION;
                     }
                 }
             }
@@ -154,7 +166,7 @@ impl Patch {
                 return true;
             }
             let mut square = Matrix6::zeros();
-            (group.rank..MOST).for_each(|c| square[(c, c)] = 1.0);
+            (group.rank..LINK_DOFS).for_each(|c| square[(c, c)] = 1.0);
             for i in members() {
                 for (k, row) in basis[i].iter().enumerate() {
                     let row = Vector6::from_column_slice(row);
@@ -162,7 +174,7 @@ impl Patch {
                 }
             }
             let Some(factor) = square.cholesky() else { return false };
-            let z = factor.solve(&together);
+            let z = factor.solve(&coordinates);
             for i in members() {
                 for (k, row) in basis[i].iter().enumerate() {
                     f[3 * i + k] = Vector6::from_column_slice(row).dot(&z) * weights[i][k.min(1)];

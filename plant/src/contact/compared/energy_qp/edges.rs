@@ -1,86 +1,86 @@
-//! The contact problem along the edges of its cones: f = Σ y_r e_r, and each edge's w_r = e_r·v = (Q y + q)_r.
+//! The contact problem along the edges of the friction cones: f = Σ y_r e_r, and w_r = e_r·v = (Q y + q)_r for each edge.
 //!
-//! Each cone is spanned by its edges (1, ±mu d). Q = EᵀAE has a row for each, and only those of edges that push are ever read: they
-//! are made when they are asked for.
+//! The edges (1, ±mu d) span the cone of each contact. Q = EᵀAE has a row for each edge. Only rows of basic edges are read, so they are
+//! computed on demand.
 
-use super::super::scaled::Scaled;
+use super::super::scaled_problem::ScaledProblem;
 
-/// Numbers that are worked on at once: those of the edges of four contacts, four registers full.
+/// Numbers per panel: those of the edges of four contacts, in four vector registers.
 pub(super) const WIDTH: usize = 16;
-/// A number for each of some edges; what fills up the last is zero.
+/// One number per edge, for some edges; the last panel is padded with zeros.
 pub(super) type Panel = [f64; WIDTH];
 
 /// Q and q of a problem.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Edges {
     count: usize,
-    /// Edges of a contact.
+    /// Edges per contact.
     pub each: usize,
     /// 1 / |e_r|.
-    shortness: Vec<Panel>,
+    inverse_norm: Vec<Panel>,
     /// q.
     drift: Vec<Panel>,
-    /// Q, of the rows that are there.
+    /// The computed rows of Q.
     matrix: Vec<Panel>,
-    there: Vec<bool>,
+    is_known: Vec<bool>,
     /// A e of an edge.
     response: Vec<f64>,
 }
 
 impl Edges {
-    /// Of all contacts.
+    /// Number of edges.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Panels of a number for each.
+    /// Number of panels with one number per edge.
     pub fn width(&self) -> usize {
         self.drift.len()
     }
 
-    /// Of another problem, its drift apart.
-    pub fn set(&mut self, scaled: &Scaled) {
+    /// Sets another problem, without its drift.
+    pub fn set(&mut self, scaled: &ScaledProblem) {
         (self.each, self.count) = (scaled.facets(), scaled.contacts * scaled.facets());
         let width = self.count.div_ceil(WIDTH);
-        for list in [&mut self.shortness, &mut self.drift] {
+        for list in [&mut self.inverse_norm, &mut self.drift] {
             list.clear();
             list.resize(width, [0.0; WIDTH]);
         }
-        let slopes = scaled.reach.chunks_exact(scaled.stride()).flat_map(|reach| &reach[1..]);
-        let pairs = self.shortness.as_flattened_mut().chunks_exact_mut(2);
+        let slopes = scaled.cone_slope.chunks_exact(scaled.stride()).flat_map(|cone_slope| &cone_slope[1..]);
+        let pairs = self.inverse_norm.as_flattened_mut().chunks_exact_mut(2);
         pairs.zip(slopes).for_each(|(pair, slope)| pair.fill(1.0 / (1.0 + slope * slope).sqrt()));
         self.matrix.resize(self.count * width, [0.0; WIDTH]);
-        self.there.clear();
-        self.there.resize(self.count, false);
+        self.is_known.clear();
+        self.is_known.resize(self.count, false);
     }
 
-    /// Of the same problem with this drift.
-    pub fn turn(&mut self, scaled: &Scaled, drift: &[f64]) {
+    /// Sets the drift.
+    pub fn set_drift(&mut self, scaled: &ScaledProblem, drift: &[f64]) {
         expand(scaled, drift, self.drift.as_flattened_mut());
     }
 
     /// Row r of Q.
-    pub fn row(&mut self, scaled: &Scaled, r: usize) -> &[Panel] {
+    pub fn row(&mut self, scaled: &ScaledProblem, r: usize) -> &[Panel] {
         let range = r * self.width()..(r + 1) * self.width();
-        if !self.there[r] {
+        if !self.is_known[r] {
             scaled.response(scaled.edge(r / self.each, r % self.each), &mut self.response);
-            // what was there in another problem's padding would count
+            // clears the padding, which may hold numbers of another problem
             self.matrix[range.end - 1] = [0.0; WIDTH];
             expand(scaled, &self.response, self.matrix[range.clone()].as_flattened_mut());
-            self.there[r] = true;
+            self.is_known[r] = true;
         }
         &self.matrix[range]
     }
 
-    /// w of the amounts y of some edges, whose rows are there.
+    /// w for the amounts y of some edges, whose rows must be computed.
     pub fn velocity(&self, edges: &[usize], amounts: &[f64], w: &mut [Panel]) {
         w.copy_from_slice(&self.drift);
         let width = self.width();
         add_all(w, edges.iter().map(|&r| (amounts[r], &self.matrix[r * width..])));
     }
 
-    /// f of the amounts y of some edges.
-    pub fn impulse(&self, scaled: &Scaled, edges: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
+    /// f for the amounts y of some edges.
+    pub fn impulse(&self, scaled: &ScaledProblem, edges: &[usize], amounts: &[f64], f: &mut Vec<f64>) {
         f.clear();
         f.resize(scaled.drift.len(), 0.0);
         for &r in edges {
@@ -90,34 +90,34 @@ impl Edges {
 
     /// w as speeds: e_r·v / |e_r|.
     pub fn speeds(&self, w: &[Panel]) -> impl Iterator<Item = Panel> + Clone {
-        w.iter().zip(&self.shortness).map(|(w, shortness)| std::array::from_fn(|k| w[k] * shortness[k]))
+        w.iter().zip(&self.inverse_norm).map(|(w, inverse_norm)| std::array::from_fn(|k| w[k] * inverse_norm[k]))
     }
 }
 
-/// What rows of contacts are along the edges of each: normal and tangents, there and back.
-fn expand(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
+/// Transforms contact rows (normal and tangents) to values along the edges.
+fn expand(scaled: &ScaledProblem, rows: &[f64], along: &mut [f64]) {
     match scaled.tangents {
         1 => expand_each::<2, 2>(scaled, rows, along),
         _ => expand_each::<3, 4>(scaled, rows, along),
     }
 }
 
-fn expand_each<const ROWS: usize, const EDGES: usize>(scaled: &Scaled, rows: &[f64], along: &mut [f64]) {
-    let contacts = rows.as_chunks::<ROWS>().0.iter().zip(scaled.reach.as_chunks::<ROWS>().0);
-    for ((rows, reach), along) in contacts.zip(along.as_chunks_mut::<EDGES>().0) {
+fn expand_each<const ROWS: usize, const EDGES: usize>(scaled: &ScaledProblem, rows: &[f64], along: &mut [f64]) {
+    let contacts = rows.as_chunks::<ROWS>().0.iter().zip(scaled.cone_slope.as_chunks::<ROWS>().0);
+    for ((rows, cone_slope), along) in contacts.zip(along.as_chunks_mut::<EDGES>().0) {
         for (k, pair) in along.as_chunks_mut::<2>().0.iter_mut().enumerate() {
-            let part = reach[k + 1] * rows[k + 1];
+            let part = cone_slope[k + 1] * rows[k + 1];
             *pair = [rows[0] - part, rows[0] + part];
         }
     }
 }
 
-/// The numbers of a contact's edges.
+/// The values of a contact's edges.
 pub(super) fn of_contact(numbers: &[Panel], contact: usize, each: usize) -> &[f64] {
     &numbers.as_flattened()[contact * each..][..each]
 }
 
-/// sum + weight · what.
+/// sum + weight · vector.
 #[inline(always)]
 pub(super) fn add(sum: &mut [Panel], weight: f64, what: &[Panel]) {
     for (sum, what) in sum.iter_mut().zip(what) {
@@ -129,7 +129,7 @@ pub(super) fn add(sum: &mut [Panel], weight: f64, what: &[Panel]) {
 #[inline(always)]
 pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &'a [Panel])> + Clone) {
     for (p, sum) in sum.iter_mut().enumerate() {
-        let mut total = *sum; // in registers
+        let mut total = *sum; // stays in registers
         for (weight, term) in terms.clone() {
             let term = &term[p];
             total = std::array::from_fn(|k| term[k].mul_add(weight, total[k]));
@@ -138,9 +138,9 @@ pub(super) fn add_all<'a>(sum: &mut [Panel], terms: impl Iterator<Item = (f64, &
     }
 }
 
-/// Where some numbers first are what is looked for.
+/// Index of the first of some numbers that equals a given one.
 #[inline(always)]
-pub(super) fn place_of(what: f64, numbers: &Panel) -> Option<usize> {
+pub(super) fn index_of(what: f64, numbers: &Panel) -> Option<usize> {
     let places = numbers.iter().enumerate().fold(0_u32, |places, (k, number)| places | u32::from(*number == what) << k);
     (places != 0).then(|| places.trailing_zeros() as usize)
 }
@@ -163,5 +163,5 @@ pub(super) fn dot(a: &[Panel], b: &[Panel]) -> f64 {
     }
     let sum: [f64; 8] = std::array::from_fn(|k| sum[k] + sum[k + 8]);
     let sum: [f64; 4] = std::array::from_fn(|k| sum[k] + sum[k + 4]);
-    (sum[0] + sum[1]) + (sum[2] + sum[3]) // a mirror image, which has there and back exchanged, has the same bits
+    (sum[0] + sum[1]) + (sum[2] + sum[3]) // in this order a mirror image, which swaps the two edges of a tangent, gives the same bits
 }

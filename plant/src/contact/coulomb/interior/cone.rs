@@ -1,6 +1,6 @@
-//! The algebra of the cone L = {x_N ≥ |x_F|}: Jordan product, scaling, and the way to its border.
+//! Algebra of the cone L = {x_N ≥ |x_F|}: Jordan product, scaling, and distance to the boundary.
 
-use super::super::super::project::length;
+use super::super::super::projection::norm;
 
 pub(super) type Vector = [f64; 3];
 
@@ -28,7 +28,7 @@ impl Scaling {
     }
 
     /// W⁻¹ a.
-    pub fn undo(&self, a: Vector) -> Vector {
+    pub fn apply_inverse(&self, a: Vector) -> Vector {
         let v = [self.v[0], -self.v[1], -self.v[2]];
         let along = 2.0 * dot(v, a);
         [v[0] * along - a[0], v[1] * along + a[1], v[2] * along + a[2]].map(|w| w / self.beta)
@@ -39,29 +39,29 @@ pub(super) fn dot(a: Vector, b: Vector) -> f64 {
     a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
-pub(super) fn add(a: Vector, share: f64, b: Vector) -> Vector {
+pub(super) fn axpy(a: Vector, share: f64, b: Vector) -> Vector {
     [0, 1, 2].map(|k| a[k] + share * b[k])
 }
 
-/// x_N² − |x_F|², by its factors.
+/// Determinant x_N² − |x_F|², as a product, which cancels less.
 pub(super) fn determinant(x: Vector) -> f64 {
-    let length = length(x[1], x[2]);
+    let length = norm(x[1], x[2]);
     (x[0] - length) * (x[0] + length)
 }
 
 /// The Jordan product a∘b.
-pub(super) fn jordan(a: Vector, b: Vector) -> Vector {
+pub(super) fn jordan_product(a: Vector, b: Vector) -> Vector {
     [dot(a, b), a[0] * b[1] + b[0] * a[1], a[0] * b[2] + b[0] * a[2]]
 }
 
 /// x with a∘x = b.
-pub(super) fn divide(a: Vector, b: Vector) -> Vector {
+pub(super) fn jordan_solve(a: Vector, b: Vector) -> Vector {
     let normal = (a[0] * b[0] - a[1] * b[1] - a[2] * b[2]) / determinant(a);
     [normal, (b[1] - normal * a[1]) / a[0], (b[2] - normal * a[2]) / a[0]]
 }
 
-/// The greatest s for which x + s d is in the cone, x being inside.
-pub(super) fn longest(x: Vector, d: Vector) -> f64 {
+/// The greatest s for which x + s d is in the cone; x must be inside.
+pub(super) fn max_step(x: Vector, d: Vector) -> f64 {
     let product = |a: Vector, b: Vector| a[0] * b[0] - a[1] * b[1] - a[2] * b[2];
     let (a, b, c) = (product(d, d), product(x, d), determinant(x));
     let mut most = if d[0] < 0.0 { -x[0] / d[0] } else { f64::INFINITY };

@@ -1,49 +1,49 @@
-//! The unknowns of Newton's method as columns of G, which says where each pushes, and their equations as rows of R, which says where each
-//! reads. The table is that of [`super`].
+//! Unknowns and equations of the Newton method, after the table in [`super`]. The columns of G map unknowns to impulses. The rows of R map
+//! velocities to equations.
 
-use super::super::super::round::{Round, part};
-use super::super::Kind;
-use super::super::patch::{Group, MOST, Patch};
-use super::kinds::Contact;
+use super::super::super::round_cones::{RoundCones, contact_rows};
+use super::super::ContactMode;
+use super::super::patch::{LINK_DOFS, LinkContacts, Patch};
+use super::modes::ModeWeights;
 
-/// One unknown: where it pushes, and where its equation reads.
+/// One unknown, with its column of G and its row of R.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Unknown {
     Patch { group: usize, column: usize },
-    Sticks { contact: usize, row: usize },
-    Along(usize),
-    Across(usize),
+    Sticking { contact: usize, row: usize },
+    ConeEdge(usize),
+    Transverse(usize),
 }
 
-/// G and R by their unknowns.
+/// G and R.
 pub(super) struct Equations<'a> {
-    pub round: &'a Round,
-    pub groups: &'a [Group],
-    pub contacts: &'a [Contact],
+    pub cones: &'a RoundCones,
+    pub groups: &'a [LinkContacts],
+    pub contacts: &'a [ModeWeights],
     pub patch: &'a Patch,
 }
 
 impl Equations<'_> {
-    /// Entries of a column of G.
+    /// Calls `entry` for each nonzero of a column of G.
     #[inline(always)]
-    pub fn push(&self, unknown: Unknown, mut entry: impl FnMut(usize, f64)) {
+    pub fn scatter(&self, unknown: Unknown, mut entry: impl FnMut(usize, f64)) {
         match unknown {
             Unknown::Patch { group, column } => {
                 let group = &self.groups[group];
-                for i in (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch) {
+                for i in (group.first..group.end).filter(|&i| self.contacts[i].mode == ContactMode::Patch) {
                     (0..3).for_each(|k| entry(3 * i + k, self.patch.basis[i][k][column]));
                 }
             }
-            Unknown::Sticks { contact, row } => entry(3 * contact + row, 1.0),
-            Unknown::Along(i) => {
-                let (mu, [a, b]) = (self.round.friction[i], self.contacts[i].along);
+            Unknown::Sticking { contact, row } => entry(3 * contact + row, 1.0),
+            Unknown::ConeEdge(i) => {
+                let (mu, [a, b]) = (self.cones.friction[i], self.contacts[i].along);
                 let unit = 1.0 / (1.0 + mu * mu).sqrt();
                 [unit, unit * mu * a, unit * mu * b]
                     .into_iter()
                     .enumerate()
                     .for_each(|(k, weight)| entry(3 * i + k, weight));
             }
-            Unknown::Across(i) => {
+            Unknown::Transverse(i) => {
                 let [a, b] = self.contacts[i].along;
                 entry(3 * i + 1, -b);
                 entry(3 * i + 2, a);
@@ -54,29 +54,29 @@ impl Equations<'_> {
     /// f + G y.
     pub fn add(&self, unknowns: &[Unknown], y: &[f64], f: &mut [f64]) {
         for (unknown, y) in unknowns.iter().zip(y) {
-            self.push(*unknown, |row, weight| f[row] += weight * y);
+            self.scatter(*unknown, |row, weight| f[row] += weight * y);
         }
     }
 
-    /// What the rows of R make of numbers by rows; those of a patch at once.
-    pub fn read(&self, unknowns: &[Unknown], rows: &[f64], values: &mut Vec<f64>) {
+    /// R times a vector of contact rows. All rows of a patch are computed at its first unknown.
+    pub fn gather(&self, unknowns: &[Unknown], rows: &[f64], values: &mut Vec<f64>) {
         for unknown in unknowns {
             match *unknown {
                 Unknown::Patch { group, column: 0 } => {
-                    let (group, mut sums) = (&self.groups[group], [0.0; MOST]);
-                    for i in (group.first..group.end).filter(|&i| self.contacts[i].kind == Kind::Patch) {
-                        for (weights, x) in self.patch.basis[i].iter().zip(part(rows, i)) {
+                    let (group, mut sums) = (&self.groups[group], [0.0; LINK_DOFS]);
+                    for i in (group.first..group.end).filter(|&i| self.contacts[i].mode == ContactMode::Patch) {
+                        for (weights, x) in self.patch.basis[i].iter().zip(contact_rows(rows, i)) {
                             sums.iter_mut().zip(weights).for_each(|(sum, weight)| *sum += weight * x);
                         }
                     }
                     values.extend_from_slice(&sums[..group.rank]);
                 }
                 Unknown::Patch { .. } => {}
-                Unknown::Sticks { contact, row } => values.push(rows[3 * contact + row]),
-                Unknown::Along(i) => values.push(rows[3 * i]),
-                Unknown::Across(i) => {
-                    let Contact { along: [a, b], slip, .. } = self.contacts[i];
-                    values.push(slip * (a * rows[3 * i + 2] - b * rows[3 * i + 1]));
+                Unknown::Sticking { contact, row } => values.push(rows[3 * contact + row]),
+                Unknown::ConeEdge(i) => values.push(rows[3 * i]),
+                Unknown::Transverse(i) => {
+                    let ModeWeights { along: [a, b], slip_weight, .. } = self.contacts[i];
+                    values.push(slip_weight * (a * rows[3 * i + 2] - b * rows[3 * i + 1]));
                 }
             }
         }

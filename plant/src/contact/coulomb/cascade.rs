@@ -1,0 +1,110 @@
+//! Claim: the cascade needs each of its stages. Without any one of them, some problem of a robot on two feet stays unsolved.
+
+use super::super::Solver;
+use super::super::round_cones::apply_delassus;
+use super::{Coulomb, Law, Memory, PROMISED, Problem, StepRule};
+use crate::Plant;
+use messages::scene::Scene;
+use messages::wire::Torques;
+
+/// Seeds of problems, one in three thousand, that Newton's method and energy minima do not solve.
+const POINTS: [u64; 8] = [463, 2640, 2758, 9231, 15146, 19279, 25103, 25995];
+/// Seeds of problems, one in four thousand, that Newton's method and interior points do not solve.
+const MINIMA: [u64; 8] = [1378, 1963, 10790, 12067, 13219, 14114, 18296, 19439];
+
+/// The robot of Table 1 on both feet with bent knees. Pose, friction and the contact impulses that cause the velocities are random.
+fn problem(seed: u64) -> Problem {
+    let mut random = fastrand::Rng::with_seed(seed);
+    let mut any = |size: f64| size * (2.0 * random.f64() - 1.0);
+    let mut scene = Scene::default();
+    scene.initial.clearance = Some(0.0);
+    let [hip, knee] = [0.5 + any(0.3), 1.0 + any(0.5)];
+    scene.initial.joints = vec![0.0, hip, -knee, knee - hip, hip - knee, knee, -hip, 0.0];
+    let mut plant = Plant::new(&scene).unwrap_or_else(|error| panic!("{error}")).without_standing_feet();
+    plant.advance(&Torques::default()).unwrap_or_else(|error| panic!("{error}"));
+    let mut problem = plant.problem().clone();
+    assert_eq!((problem.contacts, problem.tangents), (8, 2));
+    problem.friction.fill(10_f64.powf(any(0.35)));
+    let impulse: Vec<f64> = (0..problem.rows()).map(|_| any(1.0)).collect();
+    problem.drift = delassus_times(&problem, &impulse);
+    problem
+}
+
+/// Whether some of the stages solve a problem without a memory.
+fn solves(problem: &Problem, solver: impl FnOnce(&mut Coulomb) -> bool) -> bool {
+    let mut coulomb = Coulomb::default();
+    coulomb.cones.set(problem, Law::Cone);
+    coulomb.newton.set_problem(&coulomb.cones);
+    coulomb.recall(problem, &Memory::default());
+    solver(&mut coulomb) || coulomb.best.error <= PROMISED
+}
+
+/// Number of problems that some of the stages leave unsolved.
+fn missed(problems: &[Problem], solver: impl Fn(&mut Coulomb) -> bool) -> usize {
+    problems.iter().filter(|problem| !solves(problem, &solver)).count()
+}
+
+#[test]
+fn every_rung_solves_what_the_others_leave() {
+    let any: Vec<_> = (0..1000).map(problem).collect();
+    let [points, minima] = [POINTS, MINIMA].map(|seeds| seeds.map(problem));
+    for (name, problems) in [("any", &any[..]), ("need points", &points), ("need minima", &minima)] {
+        let left = missed(problems, |solver| {
+            solver.newton_from_memory() || solver.interior_points() || solver.energy_minima()
+        });
+        assert_eq!(left, 0, "{name}: of {} problems", problems.len());
+    }
+    let without = [
+        ("all but PatchNewton's method", missed(&any, Coulomb::newton_from_memory)),
+        ("interior points", missed(&points, |solver| solver.newton_from_memory() || solver.energy_minima())),
+        ("minima", missed(&minima, |solver| solver.newton_from_memory() || solver.interior_points())),
+        (
+            "the slow pace",
+            missed(&points, |solver| {
+                solver.newton_from_memory() || solver.interior_then_newton(StepRule::AGGRESSIVE, false)
+            }),
+        ),
+    ];
+    println!("left unsolved without {without:?}");
+    assert!(
+        without.iter().all(|(_, left)| *left > 0),
+        "a control has lost its teeth, choose harder problems: {without:?}"
+    );
+}
+
+/// The feet do not move, and impulses with large internal parts hold them. Without patches, the solver finds more of those internal parts
+/// again.
+#[test]
+fn feet_that_stick_as_patches_press_against_themselves_no_more_than_they_must() {
+    let mut random = fastrand::Rng::with_seed(1996);
+    let (mut systems, mut size) = ([0; 2], [0.0; 2]);
+    for mut problem in (0..1000).map(problem) {
+        let mu = problem.friction[0];
+        let mut held = |k: usize| match k % 3 {
+            0 => 0.2 + random.f64(),
+            _ => 0.1 * mu * (2.0 * random.f64() - 1.0),
+        };
+        let held: Vec<f64> = (0..problem.rows()).map(&mut held).collect();
+        problem.drift = delassus_times(&problem, &held).iter().map(|v| -v).collect();
+        for (patched, (systems, size)) in [true, false].into_iter().zip(systems.iter_mut().zip(&mut size)) {
+            if !patched {
+                problem.link.clear(); // no contact shares a link with another
+            }
+            let (mut solver, mut memory) = (Solver::default(), Memory::default());
+            let report = solver.solve(&problem, Law::Cone, &mut memory);
+            assert!(report.own <= PROMISED, "{report:?}");
+            *systems += report.pivots;
+            *size += solver.impulse.iter().map(|f| f * f).sum::<f64>().sqrt();
+        }
+    }
+    println!("with patches and without: {systems:?} linear systems, impulses of {size:?} N·s");
+    assert!(systems[0] <= systems[1], "{systems:?}");
+    assert!(1.005 * size[0] < size[1], "{size:?}");
+}
+
+/// A f.
+fn delassus_times(problem: &Problem, f: &[f64]) -> Vec<f64> {
+    let mut v = Vec::new();
+    apply_delassus(&problem.delassus, &vec![0.0; f.len()], f, &mut v);
+    v
+}

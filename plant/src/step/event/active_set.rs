@@ -1,0 +1,167 @@
+//! Active contacts between events. They are determined at the beginning of a step, after the impact of landing points, and their forces are
+//! computed in every stage.
+
+use crate::composite::Composite;
+use crate::contact::{Memory, Report};
+use crate::delassus::Free;
+use crate::detect::Touch;
+use crate::error::PlantError;
+use crate::kinematics::Pose;
+use crate::model::ContactPoint;
+use crate::step::Plant;
+use crate::step::contact::{Contact, Contacts, Touches};
+use crate::step::posed_state::PosedState;
+use crate::step::settings::World;
+use messages::scene::Law;
+use nalgebra::Vector3;
+
+/// A contact is active up to this gap [length of the model]. An impact is located to 1e-15 m, so a landed point is far below it.
+const ACTIVE_GAP: f64 = 1e-8;
+/// Rate at which gap and velocity of active contacts decay to zero [1/s]. It is slow: the stages of a step are off the ground by h², and a
+/// fast decay there would reduce the method's order.
+const BAUMGARTE_RATE: f64 = 20.0;
+/// A faster approach to the ground is an impact [lengths/s].
+const IMPACT_SPEED: f64 = 1e-6;
+/// A contact with a slower slip sticks [lengths/s].
+const STICKING_SPEED: f64 = 1e-6;
+/// A sticking contact with a lower tangential acceleration continues to stick [lengths/s²].
+const STICKING_ACCELERATION: f64 = 1e-6;
+/// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
+const MIN_SLIP: f64 = 1e-6;
+
+/// State of a contact point: at the beginning of the step, and according to its last force.
+///
+/// Gap and slip of an active or sticking contact drift by the method's error. So it stays active or sticking while its force does, however
+/// far it has drifted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::step) struct EventContact {
+    /// It carries load, or would under pressure.
+    pub(super) active: bool,
+    /// It is active and does not slip.
+    pub(super) sticking: bool,
+    /// Height above the ground; infinite where there is no ground [m].
+    pub(super) gap: f64,
+    /// Direction of slip.
+    pub(super) slip_direction: Vector3<f64>,
+    /// Speed of slip [m/s].
+    pub(super) speed: f64,
+    /// The last force was compressive.
+    pressed: bool,
+    /// The last force left no tangential acceleration.
+    held: bool,
+}
+
+impl Plant {
+    /// Determines active and sticking contacts, after the impact of landing points.
+    pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
+        let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
+        let (length, mut hits) = (world.model.length, false);
+        for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
+            let arm = pose.lowest(point);
+            let at = pose.reference + arm;
+            contact.gap = if point.has_ground(at.x) { at.z } else { f64::INFINITY };
+            let was_active = contact.active && contact.pressed && contact.gap.is_finite();
+            contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
+            hits |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
+        }
+        if hits {
+            self.work.touches.find_active(&self.world, &self.now.pose, &self.event_contacts);
+            self.impact()?;
+        }
+        let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
+        for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
+            // an impact can open a contact that still has no gap; a drift alone cannot
+            let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * length;
+            if contact.active && rises && (hits || !contact.pressed) {
+                (contact.active, contact.gap) = (false, contact.gap.max(ACTIVE_GAP * length));
+            }
+            let slip = slip(pose, point);
+            contact.speed = slip.norm();
+            contact.sticking =
+                contact.active && (contact.speed <= STICKING_SPEED * length || contact.sticking && contact.held);
+            contact.slip_direction = if contact.speed > 0.0 { slip / contact.speed } else { slip };
+        }
+        Ok(())
+    }
+}
+
+impl Touches {
+    /// Lists the active contacts.
+    pub(in crate::step) fn find_active(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        event_contacts: &[EventContact],
+    ) -> &mut Touches {
+        let points = world.model.contact_points.iter().zip(event_contacts).enumerate();
+        (self.horizon, self.slow) = (0.0, 0.0);
+        self.list.clear();
+        self.list.extend(points.filter(|(_, (_, contact))| contact.active).map(|(id, (point, _))| {
+            let arm = pose.lowest(point);
+            Touch::new(id, point.link, arm, pose.reference.z + arm.z)
+        }));
+        self
+    }
+}
+
+impl Contacts {
+    /// Forces of all active contacts, and the acceleration with them; `free` is the acceleration without. Stores what each force does in
+    /// `event_contacts`.
+    ///
+    /// All Coulomb laws use the round cone here, because the direction of slip is known. They differ in impacts only.
+    pub(in crate::step) fn forces(
+        &mut self,
+        world: &World,
+        free: &Free,
+        composite: &Composite,
+        touches: &Touches,
+        event_contacts: &mut [EventContact],
+        memory: &mut Memory,
+    ) -> Result<&Contact, PlantError> {
+        let (touches, Contacts { per_contact, contact, solved, warm, .. }) = (&touches.list, self);
+        contact.clear(free);
+        if touches.is_empty() {
+            return Ok(contact);
+        }
+        let (model, length) = (&world.model, world.model.length);
+        let velocity = |touch: &Touch| free.pose.links[touch.link].velocity.at(&touch.arm);
+        // a slip near its end has no direction; beyond it, friction keeps its direction, so that the slip speed crosses zero
+        let along = |touch: &Touch| {
+            let (contact, velocity) = (&event_contacts[touch.id], velocity(touch));
+            let slip = Vector3::new(velocity.x, velocity.y, 0.0);
+            let clear = slip.dot(&contact.slip_direction) > MIN_SLIP * contact.speed;
+            if clear { slip.normalize() } else { contact.slip_direction }
+        };
+        let pull = |i: usize, own: Vector3<f64>| {
+            let touch = &touches[i];
+            let velocity = velocity(touch);
+            let swept = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
+            let mut pull = own + swept + velocity * BAUMGARTE_RATE;
+            pull.z += (velocity.z + touch.gap * BAUMGARTE_RATE) * BAUMGARTE_RATE;
+            pull
+        };
+        let problem = per_contact.map.drift(model, free, touches, Law::Cone, pull);
+        problem.friction.fill(world.settings.friction);
+        // the law gets the direction of the slip; else friction would oppose the acceleration
+        let given = |touch: &Touch| if event_contacts[touch.id].sticking { Vector3::zeros() } else { along(touch) };
+        problem.slip.extend(touches.iter().map(given).map(|slip| [slip.x, slip.y]));
+        let rows = 1 + problem.tangents;
+        let report = per_contact.solve(world, free, touches, Law::Cone, memory)?;
+        let response = per_contact.respond(world, free);
+        // the energy gain of forces on accelerations has no meaning
+        contact.set(free, touches, &response, Report { energy_gain: 0.0, ..report });
+        (*solved, *warm) = (*solved + 1, *warm + u64::from(report.warm));
+        for ((id, force), acceleration) in contact.impulses.iter().zip(per_contact.solver.velocity.chunks_exact(rows)) {
+            let contact = &mut event_contacts[*id];
+            contact.pressed = force.z > 0.0;
+            contact.held = acceleration[1..].iter().all(|a| a.abs() <= STICKING_ACCELERATION * length);
+        }
+        Ok(contact)
+    }
+}
+
+/// Slip velocity of a contact point [m/s].
+pub(super) fn slip(pose: &Pose, point: &ContactPoint) -> Vector3<f64> {
+    let velocity = pose.links[point.link].velocity.at(&pose.lowest(point));
+    Vector3::new(velocity.x, velocity.y, 0.0)
+}

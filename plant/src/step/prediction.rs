@@ -1,0 +1,145 @@
+//! Prediction of the contacts at the end of the step, from its beginning and its middle.
+//!
+//! The law holds at the end of the step, with K of the end pose. That K is not known yet. It changes smoothly, so K₊ = 2K_m − K₀ to second
+//! order:
+//!
+//! ```text
+//!   K₊ᵀẋ₊ = K_mᵀẋ₊ + (K_m − K₀)ᵀẋ₋ + O(h²),    gap₊ = 2 gap_m − gap₀ − ½h K_mᵀẋ₋ + ½h K₊ᵀẋ₊ + O(h³)
+//! ```
+//!
+//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would change its sign for ever.
+
+use super::contact::Touches;
+use super::posed_state::PosedState;
+use super::settings::World;
+use crate::contact::Memory;
+use crate::detect::{Touch, recovery_speed, touching};
+use crate::kinematics::Pose;
+use messages::scene::Law;
+use nalgebra::Vector3;
+
+/// A contact that approaches faster than this many times the velocity change of a whole step lands, with an impact [-]. A slower one comes
+/// to rest within the step, at the cost of an error of h².
+const LANDING_RATIO: f64 = 2.0;
+/// A gap or a penetration up to this value is rounding [length of the model]; a resting contact is left alone.
+const ROUNDING: f64 = 1e-13;
+/// A slip is steady if it is this many times its change within a step [-]. Friction then acts against its direction in the middle of the
+/// step.
+const STEADY_RATIO: f64 = 4.0;
+
+/// A step from its beginning to its middle.
+#[derive(Clone, Copy)]
+pub(super) struct Prediction<'a> {
+    /// Pose at the beginning.
+    pub start: &'a Pose,
+    /// ẋ₋.
+    pub rate: &'a [f64],
+    /// Pose in the middle, with the mean velocity.
+    pub middle: &'a Pose,
+    /// The velocity at the end of the step without contact.
+    pub free: &'a [f64],
+    /// Length of the step, and of the whole step of which it is a part [s].
+    pub h: f64,
+    pub whole: f64,
+}
+
+impl<'a> Prediction<'a> {
+    /// Of a step that begins at `now` and would end with the velocity `free` without contact; its length and that of the whole step [s].
+    pub fn of(now: &'a PosedState, middle: &'a PosedState, free: &'a [f64], [h, whole]: [f64; 2]) -> Prediction<'a> {
+        Prediction { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free, h, whole }
+    }
+
+    /// Predicts the contacts of one link.
+    ///
+    /// Along the ground, all contacts of a link get the velocity gain of one rigid motion: the mean of those that were active, if any were.
+    /// Individual gains would differ by −½h ω²d, because the contacts turn about each other. But at the pose of A, a link cannot stretch by
+    /// that, and friction would oppose it with full force.
+    pub fn predict(&self, world: &World, memory: &Memory, touches: &mut [Touch]) {
+        let Some(link) = touches.first().map(|touch| touch.link) else { return };
+        let [before, free] = [self.rate, self.free].map(|rate| self.middle.twist(&world.model, link, rate));
+        let turned = before.angular - self.start.links[link].velocity.angular;
+        for touch in &mut *touches {
+            touch.angular_gain = turned;
+            let point = &world.model.contact_points[touch.id];
+            let [at_start, arm] = [self.start, self.middle].map(|pose| pose.lowest(point));
+            let start = self.start.links[link].velocity.at(&at_start);
+            let gap = self.start.reference.z + at_start.z;
+            touch.velocity_gain = before.at(&arm) - start;
+            let end = free.at(&arm) + touch.velocity_gain;
+            let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
+            let pushed = memory.was_active(touch.id);
+            // per step of the scene: the rest of a step after a landing may be as short as rounding, and the speed as large
+            let out = |gap: f64| {
+                let rounding = gap.abs() <= ROUNDING * world.model.length;
+                if rounding { 0.0 } else { recovery_speed(gap, world.settings.h, world.model.gravity.norm()) }
+            };
+            touch.approach = match pushed {
+                false if rest > 0.0 => 2.0 * rest / self.h,
+                false => out(gap.min(0.0)),
+                true => out(gap), // a gap closes as a penetration does
+            };
+            let falls = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
+            let bend = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
+            touch.lands_after = if falls && !pushed { first_root(gap, start.z, bend) } else { f64::INFINITY };
+            touch.slip_direction = match memory.was_sliding(touch.id) {
+                true => steady(&start, &self.middle.links[link].velocity.at(&arm), &end, world.settings.friction),
+                false => Vector3::zeros(),
+            };
+        }
+        if touches.len() > 1 {
+            let any = touches.iter().any(|touch| memory.was_active(touch.id));
+            let leads = |touch: &&Touch| !any || memory.was_active(touch.id);
+            let at_reference = |touch: &Touch| touch.velocity_gain - turned.cross(&touch.arm);
+            let count = touches.iter().filter(leads).count() as f64;
+            let mean = touches.iter().filter(leads).map(at_reference).sum::<Vector3<f64>>() / count;
+            for touch in touches {
+                let rigid = mean + turned.cross(&touch.arm);
+                (touch.velocity_gain.x, touch.velocity_gain.y) = (rigid.x, rigid.y);
+            }
+        }
+    }
+}
+
+/// Time at which a point meets the ground: gap + rate t + bend t² = 0, with rate < 0.
+pub(super) fn first_root(gap: f64, rate: f64, bend: f64) -> f64 {
+    2.0 * gap / (-rate + (rate * rate - 4.0 * bend * gap).max(0.0).sqrt())
+}
+
+/// Direction of the slip if it is steady, else zero. Steady: the mean slip hardly differs from that at the beginning and from that at the
+/// end without contact, and the friction of a landing would change it little.
+fn steady(start: &Vector3<f64>, mean: &Vector3<f64>, end: &Vector3<f64>, friction: f64) -> Vector3<f64> {
+    let slip = Vector3::new(mean.x, mean.y, 0.0);
+    let changes = [(mean - start).xy().norm(), (end - mean).xy().norm(), friction * end.z.abs()];
+    let (speed, change) = (slip.norm(), changes.into_iter().fold(0.0, f64::max));
+    if speed > STEADY_RATIO * change { slip / speed } else { Vector3::zeros() }
+}
+
+impl Touches {
+    /// Lists the points that may touch before the end of the step; without those that land, if `skips_landings` is set.
+    pub fn find_predicted(
+        &mut self,
+        world: &World,
+        prediction: &Prediction,
+        memory: &Memory,
+        skips_landings: bool,
+    ) -> &mut Touches {
+        let (law, half) = (world.settings.law, 0.5 * prediction.h);
+        let printed = matches!(law, Law::EnergyQp | Law::Complementarity);
+        let reach = if printed { Law::Cone } else { law };
+        touching(&world.model, prediction.middle, reach, half, prediction.free, &mut self.list);
+        self.list.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| prediction.predict(world, memory, touches));
+        if skips_landings {
+            self.list.retain(|touch| !touch.lands());
+        }
+        if printed {
+            // these laws stop listed points at any height, so only approaching ones are listed
+            let down =
+                |touch: &Touch| prediction.middle.twist(&world.model, touch.link, prediction.free).at(&touch.arm).z;
+            self.list.retain(|touch| {
+                down(touch) + touch.velocity_gain.z + touch.approach < 0.0 || memory.was_active(touch.id)
+            });
+        }
+        (self.horizon, self.slow) = (if skips_landings { 0.0 } else { half }, f64::INFINITY);
+        self
+    }
+}

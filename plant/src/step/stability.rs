@@ -1,0 +1,49 @@
+//! Check that explicit methods are stable with the springs and dampers of the joints.
+
+use super::free::Dynamics;
+use super::posed_state::PosedState;
+use super::settings::World;
+use crate::error::PlantError;
+use messages::scene::Method;
+
+/// Stability limit of h d/H and h √(k/H) for methods of second order [-]. Beyond 2, a damper adds energy.
+const SECOND_ORDER: f64 = 2.0;
+/// The same for the classical Runge-Kutta method; Hairer & Wanner, *Solving Ordinary Differential Equations II*, IV.2.
+const FOURTH_ORDER: f64 = 2.78;
+
+/// Checks that the scene's method is stable with its springs and dampers, at the initial pose.
+///
+/// # Errors
+/// One sentence on the first joint that is too stiff; or if H is not positive definite.
+pub(super) fn check(world: &World, now: &PosedState, dynamics: &mut Dynamics) -> Result<(), PlantError> {
+    let (h, method) = (world.settings.h, world.settings.method);
+    let limit = match method {
+        Method::ExplicitEuler | Method::MoreauJean => SECOND_ORDER,
+        Method::Rk4 | Method::Rk4Impact => FOURTH_ORDER,
+        _ => return Ok(()), // implicit, or with error control
+    };
+    let model = &world.model;
+    if model.springs.is_empty() {
+        return Ok(());
+    }
+    let dynamics = dynamics.find(model, now, 0.0, 0.0)?;
+    for spring in &model.springs {
+        let mut column = vec![0.0; model.dofs()];
+        column[spring.dof] = 1.0;
+        dynamics.factor.solve(model, &mut column);
+        let mobility = column[spring.dof]; // 1/H of the joint, with all others free
+        let stiff = (h * spring.damping * mobility).max(h * (spring.stiffness * mobility).sqrt());
+        if stiff > limit {
+            let name = (model.body_link.iter())
+                .position(|&link| link == spring.dof + 1)
+                .map_or("", |body| &model.body_name[body]);
+            let what = format!("h d/H or h √(k/H) of the joint of body `{name}`");
+            let rule = format!(
+                "at most {limit} for the method {method:?}: take a shorter plant.dt, or a method that has springs and dampers implicit, as \
+                 MidpointContact, SemiImplicitEuler or ImplicitMidpoint"
+            );
+            return Err(PlantError::value(what, format!("{stiff:.3}"), rule));
+        }
+    }
+    Ok(())
+}
