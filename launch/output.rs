@@ -1,7 +1,7 @@
 //! What is written: to the terminal, and into files, each whole or not at all, and none over what somebody else wrote.
 
 use crate::exit::{Exit, Failure};
-pub use messages::{printable, tell};
+pub use messages::{log as tell, printable};
 use std::fs::{File, TryLockError};
 use std::io::{self, ErrorKind, Read, Write};
 use std::path::{Path, PathBuf};

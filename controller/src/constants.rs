@@ -46,9 +46,9 @@ impl Constants {
     /// # Errors
     /// If no posture with bent knees has its centre of gravity that high.
     pub fn new(chain: &Chain, scene: &ControllerScene, plant: &PlantScene) -> Result<Self, ControllerError> {
-        let (width, up) = (chain.leg_width(), chain.measures.mid_swing);
+        let (width, up) = (chain.leg_width(), chain.parameters.mid_swing);
         let target = TaskVector::from([0.0, 0.4 * width, scene.com_height, 0.0, width, up, 0.0]);
-        let s = posture(chain, &target, &Joints::from(CROUCH)).ok_or(ControllerError::Height {
+        let s = solve_posture(chain, &target, &Joints::from(CROUCH)).ok_or(ControllerError::Height {
             height: scene.com_height,
             low: 0.6 * chain.task(&Joints::zeros()).x[2],
             high: 0.95 * chain.task(&Joints::zeros()).x[2],
@@ -68,7 +68,7 @@ impl Constants {
 }
 
 /// Angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not get there.
-fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
+fn solve_posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
     let mut s = *guess;
     for _ in 0..50 {
         let task = chain.task(&s);
@@ -89,7 +89,7 @@ fn zmp_shift(chain: &Chain, s: &Joints, k: usize, weight: f64) -> [f64; 2] {
     let mut xddot = TaskVector::zeros();
     xddot[k] = 1.0;
     let Some(qddot) = rate::resolve(&task.jacobian, &xddot, &Joints::zeros()) else { return [f64::NAN; 2] };
-    let at = chain.place(s);
+    let at = chain.forward_kinematics(s);
     let mut moment = Vector3::zeros();
     for i in 0..=JOINTS {
         let (linear, angular) = link_motion(&at, i);
@@ -118,7 +118,7 @@ fn link_tensor(chain: &Chain, at: &Posture, i: usize) -> Matrix3<f64> {
 
 /// M + J_r 1, M being the inertia matrix of the joints with the supporting foot held.
 fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> SMatrix<f64, JOINTS, JOINTS> {
-    let at = chain.place(s);
+    let at = chain.forward_kinematics(s);
     let mut inertia = SMatrix::<f64, JOINTS, JOINTS>::identity() * drive_inertia;
     for i in 0..=JOINTS {
         let (linear, angular) = link_motion(&at, i);

@@ -16,11 +16,11 @@ mod placement;
 mod stepping;
 
 use crate::constants::Constants;
-use crate::measures::Measures;
-use crate::pendulum::{Flow, Motion, lateral_energy, sagittal_energy, turning_point};
+use crate::pendulum::{PendulumState, Propagator, lateral_energy, sagittal_energy, turning_point};
+use crate::scaled_parameters::ScaledParameters;
 use crate::support::{Chain, Task, TaskVector};
-use crate::swing::{Lift, Travel};
-use lateral::Orbits;
+use crate::swing::{MinimumJerkState, SwingHeight};
+use lateral::OrbitLimits;
 use messages::scene::{ControllerScene, Gait};
 use observer::Observer;
 
@@ -54,23 +54,23 @@ pub struct GaitModel {
     /// W_2 [m].
     width: f64,
     /// One control period of each pendulum.
-    flow: [Flow; 2],
+    propagator: [Propagator; 2],
     observer: Observer,
     /// By how much the joints come later than their rates are asked for [s].
     lag: f64,
     /// E_1 by (42) for a step of 1 m [m²/s²].
     unit_energy: f64,
-    orbits: Orbits,
+    orbit_limits: OrbitLimits,
     /// Speed of the steady gait at touchdown per step length, c_v [1/s].
     touchdown_speed: f64,
     /// K: by how much farther the foot lands per deviation of the speed at touchdown [s].
     placement_gain: f64,
     /// How far from the sole's centre the plan puts the zero-moment point [m].
     zmp_range: [f64; 2],
-    lift: Lift,
+    lift: SwingHeight,
     /// x_2 at which the first step is released [m].
     release: f64,
-    pub(crate) measures: Measures,
+    pub(crate) parameters: ScaledParameters,
     /// Control period [s].
     h: f64,
 }
@@ -87,22 +87,22 @@ pub struct GaitState {
     /// Exchanges of support so far.
     pub steps: u64,
     /// x_c1 and x_c2: as planned, and when stepping as observed [m].
-    pub com: [Travel; 2],
+    pub com: [MinimumJerkState; 2],
     /// x_c3 as planned [m].
     pub height: f64,
     /// x_t1 as planned [m].
-    pub foot: Travel,
+    pub foot: MinimumJerkState,
     /// x_t1 at which the foot is wanted to land [m].
     pub landing: f64,
     /// Step length W_1 in force [m].
     pub(crate) step: f64,
     /// What the last steps taught.
-    pub(crate) trim: Trim,
+    pub(crate) corrections: Corrections,
 }
 
 /// Corrections learned from step to step: what model and landing do not give exactly.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Trim {
+pub(crate) struct Corrections {
     /// By how much landings overshoot [m].
     pub landing: f64,
     /// By how much longer steps are asked for, that they last as long as they should [s].
@@ -137,17 +137,17 @@ impl GaitModel {
             omega,
             swing_coupling,
             width,
-            flow: omega.map(|omega| Flow::new(omega, h)),
+            propagator: omega.map(|omega| Propagator::new(omega, h)),
             observer: Observer::new(scene.com_feedback, h),
             lag: observer::lag(scene, h),
             unit_energy: sagittal_energy(omega[0], 1.0, period),
-            orbits: Orbits::new(omega[1], width, period),
+            orbit_limits: OrbitLimits::new(omega[1], width, period),
             touchdown_speed: omega[0] * (0.5 / quarter.tanh() - swing_coupling / quarter.sinh()),
             placement_gain: scene.foot_placement_gain / (omega[0] * (2.0 * quarter).tanh()),
             zmp_range: [0, 1].map(|k| ZMP_SHARE[k] * chain.sole_half[k]),
-            lift: Lift { height: scene.swing_height, reach: 0.5 * width - inner },
+            lift: SwingHeight { height: scene.swing_height, reach: 0.5 * width - inner },
             release: scene.release_x2.unwrap_or(inner),
-            measures: chain.measures,
+            parameters: chain.parameters,
             h,
         }
     }
@@ -159,12 +159,12 @@ impl GaitModel {
             since: 0.0,
             time: 0.0,
             steps: 0,
-            com: [Travel::at(task.x[0]), Travel::at(task.x[1])],
+            com: [MinimumJerkState::at_rest(task.x[0]), MinimumJerkState::at_rest(task.x[1])],
             height: task.x[2],
-            foot: Travel::at(task.x[3]),
+            foot: MinimumJerkState::at_rest(task.x[3]),
             landing: task.x[3],
             step: 0.0,
-            trim: Trim::default(),
+            corrections: Corrections::default(),
         }
     }
 
@@ -174,12 +174,12 @@ impl GaitModel {
     }
 
     /// Height of the swing foot that belongs to a place of the centre of gravity [m]. (43)
-    pub(crate) fn height_at(&self, lateral: Travel) -> f64 {
+    pub(crate) fn height_at(&self, lateral: MinimumJerkState) -> f64 {
         self.lift.height_and_rate(lateral.x - 0.5 * self.width, 0.0).0
     }
 
     /// Time since the last exchange, on the orbit of the scene's period [s].
-    pub(crate) fn since_exchange(&self, lateral: Travel) -> f64 {
+    pub(crate) fn since_exchange(&self, lateral: MinimumJerkState) -> f64 {
         (0.5 * self.scene.period - self.time_left(lateral)).max(0.0)
     }
 
@@ -190,13 +190,13 @@ impl GaitModel {
     /// Plans one period: advances the state and says what to do.
     pub fn plan(&self, state: &mut GaitState, task: &Task) -> Reference {
         self.change_phase(state);
-        let [_, sway, _, land] = self.measures.phases;
+        let [_, sway, _, land] = self.parameters.phases;
         let reference = match state.phase {
             Phase::Stand | Phase::Rest => self.hold(state, task),
-            Phase::Sway => self.shift(state, task, [0.0, self.release], sway),
-            Phase::Lift => self.raise(state, task),
+            Phase::Sway => self.move_com(state, task, [0.0, self.release], sway),
+            Phase::Lift => self.lift_foot(state, task),
             Phase::Walk => self.walk(state, task),
-            Phase::Land => self.shift(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], land),
+            Phase::Land => self.move_com(state, task, [0.5 * task.x[3], 0.5 * task.x[4]], land),
         };
         state.since += self.h;
         state.time += self.h;
@@ -204,7 +204,7 @@ impl GaitModel {
     }
 
     fn change_phase(&self, state: &mut GaitState) {
-        let [stand, sway, lift, land] = self.measures.phases;
+        let [stand, sway, lift, land] = self.parameters.phases;
         let next = match state.phase {
             Phase::Stand if self.scene.gait == Gait::Walk && state.since >= stand && !self.stopping(state) => {
                 Phase::Sway
@@ -217,20 +217,20 @@ impl GaitModel {
         state.phase = next;
         state.since = 0.0;
         for axis in &mut state.com {
-            *axis = Travel::at(axis.x);
+            *axis = MinimumJerkState::at_rest(axis.x);
         }
     }
 
     /// (30): task rates that make the measured task follow the plan, the foot at the height and rate `lift` [m, m/s]. In *walk*
     /// the rates are asked for as much earlier as the servos are late.
-    fn follow(&self, state: &mut GaitState, task: &Task, lift: [f64; 2], load: f64) -> Reference {
-        let Measures { climb: fastest, climb_rate, .. } = self.measures;
+    fn reference(&self, state: &mut GaitState, task: &Task, lift: [f64; 2], load: f64) -> Reference {
+        let ScaledParameters { climb: fastest, climb_rate, .. } = self.parameters;
         let climb = (climb_rate * (self.scene.com_height - state.height)).clamp(-fastest, fastest);
         state.height += self.h * climb;
         let stepping = matches!(state.phase, Phase::Walk | Phase::Lift);
         let [sagittal, lateral] = state.com;
         let lag = if state.phase == Phase::Walk { self.lag } else { 0.0 };
-        let ahead = |axis: Travel| axis.v + lag * axis.a;
+        let ahead = |axis: MinimumJerkState| axis.v + lag * axis.a;
         let command = [sagittal.x, lateral.x, state.height, state.foot.x, self.width, lift[0], 0.0];
         let rate = [ahead(sagittal), ahead(lateral), climb, ahead(state.foot), 0.0, lift[1], 0.0];
         let (com, foot) = (self.scene.com_gain, self.scene.swing_gain);
@@ -244,12 +244,12 @@ impl GaitModel {
 
     /// E_1, E_2 of the plan by (33) [m²/s²].
     pub fn energies(&self, state: &GaitState) -> [f64; 2] {
-        std::array::from_fn(|k| Motion { x: state.com[k].x, v: state.com[k].v }.energy(self.omega[k]))
+        std::array::from_fn(|k| PendulumState { x: state.com[k].x, v: state.com[k].v }.energy(self.omega[k]))
     }
 
     /// Their references by (42) and (40) [m²/s²].
     pub fn energy_references(&self, state: &GaitState) -> [f64; 2] {
-        let period = self.scene.period + 2.0 * state.trim.time;
+        let period = self.scene.period + 2.0 * state.corrections.time;
         [self.unit_energy * state.step * state.step, lateral_energy(self.omega[1], self.width, period)]
     }
 }

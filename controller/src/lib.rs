@@ -11,24 +11,24 @@
 //! | top (43) | swing foot | [`swing`] |
 //! | top | phases, exchange of support, foot placement | [`gait`] |
 //! | | constants of the robot | [`constants`] |
-//! | | choices that go with its size | [`measures`] |
+//! | | choices that go with its size | [`scaled_parameters`] |
 //! | | taking over amid a step | [`resume`] |
 //! | | encoders | [`encoder`] |
 //! | | the process around it | [`process`] |
 //!
 //! [`tick`] is pure: no clock, thread, messages between processes, allocation (but for the bounded QP) or panic.
 
+mod ankle;
 pub mod constants;
 pub mod encoder;
 pub mod error;
 pub mod gait;
-pub mod measures;
 pub mod pendulum;
 pub mod process;
 pub mod rate;
 pub mod resume;
+pub mod scaled_parameters;
 pub mod servo;
-mod soles;
 pub mod stability;
 pub mod support;
 pub mod swing;

@@ -8,25 +8,25 @@
 
 /// State of one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion {
+pub struct PendulumState {
     /// Position relative to the support [m].
     pub x: f64,
     /// Velocity [m/s].
     pub v: f64,
 }
 
-impl Motion {
+impl PendulumState {
     /// E = v²/2 − ω²x²/2 [m²/s²]. Source: (33).
     pub fn energy(self, omega: f64) -> f64 {
         0.5 * self.v * self.v - 0.5 * (omega * self.x).powi(2) // (33)
     }
 
-    /// The state after the time of `flow` under constant input `u`: (34), shifted by the rest point −u/ω².
-    pub fn after(self, flow: &Flow, u: f64) -> Motion {
-        let Flow { omega, sinh, cosh } = *flow;
+    /// The state after the time of `propagator` under constant input `u`: (34), shifted by the rest point −u/ω².
+    pub fn propagated(self, propagator: &Propagator, u: f64) -> PendulumState {
+        let Propagator { omega, sinh, cosh } = *propagator;
         let rest = -u / (omega * omega);
         let x = self.x - rest;
-        Motion { x: rest + x * cosh + self.v / omega * sinh, v: x * omega * sinh + self.v * cosh } // (34)
+        PendulumState { x: rest + x * cosh + self.v / omega * sinh, v: x * omega * sinh + self.v * cosh } // (34)
     }
 
     /// Time until the free motion reaches `width` [s], at most `longest`.
@@ -45,7 +45,7 @@ impl Motion {
 
 /// What a time t does to a pendulum: ω, sinh ωt and cosh ωt.
 #[derive(Clone, Copy, Debug)]
-pub struct Flow {
+pub struct Propagator {
     /// ω [1/s].
     pub omega: f64,
     /// sinh ωt.
@@ -54,12 +54,12 @@ pub struct Flow {
     pub cosh: f64,
 }
 
-impl Flow {
+impl Propagator {
     /// Of the time `t` [s].
-    pub fn new(omega: f64, t: f64) -> Flow {
+    pub fn new(omega: f64, t: f64) -> Propagator {
         let grown = (omega * t).exp_m1(); // no digit is lost where ωt is small
         let shrunk = grown / (1.0 + grown); // 1 − e^(−ωt)
-        Flow { omega, sinh: 0.5 * (grown + shrunk), cosh: 1.0 + 0.5 * (grown - shrunk) }
+        Propagator { omega, sinh: 0.5 * (grown + shrunk), cosh: 1.0 + 0.5 * (grown - shrunk) }
     }
 }
 
@@ -99,11 +99,11 @@ mod tests {
     #[test]
     fn the_free_orbit_of_the_reference_energy_has_the_reference_period() {
         let (width, period) = (0.1, 0.6);
-        let start = Motion { x: turning_point(OMEGA, width, period), v: 0.0 };
+        let start = PendulumState { x: turning_point(OMEGA, width, period), v: 0.0 };
         assert!((start.energy(OMEGA) - lateral_energy(OMEGA, width, period)).abs() < 1e-15);
         assert!((start.time_to(width / 2.0, OMEGA, 1.0) - period / 4.0).abs() < 1e-12);
-        let end = start.after(&Flow::new(OMEGA, period / 4.0), 0.0);
-        let back = Motion { x: end.x, v: -end.v }.after(&Flow::new(OMEGA, period / 2.0), 0.0);
+        let end = start.propagated(&Propagator::new(OMEGA, period / 4.0), 0.0);
+        let back = PendulumState { x: end.x, v: -end.v }.propagated(&Propagator::new(OMEGA, period / 2.0), 0.0);
         assert!((back.x - width / 2.0).abs() < 1e-12 && (back.v - end.v).abs() < 1e-12); // (35), (36)
     }
 
@@ -111,16 +111,18 @@ mod tests {
     fn a_sagittal_orbit_of_the_reference_energy_covers_one_step_in_half_a_period() {
         let (step, period) = (0.06, 0.6);
         let v = (2.0 * sagittal_energy(OMEGA, step, period) + (OMEGA * step / 2.0).powi(2)).sqrt();
-        let end = Motion { x: -step / 2.0, v }.after(&Flow::new(OMEGA, period / 2.0), 0.0);
+        let end = PendulumState { x: -step / 2.0, v }.propagated(&Propagator::new(OMEGA, period / 2.0), 0.0);
         assert!((end.x - step / 2.0).abs() < 1e-12);
     }
 
     #[test]
     fn energy_is_constant_without_input_and_follows_38_with_it() {
-        let start = Motion { x: 0.042, v: -0.08 };
-        assert!((start.after(&Flow::new(OMEGA, 0.2), 0.0).energy(OMEGA) - start.energy(OMEGA)).abs() < 1e-15);
+        let start = PendulumState { x: 0.042, v: -0.08 };
+        assert!(
+            (start.propagated(&Propagator::new(OMEGA, 0.2), 0.0).energy(OMEGA) - start.energy(OMEGA)).abs() < 1e-15
+        );
         let (u, h) = (0.4, 1e-6);
-        let rate = (start.after(&Flow::new(OMEGA, h), u).energy(OMEGA) - start.energy(OMEGA)) / h;
+        let rate = (start.propagated(&Propagator::new(OMEGA, h), u).energy(OMEGA) - start.energy(OMEGA)) / h;
         assert!((rate - start.v * u).abs() < 1e-5); // (38)
     }
 }

@@ -1,8 +1,8 @@
 //! The controller as a process: the one file of this crate that knows a clock, a peer and a stop request.
 
 use crate::{Controller, ControllerError};
-use messages::clock::{Patience, now_ns, random};
-use messages::port::{Ask, ControllerPort, PortError, Verdict};
+use messages::clock::{Timeout, now_ns, random};
+use messages::port::{Action, ControllerPort, PortError, Verdict};
 use messages::scene::Scene;
 use messages::wire::{Command, Reply, Request, Sensors, Stamp, Stamped};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -32,11 +32,11 @@ pub enum ProcessError {
 /// See [`ProcessError`].
 pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &AtomicBool) -> Result<(), ProcessError> {
     let mut controller = Controller::new(scene)?;
-    let mut waiting = Patience::new("plant", patience);
+    let mut waiting = Timeout::new("plant", patience);
     let mut answer = Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() };
     while !stop.load(Relaxed) {
-        while let Some(asked) = port.asked()? {
-            let reply = at_the_desk(&mut controller, &asked.request, &answer.stamp);
+        while let Some(asked) = port.next_request()? {
+            let reply = serve_request(&mut controller, &asked.request, &answer.stamp);
             port.answer(asked, reply)?;
         }
         let Some(sensors) = port.wait()?.filter(Sensors::is_sound) else {
@@ -66,11 +66,11 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
 }
 
 /// Gait set-points, the one thing that this desk does.
-fn at_the_desk(controller: &mut Controller, request: &Request, stamp: &Stamp) -> Reply {
-    let verdict = match Ask::of(request) {
-        Ok(Ask::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
-        Ok(Ask::Set { .. }) => Verdict::OutOfRange,
-        Ok(_) => Verdict::WrongDesk,
+fn serve_request(controller: &mut Controller, request: &Request, stamp: &Stamp) -> Reply {
+    let verdict = match Action::decode(request) {
+        Ok(Action::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
+        Ok(Action::Set { .. }) => Verdict::OutOfRange,
+        Ok(_) => Verdict::WrongProcess,
         Err(verdict) => verdict,
     };
     Reply { stamp: *stamp, verdict: verdict as u64, state: 0 }

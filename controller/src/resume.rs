@@ -5,7 +5,7 @@
 
 use crate::gait::{GaitModel, GaitState, Phase};
 use crate::support::{Joints, Task};
-use crate::swing::Travel;
+use crate::swing::MinimumJerkState;
 
 /// Whether the right foot carries, seen from the left: it does if the left one is in the air, beyond `airborne` [m], or, amid an exchange, if the
 /// centre of gravity is nearer to it.
@@ -22,11 +22,11 @@ impl GaitModel {
     /// standing.
     pub fn resume(&self, task: &Task, rate: &Joints) -> Option<GaitState> {
         let speed = task.jacobian * rate; // (27)
-        let at = |k: usize| Travel { x: task.x[k], v: speed[k], a: 0.0 };
+        let at = |k: usize| MinimumJerkState { x: task.x[k], v: speed[k], a: 0.0 };
         let [sagittal, lateral, foot] = [at(0), at(1), at(3)];
-        let airborne = task.swing().z > self.measures.airborne;
+        let airborne = task.swing().z > self.parameters.airborne;
         let exchanging =
-            speed[1].abs() > self.measures.under_way && self.height_at(lateral) < 2.0 * self.measures.airborne;
+            speed[1].abs() > self.parameters.under_way && self.height_at(lateral) < 2.0 * self.parameters.airborne;
         if !airborne && !exchanging {
             return None;
         }

@@ -14,9 +14,9 @@ use messages::scene::{ControllerScene, Switching};
 use messages::wire::JOINTS;
 
 /// Acceleration by which the relay throws a joint back to its surface: chosen, as the paper names none (docs/PAPER.md) [rad/s²].
-const RELAY: f64 = 60.0;
+const RELAY_ACCELERATION: f64 = 60.0;
 /// The same where a boundary layer saturates: pushed, the robot needs more than the relay, which always gives all [rad/s²].
-const SATURATION: f64 = 180.0;
+const SATURATION_ACCELERATION: f64 = 180.0;
 
 /// Constants of the eight servos, support order.
 #[derive(Clone, Debug)]
@@ -24,7 +24,7 @@ pub struct ServoModel {
     /// J_n [kg·m²].
     pub nominal_inertia: Joints,
     /// Greatest acceleration that the switching element asks for [rad/s²].
-    pub reach: f64,
+    pub max_acceleration: f64,
     /// κ = 1/T_s [1/s].
     pub switch_rate: f64,
     /// g [rad/s].
@@ -50,13 +50,13 @@ impl ServoModel {
     /// Servos of the scene with the nominal inertias [kg·m²] given, sampled each `period` [s], for a robot whose times are `scale` times
     /// those of Table 1's.
     pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64, scale: f64) -> Self {
-        let reach = match scene.switching {
-            Switching::BoundaryLayer => SATURATION,
-            Switching::Relay => RELAY,
+        let max_acceleration = match scene.switching {
+            Switching::BoundaryLayer => SATURATION_ACCELERATION,
+            Switching::Relay => RELAY_ACCELERATION,
         };
         ServoModel {
             nominal_inertia,
-            reach: reach / (scale * scale),
+            max_acceleration: max_acceleration / (scale * scale),
             switch_rate: scene.switch_rate,
             observer_bandwidth: scene.observer_bandwidth,
             switching: scene.switching,
@@ -94,9 +94,9 @@ impl ServoModel {
     ) -> (Joints, Joints) {
         let surface = rate - reference; // σ
         let switch = surface.map(|sigma| match self.switching {
-            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-self.reach, self.reach),
+            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-self.max_acceleration, self.max_acceleration),
             Switching::Relay if sigma == 0.0 => 0.0,
-            Switching::Relay => self.reach.copysign(sigma),
+            Switching::Relay => self.max_acceleration.copysign(sigma),
         });
         let wanted = feed_forward + state.disturbance - self.nominal_inertia.component_mul(&switch);
         let [low, high] = limits;

@@ -6,9 +6,9 @@
 //! Joints in *support order* run from the supporting foot to the swing foot.
 
 use crate::error::ControllerError;
-use crate::measures::Measures;
+use crate::scaled_parameters::ScaledParameters;
 use messages::robot::{Body, LEFT_FOOT, RIGHT_FOOT, TRUNK};
-use messages::turn;
+use messages::rotation;
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
@@ -49,7 +49,7 @@ pub struct Chain {
     /// Mass of the robot [kg].
     pub total_mass: f64,
     /// What goes with its size.
-    pub measures: Measures,
+    pub parameters: ScaledParameters,
 }
 
 /// Where everything is at one set of angles; frame as for [`Chain`] (axis 2 is minus the second coordinate).
@@ -124,7 +124,7 @@ impl Chain {
             swing_sole: right - left,
             sole_half: [extent(0), extent(1)],
             total_mass: bodies.iter().map(|body| body.mass).sum(),
-            measures: Measures::of(bodies),
+            parameters: ScaledParameters::of(bodies),
         })
     }
 
@@ -134,7 +134,7 @@ impl Chain {
     }
 
     /// Places every link at the angles `s` [rad, support order].
-    pub fn place(&self, s: &Joints) -> Posture {
+    pub fn forward_kinematics(&self, s: &Joints) -> Posture {
         let mut at = Posture {
             rotation: [Matrix3::identity(); JOINTS + 1],
             com: self.com,
@@ -143,7 +143,7 @@ impl Chain {
             swing_sole: self.swing_sole,
         };
         let mut turns = [(0.0, 1.0); JOINTS];
-        turn::sines_cosines(s.as_slice(), &mut turns);
+        rotation::sin_cos_all(s.as_slice(), &mut turns);
         let mut rotation = at.rotation[0];
         for (j, &turn) in turns.iter().enumerate() {
             if j > 0 {
@@ -151,7 +151,7 @@ impl Chain {
             }
             let k = turns_about(j);
             at.axis[j] = if k == 0 { rotation.column(0).into() } else { rotation.column(1).into() };
-            rotation = turn::about(&rotation, k, turn);
+            rotation = rotation::rotated_about(&rotation, k, turn);
             at.com[j + 1] = at.joint[j] + rotation * (self.com[j + 1] - self.joint[j]);
             at.rotation[j + 1] = rotation;
         }
@@ -162,7 +162,7 @@ impl Chain {
 
     /// The task at the angles `s` [rad, support order]. Source: (25)-(27).
     pub fn task(&self, s: &Joints) -> Task {
-        let at = self.place(s);
+        let at = self.forward_kinematics(s);
         let mut jacobian = TaskJacobian::zeros();
         // Column j of the centre of gravity: z_j × Σ_{i>j} m_i (r_i − p_j) / M, summed from the swing foot inward.
         let mut outer_mass = 0.0;

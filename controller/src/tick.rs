@@ -1,14 +1,14 @@
 //! The tick: from encoder counts to joint torques, top to bottom of the paper's section 3.
 
+use crate::ankle::Ankle;
 use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Phase, Reference};
-use crate::measures::Measures;
 use crate::rate;
 use crate::resume;
+use crate::scaled_parameters::ScaledParameters;
 use crate::servo::{ServoModel, ServoState};
-use crate::soles::Ankle;
 use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Scene};
 use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
@@ -58,7 +58,7 @@ impl Controller {
             torque_limit: scene.plant.torque_limit,
             encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
-            servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.measures.time),
+            servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.parameters.time),
             scene: settings,
             chain,
             constants,
@@ -74,7 +74,7 @@ impl Controller {
     pub fn tick(&mut self, encoders: &Encoders) -> Result<Torques, ControllerError> {
         let Controller { model, state, telemetry } = self;
         model.encoder.read(&mut state.encoder, encoders);
-        model.take_over(state);
+        model.detect_initial_state(state);
         let mut task = model.chain.task(&state.in_support_order(&state.encoder.angle)); // (25)-(27)
         let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task));
         if model.gait.exchange_due(&gait) {
@@ -93,7 +93,7 @@ impl Controller {
             .ok_or(ControllerError::Singular { time: gait.time })?;
         let limits = model.torque_limits(&gait, &task, &plan);
         let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits); // (24)
-        *telemetry = model.tell(state, &gait, &task, &state.in_support_order(&surface));
+        *telemetry = model.telemetry(state, &gait, &task, &state.in_support_order(&surface));
         Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
 
@@ -107,7 +107,7 @@ impl Controller {
         scene.period = period.unwrap_or(scene.period);
         scene.speed = speed.unwrap_or(scene.speed);
         let step = 0.5 * scene.period * scene.speed;
-        let Measures { periods: [shortest, longest], longest_step, .. } = model.chain.measures;
+        let ScaledParameters { periods: [shortest, longest], longest_step, .. } = model.chain.parameters;
         if !((shortest..=longest).contains(&scene.period) && step.abs() <= longest_step) {
             let (period, speed) = (scene.period, scene.speed);
             return Err(ControllerError::SetPoint { period, speed, shortest, longest, longest_step });
@@ -133,10 +133,10 @@ impl State {
 impl Model {
     /// In the first two ticks: on which foot the robot stands, and whether it is already stepping. One that stands still
     /// on both feet is taken as standing on the left.
-    fn take_over(&self, state: &mut State) {
+    fn detect_initial_state(&self, state: &mut State) {
         let side = |moving| {
             let from_left = self.chain.task(&state.encoder.angle);
-            resume::right_supports(&from_left, moving, self.chain.measures.airborne)
+            resume::right_supports(&from_left, moving, self.chain.parameters.airborne)
         };
         match state.encoder.readings {
             1 => state.right = side(false),
@@ -156,7 +156,7 @@ impl Model {
 
     /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone:
     /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m]. A foot that carries all has at
-    /// its ankle the torque of the planned zero-moment point (`soles.rs`): links that turn count there, too.
+    /// its ankle the torque of the planned zero-moment point (`ankle.rs`): links that turn count there, too.
     ///
     /// With both feet down the loads alone balance the robot sideways; ankles that rolled as if each foot stood alone
     /// would press the feet apart up to the limit of friction. So the swing foot's ankle does not roll, and the stance
@@ -197,16 +197,16 @@ impl Model {
         rate: &Joints,
         feed_forward: &Joints,
     ) -> Option<Joints> {
-        let measures = &self.chain.measures;
-        let bias = rate::bias(task.swing_pitch / measures.time);
+        let parameters = &self.chain.parameters;
+        let bias = rate::bias(task.swing_pitch / parameters.time);
         let clamped = |low: &Joints, high: &Joints| {
             rate::resolve(&task.jacobian, &plan.xdot, &bias).map(|free| free.zip_zip_map(low, high, f64::clamp))
         };
-        let hard = Joints::repeat(measures.rate_limit);
+        let hard = Joints::repeat(parameters.rate_limit);
         if self.scene.rate_limit.is_none() && self.scene.torque_bound.is_none() {
             return clamped(&-hard, &hard);
         }
-        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(measures.rate_limit));
+        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(parameters.rate_limit));
         let mut low = -high;
         if let Some(bound) = self.scene.torque_bound {
             let [least, most] = self.servo.rates_within(&state.servo, rate, feed_forward, bound);
@@ -223,7 +223,7 @@ impl Model {
     /// A foot that carries all tips over its edge when the zero-moment point comes there. One that shares the load, and the one that
     /// swings, has a share of that torque. After an exchange the new stance foot is still being loaded.
     fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
-        let loading = self.chain.measures.loading;
+        let loading = self.chain.parameters.loading;
         let stepping = gait.phase == Phase::Walk;
         let loaded = if stepping && gait.steps > 0 {
             FIRST_LOAD + (1.0 - FIRST_LOAD) * (gait.since / loading).min(1.0)
@@ -251,7 +251,7 @@ impl Model {
         limits
     }
 
-    fn tell(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
+    fn telemetry(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
         let [sagittal, lateral] = gait.com;
         Telemetry {
             phase: gait.phase as u32,

@@ -113,7 +113,7 @@ fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
     for (what, spoil) in kinds {
         let mut bad = good;
         spoil(&mut bad);
-        let passed = robot.port.pass_on(bad).map_err(|error| error.to_string());
+        let passed = robot.port.send_raw(bad).map_err(|error| error.to_string());
         report.rule(
             &format!("sensors {what} are not answered"),
             "Every message",
@@ -164,8 +164,8 @@ fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
         false => Ok(String::new()),
     });
     report.rule("killed and started anew in the same session, it answers under another epoch", "Every message", other);
-    let drives = robot.walk(&mut guest, SHORT).and_then(|_| match robot.simulation.intake().tally().refused {
-        refused if refused.iter().any(|&count| count > 0) => Err(robot.simulation.intake().tally().to_string()),
+    let drives = robot.walk(&mut guest, SHORT).and_then(|_| match robot.simulation.commands().tally().refused {
+        refused if refused.iter().any(|&count| count > 0) => Err(robot.simulation.commands().tally().to_string()),
         _ => Ok(String::new()),
     });
     if !report.rule("and drives the robot from where it is", "A control period", drives) {
@@ -209,9 +209,9 @@ fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
         deadline = (deadline + period).max(sent);
         sleep_until(deadline);
         while let Some(command) = robot.port.take().map_err(|error| error.to_string())? {
-            robot.simulation.hear(&command);
+            robot.simulation.receive(&command);
         }
-        let reply = robot.simulation.intake().reply_ns(&stamp);
+        let reply = robot.simulation.commands().reply_ns(&stamp);
         replies.extend((reply > 0).then_some(reply));
         periods += 1;
         if robot.simulation.advance().is_err() {

@@ -1,6 +1,6 @@
 //! The monotonic clock that both processes share, and sleeping to an absolute time on it.
 
-use crate::tell;
+use crate::log;
 use nix::sys::time::TimeSpec;
 use nix::time::{ClockId, ClockNanosleepFlags, clock_nanosleep};
 use std::hash::{BuildHasher, Hasher, RandomState};
@@ -26,17 +26,17 @@ pub fn random() -> u64 {
 
 /// Waiting for somebody, but not for ever, and not in silence.
 #[derive(Debug)]
-pub struct Patience {
+pub struct Timeout {
     who: &'static str,
     limit: Duration,
     since: Instant,
     told: u64,
 }
 
-impl Patience {
-    /// Patience of `limit` with `who`, starting now.
-    pub fn new(who: &'static str, limit: Duration) -> Patience {
-        Patience { who, limit, since: Instant::now(), told: 0 }
+impl Timeout {
+    /// Timeout of `limit` with `who`, starting now.
+    pub fn new(who: &'static str, limit: Duration) -> Timeout {
+        Timeout { who, limit, since: Instant::now(), told: 0 }
     }
 
     /// Somebody came: the waiting starts anew.
@@ -49,7 +49,7 @@ impl Patience {
         let waited = self.since.elapsed();
         if waited.as_secs() > self.told && waited < self.limit {
             self.told = waited.as_secs();
-            tell(format_args!("waiting for the {}: {} of {} s", self.who, self.told, self.limit.as_secs_f64()));
+            log(format_args!("waiting for the {}: {} of {} s", self.who, self.told, self.limit.as_secs_f64()));
         }
         waited >= self.limit
     }

@@ -23,24 +23,23 @@
 //! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 
+pub mod command_pipeline;
 pub mod composite;
+mod connection;
 pub mod contact;
 pub mod delassus;
-mod desk;
 pub mod detect;
 pub mod drive;
 pub mod dynamics;
 pub mod error;
 pub mod factor;
-pub mod gate;
 pub mod handover;
 pub mod inject;
-pub mod intake;
 pub mod kinematics;
-mod link;
+mod log;
 pub mod model;
 pub mod process;
-mod remarks;
+mod request_handler;
 pub mod simulation;
 pub mod smallest;
 pub mod spatial;
@@ -48,6 +47,7 @@ pub mod springs;
 pub mod state;
 pub mod step;
 pub mod truth;
+pub mod validation;
 pub mod watchdog;
 pub mod weld;
 

@@ -1,7 +1,7 @@
 //! The plant as a process. [`drive`] is the loop; what is exchanged in it, and how long that may take, is up to the
 //! caller: a controller in another process ([`run`]) or in this one, with the same results.
 
-use crate::link::Link;
+use crate::connection::ControllerConnection;
 use crate::watchdog::Mode;
 use crate::{PlantError, Simulation};
 use messages::clock::{now_ns, random};
@@ -14,7 +14,7 @@ use std::time::Duration;
 /// Why a plant process ended before its time.
 #[derive(Debug, thiserror::Error)]
 pub enum ProcessError {
-    /// The link cannot be made or broke.
+    /// The connection cannot be made or broke.
     #[error(transparent)]
     Port(#[from] PortError),
     /// The simulation failed.
@@ -43,18 +43,18 @@ pub struct Options {
 }
 
 /// Time in which a controller finds a plant that fails at once, and reads its goodbye.
-const LAST_WORD: Duration = Duration::from_millis(300);
+const GOODBYE_TIME: Duration = Duration::from_millis(300);
 
 /// What comes after an exchange.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Next {
+pub enum ExchangeOutcome {
     /// A control period, which began this late [ns].
-    Period {
+    Advance {
         /// Against its deadline in real time [ns].
         late_ns: u64,
     },
     /// Sensors again: the simulation has been reset.
-    Afresh,
+    Restart,
 }
 
 /// Runs a scene against the controller at the other end of `port`; a scene without one runs alone, without torques.
@@ -70,29 +70,29 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
             // whoever waits for this plant need not wait on
             let stamp = Stamp { run: random(), epoch: random(), seq: 1, mono_ns: now_ns(), ..Stamp::default() };
             let told = port.send(Sensors { stamp, last: 1, ..Sensors::default() });
-            std::thread::sleep(LAST_WORD);
+            std::thread::sleep(GOODBYE_TIME);
             return (Tally::default(), told.map_err(Into::into).and(Err(error.into())));
         }
     };
-    let mut link = Link::new(scene, port, options, stop);
-    let result = drive(&mut simulation, |simulation, sensors, shell| link.exchange(simulation, sensors, shell));
+    let mut connection = ControllerConnection::new(scene, port, options, stop);
+    let result = drive(&mut simulation, |simulation, sensors, timing| connection.exchange(simulation, sensors, timing));
     let told = match result {
         Ok(()) => {
-            link.port.finish();
+            connection.port.finish();
             Ok(())
         }
         Err(_) => {
-            let said = link.port.send(goodbye(&simulation));
-            link.port.let_go();
+            let said = connection.port.send(goodbye(&simulation));
+            connection.port.wait_for_tunnel();
             said
         }
     };
-    simulation.intake().tally_mut().unrecorded = link.port.unrecorded();
+    simulation.commands().tally_mut().unrecorded = connection.port.unrecorded();
     let result = match (result, simulation.mode()) {
-        (Ok(()), Mode::Fault) => Err(ProcessError::Silent(simulation.intake().age())),
+        (Ok(()), Mode::Fault) => Err(ProcessError::Silent(simulation.commands().age())),
         (result, _) => result,
     };
-    (*simulation.intake().tally(), result.and(told.map_err(ProcessError::from)))
+    (*simulation.commands().tally(), result.and(told.map_err(ProcessError::from)))
 }
 
 /// The last word to the controller.
@@ -101,22 +101,26 @@ fn goodbye(simulation: &Simulation) -> Sensors {
     Sensors { stamp: Stamp { seq: sensors.stamp.seq + 1, ..sensors.stamp }, last: 1, ..sensors }
 }
 
-/// What the shell measured over the period before [ns].
+/// What the timing measured over the period before [ns].
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Shell {
+pub struct PeriodTiming {
     plant_ns: u64,
     wait_ns: u64,
     late_ns: u64,
     reply_ns: u64,
 }
 
-impl Shell {
+impl PeriodTiming {
     /// The truth that goes with these sensors, which have just been sent.
     pub fn truth(&self, simulation: &Simulation, sensors: &Sensors) -> Truth {
         let mut truth = simulation.truth();
         truth.stamp = sensors.stamp;
-        Shell { plant_ns: truth.plant_ns, wait_ns: truth.wait_ns, late_ns: truth.late_ns, reply_ns: truth.reply_ns } =
-            *self;
+        PeriodTiming {
+            plant_ns: truth.plant_ns,
+            wait_ns: truth.wait_ns,
+            late_ns: truth.late_ns,
+            reply_ns: truth.reply_ns,
+        } = *self;
         truth
     }
 }
@@ -127,23 +131,23 @@ impl Shell {
 /// Whatever the plant or `exchange` fails with.
 pub fn drive<E: From<PlantError>>(
     simulation: &mut Simulation,
-    mut exchange: impl FnMut(&mut Simulation, &Sensors, &Shell) -> Result<Next, E>,
+    mut exchange: impl FnMut(&mut Simulation, &Sensors, &PeriodTiming) -> Result<ExchangeOutcome, E>,
 ) -> Result<(), E> {
-    let (mut shell, mut now) = (Shell::default(), now_ns());
+    let (mut timing, mut now) = (PeriodTiming::default(), now_ns());
     loop {
         let mut sensors = simulation.sensors();
         sensors.stamp.mono_ns = now;
-        let next = exchange(simulation, &sensors, &shell)?;
+        let next = exchange(simulation, &sensors, &timing)?;
         let answered = now_ns();
         match next {
-            Next::Afresh => (shell, now) = (Shell::default(), answered),
-            Next::Period { .. } if sensors.last != 0 => return Ok(()),
-            Next::Period { late_ns } => {
+            ExchangeOutcome::Restart => (timing, now) = (PeriodTiming::default(), answered),
+            ExchangeOutcome::Advance { .. } if sensors.last != 0 => return Ok(()),
+            ExchangeOutcome::Advance { late_ns } => {
                 let wait_ns = answered - now;
                 simulation.advance()?;
                 now = now_ns();
-                let reply_ns = simulation.intake().reply_ns(&sensors.stamp);
-                shell = Shell { plant_ns: now - answered, wait_ns, late_ns, reply_ns };
+                let reply_ns = simulation.commands().reply_ns(&sensors.stamp);
+                timing = PeriodTiming { plant_ns: now - answered, wait_ns, late_ns, reply_ns };
             }
         }
     }

@@ -3,8 +3,8 @@
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::{Model, Motion, finite};
+use messages::rotation::sin_cos;
 use messages::scene::{Base, Initial};
-use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Generalised position and velocity of (1).

@@ -18,17 +18,17 @@ const DECAYING: [f64; 2] = [0.3, 0.8];
 
 /// The orbits between which the robot is kept.
 #[derive(Clone, Copy, Debug)]
-pub struct Orbits {
+pub struct OrbitLimits {
     /// ξ ζ on the slowest [m²].
     slowest: f64,
     /// E_2 on the quickest [m²/s²].
     pub quickest: f64,
 }
 
-impl Orbits {
+impl OrbitLimits {
     /// Those of a gait of this period [s] between feet `width` [m] apart.
-    pub fn new(omega: f64, width: f64, period: f64) -> Orbits {
-        Orbits {
+    pub fn new(omega: f64, width: f64, period: f64) -> OrbitLimits {
+        OrbitLimits {
             slowest: turning_point(omega, width, SLOWEST * period).powi(2),
             quickest: lateral_energy(omega, width, QUICKEST * period),
         }
@@ -41,14 +41,14 @@ impl GaitModel {
         let (lateral, omega) = (state.com[1], self.omega[1]);
         let missing = self.energy_references(state)[1] - self.energies(state)[1];
         let most = self.zmp_range[1] * omega * omega;
-        let orbit = virtual_input(self.scene.energy_gain, missing, lateral.v, self.measures.fading, most); // (39)
-        if self.observer.is_blind() {
+        let orbit = virtual_input(self.scene.energy_gain, missing, lateral.v, self.parameters.fading, most); // (39)
+        if self.observer.is_disabled() {
             return orbit;
         }
         let [least, greatest] = DECAYING.map(|share| share * self.width);
         let diverging = lateral.x + lateral.v / omega; // ξ
         let decaying = (lateral.x - lateral.v / omega).clamp(least, greatest); // ζ
-        let outside = (self.orbits.slowest / decaying - diverging).max(0.0);
+        let outside = (self.orbit_limits.slowest / decaying - diverging).max(0.0);
         (orbit + CAPTURE_GAIN * outside * omega * omega).clamp(-most, most)
     }
 }

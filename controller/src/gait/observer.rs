@@ -32,7 +32,7 @@ impl Observer {
     }
 
     /// Whether nothing is corrected.
-    pub fn is_blind(&self) -> bool {
+    pub fn is_disabled(&self) -> bool {
         self.position == 0.0
     }
 }

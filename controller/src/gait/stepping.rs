@@ -1,10 +1,10 @@
 //! One period of stepping: the observed state, the inputs of the two pendulums (31), (32), and the swing foot (43).
 
 use super::{GaitModel, GaitState, Reference};
-use crate::measures::Measures;
-use crate::pendulum::{Flow, Motion, virtual_input};
+use crate::pendulum::{PendulumState, Propagator, virtual_input};
+use crate::scaled_parameters::ScaledParameters;
 use crate::support::Task;
-use crate::swing::Travel;
+use crate::swing::MinimumJerkState;
 use messages::scene::Sagittal;
 
 /// Limit of the sagittal virtual input under the paper's rule, against what the paper calls flottage [m/s²].
@@ -24,15 +24,16 @@ impl GaitModel {
             Sagittal::Energy => self.mirror_foot(state, left), // (42)
         };
         let [sagittal, lateral] = state.com;
-        state.com = [pendulum(sagittal, &self.flow[0], u_1), pendulum(lateral, &self.flow[1], u_2)]; // (31), (32)
+        state.com = [pendulum(sagittal, &self.propagator[0], u_1), pendulum(lateral, &self.propagator[1], u_2)]; // (31), (32)
         let ahead = state.com[1].x - 0.5 * self.width;
         let lift = self.lift.height_and_rate(ahead, state.com[1].v); // (43)
-        self.follow(state, task, lift.into(), 1.0)
+        self.reference(state, task, lift.into(), 1.0)
     }
 
     /// Time until the exchange, in whole control periods: it comes with the first one that finds x_2 beyond W_2/2 [s].
-    pub(super) fn time_left(&self, lateral: Travel) -> f64 {
-        let left = Motion { x: lateral.x, v: lateral.v }.time_to(0.5 * self.width, self.omega[1], self.scene.period);
+    pub(super) fn time_left(&self, lateral: MinimumJerkState) -> f64 {
+        let left =
+            PendulumState { x: lateral.x, v: lateral.v }.time_to(0.5 * self.width, self.omega[1], self.scene.period);
         (left / self.h).ceil().max(1.0) * self.h
     }
 
@@ -40,11 +41,11 @@ impl GaitModel {
     fn mirror_foot(&self, state: &mut GaitState, left: f64) -> f64 {
         let [energy, _] = self.energies(state);
         let [reference, _] = self.energy_references(state);
-        let Measures { fading, starting, .. } = self.measures;
+        let ScaledParameters { fading, starting, .. } = self.parameters;
         let [sagittal, _] = state.com;
-        let flow = Flow::new(self.omega[0], left);
-        state.landing = 2.0 * Motion { x: sagittal.x, v: sagittal.v }.after(&flow, 0.0).x;
-        state.foot = Travel { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
+        let propagator = Propagator::new(self.omega[0], left);
+        state.landing = 2.0 * PendulumState { x: sagittal.x, v: sagittal.v }.propagated(&propagator, 0.0).x;
+        state.foot = MinimumJerkState { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
         if sagittal.v.abs() < starting {
             return INPUT_LIMIT.copysign(state.step) * f64::from(state.step != 0.0); // leave the rest point
         }
@@ -53,7 +54,7 @@ impl GaitModel {
 }
 
 /// One period of ẍ = ω²x + u.
-fn pendulum(now: Travel, period: &Flow, u: f64) -> Travel {
-    let next = Motion { x: now.x, v: now.v }.after(period, u);
-    Travel { x: next.x, v: next.v, a: period.omega * period.omega * next.x + u }
+fn pendulum(now: MinimumJerkState, period: &Propagator, u: f64) -> MinimumJerkState {
+    let next = PendulumState { x: now.x, v: now.v }.propagated(period, u);
+    MinimumJerkState { x: next.x, v: next.v, a: period.omega * period.omega * next.x + u }
 }

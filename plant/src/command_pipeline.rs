@@ -1,13 +1,13 @@
 //! What reaches the drives of what the controller says:
 //!
 //! ```text
-//!   link → injector (delay, loss, …) → gate → newest accepted command → its age → watchdog → hand-over → torques
+//!   link → injector (delay, loss, …) → validator → newest accepted command → its age → watchdog → hand-over → torques
 //! ```
 //! Pure, in simulated time: the same in one process and in two, in lockstep and in real time.
 
-use crate::gate::{Admission, Gate};
 use crate::handover::Handover;
 use crate::inject::Injector;
+use crate::validation::{Acceptance, CommandValidator};
 use crate::watchdog::{Mode, Watchdog};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, JOINTS, Sensors, Stamp, Tally, Torques};
@@ -18,9 +18,9 @@ const DAMPING: f64 = 2.0;
 
 /// The way to the drives, in one run.
 #[derive(Clone, Debug)]
-pub struct Intake {
+pub struct CommandPipeline {
     injector: Option<Injector>,
-    gate: Gate,
+    validator: CommandValidator,
     watchdog: Watchdog,
     handover: Handover,
     /// Torques of the last period [N·m].
@@ -36,12 +36,12 @@ pub struct Intake {
     tally: Tally,
 }
 
-impl Intake {
+impl CommandPipeline {
     /// For the run `run` of a scene.
-    pub fn new(scene: &Scene, run: u64) -> Intake {
-        Intake {
+    pub fn new(scene: &Scene, run: u64) -> CommandPipeline {
+        CommandPipeline {
             injector: (!scene.link.is_perfect()).then(|| Injector::new(&scene.link, 1.0 / scene.rate)),
-            gate: Gate::new(run, scene.plant.torque_limit),
+            validator: CommandValidator::new(run, scene.plant.torque_limit),
             watchdog: Watchdog::new(scene.rate),
             handover: Handover::new(scene.rate),
             applied: Torques::default(),
@@ -57,10 +57,10 @@ impl Intake {
 
     /// A command comes in control period `now`, the number of the newest sensors. Until one has been accepted, none is
     /// held up: the robot is switched on when the first one is there.
-    pub fn hear(&mut self, command: &Command, now: u64) {
+    pub fn receive(&mut self, command: &Command, now: u64) {
         match &mut self.injector {
             Some(injector) if self.newest.is_some() => injector.push(now, command),
-            _ => self.look(command, now),
+            _ => self.validate(command, now),
         }
     }
 
@@ -68,7 +68,7 @@ impl Intake {
     pub fn torques(&mut self, sensors: &Sensors) -> Torques {
         let now = sensors.stamp.seq;
         while let Some(command) = self.injector.as_mut().and_then(|injector| injector.pop(now)) {
-            self.look(&command, now);
+            self.validate(&command, now);
         }
         let before = std::mem::replace(&mut self.before, sensors.encoders);
         let Some(newest) = &self.newest else { return Torques::default() };
@@ -94,10 +94,10 @@ impl Intake {
         self.watchdog.rearm();
     }
 
-    /// The gate, and what comes through it.
-    fn look(&mut self, command: &Command, now: u64) {
-        match self.gate.admit(command, now) {
-            Ok(Admission { lost, takeover }) => {
+    /// The validator, and what comes through it.
+    fn validate(&mut self, command: &Command, now: u64) {
+        match self.validator.validate(command, now) {
+            Ok(Acceptance { lost, takeover }) => {
                 self.tally.lost += lost;
                 self.tally.takeovers += u64::from(takeover);
                 if takeover {
@@ -117,7 +117,7 @@ impl Intake {
     }
 
     /// Whether a command has been accepted yet.
-    pub fn has_begun(&self) -> bool {
+    pub fn has_command(&self) -> bool {
         self.newest.is_some()
     }
 

@@ -4,7 +4,7 @@ use crate::wire::{Request, Stamped, VERDICTS};
 
 /// What is asked for.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ask {
+pub enum Action {
     /// Of the plant: let time stand still.
     Pause,
     /// Of the plant: let it go on.
@@ -45,7 +45,7 @@ pub enum Verdict {
     /// It is done.
     Done,
     /// This is for the other process to do.
-    WrongDesk,
+    WrongProcess,
     /// The scene has no such body.
     NoSuchBody,
     /// A number is no number, or absurd.
@@ -56,7 +56,7 @@ pub enum Verdict {
 
 impl Verdict {
     /// In words.
-    pub fn words(verdict: u64) -> &'static str {
+    pub fn text(verdict: u64) -> &'static str {
         usize::try_from(verdict).ok().and_then(|index| VERDICTS.get(index)).copied().unwrap_or("an unknown answer")
     }
 }
@@ -64,39 +64,41 @@ impl Verdict {
 /// Set-points that stay as they are, on the wire.
 const UNCHANGED: f64 = f64::INFINITY;
 
-impl Ask {
+impl Action {
     /// What a message asks for.
     ///
     /// # Errors
     /// Why it cannot be read.
-    pub fn of(request: &Request) -> Result<Ask, Verdict> {
+    pub fn decode(request: &Request) -> Result<Action, Verdict> {
         let change = |value: f64| (value != UNCHANGED).then_some(value);
         match request.kind {
             _ if !request.is_sound() => Err(Verdict::Damaged),
-            0 => Ok(Ask::Pause),
-            1 => Ok(Ask::Resume),
-            2 => Ok(Ask::Step { periods: request.count }),
-            3 => Ok(Ask::Reset { seed: (request.seed != 0).then_some(request.seed) }),
-            4 => Ok(Ask::Push { body: request.count as usize, impulse: request.impulse, duration: request.duration }),
-            5 => Ok(Ask::Rearm),
-            6 => Ok(Ask::Set { period: change(request.period), speed: change(request.speed) }),
+            0 => Ok(Action::Pause),
+            1 => Ok(Action::Resume),
+            2 => Ok(Action::Step { periods: request.count }),
+            3 => Ok(Action::Reset { seed: (request.seed != 0).then_some(request.seed) }),
+            4 => {
+                Ok(Action::Push { body: request.count as usize, impulse: request.impulse, duration: request.duration })
+            }
+            5 => Ok(Action::Rearm),
+            6 => Ok(Action::Set { period: change(request.period), speed: change(request.speed) }),
             _ => Err(Verdict::Damaged),
         }
     }
 
     /// As a message, not yet sealed.
-    pub fn request(self) -> Request {
+    pub fn encode(self) -> Request {
         let blank = Request::default();
         match self {
-            Ask::Pause => Request { kind: 0, ..blank },
-            Ask::Resume => Request { kind: 1, ..blank },
-            Ask::Step { periods } => Request { kind: 2, count: periods, ..blank },
-            Ask::Reset { seed } => Request { kind: 3, seed: seed.unwrap_or(0), ..blank },
-            Ask::Push { body, impulse, duration } => {
+            Action::Pause => Request { kind: 0, ..blank },
+            Action::Resume => Request { kind: 1, ..blank },
+            Action::Step { periods } => Request { kind: 2, count: periods, ..blank },
+            Action::Reset { seed } => Request { kind: 3, seed: seed.unwrap_or(0), ..blank },
+            Action::Push { body, impulse, duration } => {
                 Request { kind: 4, count: body as u64, impulse, duration, ..blank }
             }
-            Ask::Rearm => Request { kind: 5, ..blank },
-            Ask::Set { period, speed } => {
+            Action::Rearm => Request { kind: 5, ..blank },
+            Action::Set { period, speed } => {
                 Request { kind: 6, period: period.unwrap_or(UNCHANGED), speed: speed.unwrap_or(UNCHANGED), ..blank }
             }
         }
@@ -104,7 +106,7 @@ impl Ask {
 
     /// Whether it is for the controller; else it is for the plant.
     pub fn is_for_controller(self) -> bool {
-        matches!(self, Ask::Set { .. })
+        matches!(self, Action::Set { .. })
     }
 }
 
@@ -116,20 +118,20 @@ mod tests {
     #[test]
     fn every_request_reads_back_as_what_was_asked() {
         let asks = [
-            Ask::Pause,
-            Ask::Resume,
-            Ask::Step { periods: 3 },
-            Ask::Reset { seed: Some(7) },
-            Ask::Push { body: 4, impulse: [1.0, -2.0, 0.5], duration: 0.05 },
-            Ask::Rearm,
-            Ask::Set { period: None, speed: Some(0.15) },
+            Action::Pause,
+            Action::Resume,
+            Action::Step { periods: 3 },
+            Action::Reset { seed: Some(7) },
+            Action::Push { body: 4, impulse: [1.0, -2.0, 0.5], duration: 0.05 },
+            Action::Rearm,
+            Action::Set { period: None, speed: Some(0.15) },
         ];
         assert_eq!(asks.len(), REQUESTS.len());
         for (kind, ask) in asks.into_iter().enumerate() {
-            let request = ask.request();
-            assert_eq!((request.kind, Ask::of(&request.sealed())), (kind as u64, Ok(ask)));
-            assert_eq!(Ask::of(&request), Err(Verdict::Damaged), "not sealed");
+            let request = ask.encode();
+            assert_eq!((request.kind, Action::decode(&request.sealed())), (kind as u64, Ok(ask)));
+            assert_eq!(Action::decode(&request), Err(Verdict::Damaged), "not sealed");
         }
-        assert_eq!(Ask::of(&Request { kind: 7, ..Request::default() }.sealed()), Err(Verdict::Damaged));
+        assert_eq!(Action::decode(&Request { kind: 7, ..Request::default() }.sealed()), Err(Verdict::Damaged));
     }
 }

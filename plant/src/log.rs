@@ -4,38 +4,38 @@
 use crate::Simulation;
 use crate::watchdog::Mode;
 use messages::clock::now_ns;
-use messages::tell;
+use messages::log;
 
 const SECOND: u64 = 1_000_000_000;
 
 /// What was said last, and when.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Remarks {
+pub(crate) struct PlantLog {
     mode: Mode,
     refused: u64,
     takeovers: u64,
-    told_ns: u64,
+    written_ns: u64,
 }
 
-impl Remarks {
+impl PlantLog {
     /// Says what is new.
-    pub fn on(&mut self, simulation: &mut Simulation) {
+    pub fn update(&mut self, simulation: &mut Simulation) {
         let mode = match simulation.mode() {
             Mode::Damp => Mode::Damp,
             Mode::Fault => Mode::Fault,
             _ => Mode::Run,
         };
-        let tally = simulation.intake().tally();
+        let tally = simulation.commands().tally();
         let refused = tally.refused.iter().sum();
         if (mode, refused, tally.takeovers) == (self.mode, self.refused, self.takeovers) {
             return;
         }
         let urgent = mode == Mode::Fault && self.mode != Mode::Fault;
-        if !urgent && now_ns() - self.told_ns < SECOND {
+        if !urgent && now_ns() - self.written_ns < SECOND {
             return;
         }
         let time = simulation.sensors().stamp.sim_ns as f64 * 1e-9;
-        let age = simulation.intake().age();
+        let age = simulation.commands().age();
         let drives = match (self.mode, mode) {
             (Mode::Wait, Mode::Run) => None, // the beginning
             (before, now) if before == now => None,
@@ -45,13 +45,13 @@ impl Remarks {
             }
             _ => Some("the controller drives again".into()),
         };
-        let tally = simulation.intake().tally();
+        let tally = simulation.commands().tally();
         let others = (tally.takeovers != self.takeovers || refused != self.refused).then(|| tally.to_string());
         let said: Vec<String> = drives.into_iter().chain(others).collect();
-        *self = Remarks { mode, refused, takeovers: tally.takeovers, told_ns: self.told_ns };
+        *self = PlantLog { mode, refused, takeovers: tally.takeovers, written_ns: self.written_ns };
         if !said.is_empty() {
-            self.told_ns = now_ns();
-            tell(format_args!("t {time:.3} s: {}", said.join("; ")));
+            self.written_ns = now_ns();
+            log(format_args!("t {time:.3} s: {}", said.join("; ")));
         }
     }
 }

@@ -7,7 +7,7 @@ use messages::robot::{Body, Scale, table_1};
 
 /// The controller's own choices, at the size of its robot. Accelerations keep to gravity, so they have no scale.
 #[derive(Clone, Copy, Debug)]
-pub struct Measures {
+pub struct ScaledParameters {
     /// Duration of the phases stand, sway, lift and land [s].
     pub phases: [f64; 4],
     /// Part of the lift in which the weight leaves the swing foot [s].
@@ -26,10 +26,10 @@ pub struct Measures {
     pub longest_step: f64,
     /// Change of the step length from one step to the next [m].
     pub step_slew: f64,
-    /// Greatest trim of the landing and of the step's length [m].
-    pub trim: f64,
-    /// Greatest trim of the step's duration [s].
-    pub time_trim: f64,
+    /// Greatest max_length_correction of the landing and of the step's length [m].
+    pub max_length_correction: f64,
+    /// Greatest max_length_correction of the step's duration [s].
+    pub max_time_correction: f64,
     /// Farthest from the supporting foot that the other lands [m].
     pub farthest: f64,
     /// Greatest acceleration of the swing foot: near the ground, which it may touch too early, and clear of it [m/s²].
@@ -54,12 +54,12 @@ pub struct Measures {
     pub time: f64,
 }
 
-impl Measures {
+impl ScaledParameters {
     /// For the robot of these bodies.
-    pub fn of(bodies: &[Body]) -> Measures {
+    pub fn of(bodies: &[Body]) -> ScaledParameters {
         let scale = Scale::between(&table_1(), bodies);
         let (t, l, v) = (scale.time(), scale.length, scale.speed());
-        Measures {
+        ScaledParameters {
             phases: [0.5 * t, 0.8 * t, 0.3 * t, 0.5 * t],
             unload: 0.1 * t,
             least_step: 0.1 * t,
@@ -69,8 +69,8 @@ impl Measures {
             periods: [0.3 * t, 2.0 * t],
             longest_step: 0.15 * l,
             step_slew: 0.015 * l,
-            trim: 0.02 * l,
-            time_trim: 0.05 * t,
+            max_length_correction: 0.02 * l,
+            max_time_correction: 0.05 * t,
             farthest: 0.25 * l,
             swing_acceleration: [12.0, 18.0],
             airborne: 1e-3 * l,
