@@ -1,110 +1,92 @@
-//! What may be asked of a running plant or controller, and what they say to it.
+//! Requests to a running plant or controller, decoded.
 
-use crate::wire::{Request, Stamped, VERDICTS};
+use crate::wire::{Request, RequestKind, Stamped, Verdict};
 
-/// What is asked for.
+/// What a request asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
-    /// Of the plant: let time stand still.
+    /// Plant: stop simulated time.
     Pause,
-    /// Of the plant: let it go on.
+    /// Plant: let simulated time go on.
     Resume,
-    /// Of the plant: run for so many control periods, then stand still.
+    /// Plant: run for a number of control periods, then pause.
     Step {
-        /// Their number.
+        /// Number of control periods.
         periods: u64,
     },
-    /// Of the plant: begin anew, as another run.
+    /// Plant: start a new run from time zero.
     Reset {
-        /// With another seed, if there is one.
+        /// New seed; absent: the seed stays.
         seed: Option<u64>,
     },
-    /// Of the plant: push the centre of mass of a body.
+    /// Plant: push the centre of mass of a body.
     Push {
         /// Number of the body in the scene.
         body: usize,
-        /// In W [N·s].
+        /// Impulse in W [N·s].
         impulse: [f64; 3],
-        /// [s].
+        /// Duration of the push [s].
         duration: f64,
     },
-    /// Of the plant: switch the drives on again after a fault.
+    /// Plant: switch the drives on again after a fault.
     Rearm,
-    /// Of the controller: gait set-points.
+    /// Controller: change the set-points of the gait.
     Set {
-        /// Period of two steps, if it is to change [s].
+        /// Period of two steps; absent: unchanged [s].
         period: Option<f64>,
-        /// Walking speed, if it is to change [m/s].
+        /// Walking speed; absent: unchanged [m/s].
         speed: Option<f64>,
     },
 }
 
-/// What is said to it; the order is that of [`VERDICTS`].
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Verdict {
-    /// It is done.
-    Done,
-    /// This is for the other process to do.
-    WrongProcess,
-    /// The scene has no such body.
-    NoSuchBody,
-    /// A number is no number, or absurd.
-    OutOfRange,
-    /// The request cannot be read.
-    Damaged,
-}
-
-impl Verdict {
-    /// In words.
-    pub fn text(verdict: u64) -> &'static str {
-        usize::try_from(verdict).ok().and_then(|index| VERDICTS.get(index)).copied().unwrap_or("an unknown answer")
-    }
-}
-
-/// Set-points that stay as they are, on the wire.
+/// On the wire, the value of a set-point that stays unchanged.
 const UNCHANGED: f64 = f64::INFINITY;
 
 impl Action {
-    /// What a message asks for.
+    /// Decodes a request.
     ///
     /// # Errors
-    /// Why it cannot be read.
+    /// [`Verdict::Damaged`] if the request is not sealed or its kind is unknown.
     pub fn decode(request: &Request) -> Result<Action, Verdict> {
         let change = |value: f64| (value != UNCHANGED).then_some(value);
-        match request.kind {
-            _ if !request.is_sound() => Err(Verdict::Damaged),
-            0 => Ok(Action::Pause),
-            1 => Ok(Action::Resume),
-            2 => Ok(Action::Step { periods: request.count }),
-            3 => Ok(Action::Reset { seed: (request.seed != 0).then_some(request.seed) }),
-            4 => {
-                Ok(Action::Push { body: request.count as usize, impulse: request.impulse, duration: request.duration })
-            }
-            5 => Ok(Action::Rearm),
-            6 => Ok(Action::Set { period: change(request.period), speed: change(request.speed) }),
-            _ => Err(Verdict::Damaged),
+        if !request.is_sound() {
+            return Err(Verdict::Damaged);
         }
+        let kind = usize::try_from(request.kind).ok().and_then(|kind| RequestKind::ALL.get(kind));
+        Ok(match kind.ok_or(Verdict::Damaged)? {
+            RequestKind::Pause => Action::Pause,
+            RequestKind::Resume => Action::Resume,
+            RequestKind::Step => Action::Step { periods: request.count },
+            RequestKind::Reset => Action::Reset { seed: (request.seed != 0).then_some(request.seed) },
+            RequestKind::Push => {
+                Action::Push { body: request.count as usize, impulse: request.impulse, duration: request.duration }
+            }
+            RequestKind::Rearm => Action::Rearm,
+            RequestKind::Set => Action::Set { period: change(request.period), speed: change(request.speed) },
+        })
     }
 
-    /// As a message, not yet sealed.
+    /// The action as a request that is not yet sealed.
     pub fn encode(self) -> Request {
-        let blank = Request::default();
+        let of = |kind: RequestKind| Request { kind: kind as u64, ..Request::default() };
         match self {
-            Action::Pause => Request { kind: 0, ..blank },
-            Action::Resume => Request { kind: 1, ..blank },
-            Action::Step { periods } => Request { kind: 2, count: periods, ..blank },
-            Action::Reset { seed } => Request { kind: 3, seed: seed.unwrap_or(0), ..blank },
+            Action::Pause => of(RequestKind::Pause),
+            Action::Resume => of(RequestKind::Resume),
+            Action::Step { periods } => Request { count: periods, ..of(RequestKind::Step) },
+            Action::Reset { seed } => Request { seed: seed.unwrap_or(0), ..of(RequestKind::Reset) },
             Action::Push { body, impulse, duration } => {
-                Request { kind: 4, count: body as u64, impulse, duration, ..blank }
+                Request { count: body as u64, impulse, duration, ..of(RequestKind::Push) }
             }
-            Action::Rearm => Request { kind: 5, ..blank },
-            Action::Set { period, speed } => {
-                Request { kind: 6, period: period.unwrap_or(UNCHANGED), speed: speed.unwrap_or(UNCHANGED), ..blank }
-            }
+            Action::Rearm => of(RequestKind::Rearm),
+            Action::Set { period, speed } => Request {
+                period: period.unwrap_or(UNCHANGED),
+                speed: speed.unwrap_or(UNCHANGED),
+                ..of(RequestKind::Set)
+            },
         }
     }
 
-    /// Whether it is for the controller; else it is for the plant.
+    /// Whether the action is for the controller. All others are for the plant.
     pub fn is_for_controller(self) -> bool {
         matches!(self, Action::Set { .. })
     }
@@ -116,8 +98,8 @@ mod tests {
     use crate::wire::REQUESTS;
 
     #[test]
-    fn every_request_reads_back_as_what_was_asked() {
-        let asks = [
+    fn every_action_survives_encoding_and_decoding() {
+        let actions = [
             Action::Pause,
             Action::Resume,
             Action::Step { periods: 3 },
@@ -126,10 +108,10 @@ mod tests {
             Action::Rearm,
             Action::Set { period: None, speed: Some(0.15) },
         ];
-        assert_eq!(asks.len(), REQUESTS.len());
-        for (kind, ask) in asks.into_iter().enumerate() {
-            let request = ask.encode();
-            assert_eq!((request.kind, Action::decode(&request.sealed())), (kind as u64, Ok(ask)));
+        assert_eq!(actions.len(), REQUESTS.len());
+        for (kind, action) in actions.into_iter().enumerate() {
+            let request = action.encode();
+            assert_eq!((request.kind, Action::decode(&request.sealed())), (kind as u64, Ok(action)));
             assert_eq!(Action::decode(&request), Err(Verdict::Damaged), "not sealed");
         }
         assert_eq!(Action::decode(&Request { kind: 7, ..Request::default() }.sealed()), Err(Verdict::Damaged));

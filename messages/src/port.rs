@@ -22,7 +22,8 @@ mod node;
 mod service;
 mod truth;
 
-pub use crate::action::{Action, Verdict};
+pub use crate::action::Action;
+pub use crate::wire::Verdict;
 pub use bare::BarePort;
 pub use contract::{Contract, Pace};
 pub use error::PortError;
@@ -111,7 +112,7 @@ impl PlantPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     #[inline]
-    pub fn take(&mut self) -> Result<Option<Command>, PortError> {
+    pub fn try_receive(&mut self) -> Result<Option<Command>, PortError> {
         self.command.next()
     }
 

@@ -8,9 +8,9 @@
 use crate::handover::Handover;
 use crate::inject::Injector;
 use crate::validation::{Acceptance, CommandValidator};
-use crate::watchdog::{Mode, Watchdog};
+use crate::watchdog::Watchdog;
 use messages::scene::Scene;
-use messages::wire::{Command, Encoders, JOINTS, Sensors, Stamp, Tally, Torques};
+use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
 use std::f64::consts::TAU;
 
 /// Damping of an abandoned joint, D [N·m·s/rad].
@@ -30,7 +30,7 @@ pub struct CommandPipeline {
     newest: Option<Command>,
     /// Whether the newest has come since torques were last asked for.
     fresh: bool,
-    mode: Mode,
+    state: PlantState,
     age: u64,
     before: Encoders,
     tally: Tally,
@@ -48,7 +48,7 @@ impl CommandPipeline {
             count_rate: scene.rate * TAU / f64::from(scene.plant.encoder_bits).exp2(),
             newest: None,
             fresh: false,
-            mode: Mode::Wait,
+            state: PlantState::Wait,
             age: 0,
             before: Encoders::default(),
             tally: Tally::default(),
@@ -73,18 +73,20 @@ impl CommandPipeline {
         let before = std::mem::replace(&mut self.before, sensors.encoders);
         let Some(newest) = &self.newest else { return Torques::default() };
         self.age = now - newest.stamp.ack;
-        self.mode = self.watchdog.judge(self.age, std::mem::take(&mut self.fresh));
+        self.state = self.watchdog.update(self.age, std::mem::take(&mut self.fresh));
         let tally = &mut self.tally;
-        match self.mode {
-            Mode::Hold => tally.held += 1,
-            Mode::Damp => tally.damped += 1,
-            Mode::Fault => tally.faulted += 1,
-            Mode::Wait | Mode::Run | Mode::Paused => (),
+        match self.state {
+            PlantState::Hold => tally.held += 1,
+            PlantState::Damp => tally.damped += 1,
+            PlantState::Fault => tally.faulted += 1,
+            PlantState::Wait | PlantState::Run | PlantState::Paused => (),
         }
-        self.applied = match self.mode {
-            Mode::Damp => self.damping(&sensors.encoders, &before),
-            Mode::Fault => Torques::default(),
-            Mode::Wait | Mode::Run | Mode::Paused | Mode::Hold => self.handover.blend(newest.torques),
+        self.applied = match self.state {
+            PlantState::Damp => self.damping(&sensors.encoders, &before),
+            PlantState::Fault => Torques::default(),
+            PlantState::Wait | PlantState::Run | PlantState::Paused | PlantState::Hold => {
+                self.handover.blend(newest.torques)
+            }
         };
         self.applied
     }
@@ -133,8 +135,8 @@ impl CommandPipeline {
     }
 
     /// What drove the last period.
-    pub fn mode(&self) -> Mode {
-        self.mode
+    pub fn state(&self) -> PlantState {
+        self.state
     }
 
     /// Age of the command of the last period [control periods].

@@ -25,7 +25,6 @@
 
 pub mod command_pipeline;
 pub mod composite;
-mod connection;
 pub mod contact;
 pub mod delassus;
 pub mod detect;
@@ -36,10 +35,8 @@ pub mod factor;
 pub mod handover;
 pub mod inject;
 pub mod kinematics;
-mod log;
 pub mod model;
 pub mod process;
-mod request_handler;
 pub mod simulation;
 pub mod smallest;
 pub mod spatial;

@@ -1,10 +1,9 @@
 //! A run: the plant, what stands before its drives, and the count of its control periods.
 
 use crate::command_pipeline::CommandPipeline;
-use crate::watchdog::Mode;
 use crate::{Plant, PlantError};
 use messages::scene::Scene;
-use messages::wire::{Command, Encoders, Sensors, Stamp, Truth};
+use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
 
 /// A run of a scene. Pure: what of a clock is in its messages, the shell fills in.
 pub struct Simulation {
@@ -58,7 +57,7 @@ impl Simulation {
         let mut truth = self.plant.truth();
         Command { stamp: truth.command, torques: truth.asked, telemetry: truth.telemetry } = self.commands.newest();
         truth.stamp = self.stamp;
-        truth.state = self.commands.mode() as u32;
+        truth.state = self.commands.state() as u32;
         truth.age = self.commands.age() as u32;
         truth.tally = *self.commands.tally();
         truth.encoders = self.encoders;
@@ -92,8 +91,8 @@ impl Simulation {
     }
 
     /// What drove the last period.
-    pub fn mode(&self) -> Mode {
-        self.commands.mode()
+    pub fn state(&self) -> PlantState {
+        self.commands.state()
     }
 
     /// What stands before the drives.

@@ -3,7 +3,7 @@
 //! It looks in the order of [`REFUSALS`](messages::wire::REFUSALS), from whom to what: version, run, owner, check sum,
 //! number, sensors answered, torques. Each refusal has a counter; a refused command leaves no trace beside it.
 
-use messages::wire::{Command, Stamped, Torques};
+use messages::wire::{Command, Refusal, Stamped, Torques};
 
 /// Torques beyond so many times the drives' limit are nonsense; up to it the drives clamp.
 const MAX_TORQUE_FACTOR: f64 = 4.0;
@@ -11,29 +11,6 @@ const MAX_TORQUE_FACTOR: f64 = 4.0;
 const MAX_JUMP_FACTOR: f64 = 2.0;
 /// Replaced controllers that are remembered.
 const REMEMBERED_CONTROLLERS: usize = 8;
-
-/// Why a command is refused; the order is that of [`REFUSALS`](messages::wire::REFUSALS).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// Magic or schema hash are not ours.
-    Version,
-    /// Meant for another run.
-    Run,
-    /// From a controller whose place another has taken.
-    Owner,
-    /// The check sum is wrong.
-    Damaged,
-    /// Not newer than the last accepted one: late, or seen before.
-    Stale,
-    /// Answers sensors not yet sent.
-    Early,
-    /// A torque is no number.
-    NotFinite,
-    /// A torque that no drive has.
-    TooStrong,
-    /// A torque that jumps farther than from limit to limit.
-    TooSteep,
-}
 
 /// What an accepted command brought beside its torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

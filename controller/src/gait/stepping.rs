@@ -1,17 +1,18 @@
-//! One period of stepping: the observed state, the inputs of the two pendulums (31), (32), and the swing foot (43).
+//! One control period of *walk*: observed state, inputs of the two pendulums (31), (32), and height of the swing foot (43).
 
-use super::{GaitModel, GaitState, Reference};
+use super::model::{GaitModel, GaitState};
+use super::reference::Reference;
 use crate::pendulum::{PendulumState, Propagator, virtual_input};
 use crate::scaled_parameters::ScaledParameters;
 use crate::support::Task;
 use crate::swing::MinimumJerkState;
 use messages::scene::Sagittal;
 
-/// Limit of the sagittal virtual input under the paper's rule, against what the paper calls flottage [m/s²].
+/// Limit of the sagittal virtual input under the paper's rule [m/s²]. It prevents the drift that the paper calls flottage.
 const INPUT_LIMIT: f64 = 0.5;
 
 impl GaitModel {
-    /// One period of stepping.
+    /// One control period of *walk*.
     pub(super) fn walk(&self, state: &mut GaitState, task: &Task) -> Reference {
         self.observe(state, task); // (25)
         let left = self.time_left(state.com[1]);
@@ -25,19 +26,29 @@ impl GaitModel {
         };
         let [sagittal, lateral] = state.com;
         state.com = [pendulum(sagittal, &self.propagator[0], u_1), pendulum(lateral, &self.propagator[1], u_2)]; // (31), (32)
-        let ahead = state.com[1].x - 0.5 * self.width;
-        let lift = self.lift.height_and_rate(ahead, state.com[1].v); // (43)
+        let outward = state.com[1].x - 0.5 * self.width;
+        let lift = self.swing_height.height_and_rate(outward, state.com[1].v); // (43)
         self.reference(state, task, lift.into(), 1.0)
     }
 
-    /// Time until the exchange, in whole control periods: it comes with the first one that finds x_2 beyond W_2/2 [s].
-    pub(super) fn time_left(&self, lateral: MinimumJerkState) -> f64 {
-        let left =
-            PendulumState { x: lateral.x, v: lateral.v }.time_to(0.5 * self.width, self.omega[1], self.scene.period);
-        (left / self.h).ceil().max(1.0) * self.h
+    /// Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule (42) axis 1 is not corrected: the foot
+    /// that mirrors the centre of gravity is still moving when it lands, and the resulting jump of the measured speed would make
+    /// the robot fall.
+    pub(super) fn observe(&self, state: &mut GaitState, task: &Task) {
+        let axes = match self.scene.sagittal {
+            Sagittal::FootPlacement => 0..2,
+            Sagittal::Energy => 1..2,
+        };
+        for k in axes {
+            let axis = &mut state.com[k];
+            let innovation = task.x[k] - axis.x;
+            axis.x += self.observer.position * innovation;
+            axis.v += self.observer.rate * innovation;
+        }
     }
 
-    /// The paper's sagittal rule: the foot is where the centre of gravity has it halfway, and u_1 keeps the energy of the step length.
+    /// The paper's sagittal rule: the centre of gravity stays halfway between the feet, x_t1 = 2 x_c1, and u_1 controls the energy
+    /// that belongs to the step length.
     fn mirror_foot(&self, state: &mut GaitState, left: f64) -> f64 {
         let [energy, _] = self.energies(state);
         let [reference, _] = self.energy_references(state);
@@ -47,7 +58,7 @@ impl GaitModel {
         state.landing = 2.0 * PendulumState { x: sagittal.x, v: sagittal.v }.propagated(&propagator, 0.0).x;
         state.foot = MinimumJerkState { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
         if sagittal.v.abs() < starting {
-            return INPUT_LIMIT.copysign(state.step) * f64::from(state.step != 0.0); // leave the rest point
+            return INPUT_LIMIT.copysign(state.step) * f64::from(state.step != 0.0); // start from rest
         }
         virtual_input(self.scene.sagittal_energy_gain, reference - energy, sagittal.v, fading, INPUT_LIMIT)
     }

@@ -64,7 +64,7 @@ impl Controller {
         let mut waiting = Timeout::new("plant", self.patience);
         while !STOP.load(Relaxed) {
             let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
-                match waiting.is_over() {
+                match waiting.has_expired() {
                     true => return Err(self.no_plant()),
                     false => continue,
                 }

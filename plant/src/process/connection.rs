@@ -1,32 +1,37 @@
-//! The plant's side of the conversation with its controller, in lockstep or on time.
+//! The plant's side of the exchange with its controller, in lockstep or in real time.
 
+use super::control_loop::{ExchangeOutcome, PeriodTiming};
+use super::error::{Options, ProcessError};
+use super::log::PlantLog;
+use super::request_handler::RequestHandler;
 use crate::Simulation;
-use crate::log::PlantLog;
-use crate::process::{ExchangeOutcome, Options, PeriodTiming, ProcessError};
-use crate::request_handler::RequestHandler;
-use crate::watchdog::Mode;
 use messages::clock::{Timeout, now_ns, sleep_until};
 use messages::port::{Pace, PlantPort};
 use messages::scene::Scene;
-use messages::wire::{Sensors, Stamp, Stamped};
+use messages::wire::{PlantState, Sensors, Stamp, Stamped};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// The conversation and what it has to remember.
-pub(crate) struct ControllerConnection<'a> {
+/// While simulated time stands still, the plant looks for requests this often.
+const PAUSE_POLL: Duration = Duration::from_millis(1);
+/// While simulated time stands still, the plant sends the sensors again this often [ns].
+const HEARTBEAT_NS: u64 = 100_000_000;
+
+/// Connection of a plant to its controller.
+pub(super) struct ControllerConnection<'a> {
     pub port: PlantPort,
     pace: Pace,
     stop: &'a AtomicBool,
-    patience: Timeout,
-    limit: Duration,
-    is_driven: bool,
+    timeout: Timeout,
+    patience: Duration,
+    has_controller: bool,
     /// Control period in real time [ns].
     period_ns: u64,
-    /// Real time at which the period began [ns]; 0: with the first command.
+    /// Real time at which the period began [ns]; 0 until the first command is accepted.
     deadline: u64,
     requests: RequestHandler,
     log: PlantLog,
-    /// When the controller last heard of us [ns].
+    /// When sensors were last sent [ns].
     last_sent_ns: u64,
 }
 
@@ -36,9 +41,9 @@ impl<'a> ControllerConnection<'a> {
             port,
             pace: options.pace,
             stop,
-            patience: Timeout::new("controller", options.patience),
-            limit: options.patience,
-            is_driven: scene.controller.is_some(),
+            timeout: Timeout::new("controller", options.patience),
+            patience: options.patience,
+            has_controller: scene.controller.is_some(),
             period_ns: ((1e9 / scene.rate / options.speed).round() as u64).max(1),
             deadline: 0,
             requests: RequestHandler::default(),
@@ -47,8 +52,8 @@ impl<'a> ControllerConnection<'a> {
         }
     }
 
-    /// One exchange: sensors and truth out, commands in, requests served. Whatever can wait is done while the controller
-    /// computes.
+    /// One exchange: sends sensors and truth, receives commands, and answers requests. Work that can wait is done while the
+    /// controller computes.
     pub fn exchange(
         &mut self,
         simulation: &mut Simulation,
@@ -67,21 +72,25 @@ impl<'a> ControllerConnection<'a> {
         }
         simulation.get_ready();
         match self.pace {
-            Pace::Lockstep => self.answer(simulation, sensors),
-            Pace::RealTime => self.on_time(simulation, sensors),
+            Pace::Lockstep => self.wait_for_answer(simulation, sensors),
+            Pace::RealTime => self.wait_for_deadline(simulation, sensors),
         }
     }
 
-    /// Waits for the answer to these very sensors; before the first command, for one that is accepted.
-    fn answer(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<ExchangeOutcome, ProcessError> {
-        self.patience.renew();
+    /// Waits for the answer to these sensors. Before the first command it waits for one that is accepted.
+    fn wait_for_answer(
+        &mut self,
+        simulation: &mut Simulation,
+        sensors: &Sensors,
+    ) -> Result<ExchangeOutcome, ProcessError> {
+        self.timeout.restart();
         self.last_sent_ns = sensors.stamp.mono_ns;
-        while self.is_driven {
+        while self.has_controller {
             match self.port.wait()? {
                 Some(command) => {
                     simulation.receive(&command);
                     let stamp = command.stamp;
-                    // nothing that a damaged one says is believed
+                    // The fields of a damaged message are not used.
                     let answers =
                         command.is_sound() && stamp.run == sensors.stamp.run && stamp.ack == sensors.stamp.seq;
                     if answers && simulation.commands().has_command() {
@@ -93,24 +102,28 @@ impl<'a> ControllerConnection<'a> {
                 }
                 None => self.heartbeat(sensors)?,
             }
-            self.log.update(simulation); // above all why no command has been accepted yet
+            self.log.update(simulation); // reports why no command has been accepted yet
             self.check_stop()?;
-            if self.patience.is_over() {
-                let met = simulation.commands().tally().to_string();
-                let met = if met.is_empty() { met } else { format!("; {met}") };
-                return Err(ProcessError::NoController(self.limit, met));
+            if self.timeout.has_expired() {
+                let counters = simulation.commands().tally().to_string();
+                let counters = if counters.is_empty() { counters } else { format!("; {counters}") };
+                return Err(ProcessError::NoController(self.patience, counters));
             }
         }
         Ok(ExchangeOutcome::Advance { late_ns: 0 })
     }
 
-    /// Sleeps until the period is over in reality too, then hears the newest command; time stands still before the first
-    /// one. A deadline missed by whole periods is moved by them: they are left out, never made up for.
-    fn on_time(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<ExchangeOutcome, ProcessError> {
+    /// Sleeps until the period has passed in real time, then takes the newest command. Before the first command simulated time
+    /// stands still. A deadline that was missed by whole periods moves by these periods: they are skipped, not caught up.
+    fn wait_for_deadline(
+        &mut self,
+        simulation: &mut Simulation,
+        sensors: &Sensors,
+    ) -> Result<ExchangeOutcome, ProcessError> {
         if self.deadline == 0 {
-            let next = self.answer(simulation, sensors)?;
+            let outcome = self.wait_for_answer(simulation, sensors)?;
             self.deadline = now_ns();
-            return Ok(next);
+            return Ok(outcome);
         }
         self.deadline += self.period_ns;
         while now_ns() < self.deadline && !self.stop.load(Relaxed) {
@@ -120,32 +133,32 @@ impl<'a> ControllerConnection<'a> {
         let overrun = late_ns / self.period_ns;
         simulation.commands().tally_mut().skipped += overrun;
         self.deadline += overrun * self.period_ns;
-        while let Some(command) = self.port.take()? {
+        while let Some(command) = self.port.try_receive()? {
             simulation.receive(&command);
         }
         self.check_abandoned(simulation)?;
         Ok(ExchangeOutcome::Advance { late_ns })
     }
 
-    /// A plant whose drives are off waits for somebody to re-arm them, but not for ever.
+    /// A plant whose drives are off waits for a request to re-arm them, up to the timeout.
     fn check_abandoned(&mut self, simulation: &mut Simulation) -> Result<(), ProcessError> {
-        if simulation.mode() != Mode::Fault {
-            self.patience.renew();
-        } else if self.patience.is_over() {
+        if simulation.state() != PlantState::Fault {
+            self.timeout.restart();
+        } else if self.timeout.has_expired() {
             return Err(ProcessError::Silent(simulation.commands().age()));
         }
         Ok(())
     }
 
-    /// Serves whoever is at the requests, and stays there while time stands still.
+    /// Answers requests, and returns only when simulated time may go on.
     fn serve(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<ExchangeOutcome, ProcessError> {
         loop {
-            while let Some(asked) = self.port.next_request()? {
-                let (reply, next) = self.requests.handle(&asked.request, simulation)?;
-                self.port.answer(asked, reply)?;
-                if next == ExchangeOutcome::Restart {
+            while let Some(pending) = self.port.next_request()? {
+                let (reply, outcome) = self.requests.handle(&pending.request, simulation)?;
+                self.port.answer(pending, reply)?;
+                if outcome == ExchangeOutcome::Restart {
                     self.deadline = 0;
-                    return Ok(next);
+                    return Ok(outcome);
                 }
             }
             if !self.requests.is_paused(sensors.stamp.seq) {
@@ -153,14 +166,14 @@ impl<'a> ControllerConnection<'a> {
             }
             self.check_stop()?;
             self.deadline = if self.deadline == 0 { 0 } else { now_ns() };
-            self.patience.renew();
+            self.timeout.restart();
             self.heartbeat(sensors)?;
             std::thread::sleep(PAUSE_POLL);
         }
     }
 
-    /// Now and then the controller gets the same sensors again: it hears that we live, and what a link that loses messages,
-    /// such as one to another machine, may have lost. It answers them as before.
+    /// Sends the same sensors again from time to time. The controller learns that the plant is alive, and a connection that
+    /// loses messages, such as one to another machine, gets another chance. The controller repeats its answer.
     fn heartbeat(&mut self, sensors: &Sensors) -> Result<(), ProcessError> {
         if now_ns() - self.last_sent_ns > HEARTBEAT_NS {
             self.last_sent_ns = now_ns();
@@ -173,8 +186,3 @@ impl<'a> ControllerConnection<'a> {
         if self.stop.load(Relaxed) { Err(ProcessError::Interrupted) } else { Ok(()) }
     }
 }
-
-/// While time stands still, the requests is looked at this often.
-const PAUSE_POLL: Duration = Duration::from_millis(1);
-/// And the controller hears of us this often [ns].
-const HEARTBEAT_NS: u64 = 100_000_000;

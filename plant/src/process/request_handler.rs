@@ -1,34 +1,34 @@
-//! The plant's desk: pause, step, reset, push, re-arm.
+//! Requests to the plant: pause, resume, step, reset, push, re-arm.
 
-use crate::process::ExchangeOutcome;
-use crate::watchdog::Mode;
+use super::control_loop::ExchangeOutcome;
 use crate::{PlantError, Simulation};
 use messages::clock::random;
 use messages::port::{Action, Verdict};
-use messages::wire::{Reply, Request};
+use messages::wire::{PlantState, Reply, Request};
 
-/// Greatest push that is taken for one [N·s], and its longest duration [s].
+/// Largest impulse of a push that is accepted [N·s].
 const MAX_PUSH_IMPULSE: f64 = 1000.0;
+/// Longest duration of a push that is accepted [s].
 const MAX_PUSH_DURATION: f64 = 60.0;
 
-/// Whether time stands still, and from which control period on.
+/// Whether simulated time is to stand still, and from which control period on.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct RequestHandler {
+pub(super) struct RequestHandler {
     paused: bool,
     from: u64,
 }
 
 impl RequestHandler {
-    /// Does what is asked for, if it can be done.
+    /// Carries out a request, if that is possible.
     ///
     /// # Errors
-    /// If the scene cannot begin anew.
+    /// If the scene cannot be started again.
     pub fn handle(
         &mut self,
         request: &Request,
         simulation: &mut Simulation,
     ) -> Result<(Reply, ExchangeOutcome), PlantError> {
-        let mut next = ExchangeOutcome::Advance { late_ns: 0 };
+        let mut outcome = ExchangeOutcome::Advance { late_ns: 0 };
         let now = simulation.sensors().stamp.seq;
         let verdict = match Action::decode(request) {
             Err(verdict) => verdict,
@@ -38,7 +38,7 @@ impl RequestHandler {
             Ok(Action::Reset { seed }) => {
                 simulation.reset(random(), seed)?;
                 self.from = 0;
-                next = ExchangeOutcome::Restart;
+                outcome = ExchangeOutcome::Restart;
                 Verdict::Done
             }
             Ok(Action::Push { body, impulse, duration }) => push(simulation, body, impulse, duration),
@@ -49,11 +49,11 @@ impl RequestHandler {
             Ok(Action::Set { .. }) => Verdict::WrongProcess,
         };
         simulation.commands().tally_mut().requests += 1;
-        let state = if self.paused { Mode::Paused } else { simulation.mode() };
-        Ok((Reply { stamp: simulation.sensors().stamp, verdict: verdict as u64, state: state as u64 }, next))
+        let state = if self.paused { PlantState::Paused } else { simulation.state() };
+        Ok((Reply { stamp: simulation.sensors().stamp, verdict: verdict as u64, state: state as u64 }, outcome))
     }
 
-    /// Whether time is to stand still before the control period `now`.
+    /// Whether simulated time is to stand still before control period `now`.
     pub fn is_paused(&self, now: u64) -> bool {
         self.paused && now >= self.from
     }
@@ -65,9 +65,9 @@ impl RequestHandler {
 }
 
 fn push(simulation: &mut Simulation, body: usize, impulse: [f64; 3], duration: f64) -> Verdict {
-    let sane =
+    let in_range =
         impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE) && (0.0..=MAX_PUSH_DURATION).contains(&duration);
-    match sane {
+    match in_range {
         false => Verdict::OutOfRange,
         true if simulation.push(body, impulse, duration) => Verdict::Done,
         true => Verdict::NoSuchBody,
