@@ -6,7 +6,7 @@
 mod live;
 
 use live::{LONG, Running, biped, eventually};
-use messages::port::{Ask, Contract, Pace, PortError, Verdict, ask};
+use messages::port::{Action, Contract, Pace, PortError, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{STATES, Truth};
@@ -27,20 +27,20 @@ fn seconds(truth: &Truth) -> f64 {
 fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
     let mut walk = walking("pause", &[]);
     walk.until("a start", |truth| seconds(truth) > 0.2);
-    let reply = walk.ask(Ask::Pause);
+    let reply = walk.ask(Action::Pause);
     assert_eq!((reply.verdict, STATES[reply.state as usize]), (Verdict::Done as u64, "paused"));
-    let held = walk.ask(Ask::Pause).stamp;
+    let held = walk.ask(Action::Pause).stamp;
     std::thread::sleep(Duration::from_millis(300));
-    assert_eq!(walk.ask(Ask::Pause).stamp, held, "time went on");
-    walk.ask(Ask::Step { periods: 25 });
+    assert_eq!(walk.ask(Action::Pause).stamp, held, "time went on");
+    walk.ask(Action::Step { periods: 25 });
     let begin = Instant::now();
-    while walk.ask(Ask::Rearm).stamp.seq < held.seq + 25 {
+    while walk.ask(Action::Rearm).stamp.seq < held.seq + 25 {
         assert!(begin.elapsed() < LONG, "the steps did not come");
     }
     std::thread::sleep(Duration::from_millis(100));
-    assert_eq!(walk.ask(Ask::Pause).stamp.seq, held.seq + 25);
+    assert_eq!(walk.ask(Action::Pause).stamp.seq, held.seq + 25);
     walk.drain();
-    walk.ask(Ask::Resume);
+    walk.ask(Action::Resume);
     let later = walk.until("going on", |truth| truth.stamp.seq > held.seq + 300);
     assert_eq!(STATES[later.state as usize], "run");
     assert_eq!(later.tally.skipped, walk.latest.tally.skipped, "a pause is no delay");
@@ -51,7 +51,7 @@ fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
 fn a_reset_begins_another_run_at_time_zero_and_walks_again() {
     let mut walk = walking("reset", &[]);
     let before = walk.until("a start", |truth| seconds(truth) > 0.5);
-    walk.ask(Ask::Reset { seed: Some(5) });
+    walk.ask(Action::Reset { seed: Some(5) });
     let first = walk.until("another run", |truth| truth.stamp.run != before.stamp.run);
     assert!(first.stamp.seq < 20 && seconds(&first) < 0.05, "{:?}", first.stamp);
     let after = walk.until("walking", |truth| truth.telemetry.steps > 2);
@@ -64,20 +64,23 @@ fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
     let mut walk = walking("push", &["--set", "controller.gait=\"stand\"", "--set", "plant.friction=0.05"]);
     walk.until("standing", |truth| seconds(truth) > 0.2);
     // On ice little holds the robot: the impulse J gives the whole mass the momentum J.
-    walk.ask(Ask::Push { body: 4, impulse: [2.0, 0.0, 0.0], duration: 0.05 });
+    walk.ask(Action::Push { body: 4, impulse: [2.0, 0.0, 0.0], duration: 0.05 });
     let pushed = seconds(&walk.until("motion", |truth| truth.base_velocity[0].abs() > 1e-2));
     let after = walk.until("the end of the push", |truth| seconds(truth) > pushed + 0.06);
     let mass: f64 = messages::robot::table_1().iter().map(|body| body.mass).sum();
     let speed = 2.0 / mass;
     assert!((after.base_velocity[0] - speed).abs() < 0.5 * speed, "{} m/s, not {speed}", after.base_velocity[0]);
-    assert_eq!(walk.ask(Ask::Push { body: 9, impulse: [0.0; 3], duration: 0.1 }).verdict, Verdict::NoSuchBody as u64);
-    let mad = Ask::Push { body: 4, impulse: [f64::NAN; 3], duration: 0.1 };
+    assert_eq!(
+        walk.ask(Action::Push { body: 9, impulse: [0.0; 3], duration: 0.1 }).verdict,
+        Verdict::NoSuchBody as u64
+    );
+    let mad = Action::Push { body: 4, impulse: [f64::NAN; 3], duration: 0.1 };
     assert_eq!(walk.ask(mad).verdict, Verdict::OutOfRange as u64);
     walk.end();
 }
 
 /// A scene on its own, pushed before it begins: its `summary.json` and where its base ends [m].
-fn pushed(name: &str, extra: &[&str], push: Ask) -> (Value, [f64; 3]) {
+fn pushed(name: &str, extra: &[&str], push: Action) -> (Value, [f64; 3]) {
     let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
     let folder = std::env::temp_dir().join(session.name());
     let file = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
@@ -85,10 +88,10 @@ fn pushed(name: &str, extra: &[&str], push: Ask) -> (Value, [f64; 3]) {
     let mut launcher = biped(&arguments).arg(&folder).args(extra).spawn().expect("the program starts");
     eventually("an open desk", || {
         assert_eq!(launcher.try_wait().expect("our own child"), None, "{name} ended before it was pushed");
-        ask(&session, Ask::Pause).is_ok()
+        ask(&session, Action::Pause).is_ok()
     });
     assert_eq!(ask(&session, push).expect("an answer").verdict, Verdict::Done as u64);
-    ask(&session, Ask::Resume).expect("an answer");
+    ask(&session, Action::Resume).expect("an answer");
     assert!(launcher.wait().expect("our own child").success(), "{name}");
     let read = |file: &str| std::fs::read_to_string(folder.join(file)).expect("what it wrote");
     let table = read("trajectory.csv");
@@ -103,7 +106,7 @@ fn pushed(name: &str, extra: &[&str], push: Ask) -> (Value, [f64; 3]) {
 #[test]
 fn a_push_moves_what_was_symmetric_and_lands_what_was_to_fly() {
     for full in [&[][..], &["--full"]] {
-        let push = |impulse, duration| Ask::Push { body: 0, impulse, duration };
+        let push = |impulse, duration| Action::Push { body: 0, impulse, duration };
         let extra = |speed| [&["--speed", speed], full].concat();
         let (rest, end) = pushed("push-ignored", &extra("5"), push([0.0, 1.0, 0.0], 0.05));
         // J/T less friction for T, then friction alone
@@ -121,8 +124,8 @@ fn a_push_moves_what_was_symmetric_and_lands_what_was_to_fly() {
 fn walking_speed_follows_its_set_point_and_nonsense_is_refused() {
     let mut walk = walking("set", &["--speed", "3"]);
     walk.until("walking", |truth| truth.telemetry.steps > 4);
-    assert_eq!(walk.ask(Ask::Set { period: None, speed: Some(9.0) }).verdict, Verdict::OutOfRange as u64);
-    assert_eq!(walk.ask(Ask::Set { period: None, speed: Some(0.0) }).verdict, Verdict::Done as u64);
+    assert_eq!(walk.ask(Action::Set { period: None, speed: Some(9.0) }).verdict, Verdict::OutOfRange as u64);
+    assert_eq!(walk.ask(Action::Set { period: None, speed: Some(0.0) }).verdict, Verdict::Done as u64);
     let now = walk.latest.telemetry.steps;
     let slow = walk.until("a few steps", |truth| truth.telemetry.steps > now + 8);
     let later = walk.until("more steps", |truth| truth.telemetry.steps > now + 12);
@@ -143,7 +146,7 @@ fn drives_that_a_silent_controller_switched_off_stay_off_until_rearmed() {
     stand.signal("controller", Signal::SIGCONT);
     let heard = stand.until("a command again", |truth| truth.age == 0);
     assert_eq!((states(&heard), heard.torque), ("fault", [0.0; 8]), "a fault is latched");
-    assert_eq!(stand.ask(Ask::Rearm).verdict, Verdict::Done as u64);
+    assert_eq!(stand.ask(Action::Rearm).verdict, Verdict::Done as u64);
     stand.until("drives on", |truth| states(truth) == "run" && truth.torque != [0.0; 8]);
     stand.end();
 }
@@ -177,8 +180,8 @@ fn every_command_of_the_desk_is_heard_as_it_is_written() {
 #[test]
 fn nobody_at_the_desk_and_a_choice_of_sessions_are_a_sentence_and_an_exit_code() {
     let session = Session::unique();
-    assert!(matches!(ask(&session, Ask::Pause), Err(PortError::NoSession { .. })));
-    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+    assert!(matches!(ask(&session, Action::Pause), Err(PortError::NoSession { .. })));
+    assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
     let Output { status, stderr, .. } =
         biped(&["pause", "--session", session.name()]).output().expect("the program runs");
     let errors = String::from_utf8_lossy(&stderr);
@@ -211,9 +214,9 @@ fn what_was_asked_of_a_run_is_in_its_summary() {
     let out = folder.to_string_lossy().into_owned();
     // ten times as slow as real time: no scheduler keeps the controller waiting for a whole period
     let walk = walking("asked", &["--speed", "0.1", "--set", "duration=0.4", "--out", &out]);
-    let push = Ask::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
-    let refused = Ask::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
-    let set = Ask::Set { period: None, speed: Some(0.1) };
+    let push = Action::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
+    let refused = Action::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
+    let set = Action::Set { period: None, speed: Some(0.1) };
     let replies = [push, refused, set].map(|what| walk.ask(what));
     let (code, table, errors) = walk.wait();
     assert_eq!(code, Some(0), "{errors}");
@@ -242,7 +245,7 @@ fn a_plant_alone_has_a_desk_too_and_sends_set_points_away() {
     let session = Session::named(&format!("test-{}-alone", std::process::id())).expect("a good name");
     let scene = Scene { duration: 1.0, ..Scene::default() };
     let port = messages::port::PlantPort::open(&session, &Contract::of(&scene, Pace::Lockstep)).expect("plant");
-    let set = Ask::Set { period: None, speed: Some(0.1) };
+    let set = Action::Set { period: None, speed: Some(0.1) };
     assert!(matches!(ask(&session, set), Err(PortError::Absent { role: "controller", .. })));
     drop(port);
 }
@@ -261,7 +264,7 @@ fn memory_grows_neither_by_resets_nor_twice_by_a_recorder_that_lags() {
     let plant = walk.number("plant");
     let mut resets = |count| {
         for _ in 0..count {
-            let run = walk.ask(Ask::Reset { seed: None }).stamp.run;
+            let run = walk.ask(Action::Reset { seed: None }).stamp.run;
             walk.until("another walk", |truth| truth.stamp.run == run && truth.stamp.seq > 100);
         }
         let fresh = memory(plant);

@@ -22,10 +22,10 @@ fn what_dead_sessions_left_is_told_and_removed_and_the_living_are_spared() {
     let (dead, alive) = (name("dead"), name("alive"));
     let open = |session: &Session| PlantPort::open(session, &Contract::of(&Scene::default(), Pace::Lockstep));
     let port = open(&dead).expect("plant");
-    let list = dead.leftovers().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
+    let list = dead.shm_files().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
     drop(port);
     let _port = open(&alive).expect("plant");
-    let (members, files) = (alive.members(), alive.leftovers());
+    let (members, files) = (alive.members(), alive.shm_files());
     assert_eq!(members, [std::process::id()]);
     let segment = PathBuf::from(list.to_string_lossy().replace("members", "abandoned"));
     std::fs::write(&list, dead.name()).expect("a list of nobody");
@@ -45,7 +45,7 @@ fn what_dead_sessions_left_is_told_and_removed_and_the_living_are_spared() {
     assert_eq!(code, Some(0), "{told}");
     assert!(told.contains(dead.name()) && told.contains(&*segment.to_string_lossy()), "{told}");
     assert!(!told.contains(alive.name()), "{told}");
-    assert_eq!((dead.leftovers(), alive.leftovers()), (vec![], files));
+    assert_eq!((dead.shm_files(), alive.shm_files()), (vec![], files));
     let (_, told) = biped("doctor");
     assert!(!told.contains(dead.name()) && told.contains(alive.name()), "{told}");
 }

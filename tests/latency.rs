@@ -38,7 +38,7 @@ fn start(arguments: &[&str]) -> Child {
 fn left_nothing(process: u32) {
     for count in 0..50 {
         let session = Session::named(&format!("latency-{process}-{count}")).expect("a good name");
-        assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+        assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
     }
 }
 

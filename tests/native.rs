@@ -29,7 +29,7 @@ fn run(scene: &str, program: &Path, settings: &[&str]) -> Value {
     let _ = std::fs::remove_dir_all(folder);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!((output.status.code(), &*errors), (Some(0), ""), "{}", program.display());
-    assert_eq!(session.leftovers(), [""; 0].map(PathBuf::from), "left in shared memory");
+    assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "left in shared memory");
     serde_json::from_str(&summary).expect("a summary")
 }
 
@@ -43,7 +43,7 @@ fn alone(program: &Path, replaced: &[(&str, &str)]) -> Output {
         .envs(replaced.iter().copied())
         .output()
         .expect("the program starts");
-    assert_eq!(session.leftovers(), [""; 0].map(PathBuf::from), "left in shared memory");
+    assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "left in shared memory");
     output
 }
 

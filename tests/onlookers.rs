@@ -18,7 +18,7 @@ fn a_session_that_does_not_say_what_its_scene_is_cannot_be_drawn_and_that_is_sai
     let contract = Contract::of(&Scene::default(), Pace::Lockstep);
     let plant = PlantPort::open(&session, &contract).expect("a session");
     for text in [None, Some("bodies = 1")] {
-        text.map_or(Ok(()), |text| session.tell_scene(text)).expect("room");
+        text.map_or(Ok(()), |text| session.publish_scene(text)).expect("room");
         let Output { status, stderr, .. } =
             biped(&["view", "--session", session.name(), "--port", "0"]).output().expect("the program runs");
         let words = String::from_utf8_lossy(&stderr);

@@ -7,7 +7,7 @@
 mod live;
 
 use live::{LONG, Running, biped, eventually};
-use messages::port::Ask;
+use messages::port::Action;
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
@@ -77,7 +77,7 @@ fn rest(stream: &mut TcpStream) -> String {
 #[test]
 fn whoever_lacks_the_token_or_means_another_host_is_refused() {
     let walk = Running::unheard("token");
-    walk.ask(Ask::Pause);
+    walk.ask(Action::Pause);
     let view = View::open(&walk, &[]);
     let (token, here) = (&view.token, &view.place.to_string());
     assert!(token.len() == 32 && view.serves());
@@ -123,7 +123,7 @@ fn whoever_lacks_the_token_or_means_another_host_is_refused() {
 #[test]
 fn endless_headers_and_bodies_and_silence_cost_no_memory_and_keep_nobody_out() {
     let walk = Running::unheard("onlooker");
-    walk.ask(Ask::Pause);
+    walk.ask(Action::Pause);
     let view = View::open(&walk, &[]);
     assert!(view.serves());
     let (files, memory, place, token) = (view.files(), view.memory(), view.place, &view.token);
@@ -190,8 +190,8 @@ fn a_reader_that_stalls_stalls_nobody() {
         })
         .collect();
     eventually("eight answers that nobody takes", || view.files() >= before + 8);
-    let begin = walk.ask(Ask::Resume).stamp.sim_ns;
-    eventually("twenty seconds of lockstep", || walk.ask(Ask::Resume).stamp.sim_ns > begin + 20_000_000_000);
+    let begin = walk.ask(Action::Resume).stamp.sim_ns;
+    eventually("twenty seconds of lockstep", || walk.ask(Action::Resume).stamp.sim_ns > begin + 20_000_000_000);
     assert!(view.serves(), "others wait for them");
     eventually("an end of patience with each", || view.files() <= before);
     for mut stream in stalled {
@@ -204,7 +204,7 @@ fn a_reader_that_stalls_stalls_nobody() {
 #[test]
 fn other_addresses_are_listened_on_if_asked_for_and_then_that_is_warned_of() {
     let walk = Running::unheard("listen");
-    walk.ask(Ask::Pause);
+    walk.ask(Action::Pause);
     for (listen, host, warnings) in [("0.0.0.0", "192.0.2.7:80", 1), ("::", "[2001:db8::7]:80", 1), ("::1", "[::1]", 0)]
     {
         let listening = listen.parse::<IpAddr>().expect("an address");

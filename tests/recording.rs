@@ -11,7 +11,7 @@ mod live;
 use common::fresh_path;
 use hdrhistogram::Histogram;
 use live::{Running, biped};
-use messages::port::Ask;
+use messages::port::Action;
 use std::path::{Path, PathBuf};
 
 /// Exit code and both outputs of a command on a recording.
@@ -83,10 +83,10 @@ fn what_was_asked_of_a_run_is_recorded_and_done_again_by_a_replay() {
     // ten times as slow as real time: no scheduler keeps recorder or controller waiting for a whole period
     let slow = ["--realtime", "--speed", "0.1", "--record", &file.to_string_lossy(), "--set", "duration=0.5"];
     let walk = Running::start("pushed", &slow);
-    walk.ask(Ask::Push { body: 4, impulse: [0.5, 0.3, 0.0], duration: 0.05 });
-    walk.ask(Ask::Set { period: Some(0.62), speed: None });
-    walk.ask(Ask::Reset { seed: Some(5) });
-    walk.ask(Ask::Push { body: 4, impulse: [-0.5, 0.3, 0.0], duration: 0.05 });
+    walk.ask(Action::Push { body: 4, impulse: [0.5, 0.3, 0.0], duration: 0.05 });
+    walk.ask(Action::Set { period: Some(0.62), speed: None });
+    walk.ask(Action::Reset { seed: Some(5) });
+    walk.ask(Action::Push { body: 4, impulse: [-0.5, 0.3, 0.0], duration: 0.05 });
     let (code, _, errors) = walk.wait();
     assert_eq!(code, Some(0), "{errors}");
     for (mode, least) in [(&["replay", "--plant"][..], 3), (&["replay"], 1)] {

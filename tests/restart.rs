@@ -10,7 +10,7 @@ use live::Running;
 use messages::scene::Scene;
 use messages::wire::{Command, Stamp, Stamped};
 use nix::sys::signal::Signal;
-use plant::process::{Next, drive};
+use plant::process::{ExchangeOutcome, drive};
 use plant::{PlantError, Simulation};
 
 /// The trunk of a robot that walks is never lower [m].
@@ -44,8 +44,8 @@ fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f
         }
         let torques = controller.tick(&sensors.encoders).unwrap_or_default(); // a heap of legs is no posture
         let stamp = Stamp { ack: sensors.stamp.seq, epoch, ..sensors.stamp };
-        simulation.hear(&Command { stamp, torques, ..Command::default() }.sealed());
-        Ok(Next::Period { late_ns: 0 })
+        simulation.receive(&Command { stamp, torques, ..Command::default() }.sealed());
+        Ok(ExchangeOutcome::Advance { late_ns: 0 })
     });
     (lowest, (simulation.truth().base_position[0] - from) / LAST)
 }
@@ -107,6 +107,6 @@ fn a_session_that_a_test_gives_up_ends_with_it() {
         let session = walk.session.clone();
         assert!(session.members().len() >= 3, "{:?}", session.members());
         drop(walk);
-        assert_eq!((session.members(), session.leftovers()), (vec![], vec![]), "{stopped:?}");
+        assert_eq!((session.members(), session.shm_files()), (vec![], vec![]), "{stopped:?}");
     }
 }

@@ -142,7 +142,7 @@ fn plant_and_controller_with_different_robots_refuse_each_other() {
     let errors = String::from_utf8_lossy(&refused.stderr);
     assert_eq!(refused.status.code(), Some(5), "{errors}");
     assert!(errors.contains("model") && errors.contains("same program, scene and options"), "{errors}");
-    Session::named(&session).expect("a good name").sweep();
+    Session::named(&session).expect("a good name").remove_files();
 }
 
 #[test]

@@ -63,7 +63,7 @@ fn a_second_plant_is_refused_also_where_there_is_room_for_a_tunnel() {
     let contract = Contract::of(&Scene::default(), Pace::Lockstep);
     for tunnel in [true, false] {
         let session = Session::unique();
-        let _first = PlantPort::open(&session, &contract.tunnelled(tunnel)).expect("a plant");
-        assert!(PlantPort::open(&session, &contract.tunnelled(tunnel)).is_err());
+        let _first = PlantPort::open(&session, &contract.with_tunnel(tunnel)).expect("a plant");
+        assert!(PlantPort::open(&session, &contract.with_tunnel(tunnel)).is_err());
     }
 }

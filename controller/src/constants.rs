@@ -1,7 +1,7 @@
-//! Numbers that follow from the robot alone: ω_1, ω_2, γ, the nominal inertias and the ankles' limits.
+//! Constants of the robot: ω_1, ω_2, γ, the nominal inertias and the limits of the zero-moment point.
 //!
-//! The paper takes ω = √(g/l). A trunk that rolls with the ankle and legs with mass make the true mode slower: here ω
-//! comes from the full inverse dynamics of the robot, so that the zero-moment point stays under the ankle.
+//! The paper uses ω = √(g/l). The true mode is slower, because the trunk rolls with the ankle and the legs have mass. Here ω
+//! follows from the full inverse dynamics of the robot, so that the zero-moment point stays under the ankle.
 
 use crate::error::ControllerError;
 use crate::rate;
@@ -16,23 +16,34 @@ use nalgebra::{Matrix3, SMatrix, Vector3};
 pub struct Constants {
     /// ω_1, ω_2 of (31), (32) [1/s].
     pub omega: [f64; 2],
-    /// γ_0: how the swing foot's forward acceleration moves the zero-moment point, in (31) [-].
+    /// γ_0 of (31): effect of the swing foot's forward acceleration on the zero-moment point [-].
     pub swing_coupling: f64,
     /// J_n, support order [kg·m²].
     pub nominal_inertia: Joints,
-    /// M + J_r 1: inertia of the joints with the supporting foot held, drives included, support order [kg·m²].
+    /// M + J_r 1: inertia matrix of the joints with the supporting foot fixed, including the drives, support order [kg·m²].
     pub inertia: SMatrix<f64, JOINTS, JOINTS>,
-    /// How far from the sole's centre the zero-moment point may come, along and across [m].
+    /// Largest distance of the zero-moment point from the sole's centre, along and across [m].
     pub sole_edge: [f64; 2],
 }
 
-/// Share of the sole's half-depth and half-width to which the zero-moment point may come [-].
+/// Share of the sole's half-depth and half-width to which the zero-moment point may come [-]. At 1 the foot would tip.
 const SOLE_SHARE: f64 = 0.95;
-/// J_n over the inertia that a joint feels when all others are free.
+/// J_n over the effective inertia of a joint while all other joints are free [-]. A larger value makes the servo
+/// stiffer and lowers the delay that it tolerates (`stability.rs`).
 const INERTIA_MARGIN: f64 = 2.0;
+/// x_2/W_2 of the posture amid a step: between the turning point of the default orbit, .39, and the exchange, .5 [-].
+const MID_STEP_SHARE: f64 = 0.4;
+/// Heights of the centre of gravity that an error suggests, over the height with straight legs [-]. They only appear in the message.
+const SUGGESTED_HEIGHTS: [f64; 2] = [0.6, 0.95];
+/// Iterations of Newton's method for a posture. The limit only ends a search that has no solution.
+const MAX_ITERATIONS: usize = 50;
+/// Residual of the task at which a posture is found: rounding of lengths of .1 m and angles [m, rad].
+const TASK_TOLERANCE: f64 = 1e-12;
+/// Pitch of the swing foot at which a posture is found [rad].
+const PITCH_TOLERANCE: f64 = 1e-9;
 
 impl Constants {
-    /// Those of a scene's robot and its controller.
+    /// Constants of a scene's robot and controller.
     ///
     /// # Errors
     /// If the scene has no controller, or one for another robot.
@@ -41,17 +52,16 @@ impl Constants {
         Constants::new(&Chain::new(&scene.bodies)?, settings, &scene.plant)
     }
 
-    /// Computes them at height z_c, x_2 = .4 W_2 and the swing foot up, amid a step.
+    /// Constants of the posture amid a step: height z_c, x_2 = [`MID_STEP_SHARE`] W_2, swing foot raised.
     ///
     /// # Errors
     /// If no posture with bent knees has its centre of gravity that high.
     pub fn new(chain: &Chain, scene: &ControllerScene, plant: &PlantScene) -> Result<Self, ControllerError> {
-        let (width, up) = (chain.leg_width(), chain.measures.mid_swing);
-        let target = TaskVector::from([0.0, 0.4 * width, scene.com_height, 0.0, width, up, 0.0]);
-        let s = posture(chain, &target, &Joints::from(CROUCH)).ok_or(ControllerError::Height {
-            height: scene.com_height,
-            low: 0.6 * chain.task(&Joints::zeros()).x[2],
-            high: 0.95 * chain.task(&Joints::zeros()).x[2],
+        let (width, up) = (chain.leg_width(), chain.parameters.mid_swing);
+        let target = TaskVector::from([0.0, MID_STEP_SHARE * width, scene.com_height, 0.0, width, up, 0.0]);
+        let s = solve_posture(chain, &target, &Joints::from(CROUCH)).ok_or_else(|| {
+            let [low, high] = SUGGESTED_HEIGHTS.map(|share| share * chain.task(&Joints::zeros()).x[2]);
+            ControllerError::Height { height: scene.com_height, low, high }
         })?;
         let weight = chain.total_mass * plant.gravity;
         let [along, across, swing] = [0, 1, 3].map(|k| zmp_shift(chain, &s, k, weight));
@@ -67,13 +77,13 @@ impl Constants {
     }
 }
 
-/// Angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not get there.
-fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
+/// Joint angles at which the task is `target`, by Newton's method from `guess`; `None` if it does not converge.
+fn solve_posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints> {
     let mut s = *guess;
-    for _ in 0..50 {
+    for _ in 0..MAX_ITERATIONS {
         let task = chain.task(&s);
         let miss = target - task.x;
-        if miss.amax() < 1e-12 && task.swing_pitch.abs() < 1e-9 {
+        if miss.amax() < TASK_TOLERANCE && task.swing_pitch.abs() < PITCH_TOLERANCE {
             return Some(s);
         }
         s += rate::resolve(&task.jacobian, &miss, &rate::bias(task.swing_pitch / rate::LEVEL_GAIN))?;
@@ -83,13 +93,13 @@ fn posture(chain: &Chain, target: &TaskVector, guess: &Joints) -> Option<Joints>
 
 /// Shift of the zero-moment point [m] along and across per unit acceleration [m/s²] of task component `k`, at rest.
 ///
-/// From rest there are no velocity products: n = Σ r_i × m_i r̈_i + I_i α_i about the sole, q̈ by the rate QP.
+/// At rest there are no velocity products. The moment about the sole is n = Σ r_i × m_i r̈_i + I_i α_i with q̈ from the rate QP.
 fn zmp_shift(chain: &Chain, s: &Joints, k: usize, weight: f64) -> [f64; 2] {
     let task = chain.task(s);
     let mut xddot = TaskVector::zeros();
     xddot[k] = 1.0;
     let Some(qddot) = rate::resolve(&task.jacobian, &xddot, &Joints::zeros()) else { return [f64::NAN; 2] };
-    let at = chain.place(s);
+    let at = chain.forward_kinematics(s);
     let mut moment = Vector3::zeros();
     for i in 0..=JOINTS {
         let (linear, angular) = link_motion(&at, i);
@@ -116,9 +126,9 @@ fn link_tensor(chain: &Chain, at: &Posture, i: usize) -> Matrix3<f64> {
     at.rotation[i] * Matrix3::from_diagonal(&chain.tensor[i]) * at.rotation[i].transpose()
 }
 
-/// M + J_r 1, M being the inertia matrix of the joints with the supporting foot held.
+/// M + J_r 1, where M is the inertia matrix of the joints with the supporting foot fixed.
 fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> SMatrix<f64, JOINTS, JOINTS> {
-    let at = chain.place(s);
+    let at = chain.forward_kinematics(s);
     let mut inertia = SMatrix::<f64, JOINTS, JOINTS>::identity() * drive_inertia;
     for i in 0..=JOINTS {
         let (linear, angular) = link_motion(&at, i);
@@ -128,7 +138,7 @@ fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> SMatrix<f64, JOINTS
     inertia
 }
 
-/// J_n = 2/((M + J_r 1)⁻¹)_ii.
+/// J_n = [`INERTIA_MARGIN`]/((M + J_r 1)⁻¹)_ii.
 fn nominal_inertia(inertia: SMatrix<f64, JOINTS, JOINTS>) -> Joints {
     match inertia.cholesky() {
         Some(factor) => factor.inverse().diagonal().map(|inverse| INERTIA_MARGIN / inverse),

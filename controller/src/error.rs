@@ -1,4 +1,4 @@
-//! What can be wrong with a controller's input, one sentence each.
+//! Errors of the controller, one sentence each.
 
 /// Errors of [`crate::Controller`].
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -9,24 +9,24 @@ pub enum ControllerError {
     /// The bodies are not an eight-axis biped.
     #[error("robot: {0}")]
     Robot(String),
-    /// The centre of gravity cannot be where the scene wants it.
+    /// The robot cannot reach the height of the centre of gravity that the scene sets.
     #[error("controller.com_height = {height} m: no posture reaches it; try between {low:.2} and {high:.2}")]
     Height {
-        /// Height asked for [m].
+        /// Height set by the scene [m].
         height: f64,
-        /// Least sensible height [m].
+        /// Least suggested height [m].
         low: f64,
-        /// Greatest sensible height [m].
+        /// Greatest suggested height [m].
         high: f64,
     },
-    /// Gait set-points that no robot of this kind can follow.
+    /// Set-points of the gait outside the range of this robot.
     #[error(
-        "a period of {period} s at {speed} m/s cannot be walked: {shortest:.2} to {longest:.2} s and steps up to {longest_step:.3} m can"
+        "the robot cannot walk with a period of {period} s at {speed} m/s: the period must be {shortest:.2} to {longest:.2} s and a step at most {longest_step:.3} m"
     )]
     SetPoint {
-        /// Period asked for [s].
+        /// Requested period [s].
         period: f64,
-        /// Speed asked for [m/s].
+        /// Requested speed [m/s].
         speed: f64,
         /// Shortest period [s].
         shortest: f64,
@@ -35,10 +35,10 @@ pub enum ControllerError {
         /// Longest step [m].
         longest_step: f64,
     },
-    /// The task cannot be resolved into joint rates.
-    #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight or an encoder reads nonsense")]
+    /// No joint rates give the task rates.
+    #[error("the task Jacobian is singular at t = {time:.3} s: the legs are straight, or an encoder reading is wrong")]
     Singular {
-        /// Time since the controller began [s].
+        /// Time since the controller started [s].
         time: f64,
     },
 }

@@ -1,46 +1,47 @@
-//! The controller as a process: the one file of this crate that knows a clock, a peer and a stop request.
+//! The controller as a process: the only file of this crate that uses a clock, another process and a stop request.
 
-use crate::{Controller, ControllerError};
-use messages::clock::{Patience, now_ns, random};
-use messages::port::{Ask, ControllerPort, PortError, Verdict};
+use crate::error::ControllerError;
+use crate::tick::Controller;
+use messages::clock::{Timeout, now_ns, random};
+use messages::port::{Action, ControllerPort, PortError, Verdict};
 use messages::scene::Scene;
 use messages::wire::{Command, Reply, Request, Sensors, Stamp, Stamped};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Why a controller process ended before the plant's goodbye.
+/// Why a controller process ended before it received the plant's goodbye.
 #[derive(Debug, thiserror::Error)]
 pub enum ProcessError {
-    /// The link cannot be made or broke.
+    /// The connection could not be opened, or it failed.
     #[error(transparent)]
     Port(#[from] PortError),
-    /// No controller for this scene, or none for this posture.
+    /// The controller does not fit the scene, or it has no torques for the posture of the robot.
     #[error("controller: {0}")]
     Controller(#[from] ControllerError),
-    /// Nobody sent sensors.
+    /// No plant sent sensors.
     #[error("no plant sent sensors within {0:?}")]
     NoPlant(Duration),
-    /// Ctrl-C or TERM.
+    /// Ctrl-C or SIGTERM.
     #[error("interrupted")]
     Interrupted,
 }
 
-/// Answers the plant at the other end of `port`, tick by tick, until it says goodbye. A plant that starts anew, with a
-/// new run number, gets a new controller; sensors that come again, the same answer.
+/// Answers the sensors of the plant at the other end of `port` until its goodbye. A new run number starts a new controller.
+/// Sensors that arrive a second time get the same answer.
 ///
 /// # Errors
 /// See [`ProcessError`].
 pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &AtomicBool) -> Result<(), ProcessError> {
     let mut controller = Controller::new(scene)?;
-    let mut waiting = Patience::new("plant", patience);
+    let mut waiting = Timeout::new("plant", patience);
     let mut answer = Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() };
     while !stop.load(Relaxed) {
-        while let Some(asked) = port.asked()? {
-            let reply = at_the_desk(&mut controller, &asked.request, &answer.stamp);
-            port.answer(asked, reply)?;
+        while let Some(pending) = port.next_request()? {
+            let reply = serve_request(&mut controller, &pending.request, &answer.stamp);
+            port.answer(pending, reply)?;
         }
         let Some(sensors) = port.wait()?.filter(Sensors::is_sound) else {
-            match waiting.is_over() {
+            match waiting.has_expired() {
                 true => return Err(ProcessError::NoPlant(patience)),
                 false => continue,
             }
@@ -60,17 +61,17 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
         let seq = answer.stamp.seq + 1;
         answer.stamp = Stamp { seq, ack: asked.seq, sim_ns: asked.sim_ns, mono_ns: now_ns(), ..answer.stamp };
         port.send(answer)?;
-        waiting.renew();
+        waiting.restart();
     }
     Err(ProcessError::Interrupted)
 }
 
-/// Gait set-points, the one thing that this desk does.
-fn at_the_desk(controller: &mut Controller, request: &Request, stamp: &Stamp) -> Reply {
-    let verdict = match Ask::of(request) {
-        Ok(Ask::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
-        Ok(Ask::Set { .. }) => Verdict::OutOfRange,
-        Ok(_) => Verdict::WrongDesk,
+/// Carries out a request. The controller accepts one kind: new set-points of the gait.
+fn serve_request(controller: &mut Controller, request: &Request, stamp: &Stamp) -> Reply {
+    let verdict = match Action::decode(request) {
+        Ok(Action::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
+        Ok(Action::Set { .. }) => Verdict::OutOfRange,
+        Ok(_) => Verdict::WrongProcess,
         Err(verdict) => verdict,
     };
     Reply { stamp: *stamp, verdict: verdict as u64, state: 0 }

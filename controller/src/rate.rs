@@ -4,9 +4,9 @@
 //!   minimise ½ q̇ᵀ C q̇ − c_0ᵀ q̇   subject to   J_aco q̇ = ẋ
 //!   C = I + w s sᵀ,  c_0 = −w k φ s,  s = [0 1 1 1 1 1 1 0]
 //! ```
-//! The task has seven components and the robot eight joints. The one joint motion left over levels the swing foot: the
-//! weights say ½ w (sᵀq̇ + k φ)², φ being the foot's pitch and sᵀq̇ its rate. The paper leaves C and c_0 to the
-//! designer and suggests I and 0, with which the foot lands on its edge.
+//! The task has seven components and the robot eight joints. The remaining degree of freedom levels the swing foot: C and c_0 add
+//! the cost ½ w (sᵀq̇ + k φ)², where φ is the pitch of the foot and sᵀq̇ its rate. The paper leaves C and c_0 to the designer and
+//! suggests I and 0. With these the foot lands on its edge.
 
 use crate::support::{Joints, TaskJacobian, TaskVector};
 use clarabel::algebra::CscMatrix;
@@ -14,27 +14,29 @@ use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, S
 use messages::wire::JOINTS;
 use nalgebra::SMatrix;
 
-/// Weight w of the level swing foot [-].
+/// w: weight of the pitch of the swing foot [-].
 const LEVEL_WEIGHT: f64 = 100.0;
-/// Rate k at which its pitch decays [1/s].
+/// k: rate at which the pitch of the swing foot decays [1/s].
 pub(crate) const LEVEL_GAIN: f64 = 40.0;
 
-/// A joint that takes less than this share in the rates that leave the task alone does not move by them [-].
+/// A joint whose component of the null-space direction is smaller than this counts as fixed [-].
 const LEAST_SHARE: f64 = 1e-12;
+/// Tolerance of the interior-point method [-].
+const INTERIOR_POINT_TOLERANCE: f64 = 1e-11;
 
-/// s: the joints whose angles add up to the swing foot's pitch.
+/// s: 1 for each joint whose angle is part of the swing foot's pitch.
 fn pitch_sum() -> Joints {
     Joints::from([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
 }
 
-/// c_0 of (28) for a swing foot pitched by `pitch` [rad].
+/// c_0 of (28) for a swing foot with this pitch [rad].
 pub fn bias(pitch: f64) -> Joints {
     -LEVEL_WEIGHT * LEVEL_GAIN * pitch * pitch_sum()
 }
 
 /// Joint rates without bounds, in closed form; `None` if J is singular.
 ///
-/// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0, and by Sherman and Morrison C⁻¹ = I − share s sᵀ.
+/// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0. By the Sherman-Morrison formula C⁻¹ = I − share s sᵀ.
 /// Shapes: J 7×8, ẋ 7, c_0 8. Source: (28), (29).
 pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Option<Joints> {
     let s = pitch_sum();
@@ -55,7 +57,7 @@ pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Opt
     rates.iter().all(|rate| rate.is_finite()).then_some(rates)
 }
 
-/// x of A x = b, A being symmetric, by A = L D Lᵀ; `None` unless A is positive definite. Of A the lower triangle is read.
+/// Solves A x = b for a symmetric A by A = L D Lᵀ; `None` if A is not positive definite. Only the lower triangle of A is read.
 fn solve(mut a: SMatrix<f64, 7, 7>, mut b: TaskVector) -> Option<TaskVector> {
     let mut inverse = [0.0; 7];
     for k in 0..7 {
@@ -78,10 +80,11 @@ fn solve(mut a: SMatrix<f64, 7, 7>, mut b: TaskVector) -> Option<TaskVector> {
     Some(b)
 }
 
-/// Joint rates within `lower` ≤ q̇ ≤ `upper` [rad/s]; `None` if (29) cannot hold there, or J is singular.
+/// Joint rates within `lower` ≤ q̇ ≤ `upper` [rad/s]; `None` if no rates within the bounds satisfy (29), or if J is singular.
 ///
-/// Seven equations leave eight rates one direction n with J n = 0. From the rates without bounds, which are stationary, the objective grows
-/// as t² along n: the solution is the t nearest to zero between the bounds. Exact but for rounding; without allocation.
+/// Seven equations for eight rates leave one direction n with J n = 0. The unbounded solution is stationary, so the objective grows
+/// as t² along n. The bounded solution is therefore the point between the bounds with the smallest |t|. It is exact up to rounding
+/// and needs no allocation.
 pub fn resolve_bounded(
     jacobian: &TaskJacobian,
     xdot: &TaskVector,
@@ -105,14 +108,14 @@ pub fn resolve_bounded(
         least = least.max(a.min(b));
         most = most.min(a.max(b));
     }
-    // What clamps to one of its own bounds to rounding is on it.
+    // Rounding may leave a rate just outside its bound.
     let within =
         |t: f64| (free + direction * t).zip_zip_map(lower, upper, |rate: f64, low, high| rate.max(low).min(high));
     (least <= most).then(|| within(0.0_f64.max(least).min(most)))
 }
 
-/// The same by an interior-point method, for comparison: it allocates. A fresh solver each time, for one that is updated in place gives
-/// other bits than a new one.
+/// As [`resolve_bounded`], by an interior-point method, for comparison. It allocates. Each call makes a new solver, because a
+/// solver that is updated in place gives different bits.
 pub fn resolve_by_interior_points(
     jacobian: &TaskJacobian,
     xdot: &TaskVector,
@@ -133,9 +136,9 @@ pub fn resolve_by_interior_points(
     let settings = DefaultSettings {
         verbose: false,
         presolve_enable: false,
-        tol_gap_abs: 1e-11,
-        tol_gap_rel: 1e-11,
-        tol_feas: 1e-11,
+        tol_gap_abs: INTERIOR_POINT_TOLERANCE,
+        tol_gap_rel: INTERIOR_POINT_TOLERANCE,
+        tol_feas: INTERIOR_POINT_TOLERANCE,
         ..DefaultSettings::default()
     };
     let linear: Vec<f64> = bias.iter().map(|c| -c).collect();
@@ -146,7 +149,7 @@ pub fn resolve_by_interior_points(
         .then(|| Joints::from_column_slice(&solver.solution.x))
 }
 
-/// A column-major matrix as rows, which is what the solver reads.
+/// The rows of a column-major matrix, the input format of the solver.
 fn rows(column_major: &[f64], height: usize, width: usize) -> Vec<Vec<f64>> {
     (0..height).map(|i| (0..width).map(|j| column_major[i + j * height]).collect()).collect()
 }

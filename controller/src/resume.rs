@@ -1,14 +1,14 @@
-//! Taking over a robot that is already on its way: a controller that was started anew amid a step.
+//! Resuming a walk: the initial state of a controller that starts while the robot is in the middle of a step.
 //!
-//! The gait is autonomous: it has no clock, only the state of two pendulums and of a foot. All of that can be measured, so
-//! two readings of the encoders suffice to go on; what is lost is what was learned (observers, trim of the landing).
+//! The gait has no clock. Its state is that of two pendulums and of the swing foot, which can be measured. Two readings of the
+//! encoders are therefore enough. Only the disturbance observers and the learned corrections start from zero.
 
 use crate::gait::{GaitModel, GaitState, Phase};
 use crate::support::{Joints, Task};
-use crate::swing::Travel;
+use crate::swing::MinimumJerkState;
 
-/// Whether the right foot carries, seen from the left: it does if the left one is in the air, beyond `airborne` [m], or, amid an exchange, if the
-/// centre of gravity is nearer to it.
+/// Whether the right foot supports the robot. `from_left` is the task seen from the left foot. The right foot supports if the left
+/// one is higher by more than `airborne` [m] or, during an exchange, if the centre of gravity is nearer to the right one.
 pub fn right_supports(from_left: &Task, moving: bool, airborne: f64) -> bool {
     let swing = from_left.swing();
     match swing.z {
@@ -18,15 +18,14 @@ pub fn right_supports(from_left: &Task, moving: bool, airborne: f64) -> bool {
 }
 
 impl GaitModel {
-    /// The gait of a robot that is stepping, from its task and joint rates in the order of its support; `None` if it is
-    /// standing.
+    /// The gait of a robot that is stepping, from the task and the joint rates in support order; `None` if the robot is standing.
     pub fn resume(&self, task: &Task, rate: &Joints) -> Option<GaitState> {
         let speed = task.jacobian * rate; // (27)
-        let at = |k: usize| Travel { x: task.x[k], v: speed[k], a: 0.0 };
+        let at = |k: usize| MinimumJerkState { x: task.x[k], v: speed[k], a: 0.0 };
         let [sagittal, lateral, foot] = [at(0), at(1), at(3)];
-        let airborne = task.swing().z > self.measures.airborne;
+        let airborne = task.swing().z > self.parameters.airborne;
         let exchanging =
-            speed[1].abs() > self.measures.under_way && self.height_at(lateral) < 2.0 * self.measures.airborne;
+            speed[1].abs() > self.parameters.under_way && self.height_at(lateral) < 2.0 * self.parameters.airborne;
         if !airborne && !exchanging {
             return None;
         }

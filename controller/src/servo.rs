@@ -1,30 +1,32 @@
 //! The robust servo of each joint: sliding mode on the rate with a disturbance observer, (23)-(24).
 //!
 //! ```text
-//!   nominal drive  J_n q̈ = τ − d'                         (23) with B taken into d'
+//!   nominal drive  J_n q̈ = τ − d'                         (23) with B as part of d'
 //!   surface        σ = q̇ − q̇_ref
 //!   torque         τ = τ_ff − J_n sat(κσ) + d̂,   κ = 1/T_s
 //!   observer       d̂ = (1 − S)(τ − τ_ff − J_n q̈),  S(s) = s/(s + g)
 //! ```
-//! Where the surface is cancelled in one switching period, σ_{k+1} = T_s (K_n/J_n) S d', which is (24). The paper's
-//! switching element is a relay; in a sampled loop it chatters between the torque limits, so the default saturates.
+//! If the switching element brings σ to zero in one switching period, σ_{k+1} = T_s (K_n/J_n) S d', which is (24). The paper's
+//! switching element is a relay. In a sampled loop a relay chatters between the torque limits, so the default is a saturation
+//! with a boundary layer.
 
 use crate::support::{Joints, mirror};
 use messages::scene::{ControllerScene, Switching};
 use messages::wire::JOINTS;
 
-/// Acceleration by which the relay throws a joint back to its surface: chosen, as the paper names none (docs/PAPER.md) [rad/s²].
-const RELAY: f64 = 60.0;
-/// The same where a boundary layer saturates: pushed, the robot needs more than the relay, which always gives all [rad/s²].
-const SATURATION: f64 = 180.0;
+/// Acceleration of the relay toward the sliding surface [rad/s²]. The paper gives no value; this one is chosen (docs/PAPER.md).
+const RELAY_ACCELERATION: f64 = 60.0;
+/// Largest acceleration of the boundary layer toward the sliding surface [rad/s²]. A robot that is pushed needs more than
+/// [`RELAY_ACCELERATION`], and unlike the relay the boundary layer uses it only then.
+const SATURATION_ACCELERATION: f64 = 180.0;
 
 /// Constants of the eight servos, support order.
 #[derive(Clone, Debug)]
 pub struct ServoModel {
     /// J_n [kg·m²].
     pub nominal_inertia: Joints,
-    /// Greatest acceleration that the switching element asks for [rad/s²].
-    pub reach: f64,
+    /// Largest acceleration that the switching element demands [rad/s²].
+    pub max_acceleration: f64,
     /// κ = 1/T_s [1/s].
     pub switch_rate: f64,
     /// g [rad/s].
@@ -35,7 +37,7 @@ pub struct ServoModel {
     pub period: f64,
 }
 
-/// Memory of the eight servos, support order.
+/// State of the eight servos, support order.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ServoState {
     /// d̂ [N·m].
@@ -47,16 +49,16 @@ pub struct ServoState {
 }
 
 impl ServoModel {
-    /// Servos of the scene with the nominal inertias [kg·m²] given, sampled each `period` [s], for a robot whose times are `scale` times
-    /// those of Table 1's.
+    /// Servos of a scene with these nominal inertias [kg·m²], sampled once each `period` [s]. `scale` is the ratio of the robot's
+    /// times to those of Table 1.
     pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64, scale: f64) -> Self {
-        let reach = match scene.switching {
-            Switching::BoundaryLayer => SATURATION,
-            Switching::Relay => RELAY,
+        let table_1 = match scene.switching {
+            Switching::BoundaryLayer => SATURATION_ACCELERATION,
+            Switching::Relay => RELAY_ACCELERATION,
         };
         ServoModel {
             nominal_inertia,
-            reach: reach / (scale * scale),
+            max_acceleration: table_1 / (scale * scale),
             switch_rate: scene.switch_rate,
             observer_bandwidth: scene.observer_bandwidth,
             switching: scene.switching,
@@ -72,7 +74,8 @@ impl ServoModel {
         [-bound, bound].map(|limit| rate + (Joints::repeat(limit) - idle).component_div(&slope))
     }
 
-    /// Updates the observers with the rates measured now [rad/s]: what the effort of the last period did not explain.
+    /// Updates the disturbance observers with the present rates [rad/s]. The disturbance is the part of the acceleration that the
+    /// effort of the last period does not explain.
     pub fn observe(&self, state: &mut ServoState, rate: &Joints) {
         if let Some(before) = state.rate {
             let forget = (-self.observer_bandwidth * self.period).exp();
@@ -83,7 +86,7 @@ impl ServoModel {
         state.rate = Some(*rate);
     }
 
-    /// Torques that drive the rates to `reference` [N·m], from the lower to the upper of `limits`; also the distances σ from the surfaces.
+    /// Torques that drive the rates to `reference`, within `limits` [N·m], and the sliding variables σ.
     pub fn drive(
         &self,
         state: &mut ServoState,
@@ -94,19 +97,19 @@ impl ServoModel {
     ) -> (Joints, Joints) {
         let surface = rate - reference; // σ
         let switch = surface.map(|sigma| match self.switching {
-            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-self.reach, self.reach),
+            Switching::BoundaryLayer => (self.switch_rate * sigma).clamp(-self.max_acceleration, self.max_acceleration),
             Switching::Relay if sigma == 0.0 => 0.0,
-            Switching::Relay => self.reach.copysign(sigma),
+            Switching::Relay => self.max_acceleration.copysign(sigma),
         });
         let wanted = feed_forward + state.disturbance - self.nominal_inertia.component_mul(&switch);
         let [low, high] = limits;
         let torque = wanted.zip_zip_map(low, high, |torque: f64, low: f64, high: f64| torque.max(low).min(high));
-        state.effort = torque - feed_forward; // after the limit, or the observer winds up
+        state.effort = torque - feed_forward; // after the limit: otherwise the observer would wind up
         (torque, surface)
     }
 
-    /// Hands the memory over to the other support order: kept for the new stance leg, forgotten for the new swing leg,
-    /// whose ankle would be spun by what it held against the ground.
+    /// Transforms the state to the other support order. The disturbance of the new swing leg is set to zero: it contains the load
+    /// of the ground, which would turn the free ankle.
     pub fn exchange(&self, state: &mut ServoState) {
         state.disturbance = mirror(&state.disturbance);
         state.effort = mirror(&state.effort);

@@ -1,18 +1,17 @@
-//! How much delay the servos bear: the eigenvalues of their sampled loop, inside the boundary layer.
+//! Delay tolerance of the servos: the eigenvalues of their sampled loop inside the boundary layer.
 //!
-//! With the supporting foot held and weight and velocity products left out, the robot is M q̈ = τ, and its servos are
-//! equal but for the scale J_n. In coordinates that diagonalise M⁻¹J_n the eight loops fall apart, each that of one joint
-//! with the inertia J = J_n/λ, λ being an eigenvalue of M⁻¹J_n. With u = (τ − τ_ff)/J_n, the period T and a command that acts
-//! d periods late, one period of it is
+//! With a fixed supporting foot, and without weight and velocity products, the robot is M q̈ = τ. Its servos are equal except for
+//! the factor J_n. Coordinates that diagonalise M⁻¹J_n separate the loops: each is that of one joint with the inertia J = J_n/λ,
+//! where λ is an eigenvalue of M⁻¹J_n. With u = (τ − τ_ff)/J_n, the period T and a command that acts d periods late, one period is
 //! ```text
 //!   v⁺ = v + T λ u_{−d}                            speed, after a constant torque
 //!   r⁺ = r + α (v + β T λ u_{−d} − r)              difference of encoders, low-passed: α = 1 − exp(−2π f T)
 //!   D⁺ = φ D + (1 − φ)(u − (r⁺ − r)/T)             observer: φ = exp(−g T)
 //!   u⁺ = D⁺ − κ r⁺                                 boundary layer
 //! ```
-//! β = ½ where the torque accelerates continuously, ½ + 1/(2n) where the plant does it in n steps of the paper's method. The loop is
-//! stable while all eigenvalues of this map of (v, r, D, u, u_{−1}, …, u_{−d}) lie within the unit circle. A delay d + ε
-//! takes the share ε of the torque from a period earlier still.
+//! β = ½ if the torque accelerates continuously, and ½ + 1/(2n) if the plant makes n steps of the paper's method. The loop is stable
+//! while all eigenvalues of this map of (v, r, D, u, u_{−1}, …, u_{−d}) lie inside the unit circle. With a delay d + ε the share ε of
+//! the torque is that of one period earlier.
 
 use crate::constants::Constants;
 use crate::error::ControllerError;
@@ -21,7 +20,7 @@ use messages::scene::{Method, Scene};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::TAU;
 
-/// One servo with its load, linearised about its surface.
+/// One servo with its load, linearised about its sliding surface.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ServoLoop {
     /// λ = J_n/J: nominal inertia over the true one [-].
@@ -38,15 +37,17 @@ pub struct ServoLoop {
     pub midpoint: f64,
 }
 
-/// No delay is looked for beyond this [control periods].
+/// Longest delay that is examined [control periods].
 const LONGEST: usize = 200;
-/// Places of v, r, D and u in the state.
+/// Accuracy of a critical delay [control periods].
+const DELAY_TOLERANCE: f64 = 1e-9;
+/// Indices of v, r, D and u in the state.
 const V: usize = 0;
 const R: usize = 1;
 const D: usize = 2;
 const U: usize = 3;
 
-/// The eight loops of a scene's robot, λ ascending.
+/// The eight loops of a scene's robot, by increasing λ.
 ///
 /// # Errors
 /// If the scene has no controller for its robot.
@@ -75,7 +76,7 @@ pub fn loops(scene: &Scene) -> Result<Vec<ServoLoop>, ControllerError> {
 }
 
 impl ServoLoop {
-    /// One period with a delay in control periods, whole or not, as a matrix.
+    /// The map over one period as a matrix, for a delay in control periods that need not be a whole number.
     pub fn map(&self, delay: f64) -> DMatrix<f64> {
         let (whole, part) = (delay.floor() as usize, delay.fract());
         let size = U + whole + 2;
@@ -92,17 +93,17 @@ impl ServoLoop {
         DMatrix::from_rows(&rows)
     }
 
-    /// Factor by which the loop grows or decays in a period, in the long run: the greatest magnitude of an eigenvalue.
+    /// Spectral radius: the factor by which the loop grows or decays in a period after a long time.
     pub fn spectral_radius(&self, delay: f64) -> f64 {
         self.map(delay).complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max)
     }
 
-    /// Delay from which on the loop is unstable [control periods].
+    /// Smallest delay at which the loop is unstable [control periods].
     pub fn critical_delay(&self) -> f64 {
         let stable = |delay: f64| self.spectral_radius(delay) < 1.0;
         let Some(unstable) = (0..LONGEST).find(|whole| !stable(*whole as f64)) else { return LONGEST as f64 };
         let (mut low, mut high) = (unstable as f64 - 1.0, unstable as f64);
-        while high - low > 1e-9 && unstable > 0 {
+        while high - low > DELAY_TOLERANCE && unstable > 0 {
             let middle = 0.5 * (low + high);
             if stable(middle) {
                 low = middle;
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ratios_of_the_robot_keep_their_sum() {
+    fn the_inertia_ratios_of_the_robot_sum_up_to_twice_the_number_of_joints() {
         // tr M⁻¹J_n = Σ 2 (M⁻¹)_ii/(M⁻¹)_ii.
         let sum: f64 = of_the_paper().iter().map(|servo| servo.inertia_ratio).sum();
         assert!((sum - 16.0).abs() < 1e-9, "{sum}");
@@ -139,7 +140,7 @@ mod tests {
         let coupling = inverse * nalgebra::SMatrix::from_diagonal(&constants.nominal_inertia); // M⁻¹J_n
         let loops = of_the_paper();
         for delay in [0.0, 2.0, 3.0, 4.0] {
-            // The map is affine in λ, so that of all joints has M⁻¹J_n in its place.
+            // The map is affine in λ. The map of all joints has M⁻¹J_n in place of λ.
             let [without, one] = [0.0, 1.0].map(|inertia_ratio| ServoLoop { inertia_ratio, ..loops[0] }.map(delay));
             let all = DMatrix::identity(8, 8).kronecker(&without) + coupling.kronecker(&(one - &without));
             let all = all.complex_eigenvalues().iter().map(|value| value.norm()).fold(0.0, f64::max);
@@ -168,10 +169,10 @@ mod tests {
                 switch_rate: 80.0,
                 observer_bandwidth: 0.0,
                 rate_filter_hz: 1e9,
-                midpoint: 1.0, // the difference is the speed at its end
+                midpoint: 1.0, // the difference is the speed at the end of the period
             };
             let radius = |k: f64| with(k).spectral_radius(f64::from(delay));
-            // D, which nothing moves without an observer, keeps an eigenvalue at 1.
+            // Without an observer D stays constant, which is an eigenvalue at 1.
             assert!(radius(0.999 * exact) <= 1.0 + 1e-12 && radius(1.001 * exact) > 1.0 + 1e-6, "{delay}");
         }
     }

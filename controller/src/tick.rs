@@ -1,19 +1,19 @@
-//! The tick: from encoder counts to joint torques, top to bottom of the paper's section 3.
+//! One control period: from encoder counts to joint torques, through all levels of section 3 of the paper.
 
+use crate::ankle::Ankle;
 use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Phase, Reference};
-use crate::measures::Measures;
 use crate::rate;
 use crate::resume;
+use crate::scaled_parameters::ScaledParameters;
 use crate::servo::{ServoModel, ServoState};
-use crate::soles::Ankle;
 use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Scene};
 use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
 
-/// Everything about the controller that does not change.
+/// The constant part of the controller.
 struct Model {
     scene: ControllerScene,
     gravity: f64,
@@ -25,18 +25,18 @@ struct Model {
     servo: ServoModel,
 }
 
-/// Everything that does.
+/// The variable part of the controller.
 #[derive(Clone, Copy)]
 struct State {
     encoder: EncoderState,
     /// Whether the right foot supports.
     right: bool,
-    /// `None` until the first encoders tell how the robot stands.
+    /// `None` until the first reading of the encoders shows the posture of the robot.
     gait: Option<GaitState>,
     servo: ServoState,
 }
 
-/// The paper's walking controller: encoder counts in, torques out, once each control period.
+/// The paper's walking controller. In each control period it computes torques from encoder counts.
 pub struct Controller {
     model: Model,
     state: State,
@@ -47,7 +47,7 @@ impl Controller {
     /// A controller for the scene.
     ///
     /// # Errors
-    /// If the scene has no controller or its bodies are not the eight-axis biped; see [`ControllerError`].
+    /// If the scene has no controller or its bodies are not an eight-axis biped; see [`ControllerError`].
     pub fn new(scene: &Scene) -> Result<Self, ControllerError> {
         let settings = scene.controller.clone().ok_or(ControllerError::NoController)?;
         let period = 1.0 / scene.rate;
@@ -58,7 +58,7 @@ impl Controller {
             torque_limit: scene.plant.torque_limit,
             encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
-            servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.measures.time),
+            servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.parameters.time),
             scene: settings,
             chain,
             constants,
@@ -67,14 +67,14 @@ impl Controller {
         Ok(Controller { model, state, telemetry: Telemetry::default() })
     }
 
-    /// One control period: torques for the encoders read now.
+    /// One control period: the torques for a reading of the encoders.
     ///
     /// # Errors
-    /// [`ControllerError::Singular`] where the task cannot be resolved into joint rates.
+    /// [`ControllerError::Singular`] if no joint rates give the task rates.
     pub fn tick(&mut self, encoders: &Encoders) -> Result<Torques, ControllerError> {
         let Controller { model, state, telemetry } = self;
         model.encoder.read(&mut state.encoder, encoders);
-        model.take_over(state);
+        model.detect_initial_state(state);
         let mut task = model.chain.task(&state.in_support_order(&state.encoder.angle)); // (25)-(27)
         let mut gait = state.gait.unwrap_or_else(|| model.gait.start(&task));
         if model.gait.exchange_due(&gait) {
@@ -93,21 +93,21 @@ impl Controller {
             .ok_or(ControllerError::Singular { time: gait.time })?;
         let limits = model.torque_limits(&gait, &task, &plan);
         let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits); // (24)
-        *telemetry = model.tell(state, &gait, &task, &state.in_support_order(&surface));
+        *telemetry = model.telemetry(state, &gait, &task, &state.in_support_order(&surface));
         Ok(Torques { torque: state.in_support_order(&torque).into() })
     }
 
-    /// Other gait set-points from now on: period of two steps [s] and walking speed [m/s], where given.
+    /// Changes the set-points of the gait: period of two steps [s] and walking speed [m/s], if given.
     ///
     /// # Errors
-    /// [`ControllerError::SetPoint`] for what no robot of this kind can do; then nothing changes.
+    /// [`ControllerError::SetPoint`] if a set-point is outside the range of the robot. Then nothing changes.
     pub fn set(&mut self, period: Option<f64>, speed: Option<f64>) -> Result<(), ControllerError> {
         let model = &mut self.model;
         let mut scene = model.scene.clone();
         scene.period = period.unwrap_or(scene.period);
         scene.speed = speed.unwrap_or(scene.speed);
         let step = 0.5 * scene.period * scene.speed;
-        let Measures { periods: [shortest, longest], longest_step, .. } = model.chain.measures;
+        let ScaledParameters { periods: [shortest, longest], longest_step, .. } = model.chain.parameters;
         if !((shortest..=longest).contains(&scene.period) && step.abs() <= longest_step) {
             let (period, speed) = (scene.period, scene.speed);
             return Err(ControllerError::SetPoint { period, speed, shortest, longest, longest_step });
@@ -117,26 +117,26 @@ impl Controller {
         Ok(())
     }
 
-    /// What the controller thought in the last tick.
+    /// State of the controller in the last control period, for recording.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
     }
 }
 
 impl State {
-    /// Wire order to support order and back.
+    /// Converts wire order to support order, and back.
     fn in_support_order(self, q: &Joints) -> Joints {
         if self.right { mirror(q) } else { *q }
     }
 }
 
 impl Model {
-    /// In the first two ticks: on which foot the robot stands, and whether it is already stepping. One that stands still
-    /// on both feet is taken as standing on the left.
-    fn take_over(&self, state: &mut State) {
+    /// In the first two control periods: determines the supporting foot, and whether the robot is already stepping. A robot that
+    /// stands still on both feet counts as supported by the left one.
+    fn detect_initial_state(&self, state: &mut State) {
         let side = |moving| {
             let from_left = self.chain.task(&state.encoder.angle);
-            resume::right_supports(&from_left, moving, self.chain.measures.airborne)
+            resume::right_supports(&from_left, moving, self.chain.parameters.airborne)
         };
         match state.encoder.readings {
             1 => state.right = side(false),
@@ -154,13 +154,14 @@ impl Model {
         }
     }
 
-    /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone:
-    /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) with the foot held, shared between the feet by load [N·m]. A foot that carries all has at
-    /// its ankle the torque of the planned zero-moment point (`soles.rs`): links that turn count there, too.
+    /// Torques that carry the weight and accelerate the centre of gravity as planned, from kinematics alone [N·m]:
+    /// τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ) for a fixed supporting foot, shared between the feet by the load. If one foot carries the
+    /// whole weight, its ankle gets the torque of the planned zero-moment point (`ankle.rs`), which includes the rotation of the
+    /// links.
     ///
-    /// With both feet down the loads alone balance the robot sideways; ankles that rolled as if each foot stood alone
-    /// would press the feet apart up to the limit of friction. So the swing foot's ankle does not roll, and the stance
-    /// foot's carries only what the loads leave over, M g (x_zmp − (1 − load) W_2).
+    /// If both feet carry weight, the distribution of the load balances the robot sideways. Roll torques as for two separate feet
+    /// would press the feet apart up to the friction limit. So the roll torque of the swing foot's ankle is zero, and that of the
+    /// stance foot's ankle is the remainder, M g (x_zmp − (1 − load) W_2).
     fn feed_forward(&self, state: &State, task: &Task, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();
@@ -179,7 +180,7 @@ impl Model {
             }
             return stance;
         }
-        // Seen from the other foot, axis 2 points the other way.
+        // Axis 2 of the other foot's support frame points the opposite way.
         let other = self.chain.task(&mirror(&state.in_support_order(&state.encoder.angle)));
         let mut shared = plan.load * stance + (1.0 - plan.load) * mirror(&carry(&other, -a_2));
         let off_balance = plan.zmp[1] - (1.0 - plan.load) * self.chain.leg_width();
@@ -188,7 +189,7 @@ impl Model {
         shared
     }
 
-    /// Joint rates for the task rates: closed form, or the QP with bounds where the scene sets any.
+    /// Joint rates for the task rates: in closed form, or by the QP with bounds if the scene sets any.
     fn resolve(
         &self,
         state: &State,
@@ -197,20 +198,20 @@ impl Model {
         rate: &Joints,
         feed_forward: &Joints,
     ) -> Option<Joints> {
-        let measures = &self.chain.measures;
-        let bias = rate::bias(task.swing_pitch / measures.time);
+        let parameters = &self.chain.parameters;
+        let bias = rate::bias(task.swing_pitch / parameters.time);
         let clamped = |low: &Joints, high: &Joints| {
             rate::resolve(&task.jacobian, &plan.xdot, &bias).map(|free| free.zip_zip_map(low, high, f64::clamp))
         };
-        let hard = Joints::repeat(measures.rate_limit);
+        let hard = Joints::repeat(parameters.rate_limit);
         if self.scene.rate_limit.is_none() && self.scene.torque_bound.is_none() {
             return clamped(&-hard, &hard);
         }
-        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(measures.rate_limit));
+        let mut high = Joints::repeat(self.scene.rate_limit.unwrap_or(parameters.rate_limit));
         let mut low = -high;
         if let Some(bound) = self.scene.torque_bound {
             let [least, most] = self.servo.rates_within(&state.servo, rate, feed_forward, bound);
-            // Where the present rate already exceeds both, the rate bound wins.
+            // If the present rate is outside both bounds, the rate bound takes precedence.
             high = most.zip_zip_map(&low, &high, f64::clamp);
             low = least.zip_zip_map(&low, &high, f64::clamp);
         }
@@ -218,12 +219,12 @@ impl Model {
         bounded.or_else(|| clamped(&low, &high))
     }
 
-    /// Least and greatest torques in support order: the drives', and at the ankles those that leave the soles flat [N·m].
+    /// Torque limits in support order: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m].
     ///
-    /// A foot that carries all tips over its edge when the zero-moment point comes there. One that shares the load, and the one that
-    /// swings, has a share of that torque. After an exchange the new stance foot is still being loaded.
+    /// A foot that carries the whole weight tips when the zero-moment point reaches its edge. A foot that shares the load, and the
+    /// swing foot, get a share of that torque. After an exchange the load of the new stance foot rises from [`FIRST_LOAD`] to 1.
     fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
-        let loading = self.chain.measures.loading;
+        let loading = self.chain.parameters.loading;
         let stepping = gait.phase == Phase::Walk;
         let loaded = if stepping && gait.steps > 0 {
             FIRST_LOAD + (1.0 - FIRST_LOAD) * (gait.since / loading).min(1.0)
@@ -251,7 +252,7 @@ impl Model {
         limits
     }
 
-    fn tell(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
+    fn telemetry(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
         let [sagittal, lateral] = gait.com;
         Telemetry {
             phase: gait.phase as u32,
@@ -268,7 +269,8 @@ impl Model {
     }
 }
 
-/// Share of the stance limits that the swinging ankle gets: enough to keep the sole level when the robot is pushed [-].
+/// Torque limit of the swing foot's ankle, over that of a supporting foot at rest, pitch and roll [-]. It is large enough to keep the
+/// sole level when the robot is pushed.
 const SWING_SHARE: [f64; 2] = [0.31, 0.8];
-/// Share of the weight on the new stance foot just after an exchange [-].
+/// Share of the weight on the new stance foot immediately after an exchange [-].
 const FIRST_LOAD: f64 = 0.15;

@@ -14,21 +14,21 @@
 //! | words for people | [`tell`] |
 //! | whether the processor is one that this was built for | `processor` |
 
-pub mod ask;
+pub mod action;
 pub mod clock;
 pub mod describe;
 pub mod file;
-pub mod invitation;
 mod law;
 pub mod load;
+mod log;
+pub mod peer_environment;
 pub mod port;
 #[cfg(all(target_arch = "x86_64", target_os = "linux"))]
 mod processor;
 pub mod robot;
+pub mod rotation;
 pub mod scene;
 pub mod session;
-mod tell;
-pub mod turn;
 pub mod wire;
 
-pub use tell::{printable, tell};
+pub use log::{log, printable};

@@ -4,9 +4,9 @@
 
 mod bodies;
 mod check;
-mod nearest;
 mod robot;
 mod setting;
+mod suggestion;
 mod urdf;
 
 pub use check::validate;
@@ -25,7 +25,7 @@ pub type BuiltIn = (&'static str, &'static str);
 #[derive(Debug, Error)]
 pub enum SceneError {
     /// Neither a built-in name nor a file.
-    #[error("there is no scene or file `{name}`{}; the built-in scenes are {known}", nearest::hint(name, known.split(", ")))]
+    #[error("there is no scene or file `{name}`{}; the built-in scenes are {known}", suggestion::suggest(name, known.split(", ")))]
     Unknown {
         /// As it was asked for.
         name: String,
@@ -41,7 +41,7 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// Not TOML, an unknown key, or a value of the wrong type; the reason shows line and caret.
-    #[error("{origin}: {}{}", short(reason), nearest::hint_of(reason.message()))]
+    #[error("{origin}: {}{}", short(reason), suggestion::suggest_from_error(reason.message()))]
     Malformed {
         /// File or built-in scene.
         origin: String,
@@ -102,7 +102,7 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
         let refused = |reason| SceneError::Override { setting: setting.clone(), reason };
         scene = match setting::robot(setting) {
             Some(path) => with_robot(&scene, &read(path.as_ref())?).map_err(refused)?,
-            None => setting::replaced(&scene, setting).map_err(refused)?,
+            None => setting::apply(&scene, setting).map_err(refused)?,
         };
         origin += &format!(" --set {setting}");
     }

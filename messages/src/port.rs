@@ -6,7 +6,7 @@
 //! | `biped/command` | controller → plant | 1 | the newest replaces the oldest |
 //! | `biped/truth` | plant → recorders | 1024 | lockstep: the plant waits; real time: dropped and counted |
 //! | `biped/served` | plant, controller → recorders | 64 | the newest replaces the oldest |
-//! | `biped/plant/desk`, `biped/controller/desk` | whoever → plant, controller | 2 | request and response |
+//! | `biped/plant/service`, `biped/controller/service` | whoever → plant, controller | 2 | request and response |
 //!
 //! A recorder rings once it has begun to read a run; a plant that has said all waits for that, so that nothing is lost.
 //!
@@ -16,31 +16,32 @@
 
 mod bare;
 mod contract;
-mod desk;
 mod error;
 mod link;
-mod place;
+mod node;
+mod service;
 mod truth;
 
-pub use crate::ask::{Ask, Verdict};
+pub use crate::action::Action;
+pub use crate::wire::Verdict;
 pub use bare::BarePort;
 pub use contract::{Contract, Pace};
-pub use desk::{Asked, ask};
 pub use error::PortError;
 pub use link::Waiting;
-pub use place::ROOM;
+pub use node::REQUIRED_SHM;
+pub use service::{PendingRequest, ask};
 
 use crate::session::Session;
 use crate::wire::{Command, Reply, Sensors, Served, Truth};
-use desk::Desk;
 use error::broken;
 use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
-use link::{Inlet, Outlet, Reader};
-use place::{Place, SERVED_BUFFER, TRUTH, TRUTH_BUFFER};
+use link::{Receiver, Sender, TopicReader};
+use node::{SERVED_BUFFER, SessionNode, TRUTH, TRUTH_BUFFER};
+use service::ControlService;
 use std::ops::Deref;
 use std::time::Duration;
-use truth::TruthOutlet;
+use truth::TruthSender;
 
 /// What carries the messages; both sides need this very version.
 pub const TRANSPORT: &str = "iceoryx2 0.10.0";
@@ -53,26 +54,26 @@ const TUNNEL: Duration = Duration::from_millis(200);
 /// The plant's end.
 #[derive(Debug)]
 pub struct PlantPort {
-    sensors: Outlet<Sensors>,
-    command: Inlet<Command>,
-    truth: TruthOutlet,
-    desk: Desk,
-    place: Place,
+    sensors: Sender<Sensors>,
+    command: Receiver<Command>,
+    truth: TruthSender,
+    service: ControlService,
+    node: SessionNode,
 }
 
 impl PlantPort {
-    /// Takes the plant's place in a session.
+    /// Takes the plant's node in a session.
     ///
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<PlantPort, PortError> {
-        let place = Place::open(session, contract)?;
-        let sensors = Outlet::open(&place, SENSORS, "plant", || false)?;
+        let node = SessionNode::open(session, contract)?;
+        let sensors = Sender::open(&node, SENSORS, "plant", || false)?;
         let (command, truth) =
-            (Inlet::open(&place, COMMAND, contract.pace)?, TruthOutlet::open(&place, contract.pace)?);
-        let desk = Desk::open(&place, desk::PLANT, "plant")?;
-        place.reserve()?;
-        Ok(PlantPort { sensors, command, truth, desk, place })
+            (Receiver::open(&node, COMMAND, contract.pace)?, TruthSender::open(&node, contract.pace)?);
+        let service = ControlService::open(&node, service::PLANT, "plant")?;
+        node.reserve()?;
+        Ok(PlantPort { sensors, command, truth, service, node })
     }
 
     /// The same, waiting otherwise than [`Waiting::Hybrid`].
@@ -87,15 +88,15 @@ impl PlantPort {
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.send(sensors, self.command.heard_ns)
+        self.sensors.send(sensors, self.command.peer_sent_ns)
     }
 
     /// Sends sensors as they are, sealed or not: bad ones on purpose.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn pass_on(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.write(sensors, |_| (), self.command.heard_ns)
+    pub fn send_raw(&self, sensors: Sensors) -> Result<(), PortError> {
+        self.sensors.write(sensors, |_| (), self.command.peer_sent_ns)
     }
 
     /// Seals and sends truth to whoever records.
@@ -111,7 +112,7 @@ impl PlantPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     #[inline]
-    pub fn take(&mut self) -> Result<Option<Command>, PortError> {
+    pub fn try_receive(&mut self) -> Result<Option<Command>, PortError> {
         self.command.next()
     }
 
@@ -119,16 +120,16 @@ impl PlantPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn asked(&self) -> Result<Option<Asked>, PortError> {
-        self.desk.next()
+    pub fn next_request(&self) -> Result<Option<PendingRequest>, PortError> {
+        self.service.next()
     }
 
     /// Seals and sends the answer, and tells whoever records; that the asker has gone is no error.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn answer(&self, asked: Asked, reply: Reply) -> Result<(), PortError> {
-        self.desk.answer(asked, reply)
+    pub fn answer(&self, asked: PendingRequest, reply: Reply) -> Result<(), PortError> {
+        self.service.answer(asked, reply)
     }
 
     /// Waits a little for a command, long enough to sleep and short enough to notice a stop request; meanwhile a
@@ -148,13 +149,13 @@ impl PlantPort {
 
     /// To be called when all is said: waits a little for a recorder that has not begun to read and would get nothing.
     pub fn finish(&self) {
-        self.truth.linger();
-        self.let_go();
+        self.truth.wait_for_recorder();
+        self.wait_for_tunnel();
     }
 
     /// To be called after the last word, whatever the end: a tunnel, which looks for messages now and then, must still find it.
-    pub fn let_go(&self) {
-        if self.place.has_tunnel() {
+    pub fn wait_for_tunnel(&self) {
+        if self.node.has_tunnel() {
             std::thread::sleep(TUNNEL);
         }
     }
@@ -168,38 +169,38 @@ impl PlantPort {
 /// The controller's end.
 #[derive(Debug)]
 pub struct ControllerPort {
-    // Before the command, whose place a successor waits for: fields are dropped in order.
-    desk: Desk,
-    command: Outlet<Command>,
-    sensors: Inlet<Sensors>,
-    _place: Place,
+    // Before the command, whose node a successor waits for: fields are dropped in order.
+    service: ControlService,
+    command: Sender<Command>,
+    sensors: Receiver<Sensors>,
+    _node: SessionNode,
 }
 
 impl ControllerPort {
-    /// Takes the controller's place in a session.
+    /// Takes the controller's node in a session.
     ///
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<ControllerPort, PortError> {
-        ControllerPort::succeed(session, contract, || false)
+        ControllerPort::open_when_free(session, contract, || false)
     }
 
-    /// The same after whoever has the place now, once it is free; `waits` is asked whether to wait on.
+    /// The same after whoever has the node now, once it is free; `waits` is asked whether to wait on.
     ///
     /// # Errors
     /// See [`PortError`].
-    pub fn succeed(
+    pub fn open_when_free(
         session: &Session,
         contract: &Contract,
         waits: impl Fn() -> bool,
     ) -> Result<ControllerPort, PortError> {
-        let place = Place::open(session, contract)?;
-        let sensors = Inlet::open(&place, SENSORS, contract.pace)?;
-        let command = Outlet::open(&place, COMMAND, "controller", waits)?;
-        let desk = Desk::open(&place, desk::CONTROLLER, "controller")?;
-        place.reserve()?;
-        command.knock()?; // a plant that waits gives us its last sensors at once
-        Ok(ControllerPort { desk, command, sensors, _place: place })
+        let node = SessionNode::open(session, contract)?;
+        let sensors = Receiver::open(&node, SENSORS, contract.pace)?;
+        let command = Sender::open(&node, COMMAND, "controller", waits)?;
+        let service = ControlService::open(&node, service::CONTROLLER, "controller")?;
+        node.reserve()?;
+        command.notify_arrival()?; // a plant that waits gives us its last sensors at once
+        Ok(ControllerPort { service, command, sensors, _node: node })
     }
 
     /// As [`PlantPort::waiting`].
@@ -214,15 +215,15 @@ impl ControllerPort {
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, command: Command) -> Result<(), PortError> {
-        self.command.send(command, self.sensors.heard_ns)
+        self.command.send(command, self.sensors.peer_sent_ns)
     }
 
     /// Sends a command as it is, sealed or not: what somebody else made, or a bad one on purpose.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn pass_on(&self, command: Command) -> Result<(), PortError> {
-        self.command.write(command, |_| (), self.sensors.heard_ns)
+    pub fn send_raw(&self, command: Command) -> Result<(), PortError> {
+        self.command.write(command, |_| (), self.sensors.peer_sent_ns)
     }
 
     /// Waits a little for sensors, as [`PlantPort::wait`].
@@ -239,28 +240,28 @@ impl ControllerPort {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn asked(&self) -> Result<Option<Asked>, PortError> {
-        self.desk.next()
+    pub fn next_request(&self) -> Result<Option<PendingRequest>, PortError> {
+        self.service.next()
     }
 
     /// As [`PlantPort::answer`].
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn answer(&self, asked: Asked, reply: Reply) -> Result<(), PortError> {
-        self.desk.answer(asked, reply)
+    pub fn answer(&self, asked: PendingRequest, reply: Reply) -> Result<(), PortError> {
+        self.service.answer(asked, reply)
     }
 }
 
 /// A recorder's end.
 #[derive(Debug)]
 pub struct RecorderPort {
-    truth: Reader<Truth>,
-    served: Reader<Served>,
-    bell: Notifier<ipc::Service>,
+    truth: TopicReader<Truth>,
+    served: TopicReader<Served>,
+    notifier: Notifier<ipc::Service>,
     /// Run of the last record read: a plant started anew waits for a ring of its own.
     run: Option<u64>,
-    _place: Place,
+    _node: SessionNode,
 }
 
 impl RecorderPort {
@@ -269,22 +270,22 @@ impl RecorderPort {
     /// # Errors
     /// See [`PortError`].
     pub fn open(session: &Session, contract: &Contract) -> Result<RecorderPort, PortError> {
-        RecorderPort::at(Place::open(session, contract)?)
+        RecorderPort::at(SessionNode::open(session, contract)?)
     }
 
     /// Begins to listen to a running session, whatever its contract.
     ///
     /// # Errors
     /// [`PortError::NoSession`] if there is none.
-    pub fn visit(session: &Session) -> Result<RecorderPort, PortError> {
-        RecorderPort::at(Place::visit(session)?)
+    pub fn attach(session: &Session) -> Result<RecorderPort, PortError> {
+        RecorderPort::at(SessionNode::attach(session)?)
     }
 
-    fn at(place: Place) -> Result<RecorderPort, PortError> {
-        let truth = Reader::open(&place.truth()?, TRUTH_BUFFER)?;
-        let served = Reader::open(&place.served()?, SERVED_BUFFER)?;
-        let bell = place.event(TRUTH)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(RecorderPort { truth, served, bell, run: None, _place: place })
+    fn at(node: SessionNode) -> Result<RecorderPort, PortError> {
+        let truth = TopicReader::open(&node.truth()?, TRUTH_BUFFER)?;
+        let served = TopicReader::open(&node.served()?, SERVED_BUFFER)?;
+        let notifier = node.event(TRUTH)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
+        Ok(RecorderPort { truth, served, notifier, run: None, _node: node })
     }
 
     /// The next request that was answered, if there is one. Whatever took effect before a truth is here once that can be read.
@@ -300,11 +301,11 @@ impl RecorderPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn read(&mut self) -> Result<Option<impl Deref<Target = Truth> + use<>>, PortError> {
-        let truth = self.truth.look()?;
+        let truth = self.truth.poll()?;
         let run = truth.as_ref().map(|truth| truth.stamp.run);
         if run.is_some() && run != self.run {
             self.run = run;
-            self.bell.notify().map_err(|e| broken("the wake-up", e))?;
+            self.notifier.notify().map_err(|e| broken("the wake-up", e))?;
         }
         Ok(truth)
     }

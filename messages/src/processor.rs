@@ -6,7 +6,7 @@
 
 use std::arch::naked_asm;
 
-/// Room for a sentence [bytes].
+/// ShmUsage for a sentence [bytes].
 const ROOM: usize = 256;
 
 /// A feature that was built for, and what CPUID must say of it.

@@ -6,7 +6,7 @@
 mod biped;
 mod similarity;
 
-pub use biped::arranged;
+pub use biped::canonical_biped;
 pub use similarity::{Scale, stance};
 
 use schemars::JsonSchema;
@@ -71,7 +71,7 @@ pub struct Tiles {
 
 impl Tiles {
     /// Whether there is ground at x [m].
-    pub fn carry(&self, x: f64) -> bool {
+    pub fn has_ground_at(&self, x: f64) -> bool {
         let from_middle = x - self.first;
         (from_middle - self.pitch * (from_middle / self.pitch).round()).abs() <= 0.5 * self.length
     }
@@ -115,7 +115,7 @@ impl Body {
     }
 
     /// All that may touch the ground, in the order of the messages: the points, as balls of no radius, then the balls.
-    pub fn touchable(&self) -> impl Iterator<Item = Sphere> + '_ {
+    pub fn contact_spheres(&self) -> impl Iterator<Item = Sphere> + '_ {
         let points = self.contacts.iter().map(|&at| Sphere { at, radius: 0.0 });
         points.chain(self.spheres.iter().copied())
     }

@@ -4,20 +4,20 @@
 //! side and one can be cleared away without touching another. Who is in it is told by locks (`member`), and so is what
 //! nobody is in any more (`remains`). What somebody was killed amid making or removing is in `half_done`.
 
-mod half_done;
-mod member;
-mod own;
-mod remains;
+mod membership;
+mod private_file;
 mod scene;
+mod stale_files;
+mod stale_session;
 
 use crate::port::PortError;
 use crate::wire::{FNV_START, fnv1a};
-pub use member::Membership;
+pub use membership::Membership;
 use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
 use nix::sys::statvfs::statvfs;
 use nix::unistd::{AccessFlags, access, getuid};
-pub use remains::Remains;
+pub use stale_session::StaleSession;
 use std::fs::{File, read_link};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
@@ -25,7 +25,7 @@ use std::path::{Path, PathBuf};
 /// Where POSIX shared memory shows as files on Linux.
 pub const SHARED_MEMORY: &str = "/dev/shm";
 /// Files that a session needs, with room to spare: it has 24.
-pub const FILES: u64 = 64;
+pub const REQUIRED_FILES: u64 = 64;
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
 /// Begin of the names that nobody gave.
@@ -85,15 +85,15 @@ impl Session {
         let mut owners = lists.filter_map(|path| {
             let user = path.symlink_metadata().ok()?.uid();
             let theirs = path.file_name()?.to_str()? == self.prefix_of(user) + MEMBERS;
-            (theirs && user != getuid().as_raw()).then(|| own::owner(user))
+            (theirs && user != getuid().as_raw()).then(|| private_file::owner(user))
         });
         owners.next()
     }
 
     /// Takes all rights to the session's files from other users: iceoryx2 0.10 lets everybody write to one of them, which counts
     /// nodes.
-    pub(crate) fn close_to_others(&self) {
-        self.leftovers().iter().for_each(|path| own::close_to_others(path));
+    pub(crate) fn restrict_access(&self) {
+        self.shm_files().iter().for_each(|path| private_file::restrict_access(path));
     }
 
     /// Folder of the session's other files.
@@ -102,22 +102,22 @@ impl Session {
     }
 
     /// Everything of this session that is in shared memory now.
-    pub fn leftovers(&self) -> Vec<PathBuf> {
+    pub fn shm_files(&self) -> Vec<PathBuf> {
         files(&self.prefix())
     }
 
     /// Removes everything of this session, also the empty segments that a process leaves when it is killed while making
     /// one; unless somebody is in it.
-    pub fn sweep(&self) {
-        Remains::at(&self.prefix()).remove();
+    pub fn remove_files(&self) {
+        StaleSession::at(&self.prefix()).remove();
     }
 
     /// Takes all the room that the session's segments may ever need: a page that is first touched when nothing is free any
     /// more kills by SIGBUS.
     pub(crate) fn reserve(&self) -> Result<(), PortError> {
-        for path in self.leftovers() {
+        for path in self.shm_files() {
             // a folder, or gone in the meantime
-            let Ok(file) = own::open(&path, File::options().write(true)) else { continue };
+            let Ok(file) = private_file::open(&path, File::options().write(true)) else { continue };
             let lacking = || file.metadata().ok().filter(|found| 512 * found.blocks() < found.len());
             if lacking().is_none() {
                 continue; // whoever made it has taken it
@@ -136,14 +136,15 @@ impl Session {
     /// Every session of this user that somebody is in now.
     pub fn running() -> Vec<Session> {
         let names = files("").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
-        let mut names: Vec<String> = names.filter_map(|path| own::read(&path, LONGEST_NAME as u64).ok()).collect();
+        let mut names: Vec<String> =
+            names.filter_map(|path| private_file::read(&path, LONGEST_NAME as u64).ok()).collect();
         names.sort();
         names.iter().filter_map(|name| Session::named(name).ok()).filter(Session::is_running).collect()
     }
 
     /// Whether somebody is in it now.
     pub fn is_running(&self) -> bool {
-        own::open(&self.list(), File::options().read(true)).is_ok_and(|file| file.try_lock().is_err())
+        private_file::open(&self.lock_file(), File::options().read(true)).is_ok_and(|file| file.try_lock().is_err())
     }
 
     /// Numbers of the processes that are in it, as far as they are this user's to see.
@@ -157,20 +158,20 @@ impl Session {
 
     /// Whether the process of this number is in it, as far as that is this user's to see.
     fn is_member(&self, number: u32) -> bool {
-        let (handles, list) = (std::fs::read_dir(format!("/proc/{number}/fd")), self.list());
+        let (handles, list) = (std::fs::read_dir(format!("/proc/{number}/fd")), self.lock_file());
         let mut targets = handles.into_iter().flatten().flatten().filter_map(|handle| read_link(handle.path()).ok());
         targets.any(|target| target == list)
     }
 
     /// The file on which every member holds a lock.
-    fn list(&self) -> PathBuf {
+    fn lock_file(&self) -> PathBuf {
         Path::new(SHARED_MEMORY).join(self.prefix() + MEMBERS)
     }
 }
 
 /// Size of shared memory and what is free of it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Room {
+pub struct ShmUsage {
     /// All of it [bytes].
     pub size: u64,
     /// What is left [bytes].
@@ -179,12 +180,12 @@ pub struct Room {
     pub files: u64,
 }
 
-impl Room {
+impl ShmUsage {
     /// As it is now.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`] if there is none, or this user may not write to it.
-    pub fn now() -> Result<Room, PortError> {
+    pub fn now() -> Result<ShmUsage, PortError> {
         let unusable = |what: &str, reason: Errno| {
             PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be {what}: {}", reason.desc()))
         };
@@ -193,24 +194,24 @@ impl Room {
             .map_err(|reason| unusable("written to", reason))?;
         let unit = stat.fragment_size() as u64;
         let files = if stat.files() == 0 { u64::MAX } else { stat.files_available() }; // of 0 there is no limit
-        Ok(Room { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit, files })
+        Ok(ShmUsage { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit, files })
     }
 
     /// Full shared memory kills by SIGBUS instead of an error, so room is demanded beforehand.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`] if there is less.
-    pub fn demand(bytes: u64) -> Result<(), PortError> {
-        let Room { free, files, .. } = Room::now()?;
+    pub fn require(bytes: u64) -> Result<(), PortError> {
+        let ShmUsage { free, files, .. } = ShmUsage::now()?;
         let lack = |has: String, needed: String| {
             let words =
                 format!("{SHARED_MEMORY} has {has} free, but {needed} are needed: remove files there, or enlarge it");
             Err(PortError::SharedMemory(words))
         };
-        match (free >= bytes, files >= FILES) {
+        match (free >= bytes, files >= REQUIRED_FILES) {
             (true, true) => Ok(()),
             (false, _) => lack(format!("{} MB", free >> 20), format!("{} MB", bytes >> 20)),
-            _ => lack(format!("room for {files} more files"), FILES.to_string()),
+            _ => lack(format!("room for {files} more files"), REQUIRED_FILES.to_string()),
         }
     }
 }

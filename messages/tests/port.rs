@@ -53,7 +53,7 @@ fn every_question_is_answered(rounds: u64, [asking, answering]: [Waiting; 2]) {
         drop(port); // The goodbye outlives its sender.
         assert_eq!(controller.join().expect("controller"), rounds);
     });
-    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+    assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
 }
 
 #[test]
@@ -231,26 +231,26 @@ fn sessions_live_side_by_side_and_end_without_each_other() {
     let first = PlantPort::open(&one, &contract()).expect("plant");
     let _other = PlantPort::open(&other, &contract()).expect("plant");
     assert_eq!(one.members(), [std::process::id()]);
-    let count = other.leftovers().len();
-    one.sweep();
-    assert!(count > 0 && !one.leftovers().is_empty(), "somebody is in it");
+    let count = other.shm_files().len();
+    one.remove_files();
+    assert!(count > 0 && !one.shm_files().is_empty(), "somebody is in it");
     drop(first);
-    assert!(one.leftovers().is_empty());
-    assert_eq!(other.leftovers().len(), count);
+    assert!(one.shm_files().is_empty());
+    assert_eq!(other.shm_files().len(), count);
 }
 
 #[test]
 fn whoever_begins_a_session_clears_what_dead_ones_left() {
     let (dead, alive) = (Session::unique(), Session::unique());
     let port = PlantPort::open(&dead, &contract()).expect("plant");
-    let list = dead.leftovers().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
+    let list = dead.shm_files().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
     drop(port);
     let segment = std::path::PathBuf::from(list.to_string_lossy().replace("members", "abandoned"));
     std::fs::write(&list, dead.name()).expect("a list of nobody");
     std::fs::write(&segment, "").expect("an empty segment");
-    assert!(!dead.is_running() && dead.leftovers().contains(&segment));
+    assert!(!dead.is_running() && dead.shm_files().contains(&segment));
     let _port = PlantPort::open(&alive, &contract()).expect("plant");
-    assert_eq!(dead.leftovers(), Vec::<std::path::PathBuf>::new());
+    assert_eq!(dead.shm_files(), Vec::<std::path::PathBuf>::new());
     assert!(alive.is_running());
 }
 
@@ -261,7 +261,7 @@ fn a_segment_that_never_got_a_size_is_in_nobodys_way() {
     let plant = PlantPort::open(&session, &contract()).expect("plant");
     let controller = ControllerPort::open(&session, &contract()).expect("controller");
     let connection = |path: &std::path::PathBuf| path.to_string_lossy().ends_with(".connection");
-    let model = session.leftovers().into_iter().find(connection).expect("a connection");
+    let model = session.shm_files().into_iter().find(connection).expect("a connection");
     let stillborn = model.with_file_name(model.to_string_lossy().replace(".connection", "1.connection"));
     std::fs::write(&stillborn, "").expect("a segment");
     std::fs::set_permissions(&stillborn, std::os::unix::fs::PermissionsExt::from_mode(0o200)).expect("our own file");
@@ -269,7 +269,7 @@ fn a_segment_that_never_got_a_size_is_in_nobodys_way() {
     ControllerPort::open(&session, &contract()).expect("another controller");
     assert!(!stillborn.exists());
     drop(plant);
-    assert_eq!(session.leftovers(), Vec::<std::path::PathBuf>::new());
+    assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
 }
 
 #[test]
@@ -287,5 +287,5 @@ fn a_session_needs_a_name_that_can_be_a_file_name() {
     assert!(longest.to_string().contains("32"));
     let longest = Session::named("the-longest-name-of-32-character").expect("a good name");
     ControllerPort::open(&longest, &contract()).expect("a long name fits everywhere");
-    assert!(longest.leftovers().is_empty());
+    assert!(longest.shm_files().is_empty());
 }

@@ -16,13 +16,13 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 /// Mean time from the end of one burst to the next [s].
-pub const CALM: f64 = 0.5;
+pub const MEAN_BURST_INTERVAL: f64 = 0.5;
 /// Mean length of a burst [s].
-pub const BURST: f64 = 0.05;
+pub const MEAN_BURST_LENGTH: f64 = 0.05;
 /// Greatest |z| that [`normal`] gives: √(2 ln 2⁵³).
-const TAIL: f64 = 8.6;
+const MAX_NORMAL: f64 = 8.6;
 /// Commands beyond those that the settings keep under way: what a real-time plant may find at once after a stall.
-const SPARE: usize = 64;
+const SPARE_CAPACITY: usize = 64;
 /// A travel time this little beyond a whole number of periods is rounding.
 const ROUNDING: f64 = 1e-9;
 
@@ -37,7 +37,7 @@ pub struct Injector {
     in_burst: bool,
     random: fastrand::Rng,
     /// In order of arrival; never longer than its capacity of `room`.
-    under_way: VecDeque<Parcel>,
+    under_way: VecDeque<DelayedCommand>,
     room: usize,
 }
 
@@ -45,12 +45,12 @@ impl Injector {
     /// The link of a scene whose control period is `period_s`.
     pub fn new(link: &LinkScene, period_s: f64) -> Self {
         let period_ms = 1e3 * period_s;
-        let longest = ((link.delay_ms + TAIL * link.jitter_ms) / period_ms).ceil() as usize + 2;
-        let room = 2 * longest + SPARE; // each may come twice
+        let longest = ((link.delay_ms + MAX_NORMAL * link.jitter_ms) / period_ms).ceil() as usize + 2;
+        let room = 2 * longest + SPARE_CAPACITY; // each may come twice
         Injector {
             link: link.clone(),
             period_ms,
-            change: [CALM, BURST].map(|mean| 1.0 - (-period_s / mean).exp()),
+            change: [MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH].map(|mean| 1.0 - (-period_s / mean).exp()),
             in_burst: false,
             random: fastrand::Rng::with_seed(link.seed),
             under_way: VecDeque::with_capacity(room),
@@ -72,7 +72,7 @@ impl Injector {
 
     /// The next command that has arrived by control period `tick`, in order of arrival.
     pub fn pop(&mut self, tick: u64) -> Option<Command> {
-        let due = self.under_way.front()?.place.0;
+        let due = self.under_way.front()?.arrival.0;
         if due > tick { None } else { self.under_way.pop_front().map(|parcel| parcel.command) }
     }
 
@@ -82,9 +82,9 @@ impl Injector {
         }
         let travel = self.travel(chance) / self.period_ms;
         let due = tick + (travel - ROUNDING).ceil() as u64 + u64::from(overtaken);
-        let place = (due, overtaken, tick as f64 + travel);
-        let behind = self.under_way.partition_point(|other| other.place <= place);
-        self.under_way.insert(behind, Parcel { place, command: *command });
+        let arrival = (due, overtaken, tick as f64 + travel);
+        let behind = self.under_way.partition_point(|other| other.arrival <= arrival);
+        self.under_way.insert(behind, DelayedCommand { arrival, command: *command });
     }
 
     /// Time under way [ms].
@@ -106,8 +106,8 @@ fn normal([u, v]: [f64; 2]) -> f64 {
 
 /// A command under way.
 #[derive(Clone, Debug)]
-struct Parcel {
+struct DelayedCommand {
     /// Order of arrival: period from which on it may act; behind all others of that period; instant [periods].
-    place: (u64, bool, f64),
+    arrival: (u64, bool, f64),
     command: Command,
 }

@@ -3,8 +3,8 @@
 use crate::model::{ContactPoint, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
 use crate::state::State;
+use messages::rotation::{rotated, sin_cos_all};
 use messages::scene::Base;
-use messages::turn::{sines_cosines, turned};
 use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 /// Pose and velocity of one link. Axes of W; positions from the reference point O of [`Pose`].
@@ -133,7 +133,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
         links[aligned].rotation = rotation(&state.x[3..7]);
         set_mass_properties(&model.links[aligned], &mut links[aligned]);
     }
-    sines_cosines(joints, turns);
+    sin_cos_all(joints, turns);
     for (i, link) in model.links.iter().enumerate().skip(1 + aligned) {
         let virtual_link = i <= model.base_link;
         let (x, turn) = (joints[i - 1 - aligned], turns[i - 1 - aligned]);
@@ -144,7 +144,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
             None => before[link.carrier].rotation * link.axis,
         };
         here.rotation = match link.motion {
-            Motion::Revolute | Motion::Spin => turned(&parent.rotation, &link.axis, link.along, turn),
+            Motion::Revolute | Motion::Spin => rotated(&parent.rotation, &link.axis, link.along, turn),
             Motion::Prismatic => parent.rotation,
         };
         here.column = match link.motion {

@@ -23,24 +23,20 @@
 //! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 
+pub mod command_pipeline;
 pub mod composite;
 pub mod contact;
 pub mod delassus;
-mod desk;
 pub mod detect;
 pub mod drive;
 pub mod dynamics;
 pub mod error;
 pub mod factor;
-pub mod gate;
 pub mod handover;
 pub mod inject;
-pub mod intake;
 pub mod kinematics;
-mod link;
 pub mod model;
 pub mod process;
-mod remarks;
 pub mod simulation;
 pub mod smallest;
 pub mod spatial;
@@ -49,6 +45,7 @@ pub mod standing;
 pub mod state;
 pub mod step;
 pub mod truth;
+pub mod validation;
 pub mod watchdog;
 
 pub use error::PlantError;

@@ -82,7 +82,7 @@ impl ContactPoint {
     /// Whether there is ground under it when it is at x [m].
     #[inline]
     pub fn has_ground(&self, x: f64) -> bool {
-        self.tiles.is_none_or(|tiles| tiles.carry(x))
+        self.tiles.is_none_or(|tiles| tiles.has_ground_at(x))
     }
 }
 

@@ -1,16 +1,15 @@
 //! A run: the plant, what stands before its drives, and the count of its control periods.
 
-use crate::intake::Intake;
-use crate::watchdog::Mode;
+use crate::command_pipeline::CommandPipeline;
 use crate::{Plant, PlantError};
 use messages::scene::Scene;
-use messages::wire::{Command, Encoders, Sensors, Stamp, Truth};
+use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
 
 /// A run of a scene. Pure: what of a clock is in its messages, the shell fills in.
 pub struct Simulation {
     scene: Scene,
     plant: Plant,
-    intake: Intake,
+    commands: CommandPipeline,
     encoders: Encoders,
     /// Control periods of the scene.
     periods: u64,
@@ -26,7 +25,7 @@ impl Simulation {
     pub fn new(scene: &Scene, run: u64, epoch: u64) -> Result<Simulation, PlantError> {
         let plant = Plant::new(scene)?;
         Ok(Simulation {
-            intake: Intake::new(scene, run),
+            commands: CommandPipeline::new(scene, run),
             encoders: plant.encoders(),
             periods: (scene.duration * scene.rate).round() as u64,
             stamp: Stamp { run, epoch, seq: 1, ..Stamp::default() },
@@ -56,18 +55,18 @@ impl Simulation {
     /// What only a simulation knows, at the same instant.
     pub fn truth(&self) -> Truth {
         let mut truth = self.plant.truth();
-        Command { stamp: truth.command, torques: truth.asked, telemetry: truth.telemetry } = self.intake.newest();
+        Command { stamp: truth.command, torques: truth.asked, telemetry: truth.telemetry } = self.commands.newest();
         truth.stamp = self.stamp;
-        truth.state = self.intake.mode() as u32;
-        truth.age = self.intake.age() as u32;
-        truth.tally = *self.intake.tally();
+        truth.state = self.commands.state() as u32;
+        truth.age = self.commands.age() as u32;
+        truth.tally = *self.commands.tally();
         truth.encoders = self.encoders;
         truth
     }
 
     /// A command comes, sealed.
-    pub fn hear(&mut self, command: &Command) {
-        self.intake.hear(command, self.stamp.seq);
+    pub fn receive(&mut self, command: &Command) {
+        self.commands.receive(command, self.stamp.seq);
     }
 
     /// One control period.
@@ -75,7 +74,7 @@ impl Simulation {
     /// # Errors
     /// As [`Plant::advance`].
     pub fn advance(&mut self) -> Result<(), PlantError> {
-        let torques = self.intake.torques(&self.sensors());
+        let torques = self.commands.torques(&self.sensors());
         self.encoders = self.plant.advance(&torques)?;
         self.stamp = Stamp { seq: self.stamp.seq + 1, sim_ns: self.plant.time_ns(), ..self.stamp };
         Ok(())
@@ -92,12 +91,12 @@ impl Simulation {
     }
 
     /// What drove the last period.
-    pub fn mode(&self) -> Mode {
-        self.intake.mode()
+    pub fn state(&self) -> PlantState {
+        self.commands.state()
     }
 
     /// What stands before the drives.
-    pub fn intake(&mut self) -> &mut Intake {
-        &mut self.intake
+    pub fn commands(&mut self) -> &mut CommandPipeline {
+        &mut self.commands
     }
 }

@@ -124,7 +124,7 @@ fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
     };
     let touches = |i: usize, at: [f64; 3], radius: f64| least <= from_base[i] + norm(at) + radius;
     let bodies = scene.bodies.iter().enumerate();
-    let some = bodies.map(|(i, body)| body.touchable().any(|touch| touches(i, touch.at, touch.radius)));
+    let some = bodies.map(|(i, body)| body.contact_spheres().any(|touch| touches(i, touch.at, touch.radius)));
     // once one point has touched, the flight of a free base is another
     if model.base != Base::Fixed && some.into_iter().any(|some| some) {
         return Ok(());
@@ -201,7 +201,7 @@ fn joint_index(bodies: &[Body], body: usize) -> usize {
 
 /// Whether one body is the mirror image of the other, their joints aside.
 fn alike(a: &Body, b: &Body) -> bool {
-    let touches = |body: &Body| body.touchable().collect::<Vec<_>>();
+    let touches = |body: &Body| body.contact_spheres().collect::<Vec<_>>();
     let (ours, theirs) = (touches(a), touches(b));
     let image = |touch: &Sphere| Sphere { at: mirrored(touch.at), radius: touch.radius };
     let same_touches = ours.len() == theirs.len() && ours.iter().all(|touch| theirs.contains(&image(touch)));

@@ -3,8 +3,8 @@
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::{Model, Motion, finite};
+use messages::rotation::sin_cos;
 use messages::scene::{Base, Initial};
-use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
 /// Determinant of the axes of the virtual joints, the sine of the angle to their singular pitch, below which they cannot turn every way [-].

@@ -9,28 +9,12 @@
 //! The age counts control periods from the sensors that the command answers, in simulated time, so that the rules are the
 //! same in lockstep and in real time.
 
+use messages::wire::PlantState;
+
 /// The newest torques are kept for this long [s].
 const HOLD: f64 = 0.01;
 /// Then the joints are damped, until this age [s].
 const DAMP: f64 = 0.1;
-
-/// What the plant is doing; the order is that of [`STATES`](messages::wire::STATES).
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Mode {
-    /// No command yet: time stands still and the robot is held.
-    #[default]
-    Wait,
-    /// Driven by a command that has just come.
-    Run,
-    /// Time stands still by request.
-    Paused,
-    /// Driven by an older command.
-    Hold,
-    /// Joints damped.
-    Damp,
-    /// Drives off until re-armed.
-    Fault,
-}
 
 /// The watchdog of one run.
 #[derive(Clone, Copy, Debug)]
@@ -49,13 +33,13 @@ impl Watchdog {
     }
 
     /// What to do with a newest command of this age; `fresh` if it came in this very period.
-    pub fn judge(&mut self, age: u64, fresh: bool) -> Mode {
+    pub fn update(&mut self, age: u64, fresh: bool) -> PlantState {
         self.fault |= age > self.damp;
         match age {
-            _ if self.fault => Mode::Fault,
-            _ if age > self.hold => Mode::Damp,
-            _ if fresh => Mode::Run,
-            _ => Mode::Hold,
+            _ if self.fault => PlantState::Fault,
+            _ if age > self.hold => PlantState::Damp,
+            _ if fresh => PlantState::Run,
+            _ => PlantState::Hold,
         }
     }
 
@@ -71,20 +55,20 @@ mod tests {
 
     #[test]
     fn a_silent_controller_is_held_damped_and_switched_off_until_rearmed() {
-        let mut dog = Watchdog::new(1000.0);
-        let modes: Vec<Mode> = (0..=101).map(|age| dog.judge(age, age == 0)).collect();
-        assert_eq!(modes[0], Mode::Run);
-        assert!(modes[1..=10].iter().all(|mode| *mode == Mode::Hold));
-        assert!(modes[11..=100].iter().all(|mode| *mode == Mode::Damp));
-        assert_eq!(modes[101], Mode::Fault);
-        assert_eq!(dog.judge(0, true), Mode::Fault, "a fault is latched");
-        dog.rearm();
-        assert_eq!(dog.judge(0, true), Mode::Run);
+        let mut watchdog = Watchdog::new(1000.0);
+        let states: Vec<PlantState> = (0..=101).map(|age| watchdog.update(age, age == 0)).collect();
+        assert_eq!(states[0], PlantState::Run);
+        assert!(states[1..=10].iter().all(|state| *state == PlantState::Hold));
+        assert!(states[11..=100].iter().all(|state| *state == PlantState::Damp));
+        assert_eq!(states[101], PlantState::Fault);
+        assert_eq!(watchdog.update(0, true), PlantState::Fault, "a fault is latched");
+        watchdog.rearm();
+        assert_eq!(watchdog.update(0, true), PlantState::Run);
     }
 
     #[test]
     fn the_limits_are_times_whatever_the_rate() {
-        assert_eq!(Watchdog::new(4000.0).judge(40, false), Mode::Hold);
-        assert_eq!(Watchdog::new(4000.0).judge(41, false), Mode::Damp);
+        assert_eq!(Watchdog::new(4000.0).update(40, false), PlantState::Hold);
+        assert_eq!(Watchdog::new(4000.0).update(41, false), PlantState::Damp);
     }
 }

@@ -2,7 +2,7 @@
 
 use messages::scene::{Jitter, LinkScene};
 use messages::wire::{Command, Stamp, Torques};
-use plant::inject::{BURST, CALM, Injector};
+use plant::inject::{Injector, MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;
@@ -168,8 +168,12 @@ fn bursts_come_and_last_as_stated() {
     let late = by_seq.iter().filter(|(_, delay)| *delay == 7).count() as f64;
     let begun = by_seq.windows(2).filter(|pair| pair[0].1 < pair[1].1).count() as f64;
     // A geometric length has about its mean for a standard deviation; some 3600 bursts.
-    assert!((late / begun * PERIOD / BURST - 1.0).abs() < 0.1, "{} s", late / begun * PERIOD);
-    assert!((late / 2e6 / (BURST / (BURST + CALM)) - 1.0).abs() < 0.15, "{}", late / 2e6);
+    assert!((late / begun * PERIOD / MEAN_BURST_LENGTH - 1.0).abs() < 0.1, "{} s", late / begun * PERIOD);
+    assert!(
+        (late / 2e6 / (MEAN_BURST_LENGTH / (MEAN_BURST_LENGTH + MEAN_BURST_INTERVAL)) - 1.0).abs() < 0.15,
+        "{}",
+        late / 2e6
+    );
 }
 
 #[test]

@@ -90,7 +90,7 @@ fn difference(full: &Scene, small: &Scene) -> Difference {
     let norm = |v: [f64; 3]| Vector3::from(v).norm();
     let arms = full.bodies.iter().flat_map(|body| {
         let joint = body.joint.iter().map(|joint| joint.at);
-        body.touchable().map(|touch| touch.at).chain([body.com, body.size]).chain(joint)
+        body.contact_spheres().map(|touch| touch.at).chain([body.com, body.size]).chain(joint)
     });
     let size = arms.map(norm).fold(0.0, f64::max);
     let weight = model.mass() * model.gravity.norm();

@@ -3,14 +3,14 @@
 use super::live::{Running, biped};
 use super::{address_of, keep, open};
 use crate::chromium::Browser;
-use messages::port::Ask;
+use messages::port::Action;
 use serde_json::json;
 
 /// Pauses a session where a frame of the page begins; they come every five periods.
 fn pause(page: &mut Browser, walk: &mut Running) {
     page.value("part('pause').click()");
     page.until("part('answer').textContent.endsWith('paused')");
-    let past = (walk.ask(Ask::Pause).stamp.seq - 1) % 5;
+    let past = (walk.ask(Action::Pause).stamp.seq - 1) % 5;
     step(page, walk, 10 - past);
     page.value("globalThis.from = film.length - 1");
 }
@@ -18,7 +18,7 @@ fn pause(page: &mut Browser, walk: &mut Running) {
 /// Lets a paused session go on, and the page show it; returns what the ground gave along x, ∫ F dt [N s].
 fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
     walk.rejoin();
-    let (end, mut ground) = (walk.ask(Ask::Step { periods }).stamp.seq + periods, 0.0);
+    let (end, mut ground) = (walk.ask(Action::Step { periods }).stamp.seq + periods, 0.0);
     let truth = walk.until("some periods", |truth| {
         ground += 1e-3 * truth.contact_force.iter().step_by(3).sum::<f64>();
         truth.stamp.seq == end

@@ -3,7 +3,7 @@
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
-use messages::port::{Ask, RecorderPort, ask};
+use messages::port::{Action, RecorderPort, ask};
 use messages::session::Session;
 use messages::wire::{Reply, Truth};
 use nix::sys::signal::{Signal, kill};
@@ -47,13 +47,13 @@ impl Running {
         let launcher = biped(&[&arguments[..], extra].concat()).spawn().expect("the program starts");
         let mut running = Running { session, launcher, port: None, latest: Truth::default() };
         let Running { session, launcher, .. } = &mut running;
-        let unchanged = Ask::Set { period: None, speed: None };
+        let unchanged = Action::Set { period: None, speed: None };
         eventually("an open desk", || {
             if let Some(status) = launcher.try_wait().expect("our own child") {
                 let words = read_to_string(launcher.stderr.take().expect("a pipe")).expect("its last words");
                 panic!("{status}: {words}");
             }
-            ask(session, Ask::Resume).is_ok() && ask(session, unchanged).is_ok()
+            ask(session, Action::Resume).is_ok() && ask(session, unchanged).is_ok()
         });
         running.rejoin();
         running
@@ -67,7 +67,7 @@ impl Running {
     }
 
     /// Asks, and there is an answer.
-    pub fn ask(&self, what: Ask) -> Reply {
+    pub fn ask(&self, what: Action) -> Reply {
         ask(&self.session, what).expect("an answer")
     }
 
@@ -105,7 +105,7 @@ impl Running {
 
     /// Listens again.
     pub fn rejoin(&mut self) {
-        self.port = Some(RecorderPort::visit(&self.session).expect("listening"));
+        self.port = Some(RecorderPort::attach(&self.session).expect("listening"));
     }
 
     /// Listens no more: in lockstep nobody waits for us then.
@@ -136,7 +136,7 @@ impl Running {
         let errors = std::thread::spawn(move || read_to_string(errors).expect("its errors"));
         let words = read_to_string(self.launcher.stdout.take().expect("a pipe")).expect("its words");
         let status = self.launcher.wait().expect("the program ends");
-        assert_eq!(self.session.leftovers(), Vec::<std::path::PathBuf>::new());
+        assert_eq!(self.session.shm_files(), Vec::<std::path::PathBuf>::new());
         (status.code(), words, errors.join().expect("read"))
     }
 
@@ -154,7 +154,7 @@ impl Running {
         self.leave();
         self.launcher.kill().expect("our own child");
         self.launcher.wait().expect("the launcher ends");
-        eventually("an empty shared memory", || self.session.leftovers().is_empty());
+        eventually("an empty shared memory", || self.session.shm_files().is_empty());
     }
 }
 
@@ -169,6 +169,6 @@ impl Drop for Running {
             others.for_each(|member| _ = kill(Pid::from_raw(member as i32), Signal::SIGKILL));
             std::thread::sleep(Duration::from_millis(2));
         }
-        self.session.sweep();
+        self.session.remove_files();
     }
 }

@@ -61,7 +61,7 @@ fn our_controller_walks_the_robot_of_mujoco_as_far_as_ours() {
     let (output, theirs) = run("walk", &["--plant", &command, "--set", "duration=4", "--session", &session]);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && theirs["fell"] == false, "{}: {errors}", output.status);
-    let left = Session::named(&session).expect("a good name").leftovers();
+    let left = Session::named(&session).expect("a good name").shm_files();
     assert!(left.is_empty(), "{left:?}");
     let (_, ours) = run("walk", &["--set", "duration=4"]);
     for key in ["distance_m", "period_s", "peak_force_n"] {

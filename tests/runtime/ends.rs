@@ -83,7 +83,7 @@ fn a_peer_that_never_comes_is_named_each_second_and_then_given_up() {
             assert!(errors.contains(&format!("waiting for the {missing}: {second} of 2.5 s")), "{errors}");
         }
         assert!(errors.contains(&format!("no {missing}")), "{errors}");
-        assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+        assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
     }
 }
 
@@ -92,10 +92,10 @@ fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
     let session = session("cannot");
     let bad = ["--set", "plant.law=EnergyQp", "--set", "plant.method=EventDriven", "--session", session.name()];
     let controller = start(&[&["controller", "walk", "--patience", "50"], &bad[..]].concat());
-    eventually("the controller's session", || session.leftovers().len() > 5);
+    eventually("the controller's session", || session.shm_files().len() > 5);
     let (code, errors) = end(start(&[&["plant", "walk"], &bad[..]].concat()));
     assert!(code == Some(2) && errors.contains("plant.law of the method EventDriven"), "{errors}");
     let (code, errors) = end(controller);
     assert!(code == Some(0) && !errors.contains("no plant"), "it waited out its patience: {errors}");
-    assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+    assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
 }

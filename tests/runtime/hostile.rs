@@ -79,7 +79,7 @@ fn pipes_and_links_under_the_names_of_a_session_are_told_and_neither_waited_for_
     }
     assert_eq!(std::fs::read_to_string(&target).expect("there"), "untouched");
     std::fs::remove_file(target).expect("our own");
-    assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+    assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
 }
 
 #[test]
@@ -97,16 +97,16 @@ fn nobody_else_may_read_or_write_what_a_session_has_in_shared_memory() {
     let (mut launcher, session) = (None, session("closed"));
     let arguments = ["run", "walk", "--realtime", "--quiet", "--set", "duration=300", "--session", session.name()];
     launcher.replace(start(&arguments));
-    eventually("a session", || session.leftovers().len() > 10);
+    eventually("a session", || session.shm_files().len() > 10);
     eventually("no right of others", || {
         let rights =
-            session.leftovers().into_iter().filter_map(|path| Some((path.symlink_metadata().ok()?.mode(), path)));
+            session.shm_files().into_iter().filter_map(|path| Some((path.symlink_metadata().ok()?.mode(), path)));
         rights.filter(|(mode, _)| mode & 0o077 != 0).count() == 0
     });
     let mut launcher = launcher.expect("started");
     launcher.kill().expect("our own child");
     launcher.wait().expect("it ends");
-    eventually("an empty shared memory", || session.leftovers().is_empty());
+    eventually("an empty shared memory", || session.shm_files().is_empty());
 }
 
 #[test]
@@ -122,7 +122,7 @@ fn of_launchers_of_one_session_at_once_one_runs_and_the_others_say_so() {
         assert!(codes[0] == Some(0) && codes[1..].iter().all(|code| matches!(code, Some(0 | 5))), "{ends:?}");
         let refused = ends.iter().filter(|(code, _)| *code == Some(5));
         refused.for_each(|(_, errors)| assert!(errors.contains("is running already"), "{errors}"));
-        assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+        assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
     }
 }
 
@@ -206,7 +206,7 @@ fn a_controller_whose_commands_are_refused_is_told_why_long_before_patience_ends
     plant.wait().expect("it ends");
     let words = heard.join().expect("read");
     drop(port);
-    session.sweep();
+    session.remove_files();
     std::fs::remove_dir_all(folder).expect("our own");
     assert!(words.contains("refused: beyond four times the torque limit"), "{words}");
 }
@@ -220,10 +220,10 @@ fn a_run_whose_files_are_gone_goes_on_and_says_that_nobody_can_join() {
         let mut roles = vec![];
         eventually("two processes that speak", || {
             roles = super::roles_of(launcher.id());
-            roles.len() == 2 && session.leftovers().len() > 10
+            roles.len() == 2 && session.shm_files().len() > 10
         });
         std::thread::sleep(std::time::Duration::from_millis(300));
-        for path in session.leftovers() {
+        for path in session.shm_files() {
             let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
         }
         if !respawn.is_empty() {
@@ -235,6 +235,6 @@ fn a_run_whose_files_are_gone_goes_on_and_says_that_nobody_can_join() {
             if respawn.is_empty() { (Some(0), "the run goes on") } else { (Some(4), "cannot be started anew") };
         assert!(code == expected.0 && errors.contains(expected.1), "{code:?}: {errors}");
         assert!(errors.contains("gone from /dev/shm"), "{errors}");
-        eventually("an empty shared memory", || session.leftovers().is_empty());
+        eventually("an empty shared memory", || session.shm_files().is_empty());
     }
 }

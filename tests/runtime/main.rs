@@ -85,7 +85,7 @@ fn walking() -> (Child, Vec<Role>) {
     let mut roles = vec![];
     eventually("two processes that speak", || {
         roles = roles_of(launcher.id());
-        roles.len() == 2 && roles[0].session.leftovers().len() > 10
+        roles.len() == 2 && roles[0].session.shm_files().len() > 10
     });
     std::thread::sleep(Duration::from_millis(200));
     (launcher, roles)
@@ -93,7 +93,7 @@ fn walking() -> (Child, Vec<Role>) {
 
 fn all_gone(roles: &[Role]) {
     eventually("the end of the processes", || !roles.iter().any(|role| is_running(role.number)));
-    assert_eq!(roles[0].session.leftovers(), Vec::<PathBuf>::new());
+    assert_eq!(roles[0].session.shm_files(), Vec::<PathBuf>::new());
 }
 
 fn send(number: i32, signal: Signal) {

@@ -45,7 +45,7 @@ fn sessions_side_by_side_never_meet_and_a_name_is_taken_once() {
     }
     let hashes = folders.each_ref().map(|folder| trajectory_hash(folder));
     assert!(hashes.iter().all(|hash| *hash == hashes[0]), "{hashes:?}");
-    assert_eq!((left.leftovers(), right.leftovers()), (vec![], vec![]));
+    assert_eq!((left.shm_files(), right.shm_files()), (vec![], vec![]));
     folders.iter().for_each(|folder| std::fs::remove_dir_all(folder).expect("our own folder"));
 }
 
@@ -67,11 +67,11 @@ fn plant_and_controller_start_by_hand_in_either_order() {
         let session = session(roles[0]);
         let arguments = |role| [role, "walk", "--set", "duration=0.5", "--session", session.name()];
         let first = start(&arguments(roles[0]));
-        eventually("the first process's session", || session.leftovers().len() > 5);
+        eventually("the first process's session", || session.shm_files().len() > 5);
         let second = start(&arguments(roles[1]));
         assert_eq!(end(first), (Some(0), String::new()), "{} first", roles[0]);
         assert_eq!(end(second), (Some(0), String::new()), "{} second", roles[1]);
-        assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+        assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
     }
 }
 

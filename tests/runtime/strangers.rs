@@ -27,7 +27,7 @@ fn a_second_controller_and_a_wrong_wire_version_are_refused() {
         assert!(errors.contains(word), "{errors} does not say {word}");
     }
     drop(port);
-    assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+    assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
     std::fs::remove_file(file).expect("our own file");
 }
 

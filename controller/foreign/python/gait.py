@@ -17,7 +17,7 @@ def clip(value, limit):
 
 
 @dataclass
-class Travel:
+class MinimumJerkState:
     """Position, velocity and acceleration along one axis [m, m/s, m/s²]."""
 
     x: float
@@ -30,7 +30,7 @@ class Travel:
         jerk = 60 * d / t**3 - 36 * v / t**2 - 9 * a / t
         snap = -360 * d / t**4 + 192 * v / t**3 + 36 * a / t**2
         crackle = 720 * d / t**5 - 360 * v / t**4 - 60 * a / t**3
-        return Travel(
+        return MinimumJerkState(
             self.x + h * (v + h * (a / 2 + h * (jerk / 6 + h * (snap / 24 + h * crackle / 120)))),
             v + h * (a + h * (jerk / 2 + h * (snap / 6 + h * crackle / 24))),
             a + h * (jerk + h * (snap / 2 + h * crackle / 6)),
@@ -40,7 +40,7 @@ class Travel:
         """The pendulum ẍ = ω²x + u a time t later. (31), (32), (34)"""
         sh, ch, rest = sinh(omega * t), cosh(omega * t), -u / omega**2
         x = rest + (self.x - rest) * ch + self.v / omega * sh
-        return Travel(x, (self.x - rest) * omega * sh + self.v * ch, omega**2 * x + u)
+        return MinimumJerkState(x, (self.x - rest) * omega * sh + self.v * ch, omega**2 * x + u)
 
     def energy(self, omega):
         return 0.5 * self.v**2 - 0.5 * (omega * self.x) ** 2  # (33)
@@ -90,7 +90,7 @@ ANKLE_SHARE = 0.7  # g: so much of a sagittal deviation the ankle takes
 SWING_ACCELERATION = 12.0, 18.0  # greatest of the swing foot, near the ground and clear of it [m/s²]
 SPARE = 1.25  # acceleration that the foot may have, over that of the steady gait
 CLEAR = 0.3  # share of its greatest height from which on a foot is clear of the ground
-LEAST_JERK_PEAK = 5.7735  # acceleration of a least-jerk motion over a distance d in a time t, at most, over d/t²
+MINIMUM_JERK_PEAK = 5.7735  # acceleration of a least-jerk motion over a distance d in a time t, at most, over d/t²
 
 
 def right_supports(from_left, moving, airborne):
@@ -133,7 +133,7 @@ class Gait:
         self.reach = 0.5 * self.width - inner  # h_d of (43)
         self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
-        self.com, self.foot = [Travel(x_1), Travel(x_2)], Travel(self.landing)
+        self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
         self.W_1, self.trim = 0.0, dict.fromkeys(LEARNING, 0.0)
         self.most = {"landing": TRIM * self.L, "step": TRIM * self.L, "time": TIME_TRIM * self.t}
 
@@ -141,13 +141,13 @@ class Gait:
         """Goes on amid a step, from the task and its rates: the gait has no clock, and its state can be measured. False if the
         robot is standing."""
         x, v = task.x.tolist(), speed.tolist()
-        lateral = Travel(x[1], v[1])
+        lateral = MinimumJerkState(x[1], v[1])
         exchanging = abs(v[1]) > 0.05 * self.L / self.t and self.f_h(lateral)[0] < 2 * self.airborne
         if x[5] <= self.airborne and not exchanging:
             return False
         self.phase, self.steps, self.W_1 = WALK, 1, 0.5 * self.scene["speed"] * self.T
         self.since = max(0.0, 0.5 * self.T - self.time_left(lateral))
-        self.com, self.foot = [Travel(x[0], v[0]), lateral], Travel(x[3], v[3])
+        self.com, self.foot = [MinimumJerkState(x[0], v[0]), lateral], MinimumJerkState(x[3], v[3])
         return True
 
     def stopping(self):
@@ -158,7 +158,7 @@ class Gait:
         lateral = self.com[1]
         if self.phase != WALK or lateral.x < 0.5 * self.width or lateral.v <= 0 or self.since < 0.1 * self.t:
             return False
-        return Travel(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
+        return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
 
     def learn(self, landed):
         """Corrects the next steps by what this one was astray; one that a push disturbed teaches but little."""
@@ -177,9 +177,9 @@ class Gait:
         sagittal, lateral = self.com
         x = self.width - lateral.x  # up to a period late: along the orbit to the other foot
         v = -sqrt(max(0.0, lateral.v**2 - self.omega[1] ** 2 * (lateral.x**2 - x**2)))
-        self.com = [Travel(sagittal.x - t_1, sagittal.v, sagittal.a), Travel(x, v, -lateral.a)]
+        self.com = [MinimumJerkState(sagittal.x - t_1, sagittal.v, sagittal.a), MinimumJerkState(x, v, -lateral.a)]
         self.height -= t_3
-        self.foot, self.landing = Travel(-t_1), -t_1
+        self.foot, self.landing = MinimumJerkState(-t_1), -t_1
         self.steps, self.since = self.steps + 1, 0.0
         if self.stopping() and self.W_1 == 0.0:
             self.phase = LAND
@@ -209,7 +209,7 @@ class Gait:
         if self.phase == STAND and (self.scene["gait"] != "walk" or self.stopping()):
             return
         self.phase, self.since = self.phase + 1, 0.0
-        self.com = [Travel(axis.x) for axis in self.com]
+        self.com = [MinimumJerkState(axis.x) for axis in self.com]
 
     def zmp(self):
         """Zero-moment point of the plan."""
@@ -224,7 +224,7 @@ class Gait:
     def shift(self, task, target):
         """Both feet down, the centre of gravity on its way."""
         left = self.duration[self.phase] - self.since
-        move = lambda axis, to: axis.toward(to, left, self.h) if left > self.freeze else Travel(axis.x)
+        move = lambda axis, to: axis.toward(to, left, self.h) if left > self.freeze else MinimumJerkState(axis.x)
         self.com = [move(axis, to) for axis, to in zip(self.com, target)]
         return self.hold(task)
 
@@ -247,7 +247,7 @@ class Gait:
         else:
             zmp = self.place_foot(left)
             u_1 = self.gamma * self.foot.a - self.omega[0] ** 2 * zmp
-        self.com = [sagittal.after(self.omega[0], u_1, self.h), lateral.after(self.omega[1], u_2, self.h)]  # (31), (32)
+        self.com = [sagittal.propagated(self.omega[0], u_1, self.h), lateral.propagated(self.omega[1], u_2, self.h)]  # (31), (32)
         return self.follow(task, *self.f_h(self.com[1]), 1.0)  # (43)
 
     def observe(self, task):
@@ -273,8 +273,8 @@ class Gait:
     def mirror_foot(self, left):
         """The paper's sagittal rule: x_t1 = 2 x_c1, and u_1 by (42)."""
         sagittal = self.com[0]
-        self.landing = 2 * sagittal.after(self.omega[0], 0.0, left).x
-        self.foot = Travel(2 * sagittal.x, 2 * sagittal.v, 2 * sagittal.a)
+        self.landing = 2 * sagittal.propagated(self.omega[0], 0.0, left).x
+        self.foot = MinimumJerkState(2 * sagittal.x, 2 * sagittal.v, 2 * sagittal.a)
         if abs(sagittal.v) < 0.02 * self.L / self.t:
             return copysign(INPUT_LIMIT, self.W_1) * (self.W_1 != 0.0)  # leave the rest point
         missing = self.references()[0] - self.energies()[0]
@@ -297,7 +297,7 @@ class Gait:
         p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω: with g = 1 it alone would end a deviation by the touchdown."""
         foot, w, gamma = self.foot, self.omega[0], self.gamma
         if left <= self.freeze:
-            self.foot = Travel(foot.x + self.h * foot.v, foot.v)
+            self.foot = MinimumJerkState(foot.x + self.h * foot.v, foot.v)
             return 0.0
         quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.trim["step"]
         K = self.scene["foot_placement_gain"] / (w * tanh(2 * quarter))
@@ -307,7 +307,7 @@ class Gait:
 
         def touchdown(zmp):
             """x_e, v_e, and the foot's way to where it is to land, with the zero-moment point kept there."""
-            e = self.com[0].after(w, -w * w * zmp, left)
+            e = self.com[0].propagated(w, -w * w * zmp, left)
             x_e, v_e = e.x - gamma * sinh(w * left) * foot.v / w, e.v - gamma * cosh(w * left) * foot.v
             way = (x_e + 0.5 * W_1 + K * (v_e - v_ref) - foot.x) / (1 - per_x - K * per_v)
             return x_e + per_x * way, v_e + per_v * way, way
@@ -320,10 +320,10 @@ class Gait:
             zmp = clip(ANKLE_SHARE * astray / growth, self.zmp_range[0])
         self.landing = clip(foot.x + touchdown(zmp)[2], FARTHEST * self.L)
         # no farther than the foot gets by then
-        steady = SPARE * LEAST_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2
+        steady = SPARE * MINIMUM_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2
         near_ground, in_the_air = (max(most, steady) for most in SWING_ACCELERATION)
         high = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
-        reach = (near_ground + (in_the_air - near_ground) * high) / LEAST_JERK_PEAK * left**2
+        reach = (near_ground + (in_the_air - near_ground) * high) / MINIMUM_JERK_PEAK * left**2
         coasting = foot.x + 0.5 * foot.v * left
         target = coasting + clip(self.landing - self.trim["landing"] - coasting, reach)
         self.foot = foot.toward(target, left, self.h)

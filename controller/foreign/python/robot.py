@@ -76,7 +76,7 @@ class Chain:
         self.arm = self.com[1:] - self.joint
         self.outer_mass = self.mass[:0:-1].cumsum()[::-1]
 
-    def place(self, s):
+    def forward_kinematics(self, s):
         """Positions of joints, centres of mass and the swing sole, and directions of the axes, in the frame that rolls with
         s_0 about joint 0: in it the six joints in the middle turn about y, one plane after the other."""
         phi = np.zeros(8)
@@ -98,7 +98,7 @@ class Chain:
         return joint, com, sole, axis
 
     def task(self, s):
-        joint, com, sole, axis = self.place(s)
+        joint, com, sole, axis = self.forward_kinematics(s)
         tilt = roll(s[0])
         moment = (self.mass[1:, None] * com)[::-1].cumsum(axis=0)[::-1]  # of all that is outside each joint
         to_s = lambda v: (v @ tilt.T) * FLIP
@@ -146,7 +146,7 @@ class Constants:
 
     def __init__(self, chain, height, plant):
         s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02 * chain.length, 0.0]))
-        joint, com, _, axis = chain.place(s)
+        joint, com, _, axis = chain.forward_kinematics(s)
         tilt = roll(s[0])
         joint, com, axis = (v @ tilt.T for v in (joint, com, axis))
         com += chain.joint[0]

@@ -111,7 +111,7 @@ class Walk:
         fastest = RATE_LIMIT / self.chain.time
         reference = np.clip(reference, -fastest, fastest)
         torque, sigma = self.servo.drive(rate, reference, feed_forward, self.limits(task, plan))  # (24)
-        self.tell(telemetry, task, sigma)
+        self.fill_telemetry(telemetry, task, sigma)
         return self.ordered(torque)
 
     def feed_forward(self, task, plan):
@@ -158,7 +158,7 @@ class Walk:
             limits[:, joint], limits[:, 7 - joint] = stance, swing
         return limits.clip(-self.plant["torque_limit"], self.plant["torque_limit"])
 
-    def tell(self, telemetry, task, sigma):
+    def fill_telemetry(self, telemetry, task, sigma):
         gait, (sagittal, lateral) = self.gait, self.gait.com
         telemetry.phase, telemetry.support, telemetry.steps = gait.phase, int(self.right), gait.steps
         telemetry.com[:], telemetry.swing[:] = task.x[0:3], task.x[3:6]

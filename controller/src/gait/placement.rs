@@ -1,67 +1,70 @@
-//! The sagittal plane: where the foot lands, and where the ankle puts the zero-moment point until then.
+//! The sagittal plane: the landing position of the swing foot, and the zero-moment point until landing.
 //!
 //! ```text
 //!   x_t1 = x_e + W_1/2 + K (v_e − v_ref),   K = k coth(ωT/2)/ω
 //!   p    = g (ξ_e − ξ_ref)/(e^(ωt) − 1),    ξ = x + v/ω
 //! ```
-//! (x_e, v_e) is the state predicted for the touchdown in t. k = 1 ends a deviation in one step; k = 0 mirrors the foot about the centre
-//! of gravity and its step-to-step map has an eigenvalue of modulus 1: the robot falls. With g = 1 p alone would end a deviation by
-//! the touchdown, and the errors of the model would shorten the steps; the sole bounds it. The paper writes only "a function of the gravity center".
+//! (x_e, v_e) is the state predicted at the touchdown, a time t from now. With k = 1 a deviation vanishes in one step. With k = 0
+//! the foot is mirrored about the centre of gravity; then the step-to-step map has an eigenvalue of modulus 1 and the robot falls.
+//! With g = 1 the zero-moment point alone would remove a deviation before touchdown, and model errors would shorten the steps.
+//! The sole bounds p. The paper says only "a function of the gravity center".
 
-use super::{GaitModel, GaitState};
-use crate::pendulum::{Flow, Motion};
-use crate::swing::{LEAST_JERK_PEAK, Travel};
+use super::model::{GaitModel, GaitState};
+use crate::pendulum::{PendulumState, Propagator};
+use crate::swing::{MINIMUM_JERK_PEAK, MinimumJerkState};
 
-/// Share of a deviation that the ankle takes, g [-].
+/// g: share of a deviation that the ankle corrects [-].
 const ANKLE_SHARE: f64 = 0.7;
-/// Share of its greatest height from which on a foot is clear of the ground [-].
+/// Height, as a share of the largest one, above which the full acceleration of the swing foot is allowed [-].
 const CLEAR: f64 = 0.3;
-/// Acceleration that the foot may have, over that of the steady gait [-].
+/// Acceleration that the swing foot may always have, over that of the steady gait [-].
 const SPARE: f64 = 1.25;
 
 impl GaitModel {
-    /// Chooses where the foot lands, moves it on its way there, and returns the zero-moment point for the ankle [m].
+    /// Chooses the landing position, moves the planned foot by one period toward it, and returns the zero-moment point for the
+    /// ankle [m].
     ///
-    /// The prediction holds the foot's own effect γ ẍ_t, in which x_t1 occurs; it is solved for.
+    /// The predicted state depends on the motion of the foot through γ ẍ_t, and so on x_t1. The equation is linear in x_t1 and is
+    /// solved for it.
     pub(super) fn place_foot(&self, state: &mut GaitState, left: f64) -> f64 {
         let foot = state.foot;
-        if left <= self.measures.freeze {
-            state.foot = Travel { x: foot.x + self.h * foot.v, a: 0.0, ..foot };
+        if left <= self.parameters.freeze {
+            state.foot = MinimumJerkState { x: foot.x + self.h * foot.v, a: 0.0, ..foot };
             return 0.0;
         }
         let (omega, gamma) = (self.omega[0], self.swing_coupling);
         let [sagittal, _] = state.com;
-        let [whole, half] = [left, 0.5 * left].map(|time| Flow::new(omega, time));
-        let free = Motion { x: sagittal.x, v: sagittal.v }.after(&whole, 0.0);
+        let [whole, half] = [left, 0.5 * left].map(|time| Propagator::new(omega, time));
+        let free = PendulumState { x: sagittal.x, v: sagittal.v }.propagated(&whole, 0.0);
         let x_e = free.x - gamma * whole.sinh * foot.v / omega;
         let v_e = free.v - gamma * whole.cosh * foot.v;
-        // Moving the foot by ΔX shifts (x_e, v_e) by these, per metre.
+        // Change of x_e and of v_e per metre of foot motion.
         let per_x = gamma * half.cosh;
         let per_v = gamma * omega * half.sinh;
         let gain = self.placement_gain;
-        let step = state.step + state.trim.step;
+        let step = state.step + state.corrections.step;
         let v_ref = self.touchdown_speed * step;
         let per_x_t = per_x + gain * per_v;
         let place = |x_e: f64, v_e: f64| (x_e + 0.5 * step + gain * (v_e - v_ref) - per_x_t * foot.x) / (1.0 - per_x_t);
-        let zmp = if self.observer.is_blind() {
+        let zmp = if self.observer.is_disabled() {
             0.0
         } else {
-            let way = place(x_e, v_e) - foot.x;
-            let astray = x_e + per_x * way - 0.5 * step + (v_e + per_v * way - v_ref) / omega; // ξ_e − ξ_ref
-            let growth = (omega * left.max(self.measures.shortest_correction)).exp_m1();
+            let distance = place(x_e, v_e) - foot.x;
+            let deviation = x_e + per_x * distance - 0.5 * step + (v_e + per_v * distance - v_ref) / omega; // ξ_e − ξ_ref
+            let growth = (omega * left.max(self.parameters.shortest_correction)).exp_m1();
             let most = self.zmp_range[0];
-            (ANKLE_SHARE * astray / growth).clamp(-most, most)
+            (ANKLE_SHARE * deviation / growth).clamp(-most, most)
         };
         let shifted = place(x_e - zmp * (whole.cosh - 1.0), v_e - zmp * omega * whole.sinh);
-        state.landing = shifted.clamp(-self.measures.farthest, self.measures.farthest);
-        // No farther than the foot gets by then.
+        state.landing = shifted.clamp(-self.parameters.farthest, self.parameters.farthest);
+        // The target must be within reach of the swing foot in the time left.
         let coasting = foot.x + 0.5 * foot.v * left;
-        let high = (self.height_at(state.com[1]) / (CLEAR * self.lift.height)).min(1.0);
-        let steady = SPARE * LEAST_JERK_PEAK * 2.0 * step.abs() / (0.5 * self.scene.period).powi(2);
-        let [near_ground, in_the_air] = self.measures.swing_acceleration.map(|most| most.max(steady));
-        let reach = (near_ground + (in_the_air - near_ground) * high) / LEAST_JERK_PEAK * left * left;
-        let target = (state.landing - state.trim.landing).clamp(coasting - reach, coasting + reach);
-        state.foot = foot.toward(target, left, self.h);
+        let high = (self.height_at(state.com[1]) / (CLEAR * self.swing_height.height)).min(1.0);
+        let steady = SPARE * MINIMUM_JERK_PEAK * 2.0 * step.abs() / (0.5 * self.scene.period).powi(2);
+        let [near_ground, in_the_air] = self.parameters.swing_acceleration.map(|most| most.max(steady));
+        let reach = (near_ground + (in_the_air - near_ground) * high) / MINIMUM_JERK_PEAK * left * left;
+        let target = (state.landing - state.corrections.landing).clamp(coasting - reach, coasting + reach);
+        state.foot = foot.advance_toward(target, left, self.h);
         zmp
     }
 }

@@ -1,17 +1,18 @@
-//! One period of stepping: the observed state, the inputs of the two pendulums (31), (32), and the swing foot (43).
+//! One control period of *walk*: observed state, inputs of the two pendulums (31), (32), and height of the swing foot (43).
 
-use super::{GaitModel, GaitState, Reference};
-use crate::measures::Measures;
-use crate::pendulum::{Flow, Motion, virtual_input};
+use super::model::{GaitModel, GaitState};
+use super::reference::Reference;
+use crate::pendulum::{PendulumState, Propagator, virtual_input};
+use crate::scaled_parameters::ScaledParameters;
 use crate::support::Task;
-use crate::swing::Travel;
+use crate::swing::MinimumJerkState;
 use messages::scene::Sagittal;
 
-/// Limit of the sagittal virtual input under the paper's rule, against what the paper calls flottage [m/s²].
+/// Limit of the sagittal virtual input under the paper's rule [m/s²]. It prevents the drift that the paper calls flottage.
 const INPUT_LIMIT: f64 = 0.5;
 
 impl GaitModel {
-    /// One period of stepping.
+    /// One control period of *walk*.
     pub(super) fn walk(&self, state: &mut GaitState, task: &Task) -> Reference {
         self.observe(state, task); // (25)
         let left = self.time_left(state.com[1]);
@@ -24,36 +25,47 @@ impl GaitModel {
             Sagittal::Energy => self.mirror_foot(state, left), // (42)
         };
         let [sagittal, lateral] = state.com;
-        state.com = [pendulum(sagittal, &self.flow[0], u_1), pendulum(lateral, &self.flow[1], u_2)]; // (31), (32)
-        let ahead = state.com[1].x - 0.5 * self.width;
-        let lift = self.lift.height_and_rate(ahead, state.com[1].v); // (43)
-        self.follow(state, task, lift.into(), 1.0)
+        state.com = [pendulum(sagittal, &self.propagator[0], u_1), pendulum(lateral, &self.propagator[1], u_2)]; // (31), (32)
+        let outward = state.com[1].x - 0.5 * self.width;
+        let lift = self.swing_height.height_and_rate(outward, state.com[1].v); // (43)
+        self.reference(state, task, lift.into(), 1.0)
     }
 
-    /// Time until the exchange, in whole control periods: it comes with the first one that finds x_2 beyond W_2/2 [s].
-    pub(super) fn time_left(&self, lateral: Travel) -> f64 {
-        let left = Motion { x: lateral.x, v: lateral.v }.time_to(0.5 * self.width, self.omega[1], self.scene.period);
-        (left / self.h).ceil().max(1.0) * self.h
+    /// Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule (42) axis 1 is not corrected: the foot
+    /// that mirrors the centre of gravity is still moving when it lands, and the resulting jump of the measured speed would make
+    /// the robot fall.
+    pub(super) fn observe(&self, state: &mut GaitState, task: &Task) {
+        let axes = match self.scene.sagittal {
+            Sagittal::FootPlacement => 0..2,
+            Sagittal::Energy => 1..2,
+        };
+        for k in axes {
+            let axis = &mut state.com[k];
+            let innovation = task.x[k] - axis.x;
+            axis.x += self.observer.position * innovation;
+            axis.v += self.observer.rate * innovation;
+        }
     }
 
-    /// The paper's sagittal rule: the foot is where the centre of gravity has it halfway, and u_1 keeps the energy of the step length.
+    /// The paper's sagittal rule: the centre of gravity stays halfway between the feet, x_t1 = 2 x_c1, and u_1 controls the energy
+    /// that belongs to the step length.
     fn mirror_foot(&self, state: &mut GaitState, left: f64) -> f64 {
         let [energy, _] = self.energies(state);
         let [reference, _] = self.energy_references(state);
-        let Measures { fading, starting, .. } = self.measures;
+        let ScaledParameters { fading, starting, .. } = self.parameters;
         let [sagittal, _] = state.com;
-        let flow = Flow::new(self.omega[0], left);
-        state.landing = 2.0 * Motion { x: sagittal.x, v: sagittal.v }.after(&flow, 0.0).x;
-        state.foot = Travel { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
+        let propagator = Propagator::new(self.omega[0], left);
+        state.landing = 2.0 * PendulumState { x: sagittal.x, v: sagittal.v }.propagated(&propagator, 0.0).x;
+        state.foot = MinimumJerkState { x: 2.0 * sagittal.x, v: 2.0 * sagittal.v, a: 2.0 * sagittal.a };
         if sagittal.v.abs() < starting {
-            return INPUT_LIMIT.copysign(state.step) * f64::from(state.step != 0.0); // leave the rest point
+            return INPUT_LIMIT.copysign(state.step) * f64::from(state.step != 0.0); // start from rest
         }
         virtual_input(self.scene.sagittal_energy_gain, reference - energy, sagittal.v, fading, INPUT_LIMIT)
     }
 }
 
 /// One period of ẍ = ω²x + u.
-fn pendulum(now: Travel, period: &Flow, u: f64) -> Travel {
-    let next = Motion { x: now.x, v: now.v }.after(period, u);
-    Travel { x: next.x, v: next.v, a: period.omega * period.omega * next.x + u }
+fn pendulum(now: MinimumJerkState, period: &Propagator, u: f64) -> MinimumJerkState {
+    let next = PendulumState { x: now.x, v: now.v }.propagated(period, u);
+    MinimumJerkState { x: next.x, v: next.v, a: period.omega * period.omega * next.x + u }
 }

@@ -3,7 +3,7 @@
 use crate::faults::stage::{Role, Stage, is_finite, walk};
 use crate::subject::Subject;
 use clap::Args;
-use messages::port::{Ask, Contract, Pace, RecorderPort, ask};
+use messages::port::{Action, Contract, Pace, RecorderPort, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
@@ -163,7 +163,7 @@ fn soak(
         let has_fallen = truth.stamp.seq > 1 && truth.base_position[2] < UP;
         let limit = if reset == 0 { 1.0 } else { WALK }; // the first reset is part of warming up
         if (has_fallen || seconds(&truth) > limit) && reset != truth.stamp.run {
-            ask(session, Ask::Reset { seed: None }).map_err(|e| words(&e))?;
+            ask(session, Action::Reset { seed: None }).map_err(|e| words(&e))?;
             reset = truth.stamp.run;
             falls += u32::from(has_fallen);
         }
@@ -178,7 +178,7 @@ fn soak(
 }
 
 fn look(session: &Session, [plant, controller]: [u32; 2], replies: &mut Vec<u64>) -> [f64; COLUMNS.len()] {
-    let files = session.leftovers();
+    let files = session.shm_files();
     let kilobytes = files.iter().filter_map(|path| path.symlink_metadata().ok()).map(|file| file.blocks() / 2);
     replies.sort_unstable();
     let at = |share: f64| replies.get((replies.len() as f64 * share) as usize).map_or(0.0, |ns| *ns as f64 * 1e-3);

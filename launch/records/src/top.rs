@@ -33,7 +33,7 @@ pub struct TopArgs {
 /// If there is no such session.
 pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let session = args.session.find()?;
-    let mut port = RecorderPort::visit(&session)?;
+    let mut port = RecorderPort::attach(&session)?;
     let mut term = Term::stdout();
     let interval = if term.is_term() { LOOK } else { LINE };
     let (mut span, mut drawn) = (Span::new(), 0);

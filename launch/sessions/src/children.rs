@@ -6,7 +6,7 @@ use crate::export;
 use crate::process::{self, Process};
 use clap::Args;
 use indicatif::ProgressBar;
-use messages::invitation::Invitation;
+use messages::peer_environment::PeerEnvironment;
 use messages::session::Session;
 use nix::sys::prctl;
 use nix::sys::signal::Signal;
@@ -170,7 +170,7 @@ pub fn rest(roles: &[Role], limit: Duration) {
 ///
 /// # Errors
 /// If the scene has no robot that MJCF can say.
-pub fn environment(invitation: &Invitation) -> Result<Vec<(&'static str, String)>, Failure> {
+pub fn environment(invitation: &PeerEnvironment) -> Result<Vec<(&'static str, String)>, Failure> {
     let mut environment = invitation.environment();
     environment.push(("BIPED_MJCF", export::mjcf(&invitation.scene)?));
     let ours = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
@@ -184,7 +184,7 @@ pub struct Swept(pub Session);
 
 impl Drop for Swept {
     fn drop(&mut self) {
-        self.0.sweep();
+        self.0.remove_files();
     }
 }
 

@@ -3,7 +3,7 @@
 use clap::{ArgGroup, Args, Subcommand};
 use controller::Controller;
 use messages::load::parse;
-use messages::port::{Ask, Verdict, ask};
+use messages::port::{Action, Verdict, ask};
 use messages::scene::Scene;
 use messages::wire::STATES;
 use shared::args::SessionArgs;
@@ -101,28 +101,28 @@ pub fn run(wish: Wish) -> Result<(), Failure> {
     let name = session.name();
     let scene = || session.scene().and_then(|text| parse(&text, name).ok());
     let what = match &wish {
-        Wish::Pause(_) => Ask::Pause,
-        Wish::Resume(_) => Ask::Resume,
-        Wish::Rearm(_) => Ask::Rearm,
-        Wish::Step(args) => Ask::Step { periods: args.periods },
-        Wish::Reset(args) => Ask::Reset { seed: args.seed },
-        Wish::Set(args) => Ask::Set { period: args.period, speed: args.speed },
+        Wish::Pause(_) => Action::Pause,
+        Wish::Resume(_) => Action::Resume,
+        Wish::Rearm(_) => Action::Rearm,
+        Wish::Step(args) => Action::Step { periods: args.periods },
+        Wish::Reset(args) => Action::Reset { seed: args.seed },
+        Wish::Set(args) => Action::Set { period: args.period, speed: args.speed },
         Wish::Push(args) => {
             let body = number(&args.body, scene)?;
-            Ask::Push { body, impulse: args.impulse, duration: args.duration }
+            Action::Push { body, impulse: args.impulse, duration: args.duration }
         }
     };
     let reply = ask(&session, what)?;
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
-        let words = refusal(what, scene).unwrap_or_else(|| Verdict::words(reply.verdict).into());
+        let words = refusal(what, scene).unwrap_or_else(|| Verdict::text(reply.verdict).into());
         return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
     let time = reply.stamp.sim_ns as f64 * 1e-9;
     let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
     let told = match what {
-        Ask::Set { .. } => format!("set at t {time:.3} s"),
-        Ask::Push { body, impulse, duration } => {
+        Action::Set { .. } => format!("set at t {time:.3} s"),
+        Action::Push { body, impulse, duration } => {
             let given = scene().map_or(String::new(), |scene| given(&scene, body, impulse, duration));
             format!("t {time:.3} s, {state}{given}")
         }
@@ -166,8 +166,8 @@ fn number(body: &str, scene: impl Fn() -> Option<Scene>) -> Result<usize, Failur
 }
 
 /// What the controller would say of set-points that it refuses: what is possible.
-fn refusal(what: Ask, scene: impl Fn() -> Option<Scene>) -> Option<String> {
-    let Ask::Set { period, speed } = what else { return None };
+fn refusal(what: Action, scene: impl Fn() -> Option<Scene>) -> Option<String> {
+    let Action::Set { period, speed } = what else { return None };
     let refused = Controller::new(&scene()?).ok()?.set(period, speed).err()?;
     Some(refused.to_string())
 }

@@ -2,8 +2,8 @@
 
 use crate::place::Place;
 use crate::realtime;
-use messages::port::{ROOM, TRANSPORT};
-use messages::session::{FILES, Remains, Room, SHARED_MEMORY, Session};
+use messages::port::{REQUIRED_SHM, TRANSPORT};
+use messages::session::{REQUIRED_FILES, SHARED_MEMORY, Session, ShmUsage, StaleSession};
 use messages::wire::SCHEMA_HASH;
 use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
 use nix::sys::statvfs::{FsFlags, statvfs};
@@ -81,7 +81,7 @@ pub fn doctor() -> Result<(), Failure> {
 /// # Errors
 /// If something of it cannot be removed.
 pub fn clean() -> Result<(), Failure> {
-    let dead = Remains::all();
+    let dead = StaleSession::all();
     if dead.is_empty() {
         say("nothing is left of any dead session\n");
     }
@@ -100,7 +100,7 @@ pub fn clean() -> Result<(), Failure> {
     Ok(())
 }
 
-fn name_of(remains: &Remains) -> String {
+fn name_of(remains: &StaleSession) -> String {
     remains.name().unwrap_or_else(|| "without a name".into())
 }
 
@@ -153,14 +153,15 @@ fn limits() -> Vec<Finding> {
 
 fn memory() -> Vec<Finding> {
     let what = SHARED_MEMORY;
-    let finding = match Room::now() {
+    let finding = match ShmUsage::now() {
         Err(error) => Finding { what, found: error.to_string(), state: State::Wrong(unusable()) },
-        Ok(Room { size, free, files }) => {
-            let mut found = format!("{} MB, {} MB free; a session needs {} MB", size >> 20, free >> 20, ROOM >> 20);
-            if files < FILES {
-                found += &format!(", and {FILES} files of which {files} can be made");
+        Ok(ShmUsage { size, free, files }) => {
+            let mut found =
+                format!("{} MB, {} MB free; a session needs {} MB", size >> 20, free >> 20, REQUIRED_SHM >> 20);
+            if files < REQUIRED_FILES {
+                found += &format!(", and {REQUIRED_FILES} files of which {files} can be made");
             }
-            Finding::judged(what, found, free >= ROOM && files >= FILES, || {
+            Finding::judged(what, found, free >= REQUIRED_SHM && files >= REQUIRED_FILES, || {
                 State::Wrong(format!("remove files there, or {}", Place::here().enlarges()))
             })
         }
@@ -195,12 +196,12 @@ fn sessions() -> Vec<Finding> {
 }
 
 fn remains() -> Vec<Finding> {
-    let finding = |dead: &Remains| {
+    let finding = |dead: &StaleSession| {
         let found = format!("{}: {} files, {} kB", name_of(dead), dead.files.len(), dead.bytes() >> 10);
         let advice = "`biped clean` removes it, and so does the next session that begins";
         Finding { what: "dead session", found, state: State::Wrong(advice.into()) }
     };
-    let dead = Remains::all();
+    let dead = StaleSession::all();
     match dead.is_empty() {
         true => vec![Finding::ok("dead sessions", "nothing is left of any")],
         false => dead.iter().map(finding).collect(),

@@ -4,8 +4,8 @@ use crate::children;
 use crate::opening::guarded;
 use crate::realtime;
 use clap::Args;
-use messages::invitation::Invitation;
 use messages::load::text;
+use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort};
 use messages::session::Session;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
@@ -44,12 +44,12 @@ pub struct RoleArgs {
 
 impl RoleArgs {
     /// Where to take part: as the arguments say, or the environment.
-    fn invitation(&self) -> Result<Invitation, Failure> {
-        let Some(scene) = self.scene.clone() else { return Ok(Invitation::received()?) };
+    fn invitation(&self) -> Result<PeerEnvironment, Failure> {
+        let Some(scene) = self.scene.clone() else { return Ok(PeerEnvironment::from_env()?) };
         let scene = SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone() }.load()?;
-        let contract = Contract::of(&scene, self.pace.pace()).tunnelled(self.tunnel);
+        let contract = Contract::of(&scene, self.pace.pace()).with_tunnel(self.tunnel);
         let session = Session::named(&self.session)?;
-        Ok(Invitation { session, contract, patience: self.pace.patience(), scene, succeeds: false })
+        Ok(PeerEnvironment { session, contract, patience: self.pace.patience(), scene, takes_over: false })
     }
 }
 
@@ -58,9 +58,9 @@ impl RoleArgs {
 /// # Errors
 /// A sentence and an exit code.
 pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let Invitation { session, contract, patience, scene, .. } = begin(args, 0)?;
+    let PeerEnvironment { session, contract, patience, scene, .. } = begin(args, 0)?;
     let port = guarded(|| PlantPort::open(&session, &contract))?;
-    session.tell_scene(&text(&scene))?;
+    session.publish_scene(&text(&scene))?;
     ready(args)?;
     if args.parent.is_some() {
         held(stop);
@@ -79,9 +79,9 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// # Errors
 /// A sentence and an exit code.
 pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let Invitation { session, contract, patience, scene, succeeds } = begin(args, 1)?;
-    let port = match succeeds {
-        true => ControllerPort::succeed(&session, &contract, || !stop.load(Relaxed))?,
+    let PeerEnvironment { session, contract, patience, scene, takes_over } = begin(args, 1)?;
+    let port = match takes_over {
+        true => ControllerPort::open_when_free(&session, &contract, || !stop.load(Relaxed))?,
         false => guarded(|| ControllerPort::open(&session, &contract))?,
     };
     ready(args)?;
@@ -89,11 +89,11 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// What both roles begin with: plant (0) and controller (1).
-fn begin(args: &RoleArgs, side: usize) -> Result<Invitation, Failure> {
+fn begin(args: &RoleArgs, side: usize) -> Result<PeerEnvironment, Failure> {
     let invitation = args.invitation()?;
     if let Some(parent) = args.parent {
         // Nobody else may be left to clear up after it.
-        children::die_with(parent).inspect_err(|_| invitation.session.sweep())?;
+        children::die_with(parent).inspect_err(|_| invitation.session.remove_files())?;
     }
     args.system.suits(invitation.contract.pace)?;
     match invitation.contract.pace {

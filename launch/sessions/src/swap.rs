@@ -6,7 +6,7 @@
 //! torques of the one to those of the other (`plant/src/handover.rs`).
 
 use crate::children::{self, Role};
-use messages::port::{Ask, Contract, Pace, ask};
+use messages::port::{Action, Contract, Pace, ask};
 use messages::session::Session;
 use messages::wire::Stamp;
 use nix::unistd::{Pid, getpgid};
@@ -97,7 +97,7 @@ impl Succession {
             *incumbent = heir.role; // whoever has not left is killed
             self.left.pop_front();
             if self.left.is_empty() && self.contract.pace == Pace::Lockstep {
-                let _ = ask(&self.session, Ask::Resume);
+                let _ = ask(&self.session, Action::Resume);
             }
         }
         Ok(())
@@ -108,10 +108,10 @@ impl Succession {
         if self.contract.pace == Pace::RealTime {
             return;
         }
-        if let Ok(reply) = ask(&self.session, Ask::Pause) {
+        if let Ok(reply) = ask(&self.session, Action::Pause) {
             let there = ((time * self.contract.rate).round() as u64).saturating_add(1);
             let periods = there.saturating_sub(reply.stamp.seq);
-            let _ = (periods > 0).then(|| ask(&self.session, Ask::Step { periods }));
+            let _ = (periods > 0).then(|| ask(&self.session, Action::Step { periods }));
         }
     }
 

@@ -50,7 +50,7 @@ pub fn run(args: &TunnelArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(Failure::new(Exit::PeerMissing, why));
     }
     // The last one out sweeps: not before the tunnel has carried the last words.
-    let member = session.enter()?;
+    let member = session.join()?;
     let folder = private_folder()?;
     let ended = settings(args, &session, &folder)
         .and_then(|()| start(args, &folder))

@@ -2,8 +2,8 @@
 
 use crate::case::Case;
 use controller::ControllerError;
-use messages::invitation::InvitationError;
 use messages::load::SceneError;
+use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
 use plant::PlantError;
 use std::process::ExitCode;
@@ -115,11 +115,11 @@ impl From<SceneError> for Failure {
     }
 }
 
-impl From<InvitationError> for Failure {
-    fn from(error: InvitationError) -> Self {
+impl From<PeerEnvironmentError> for Failure {
+    fn from(error: PeerEnvironmentError) -> Self {
         match error {
-            InvitationError::Malformed(_) => Failure::new(Exit::Usage, error),
-            InvitationError::Port(error) => error.into(),
+            PeerEnvironmentError::Malformed(_) => Failure::new(Exit::Usage, error),
+            PeerEnvironmentError::Port(error) => error.into(),
         }
     }
 }

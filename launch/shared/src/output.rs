@@ -2,7 +2,7 @@
 
 use crate::exit::{Exit, Failure};
 pub use crate::whole::{Draft, MARK, remove_drawings, replaces, write_whole};
-pub use messages::{printable, tell};
+pub use messages::{log as tell, printable};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;

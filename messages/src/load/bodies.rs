@@ -1,11 +1,11 @@
 //! Rules for bodies: what each must be, and that they hang together as a tree.
 
-use super::check::{Check, Checked};
+use super::check::{Checked, Validator};
 use crate::robot::Body;
 use crate::wire::{CONTACTS, JOINTS};
 use std::collections::BTreeSet;
 
-impl Check<'_> {
+impl Validator<'_> {
     pub(super) fn known_body(&self, bodies: &[Body], key: &str, name: &str) -> Checked {
         let names: Vec<_> = bodies.iter().map(|body| body.name.as_str()).collect();
         let rule = format!("it must be empty or one of {}", names.join(", "));
@@ -50,7 +50,7 @@ impl Check<'_> {
         let joints = bodies.iter().filter(|body| body.joint.is_some()).count();
         let rule = format!("the messages carry at most {JOINTS} of them");
         self.require(joints <= JOINTS, "number of joints", joints, rule)?;
-        let contacts = bodies.iter().map(|body| body.touchable().count()).sum::<usize>();
+        let contacts = bodies.iter().map(|body| body.contact_spheres().count()).sum::<usize>();
         let rule = format!("the messages carry at most {CONTACTS} of them");
         self.require(contacts <= CONTACTS, "number of contact points and balls", contacts, rule)
     }

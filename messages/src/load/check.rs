@@ -17,7 +17,7 @@ const HUGE: f64 = 1e30;
 /// # Errors
 /// [`SceneError::Invalid`] for the first value that cannot be simulated or controlled.
 pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
-    let check = Check { origin };
+    let check = Validator { origin };
     let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
     check.names(scene.robot_name(), &scene.bodies)?;
@@ -31,7 +31,7 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
 
 /// Checks every value of a robot; `origin` names it in the error.
 pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
-    let check = Check { origin };
+    let check = Validator { origin };
     let table = Value::try_from(robot).map_err(|error| check.fail("robot", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
     check.names(&robot.name, &robot.bodies)?;
@@ -44,13 +44,13 @@ pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
 }
 
 /// Rules, each with the words for breaking it.
-pub(super) struct Check<'a> {
+pub(super) struct Validator<'a> {
     origin: &'a str,
 }
 
 pub(super) type Checked = Result<(), SceneError>;
 
-impl Check<'_> {
+impl Validator<'_> {
     fn fail(&self, key: &str, value: impl ToString, rule: impl Into<String>) -> SceneError {
         SceneError::Invalid { origin: self.origin.into(), key: key.into(), value: value.to_string(), rule: rule.into() }
     }
@@ -160,7 +160,7 @@ impl Check<'_> {
             self.require(list.is_empty() || list.len() == joints, key, format!("{list:?}"), rule)?;
         }
         self.turns(scene)?;
-        let contacts = scene.bodies.iter().any(|body| body.touchable().next().is_some());
+        let contacts = scene.bodies.iter().any(|body| body.contact_spheres().next().is_some());
         let clearance = scene.initial.clearance;
         let rule = "it needs a body with contact points or balls";
         self.require(clearance.is_none() || contacts, "initial.clearance", clearance.unwrap_or(0.0), rule)?;

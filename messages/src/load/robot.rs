@@ -8,7 +8,7 @@
 //! | posture at the start: the centre of gravity over the same place of the soles | |
 
 use super::{SceneError, check, urdf};
-use crate::robot::{CROUCH, Robot, Scale, arranged, stance};
+use crate::robot::{CROUCH, Robot, Scale, canonical_biped, stance};
 use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
 use serde::Deserialize;
 use std::path::Path;
@@ -32,7 +32,7 @@ pub fn read(path: &Path) -> Result<Robot, SceneError> {
             .map_err(|reason| SceneError::Malformed { origin: origin.clone(), reason: Box::new(reason) })?,
     };
     check::robot(&robot, &origin)?;
-    robot.bodies = arranged(&robot.bodies).map_err(refused)?;
+    robot.bodies = canonical_biped(&robot.bodies).map_err(refused)?;
     if robot.name.is_empty() {
         robot.name = path.file_stem().unwrap_or_default().to_string_lossy().into();
     }
@@ -83,7 +83,7 @@ fn overlay(under: &mut Value, over: Value) {
 /// If the scene's own bodies are no biped, so that nothing can be compared, or the robot cannot stand as they do.
 pub fn with_robot(scene: &Scene, robot: &Robot) -> Result<Scene, String> {
     let springs = scene.bodies.iter().flat_map(|body| &body.joint).any(|joint| joint.stiffness != 0.0);
-    let own = arranged(&scene.bodies).ok().filter(|own| *own == scene.bodies && !springs);
+    let own = canonical_biped(&scene.bodies).ok().filter(|own| *own == scene.bodies && !springs);
     let own = own.ok_or("only a biped without springs, such as that of `walk`, can give its place to another robot")?;
     let scale = Scale::between(&own, &robot.bodies);
     if scale.length.is_nan() || scale.length <= 0.0 {

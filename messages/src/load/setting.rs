@@ -1,6 +1,6 @@
 //! `--set key=value`: one value of a scene replaced.
 
-use super::nearest::hint_of;
+use super::suggestion::suggest_from_error;
 use crate::scene::Scene;
 use serde::Deserialize;
 use toml::{Table, Value};
@@ -12,7 +12,7 @@ pub(super) fn robot(setting: &str) -> Option<&str> {
 }
 
 /// The scene with one value replaced, found by walking the scene as a table: so every key exists that serde knows.
-pub(super) fn replaced(scene: &Scene, setting: &str) -> Result<Scene, String> {
+pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
     let (key, text) = setting.split_once('=').ok_or("an override is key=value, for example plant.dt=0.001")?;
     let (key, text) = (key.trim(), text.trim());
     let value = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
@@ -22,7 +22,7 @@ pub(super) fn replaced(scene: &Scene, setting: &str) -> Result<Scene, String> {
     *slot(&mut root, key)? = value;
     Scene::deserialize(root).map_err(|error| {
         let words = error.to_string().trim().replace('\n', " ");
-        let hint = hint_of(&words);
+        let hint = suggest_from_error(&words);
         words + &hint
     })
 }

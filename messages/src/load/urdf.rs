@@ -8,9 +8,9 @@
 //! | `effort`, `drake:rotor_inertia` times `drake:gear_ratio`², `damping` | drives |
 //! | `fixed` joints of links without mass | nothing |
 //!
-//! What joints here do not have is refused: [`unmodelled`].
+//! What joints here do not have is refused: [`unsupported`].
 
-mod unmodelled;
+mod unsupported;
 
 use crate::robot::{Body, Drives, Joint, JointKind, Robot, Sphere};
 use roxmltree::{Document, Node};
@@ -21,17 +21,17 @@ const ROUNDING: f64 = 1e-9;
 /// Radius of the balls that stand for points [m].
 const POINT: f64 = 1e-3;
 
-type Found<T> = Result<T, String>;
+type Parsed<T> = Result<T, String>;
 
 /// The robot of a URDF file, neither arranged nor checked.
-pub(super) fn parse(text: &str) -> Found<Robot> {
+pub(super) fn parse(text: &str) -> Parsed<Robot> {
     let document = Document::parse(text).map_err(|error| format!("no XML: {error}"))?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
         return Err(format!("a URDF file is one `robot`, not `{}`", root.tag_name().name()));
     }
     let joints: Vec<Node> = children(root, "joint").collect();
-    unmodelled::refuse(&joints)?;
+    unsupported::refuse(&joints)?;
     let mut bodies = vec![];
     for link in children(root, "link") {
         let name = attribute(link, "name")?;
@@ -51,7 +51,7 @@ pub(super) fn parse(text: &str) -> Found<Robot> {
     let moving = || joints.iter().copied().filter(|joint| joint.attribute("type") != Some("fixed"));
     let dampings: Vec<f64> = moving()
         .map(|joint| child(joint, "dynamics").map_or(Ok(0.0), |node| optional(node, "damping", 0.0)))
-        .collect::<Found<_>>()?;
+        .collect::<Parsed<_>>()?;
     let damping = common(&dampings);
     if damping.is_none() {
         // each joint keeps its own
@@ -74,7 +74,7 @@ pub(super) fn parse(text: &str) -> Found<Robot> {
     Ok(Robot { name: name.into(), drives, bodies })
 }
 
-fn body(link: Node, name: &str, joint: Option<Node>) -> Found<Body> {
+fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
     let inertial =
         child(link, "inertial").ok_or(format!("`{name}` has no inertial: every link needs mass and inertia"))?;
     let part = |tag| child(inertial, tag).ok_or(format!("the inertial of `{name}` has no {tag}"));
@@ -104,7 +104,7 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Found<Body> {
 }
 
 /// What a collision shape touches the ground with; shapes that never do are left out: cylinders, meshes.
-fn touch(body: &mut Body, collision: Node) -> Found<()> {
+fn touch(body: &mut Body, collision: Node) -> Parsed<()> {
     let Some(geometry) = child(collision, "geometry") else { return Ok(()) };
     let at = origin(collision, &body.name)?;
     if let Some(ball) = child(geometry, "sphere") {
@@ -129,7 +129,7 @@ fn below(height: f64) -> f64 {
     if short + POINT == height { short } else { height - POINT }
 }
 
-fn hinge(node: Node) -> Found<Joint> {
+fn hinge(node: Node) -> Parsed<Joint> {
     let name = attribute(node, "name")?;
     let kind = match attribute(node, "type")? {
         "revolute" | "continuous" => JointKind::Revolute,
@@ -152,7 +152,7 @@ fn hinge(node: Node) -> Found<Joint> {
 }
 
 /// Reflected inertia of each drive that says one: rotor inertia times the square of the gear's ratio.
-fn rotors(root: Node) -> Found<Vec<f64>> {
+fn rotors(root: Node) -> Parsed<Vec<f64>> {
     let actuators = children(root, "transmission").flat_map(|transmission| children(transmission, "actuator"));
     let reflected = actuators.filter_map(|actuator| {
         let rotor = child(actuator, "rotor_inertia")?;
@@ -162,7 +162,7 @@ fn rotors(root: Node) -> Found<Vec<f64>> {
     reflected.collect()
 }
 
-fn efforts<'a>(joints: impl Iterator<Item = Node<'a, 'a>>) -> Found<Vec<f64>> {
+fn efforts<'a>(joints: impl Iterator<Item = Node<'a, 'a>>) -> Parsed<Vec<f64>> {
     joints.filter_map(|joint| child(joint, "limit")).map(|limit| number(limit, "effort")).collect()
 }
 
@@ -172,7 +172,7 @@ fn common(values: &[f64]) -> Option<f64> {
 }
 
 /// The same, of what must be alike.
-fn alike(what: &str, values: &[f64]) -> Found<Option<f64>> {
+fn alike(what: &str, values: &[f64]) -> Parsed<Option<f64>> {
     let kinds: BTreeSet<String> = values.iter().map(f64::to_string).collect();
     match kinds.len() {
         0 | 1 => Ok(common(values)),
@@ -181,7 +181,7 @@ fn alike(what: &str, values: &[f64]) -> Found<Option<f64>> {
 }
 
 /// Where something is; nothing may be turned, for all frames are parallel at zero angles.
-fn origin(node: Node, of: &str) -> Found<[f64; 3]> {
+fn origin(node: Node, of: &str) -> Parsed<[f64; 3]> {
     let Some(origin) = child(node, "origin") else { return Ok([0.0; 3]) };
     if origin.attribute("rpy").is_some() && !vector(origin, "rpy")?.iter().all(|angle| angle.abs() <= ROUNDING) {
         return Err(format!(
@@ -207,20 +207,20 @@ fn linked<'a>(joint: Node<'a, 'a>, end: &'static str) -> Option<&'a str> {
     child(joint, end)?.attribute("link")
 }
 
-fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Found<&'a str> {
+fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Parsed<&'a str> {
     node.attribute(key).ok_or_else(|| format!("a {} has no {key}", node.tag_name().name()))
 }
 
-fn number(node: Node, key: &str) -> Found<f64> {
+fn number(node: Node, key: &str) -> Parsed<f64> {
     let text = attribute(node, key)?;
     text.trim().parse().map_err(|_| format!("{key}=\"{text}\" of {} is no number", node.tag_name().name()))
 }
 
-fn optional(node: Node, key: &str, otherwise: f64) -> Found<f64> {
+fn optional(node: Node, key: &str, otherwise: f64) -> Parsed<f64> {
     node.attribute(key).map_or(Ok(otherwise), |_| number(node, key))
 }
 
-fn vector(node: Node, key: &str) -> Found<[f64; 3]> {
+fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
     let text = attribute(node, key)?;
     let parts: Option<Vec<f64>> = text.split_whitespace().map(|part| part.parse().ok()).collect();
     let parts = parts.and_then(|parts| parts.try_into().ok());

@@ -2,8 +2,8 @@
 
 use super::contract::Contract;
 use super::error::{PortError, broken};
-use super::link::Reader;
-use super::place::Place;
+use super::link::TopicReader;
+use super::node::SessionNode;
 use super::{COMMAND, SENSORS};
 use crate::session::Session;
 use crate::wire::{Command, Sensors, Stamped};
@@ -14,8 +14,8 @@ use iceoryx2::prelude::*;
 #[derive(Debug)]
 pub struct BarePort<Out: Stamped, In: Stamped> {
     writer: Publisher<ipc::Service, Out, ()>,
-    reader: Reader<In>,
-    _place: Place,
+    reader: TopicReader<In>,
+    _node: SessionNode,
 }
 
 impl BarePort<Sensors, Command> {
@@ -40,11 +40,11 @@ impl BarePort<Command, Sensors> {
 
 impl<Out: Stamped, In: Stamped> BarePort<Out, In> {
     fn open(session: &Session, contract: &Contract, [out, back]: [&str; 2]) -> Result<Self, PortError> {
-        let place = Place::open(session, contract)?;
-        let topic = place.link::<Out>(out)?;
+        let node = SessionNode::open(session, contract)?;
+        let topic = node.link::<Out>(out)?;
         let writer = topic.publisher_builder().max_loaned_samples(1).create().map_err(|e| broken("writing", e))?;
-        let reader = Reader::open(&place.link::<In>(back)?, 1)?;
-        Ok(BarePort { writer, reader, _place: place })
+        let reader = TopicReader::open(&node.link::<In>(back)?, 1)?;
+        Ok(BarePort { writer, reader, _node: node })
     }
 
     /// Loan, copy, send.
@@ -63,7 +63,7 @@ impl<Out: Stamped, In: Stamped> BarePort<Out, In> {
     /// # Errors
     /// [`PortError::SharedMemory`].
     #[inline]
-    pub fn look(&self) -> Result<Option<In>, PortError> {
+    pub fn poll(&self) -> Result<Option<In>, PortError> {
         self.reader.next()
     }
 }

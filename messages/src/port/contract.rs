@@ -36,7 +36,7 @@ pub struct Contract {
     /// Lockstep or real time.
     pub pace: Pace,
     /// Whether there is room for a tunnel to another machine, which reads and writes the topics too. A second plant is still
-    /// refused, for there is one desk. Not agreed upon: whoever comes first decides.
+    /// refused, for there is one service. Not agreed upon: whoever comes first decides.
     pub tunnel: bool,
 }
 
@@ -56,7 +56,7 @@ impl Contract {
     }
 
     /// The same with room for a tunnel, or without.
-    pub fn tunnelled(self, tunnel: bool) -> Contract {
+    pub fn with_tunnel(self, tunnel: bool) -> Contract {
         Contract { tunnel, ..self }
     }
 
@@ -84,7 +84,7 @@ impl Contract {
     }
 
     /// Reads `BIPED_CONTRACT` back, if it is one.
-    pub fn read(text: &str) -> Option<Contract> {
+    pub fn parse(text: &str) -> Option<Contract> {
         let part = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
         let hash = |name: &str| u64::from_str_radix(part(name)?, 16).ok();
         let number = |name: &str, unit: &str| part(name)?.strip_suffix(unit)?.parse().ok();
@@ -108,9 +108,9 @@ mod tests {
         for pace in [Pace::Lockstep, Pace::RealTime] {
             let contract = Contract { schema: SCHEMA_HASH, model: 7, rate: 1e3, dt: 1.0 / 3e3, pace, tunnel: false };
             let (_, text) = contract.environment(&Session::unique()).remove(3);
-            assert_eq!(Contract::read(&text), Some(contract));
+            assert_eq!(Contract::parse(&text), Some(contract));
             for line in text.lines() {
-                assert_eq!(Contract::read(&text.replace(line, "")), None, "without {line}");
+                assert_eq!(Contract::parse(&text.replace(line, "")), None, "without {line}");
             }
         }
     }

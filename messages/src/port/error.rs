@@ -52,7 +52,7 @@ pub enum PortError {
         /// Another user who has one of that name.
         other: Option<String>,
     },
-    /// Nobody answers at a desk.
+    /// Nobody answers at a service.
     #[error("session `{session}` has no {role} that answers")]
     Absent {
         /// Name of the session.

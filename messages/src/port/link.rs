@@ -2,7 +2,7 @@
 
 use super::contract::Pace;
 use super::error::{PortError, broken};
-use super::place::{Place, Topic};
+use super::node::{SessionNode, Topic};
 use crate::clock::now_ns;
 use crate::wire::Stamped;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
@@ -17,7 +17,7 @@ use std::cell::{Cell, RefCell};
 use std::time::{Duration, Instant};
 
 /// A reader that spins looks so often, about 1 µs, before it does anything else.
-const LOOKS: u32 = 16;
+const POLLS: u32 = 16;
 /// A waiting reader spins for this long before it sleeps: longer than a tick of the other side takes.
 const SPIN: Duration = Duration::from_micros(50);
 /// The same in lockstep, while it gives way: longer than a recorder takes the other side's processor for. To wake a sleeper would
@@ -26,16 +26,16 @@ const LOCKSTEP_SPIN: Duration = Duration::from_millis(1);
 /// For so long after its own last message a reader is surely still spinning [ns].
 const AWAKE_NS: u64 = SPIN.as_nanos() as u64 / 2;
 /// Whoever has a message to write, or to record, gives the processor back within this time; others take it for whole slices.
-const IMPOSITION: Duration = Duration::from_millis(2);
+const LONGEST_YIELD: Duration = Duration::from_millis(2);
 /// For so long nobody is given way to after one who kept it longer.
-const GRUDGE: Duration = Duration::from_millis(100);
+const YIELD_BACKOFF: Duration = Duration::from_millis(100);
 /// A sleeping reader looks around this often, so that a stop request or a restarted peer is noticed.
 const SLICE: Duration = Duration::from_millis(10);
-/// A successor tries its place this often.
-const SUCCESSION: Duration = Duration::from_micros(500);
+/// A successor tries its node this often.
+const TAKEOVER_RETRY: Duration = Duration::from_micros(500);
 
 /// The ring of somebody who has come; that for a message is 0.
-fn knock() -> EventId {
+fn arrival() -> EventId {
     EventId::new(1)
 }
 
@@ -53,11 +53,11 @@ pub enum Waiting {
 }
 
 impl Waiting {
-    /// Whether a reader may be asleep that sent its own last message `since_heard_ns` ago.
-    fn may_sleep(self, since_heard_ns: impl FnOnce() -> u64) -> bool {
+    /// Whether a reader may be asleep that sent its own last message `since_peer_sent_ns` ago.
+    fn may_sleep(self, since_peer_sent_ns: impl FnOnce() -> u64) -> bool {
         match self {
             Waiting::Spin => false,
-            Waiting::Hybrid => since_heard_ns() >= AWAKE_NS,
+            Waiting::Hybrid => since_peer_sent_ns() >= AWAKE_NS,
             Waiting::Event => true,
         }
     }
@@ -65,55 +65,57 @@ impl Waiting {
 
 /// Writing end of a topic with a wake-up.
 #[derive(Debug)]
-pub(super) struct Outlet<M: Stamped> {
-    /// Room for the next message.
-    room: RefCell<Option<SampleMut<ipc::Service, M, ()>>>,
+pub(super) struct Sender<M: Stamped> {
+    /// ShmUsage for the next message.
+    loan: RefCell<Option<SampleMut<ipc::Service, M, ()>>>,
     writer: Publisher<ipc::Service, M, ()>,
-    bell: Notifier<ipc::Service>,
+    notifier: Notifier<ipc::Service>,
     /// How the reader waits.
     pub waiting: Waiting,
 }
 
-impl<M: Stamped> Outlet<M> {
-    /// Takes the one place of a writer; while somebody else has it, `waits` is asked whether to wait on.
+impl<M: Stamped> Sender<M> {
+    /// Takes the one node of a writer; while somebody else has it, `waits` is asked whether to wait on.
     pub fn open(
-        place: &Place,
+        node: &SessionNode,
         name: &str,
         role: &'static str,
         waits: impl Fn() -> bool,
-    ) -> Result<Outlet<M>, PortError> {
-        let topic = place.link::<M>(name)?;
-        let bell = place.event(name)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
+    ) -> Result<Sender<M>, PortError> {
+        let topic = node.link::<M>(name)?;
+        let notifier = node.event(name)?.notifier_builder().create().map_err(|e| broken("the wake-up", e))?;
         let writer = loop {
             match topic.publisher_builder().max_loaned_samples(1).create() {
                 Ok(writer) => break writer,
-                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) if waits() => std::thread::sleep(SUCCESSION),
+                Err(PublisherCreateError::ExceedsMaxSupportedPublishers) if waits() => {
+                    std::thread::sleep(TAKEOVER_RETRY)
+                }
                 Err(PublisherCreateError::ExceedsMaxSupportedPublishers) => {
-                    return Err(PortError::Taken { session: place.session().into(), role });
+                    return Err(PortError::Taken { session: node.session().into(), role });
                 }
                 Err(error) => return Err(broken("writing", error)),
             }
         };
-        Ok(Outlet { room: RefCell::new(None), writer, bell, waiting: Waiting::default() })
+        Ok(Sender { loan: RefCell::new(None), writer, notifier, waiting: Waiting::default() })
     }
 
-    /// Writes, and rings unless the reader is surely awake: it sent its own last message at `heard_ns` and has spun for
+    /// Writes, and rings unless the reader is surely awake: it sent its own last message at `peer_sent_ns` and has spun for
     /// this one since. A ring is a system call and costs more than a tick.
     #[inline]
-    pub fn send(&self, message: M, heard_ns: u64) -> Result<(), PortError> {
-        self.write(message, M::seal, heard_ns)
+    pub fn send(&self, message: M, peer_sent_ns: u64) -> Result<(), PortError> {
+        self.write(message, M::seal, peer_sent_ns)
     }
 
-    /// The same, after `finish` on the message in its place.
+    /// The same, after `finish` on the message in its node.
     #[inline]
-    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), heard_ns: u64) -> Result<(), PortError> {
-        let mut sample = self.room.take().map_or_else(|| self.take_room(), Ok)?;
+    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), peer_sent_ns: u64) -> Result<(), PortError> {
+        let mut sample = self.loan.take().map_or_else(|| self.loan_sample(), Ok)?;
         *sample.payload_mut() = message;
         finish(sample.payload_mut());
         sample.send().map_err(|e| broken("writing", e))?;
         // what a damaged message says of the future is not believed
-        if self.waiting.may_sleep(|| now_ns().checked_sub(heard_ns).unwrap_or(u64::MAX)) {
-            self.ring()?;
+        if self.waiting.may_sleep(|| now_ns().checked_sub(peer_sent_ns).unwrap_or(u64::MAX)) {
+            self.notify()?;
         }
         Ok(())
     }
@@ -121,63 +123,63 @@ impl<M: Stamped> Outlet<M> {
     /// Takes room for the next message beforehand, and writes there, so that its cache lines need not be fetched from the
     /// other processor when the message is there: that is half of what sending costs.
     pub fn prepare(&self) -> Result<(), PortError> {
-        let mut room = self.room.borrow_mut();
+        let mut room = self.loan.borrow_mut();
         if room.is_none() {
-            *room = Some(self.take_room()?);
+            *room = Some(self.loan_sample()?);
         }
         Ok(())
     }
 
-    fn take_room(&self) -> Result<SampleMut<ipc::Service, M, ()>, PortError> {
+    fn loan_sample(&self) -> Result<SampleMut<ipc::Service, M, ()>, PortError> {
         Ok(self.writer.loan_uninit().map_err(|e| broken("writing", e))?.write_payload(M::zeroed()))
     }
 
-    fn ring(&self) -> Result<(), PortError> {
-        self.bell.notify().map_err(|e| broken("the wake-up", e)).map(drop)
+    fn notify(&self) -> Result<(), PortError> {
+        self.notifier.notify().map_err(|e| broken("the wake-up", e)).map(drop)
     }
 
     /// Rings without a message: somebody has come, and wants to hear the other side's last one.
-    pub fn knock(&self) -> Result<(), PortError> {
-        self.bell.notify_with_custom_event_id(knock()).map_err(|e| broken("the wake-up", e)).map(drop)
+    pub fn notify_arrival(&self) -> Result<(), PortError> {
+        self.notifier.notify_with_custom_event_id(arrival()).map_err(|e| broken("the wake-up", e)).map(drop)
     }
 
     /// Gives the last message to a reader that has come since, and wakes it.
     pub fn catch_up(&self) -> Result<(), PortError> {
         self.writer.update_connections().map_err(|e| broken("connecting", e))?;
-        self.ring()
+        self.notify()
     }
 }
 
 /// Reading end of a topic with a wake-up.
 #[derive(Debug)]
-pub(super) struct Inlet<M: Stamped> {
-    reader: Reader<M>,
+pub(super) struct Receiver<M: Stamped> {
+    reader: TopicReader<M>,
     /// What was read last, in its slot: given back when the next is looked for, while the other side computes.
-    held: Option<Found<M>>,
-    bell: Listener<ipc::Service>,
+    held: Option<Borrowed<M>>,
+    notifier: Listener<ipc::Service>,
     /// When the writer sent what was read last, by its monotonic clock, which is ours [ns].
-    pub heard_ns: u64,
+    pub peer_sent_ns: u64,
     /// How to wait.
     pub waiting: Waiting,
     /// In lockstep a hybrid gives way while it spins.
     pace: Pace,
     /// When somebody who was given way to last kept the processor for long.
-    imposed_on: Cell<Option<Instant>>,
+    long_yield_at: Cell<Option<Instant>>,
 }
 
-impl<M: Stamped> Inlet<M> {
-    pub fn open(place: &Place, name: &str, pace: Pace) -> Result<Inlet<M>, PortError> {
-        let reader = Reader::open(&place.link::<M>(name)?, 1)?;
-        let bell = place.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        let (waiting, imposed_on) = (Waiting::default(), Cell::new(None));
-        Ok(Inlet { reader, held: None, bell, heard_ns: 0, waiting, pace, imposed_on })
+impl<M: Stamped> Receiver<M> {
+    pub fn open(node: &SessionNode, name: &str, pace: Pace) -> Result<Receiver<M>, PortError> {
+        let reader = TopicReader::open(&node.link::<M>(name)?, 1)?;
+        let notifier = node.event(name)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
+        let (waiting, long_yield_at) = (Waiting::default(), Cell::new(None));
+        Ok(Receiver { reader, held: None, notifier, peer_sent_ns: 0, waiting, pace, long_yield_at })
     }
 
     /// The next message, as it came.
     #[inline]
     pub fn next(&mut self) -> Result<Option<M>, PortError> {
         self.held = None;
-        self.held = self.reader.look()?;
+        self.held = self.reader.poll()?;
         Ok(self.copy())
     }
 
@@ -193,30 +195,30 @@ impl<M: Stamped> Inlet<M> {
     #[inline]
     fn copy(&mut self) -> Option<M> {
         let message = **self.held.as_ref()?;
-        self.heard_ns = message.stamp().mono_ns;
+        self.peer_sent_ns = message.stamp().mono_ns;
         Some(message)
     }
 
-    fn find(&self) -> Result<Option<Found<M>>, PortError> {
+    fn find(&self) -> Result<Option<Borrowed<M>>, PortError> {
         // Most answers come before a clock need be read, which takes as long as a look.
-        let found = self.look(LOOKS)?;
+        let found = self.poll(POLLS)?;
         if found.is_some() {
             return Ok(found);
         }
-        let (start, mut knocked) = (Instant::now(), false);
+        let (start, mut peer_arrived) = (Instant::now(), false);
         loop {
             let waited = start.elapsed(); // before the look: what comes after it is rung for, once we may sleep
-            let found = self.look(LOOKS)?;
+            let found = self.poll(POLLS)?;
             if found.is_some() || waited >= SLICE {
                 return Ok(found);
             }
             match self.waiting {
                 Waiting::Spin => (),
-                Waiting::Hybrid if self.is_polite() && waited < LOCKSTEP_SPIN => self.give_way(),
+                Waiting::Hybrid if self.may_yield() && waited < LOCKSTEP_SPIN => self.yield_processor(),
                 Waiting::Hybrid if waited < SPIN => (),
                 Waiting::Hybrid | Waiting::Event => {
-                    match self.bell.timed_wait(|ring| knocked |= ring.id == knock(), SLICE - waited) {
-                        Ok(_) if knocked => return self.look(1),
+                    match self.notifier.timed_wait(|ring| peer_arrived |= ring.id == arrival(), SLICE - waited) {
+                        Ok(_) if peer_arrived => return self.poll(1),
                         Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
                         Err(error) => return Err(broken("the wake-up", error)),
                     }
@@ -227,20 +229,20 @@ impl<M: Stamped> Inlet<M> {
 
     /// Lets others have the processor: the writer may be waiting for this very one. Whoever keeps it for long is not the writer, and
     /// would do so at every look.
-    fn give_way(&self) {
+    fn yield_processor(&self) {
         let before = Instant::now();
         std::thread::yield_now();
-        self.imposed_on.set((before.elapsed() > IMPOSITION).then(Instant::now));
+        self.long_yield_at.set((before.elapsed() > LONGEST_YIELD).then(Instant::now));
     }
 
-    fn is_polite(&self) -> bool {
-        self.pace == Pace::Lockstep && self.imposed_on.get().is_none_or(|then| then.elapsed() > GRUDGE)
+    fn may_yield(&self) -> bool {
+        self.pace == Pace::Lockstep && self.long_yield_at.get().is_none_or(|then| then.elapsed() > YIELD_BACKOFF)
     }
 
     /// Looks for a message, a few times if it may come any moment.
-    fn look(&self, times: u32) -> Result<Option<Found<M>>, PortError> {
+    fn poll(&self, times: u32) -> Result<Option<Borrowed<M>>, PortError> {
         for _ in 0..if self.waiting == Waiting::Event { 1 } else { times } {
-            let found = self.reader.look()?;
+            let found = self.reader.poll()?;
             if found.is_some() {
                 return Ok(found);
             }
@@ -251,24 +253,24 @@ impl<M: Stamped> Inlet<M> {
 }
 
 /// A message in its slot.
-type Found<M> = Sample<ipc::Service, M, ()>;
+type Borrowed<M> = Sample<ipc::Service, M, ()>;
 
 /// Reading end of a topic.
 #[derive(Debug)]
-pub(super) struct Reader<M: Stamped>(Subscriber<ipc::Service, M, ()>);
+pub(super) struct TopicReader<M: Stamped>(Subscriber<ipc::Service, M, ()>);
 
-impl<M: Stamped> Reader<M> {
-    pub fn open(topic: &Topic<M>, buffer: usize) -> Result<Reader<M>, PortError> {
-        topic.subscriber_builder().buffer_size(buffer).create().map(Reader).map_err(|e| broken("reading", e))
+impl<M: Stamped> TopicReader<M> {
+    pub fn open(topic: &Topic<M>, buffer: usize) -> Result<TopicReader<M>, PortError> {
+        topic.subscriber_builder().buffer_size(buffer).create().map(TopicReader).map_err(|e| broken("reading", e))
     }
 
     /// A copy of the next message; its slot is free again at once.
     pub fn next(&self) -> Result<Option<M>, PortError> {
-        Ok(self.look()?.map(|sample| *sample))
+        Ok(self.poll()?.map(|sample| *sample))
     }
 
     /// The next message in its slot.
-    pub fn look(&self) -> Result<Option<Found<M>>, PortError> {
+    pub fn poll(&self) -> Result<Option<Borrowed<M>>, PortError> {
         self.0.receive().map_err(|e| broken("reading", e))
     }
 }

@@ -2,8 +2,8 @@
 
 use super::contract::Pace;
 use super::error::{PortError, broken};
-use super::place::{Place, TRUTH, TRUTH_BUFFER, Topic};
-use crate::tell;
+use super::node::{SessionNode, TRUTH, TRUTH_BUFFER, Topic};
+use crate::log;
 use crate::wire::{Stamped, Truth};
 use iceoryx2::port::listener::Listener;
 use iceoryx2::port::publisher::Publisher;
@@ -14,16 +14,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Patience with a recorder whose buffer is full, or that has not begun to read when all is said.
+/// Timeout with a recorder whose buffer is full, or that has not begun to read when all is said.
 const RECORDER_PATIENCE: Duration = Duration::from_secs(3);
 
 /// Writing end of the truth.
 #[derive(Debug)]
-pub(super) struct TruthOutlet {
+pub(super) struct TruthSender {
     topic: Topic<Truth>,
     writer: Publisher<ipc::Service, Truth, ()>,
     /// A recorder rings once it has read something.
-    bell: Listener<ipc::Service>,
+    notifier: Listener<ipc::Service>,
     lost: Arc<AtomicU64>,
     pace: Pace,
     sent: Cell<usize>,
@@ -31,8 +31,8 @@ pub(super) struct TruthOutlet {
     is_read: Cell<bool>,
 }
 
-impl TruthOutlet {
-    pub fn open(place: &Place, pace: Pace) -> Result<TruthOutlet, PortError> {
+impl TruthSender {
+    pub fn open(node: &SessionNode, pace: Pace) -> Result<TruthSender, PortError> {
         let lost = Arc::new(AtomicU64::new(0));
         let (counter, gave_up) = (lost.clone(), AtomicBool::new(false));
         // Called while a recorder's buffer is full. One that has once been given up is not waited for again.
@@ -41,7 +41,7 @@ impl TruthOutlet {
                 return BackpressureAction::Retry;
             }
             if pace == Pace::Lockstep && !gave_up.swap(true, Relaxed) {
-                tell(format_args!(
+                log(format_args!(
                     "the recorder has not read for {} s: going on without it",
                     RECORDER_PATIENCE.as_secs()
                 ));
@@ -49,11 +49,11 @@ impl TruthOutlet {
             counter.fetch_add(1, Relaxed);
             BackpressureAction::DiscardData
         };
-        let topic = place.truth()?;
+        let topic = node.truth()?;
         let builder = topic.publisher_builder().max_loaned_samples(1).set_backpressure_handler(when_full);
         let writer = builder.create().map_err(|e| broken("writing", e))?;
-        let bell = place.event(TRUTH)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(TruthOutlet { topic, writer, bell, lost, pace, sent: Cell::new(0), is_read: Cell::new(false) })
+        let notifier = node.event(TRUTH)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
+        Ok(TruthSender { topic, writer, notifier, lost, pace, sent: Cell::new(0), is_read: Cell::new(false) })
     }
 
     /// Messages that a recorder did not get.
@@ -64,7 +64,7 @@ impl TruthOutlet {
     pub fn send(&self, truth: Truth) -> Result<(), PortError> {
         // One that has not begun to read does not count as connected: what no longer fits would be dropped in silence.
         if self.pace == Pace::Lockstep && self.sent.replace(self.sent.get() + 1) == TRUTH_BUFFER {
-            self.linger();
+            self.wait_for_recorder();
         }
         let room = self.writer.loan_uninit().map_err(|e| broken("writing", e))?;
         let mut sample = room.write_payload(truth);
@@ -74,9 +74,9 @@ impl TruthOutlet {
     }
 
     /// Waits until a recorder has begun to read: it then reads the rest also after the plant has gone.
-    pub fn linger(&self) {
+    pub fn wait_for_recorder(&self) {
         if !self.is_read.get() && self.topic.dynamic_config().number_of_subscribers() > 0 {
-            self.is_read.set(self.bell.timed_wait(|_| (), RECORDER_PATIENCE).is_ok_and(|rings| rings > 0));
+            self.is_read.set(self.notifier.timed_wait(|_| (), RECORDER_PATIENCE).is_ok_and(|rings| rings > 0));
         }
     }
 }

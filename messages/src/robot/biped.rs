@@ -13,13 +13,13 @@ const ROUNDING: f64 = 1e-9;
 ///
 /// # Errors
 /// What keeps them from being a biped.
-pub fn arranged(bodies: &[Body]) -> Result<Vec<Body>, String> {
+pub fn canonical_biped(bodies: &[Body]) -> Result<Vec<Body>, String> {
     let bases: Vec<&Body> = bodies.iter().filter(|body| body.joint.is_none()).collect();
     let [trunk] = bases[..] else {
         return Err(format!("{} bodies have no joint, but one, the trunk, must be without", bases.len()));
     };
-    let mut hips = hanging(bodies, trunk);
-    hips.sort_by(|a, b| side(b).total_cmp(&side(a)));
+    let mut hips = children_of(bodies, trunk);
+    hips.sort_by(|a, b| lateral_position(b).total_cmp(&lateral_position(a)));
     let mut legs = hips.iter().map(|hip| leg(bodies, hip)).collect::<Result<Vec<_>, _>>()?;
     let count = bodies.len();
     if legs.len() == 1 {
@@ -31,30 +31,30 @@ pub fn arranged(bodies: &[Body]) -> Result<Vec<Body>, String> {
     if count != 1 + hips.len() * LEG {
         return Err(format!("{} bodies are no part of the trunk or a leg", count - 1 - hips.len() * LEG));
     }
-    if side(&left[0]) <= 0.0 {
+    if lateral_position(&left[0]) <= 0.0 {
         return Err(format!("the hip of `{}` must lie to the left, at y > 0", left[0].name));
     }
     if trunk.com[1] != 0.0 {
         return Err(format!("the centre of mass of `{}` must lie between the legs, at y = 0", trunk.name));
     }
-    left.iter().zip(right).try_for_each(|(left, right)| alike(left, right))?;
-    sole(&left[LEG - 1])?;
+    left.iter().zip(right).try_for_each(|(left, right)| require_mirror_image(left, right))?;
+    require_flat_sole(&left[LEG - 1])?;
     let ordered = left.iter().rev().chain([trunk]).chain(right);
-    Ok(ordered.enumerate().map(|(i, body)| named(body, i)).collect())
+    Ok(ordered.enumerate().map(|(i, body)| with_canonical_name(body, i)).collect())
 }
 
-fn hanging<'a>(bodies: &'a [Body], parent: &Body) -> Vec<&'a Body> {
+fn children_of<'a>(bodies: &'a [Body], parent: &Body) -> Vec<&'a Body> {
     bodies.iter().filter(|body| body.joint.as_ref().is_some_and(|joint| joint.parent == parent.name)).collect()
 }
 
-fn side(body: &Body) -> f64 {
+fn lateral_position(body: &Body) -> f64 {
     body.joint.as_ref().map_or(0.0, |joint| joint.at[1])
 }
 
 /// Thigh, shank, ankle and foot.
 fn leg(bodies: &[Body], hip: &Body) -> Result<Vec<Body>, String> {
     let mut leg = vec![hip.clone()];
-    while let [next, others @ ..] = &hanging(bodies, &leg[leg.len() - 1])[..] {
+    while let [next, others @ ..] = &children_of(bodies, &leg[leg.len() - 1])[..] {
         if !others.is_empty() || leg.len() > bodies.len() {
             return Err(format!(
                 "`{}` carries {} bodies, but a leg is a chain",
@@ -106,7 +106,7 @@ fn sorted(mut points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
 }
 
 /// Whether one leg's body is the mirror image of the other's.
-fn alike(left: &Body, right: &Body) -> Result<(), String> {
+fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
     let image = mirrored(left);
     let at = |body: &Body| body.joint.as_ref().map_or([0.0; 3], |joint| joint.at).to_vec();
     let points = |body: &Body| sorted(body.contacts.clone()).concat();
@@ -130,7 +130,7 @@ fn alike(left: &Body, right: &Body) -> Result<(), String> {
 }
 
 /// A foot touches the ground with the corners of a flat sole.
-fn sole(foot: &Body) -> Result<(), String> {
+fn require_flat_sole(foot: &Body) -> Result<(), String> {
     let spread = |k: usize| {
         let values = || foot.contacts.iter().map(|point| point[k]);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
@@ -141,7 +141,7 @@ fn sole(foot: &Body) -> Result<(), String> {
 }
 
 /// With name, parent and sense of rotation of the body at this place.
-fn named(body: &Body, place: usize) -> Body {
+fn with_canonical_name(body: &Body, place: usize) -> Body {
     let mut body = Body { name: BIPED[place].into(), ..body.clone() };
     if let Some(joint) = &mut body.joint {
         let toward_trunk = if body.name.starts_with("left") { place + 1 } else { place - 1 };
@@ -164,8 +164,8 @@ mod tests {
 
     #[test]
     fn table_1_is_arranged_already_and_its_left_half_says_all() {
-        assert_eq!(arranged(&table_1()), Ok(table_1()));
-        assert_eq!(arranged(&table_1()[..5]), Ok(table_1()));
+        assert_eq!(canonical_biped(&table_1()), Ok(table_1()));
+        assert_eq!(canonical_biped(&table_1()[..5]), Ok(table_1()));
     }
 
     #[test]
@@ -179,7 +179,7 @@ mod tests {
                 joint.axis = joint.axis.map(f64::abs);
             }
         }
-        assert_eq!(arranged(&other), Ok(table_1()));
+        assert_eq!(canonical_biped(&other), Ok(table_1()));
     }
 
     #[test]
@@ -187,7 +187,7 @@ mod tests {
         let refused = |change: &dyn Fn(&mut Vec<Body>), words: &str| {
             let mut bodies = table_1();
             change(&mut bodies);
-            let error = arranged(&bodies).expect_err(words);
+            let error = canonical_biped(&bodies).expect_err(words);
             assert!(error.contains(words), "{error}");
         };
         refused(&|bodies| drop(bodies.remove(0)), "has 3 joints, but it needs four");

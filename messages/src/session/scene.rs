@@ -1,6 +1,6 @@
 //! What is simulated in a session, for those who come to look on.
 
-use super::{SHARED_MEMORY, Session, own};
+use super::{SHARED_MEMORY, Session, private_file};
 use crate::port::PortError;
 use std::fs::File;
 use std::io::Write;
@@ -14,11 +14,11 @@ impl Session {
     ///
     /// # Errors
     /// [`PortError::SharedMemory`] if there is no room for it.
-    pub fn tell_scene(&self, text: &str) -> Result<(), PortError> {
+    pub fn publish_scene(&self, text: &str) -> Result<(), PortError> {
         // a draft of one's own: launcher and plant say it at the same time
         let (draft, path) = (self.file(&format!("draft_{}", std::process::id())), self.file("scene"));
         let write = || {
-            let mut file = own::open(&draft, File::options().write(true).create(true).truncate(true))?;
+            let mut file = private_file::open(&draft, File::options().write(true).create(true).truncate(true))?;
             file.write_all(text.as_bytes())?;
             std::fs::rename(&draft, &path)
         };
@@ -27,7 +27,7 @@ impl Session {
 
     /// What the scene is, if somebody has said so.
     pub fn scene(&self) -> Option<String> {
-        own::read(&self.file("scene"), LONGEST_SCENE).ok()
+        private_file::read(&self.file("scene"), LONGEST_SCENE).ok()
     }
 
     fn file(&self, name: &str) -> PathBuf {

@@ -1,28 +1,133 @@
-//! Names behind the numbers in messages.
+//! Enumerations behind the numbers in messages.
+//!
+//! One declaration makes the enum and the array of its names, so that the two cannot disagree. The number on the wire is the
+//! position in the declaration.
 
-/// Names of [`Telemetry::phase`](super::Telemetry).
-pub const PHASES: [&str; 6] = ["stand", "sway", "lift", "walk", "land", "rest"];
+/// Declares an enum, `ALL` its variants, and the array of their names.
+macro_rules! named {
+    ($(#[$meta:meta])* $enum:ident, $(#[$names_meta:meta])* $names:ident: $(
+        $(#[$variant_meta:meta])* $variant:ident $name:literal,
+    )*) => {
+        $(#[$meta])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub enum $enum { $( $(#[$variant_meta])* $variant, )* }
 
-/// Names of [`Truth::state`](super::Truth): not yet driven; driven; standing still in time; on old torques; damped; drives off until
-/// re-armed.
-pub const STATES: [&str; 6] = ["wait", "run", "paused", "hold", "damp", "fault"];
+        impl $enum {
+            /// Every variant, in the order of the numbers.
+            pub const ALL: [$enum; $names.len()] = [$( $enum::$variant ),*];
+        }
 
-/// Why a command is refused, in the order in which the gate looks.
-pub const REFUSALS: [&str; 9] = [
-    "of another version",
-    "for another run",
-    "of a controller that has been replaced",
-    "damaged",
-    "not newer than the last",
-    "ahead of the sensors",
-    "not finite",
-    "beyond four times the torque limit",
-    "a jump beyond twice the torque limit",
-];
+        $(#[$names_meta])*
+        pub const $names: [&str; [$( $name ),*].len()] = [$( $name ),*];
+    };
+}
 
-/// Names of [`Request::kind`](super::Request).
-pub const REQUESTS: [&str; 7] = ["pause", "resume", "step", "reset", "push", "rearm", "set"];
+named! {
+    /// Phase of the controller's gait.
+    Phase,
+    /// Names of [`Phase`], the number in [`Telemetry::phase`](super::Telemetry).
+    PHASES:
+    /// Standing still on both feet.
+    Stand "stand",
+    /// The centre of gravity moves over the first supporting foot. Both feet are on the ground.
+    Sway "sway",
+    /// The swing foot leaves the ground.
+    Lift "lift",
+    /// Stepping.
+    Walk "walk",
+    /// Both feet are on the ground and the robot comes to rest.
+    Land "land",
+    /// Standing still after the walk.
+    Rest "rest",
+}
 
-/// Names of [`Reply::verdict`](super::Reply).
-pub const VERDICTS: [&str; 5] =
-    ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request"];
+named! {
+    /// What the plant is doing.
+    #[derive(Default)]
+    PlantState,
+    /// Names of [`PlantState`], the number in [`Truth::state`](super::Truth).
+    STATES:
+    /// No command has been accepted yet. Simulated time stands still and the robot is held.
+    #[default]
+    Wait "wait",
+    /// Driven by a command that arrived in this control period.
+    Run "run",
+    /// Simulated time stands still by request.
+    Paused "paused",
+    /// Driven by an older command.
+    Hold "hold",
+    /// No recent command: the joints are damped.
+    Damp "damp",
+    /// The drives are off until they are re-armed.
+    Fault "fault",
+}
+
+named! {
+    /// Why the plant refuses a command. The plant checks in this order.
+    Refusal,
+    /// Names of [`Refusal`], the index into [`Tally::refused`](super::Tally).
+    REFUSALS:
+    /// The magic number or the schema hash differs.
+    Version "of another version",
+    /// The command is for another run.
+    Run "for another run",
+    /// The sender is a controller that another one has replaced.
+    Owner "of a controller that has been replaced",
+    /// The check sum is wrong.
+    Damaged "damaged",
+    /// The command is not newer than the last accepted one.
+    Stale "not newer than the last",
+    /// The command answers sensors that have not been sent yet.
+    Early "ahead of the sensors",
+    /// A torque is NaN or infinite.
+    NotFinite "not finite",
+    /// A torque is far beyond the limit of the drives.
+    TooStrong "beyond four times the torque limit",
+    /// A torque changes by more than the whole range of the drives in one control period.
+    TooSteep "a jump beyond twice the torque limit",
+}
+
+named! {
+    /// Kind of a request.
+    RequestKind,
+    /// Names of [`RequestKind`], the number in [`Request::kind`](super::Request).
+    REQUESTS:
+    /// Stop simulated time.
+    Pause "pause",
+    /// Let simulated time go on.
+    Resume "resume",
+    /// Run for a number of control periods, then pause.
+    Step "step",
+    /// Start a new run from time zero.
+    Reset "reset",
+    /// Apply an impulse to a body.
+    Push "push",
+    /// Switch the drives on again after a fault.
+    Rearm "rearm",
+    /// Change the set-points of the gait.
+    Set "set",
+}
+
+named! {
+    /// Answer to a request.
+    Verdict,
+    /// Names of [`Verdict`], the number in [`Reply::verdict`](super::Reply).
+    VERDICTS:
+    /// The request has been carried out.
+    Done "done",
+    /// The request is for the other process.
+    WrongProcess "this request is for the other process",
+    /// The scene has no such body.
+    NoSuchBody "no such body",
+    /// A number is NaN or outside its range.
+    OutOfRange "a number is out of range",
+    /// The request cannot be decoded.
+    Damaged "damaged request",
+}
+
+impl Verdict {
+    /// Name of a verdict as it is on the wire.
+    pub fn text(verdict: u64) -> &'static str {
+        usize::try_from(verdict).ok().and_then(|index| VERDICTS.get(index)).copied().unwrap_or("an unknown answer")
+    }
+}

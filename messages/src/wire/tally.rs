@@ -1,9 +1,10 @@
-//! What a plant met, in words.
+//! The counters of the plant as a sentence.
 
-use super::{REFUSALS, Tally};
+use super::declaration::Tally;
+use super::names::REFUSALS;
 use std::fmt;
 
-/// One sentence on whatever was not as it should be; empty if all was.
+/// One sentence that lists every counter of a disturbance that is not zero; empty if all are zero.
 impl fmt::Display for Tally {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let counts = [

@@ -5,8 +5,8 @@ use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::state::{self, State};
 use messages::robot::{Body, Joint, JointKind};
+use messages::rotation;
 use messages::scene::{Base, Law, Scene};
-use messages::turn;
 use nalgebra::{Matrix3, Vector3};
 
 /// Least length of a joint axis as the scene gives it [-]; a shorter one has no direction.
@@ -115,7 +115,7 @@ fn links(scene: &Scene) -> Result<(Vec<Link>, Vec<usize>), PlantError> {
 fn contact_points(bodies: &[Body], body_link: &[usize]) -> Result<Vec<ContactPoint>, PlantError> {
     let mut contact_points = vec![];
     for (body, &link) in bodies.iter().zip(body_link) {
-        for ball in body.touchable() {
+        for ball in body.contact_spheres() {
             let at = finite(ball.at, || format!("a contact point of body `{}`", body.name))?;
             let radius = not_negative(ball.radius, "the radius of a ball")?;
             contact_points.push(ContactPoint { link, at, radius, tiles: body.tiles });
@@ -208,7 +208,7 @@ fn virtual_link(parent: usize, motion: Motion, axis: Vector3<f64>) -> Link {
         carrier: parent,
         motion,
         axis,
-        along: turn::along(&axis),
+        along: rotation::aligned_axis(&axis),
         at: Vector3::zeros(),
         mass: 0.0,
         com: Vector3::zeros(),

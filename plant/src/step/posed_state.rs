@@ -5,8 +5,8 @@ use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::Model;
 use crate::state::State;
+use messages::rotation::sin_cos;
 use messages::scene::Base;
-use messages::turn::sin_cos;
 use nalgebra::Vector3;
 
 /// Index of the pitch among the coordinates of the virtual joints.

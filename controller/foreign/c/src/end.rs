@@ -3,8 +3,8 @@
 use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
 use crate::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
 use controller::{Controller as Planner, ControllerError};
-use messages::clock::{Patience, now_ns, random};
-use messages::invitation::Invitation;
+use messages::clock::{Timeout, now_ns, random};
+use messages::peer_environment::PeerEnvironment;
 use messages::port::{ControllerPort, PortError};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, Sensors, Stamp, Stamped, Telemetry, Torques};
@@ -39,10 +39,10 @@ pub struct Controller {
 impl Controller {
     /// The place that the environment names.
     pub(crate) fn open() -> Result<Controller, Failure> {
-        let Invitation { session, contract, patience, scene, succeeds } = Invitation::received()?;
-        let waits = || succeeds && !STOP.load(Relaxed);
+        let PeerEnvironment { session, contract, patience, scene, takes_over } = PeerEnvironment::from_env()?;
+        let waits = || takes_over && !STOP.load(Relaxed);
         Ok(Controller {
-            port: ControllerPort::succeed(&session, &contract, waits)?,
+            port: ControllerPort::open_when_free(&session, &contract, waits)?,
             sensors: Sensors::default(),
             answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
             is_answered: true,
@@ -61,10 +61,10 @@ impl Controller {
 
     /// The next encoders, and what they are.
     pub(crate) fn wait(&mut self) -> Result<c_int, Failure> {
-        let mut waiting = Patience::new("plant", self.patience);
+        let mut waiting = Timeout::new("plant", self.patience);
         while !STOP.load(Relaxed) {
             let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
-                match waiting.is_over() {
+                match waiting.has_expired() {
                     true => return Err(self.no_plant()),
                     false => continue,
                 }

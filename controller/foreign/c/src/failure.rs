@@ -1,6 +1,6 @@
 //! What may go wrong: a code below zero, and a sentence. Minus the code is the exit code that `biped` itself would end with.
 
-use messages::invitation::InvitationError;
+use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
@@ -50,11 +50,11 @@ impl From<PortError> for Failure {
     }
 }
 
-impl From<InvitationError> for Failure {
-    fn from(error: InvitationError) -> Failure {
+impl From<PeerEnvironmentError> for Failure {
+    fn from(error: PeerEnvironmentError) -> Failure {
         match error {
-            InvitationError::Malformed(sentence) => Failure::misuse(sentence),
-            InvitationError::Port(error) => error.into(),
+            PeerEnvironmentError::Malformed(sentence) => Failure::misuse(sentence),
+            PeerEnvironmentError::Port(error) => error.into(),
         }
     }
 }

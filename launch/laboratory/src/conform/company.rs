@@ -76,13 +76,13 @@ pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String>
     let finding = end(&mut lonely).and_then(|ended| ended.by_refusing());
     let rule = format!("gives up without a {}, after its patience, with a sentence", role.other());
     if report.rule(&rule, "Your own controller", finding) {
-        let left = alone.session.leftovers();
+        let left = alone.session.shm_files();
         let left = match left.first() {
             None => Ok(String::new()),
             Some(file) => Err(format!("{} files, such as {}", left.len(), file.display())),
         };
         report.rule("leaves nothing in /dev/shm, as the last one of its session", "Topics", left);
     }
-    alone.session.sweep();
+    alone.session.remove_files();
     Ok(())
 }

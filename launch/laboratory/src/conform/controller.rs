@@ -90,7 +90,7 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     told.map_err(|error| error.to_string())?;
     let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[]));
     report.rule("`last` = 1 ends it in order within 3 s, with exit code 0", PERIOD, ended);
-    let said = robot.port.take().map_err(|error| error.to_string())?;
+    let said = robot.port.try_receive().map_err(|error| error.to_string())?;
     let said = said.map_or(Ok(String::new()), |command| Err(format!("command {} came", command.stamp.seq)));
     report.rule("`last` = 1 gets no answer", PERIOD, said);
     Ok(())
@@ -113,7 +113,7 @@ fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
     for (what, spoil) in kinds {
         let mut bad = good;
         spoil(&mut bad);
-        let passed = robot.port.pass_on(bad).map_err(|error| error.to_string());
+        let passed = robot.port.send_raw(bad).map_err(|error| error.to_string());
         report.rule(
             &format!("sensors {what} are not answered"),
             "Every message",
@@ -164,8 +164,8 @@ fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
         false => Ok(String::new()),
     });
     report.rule("killed and started anew in the same session, it answers under another epoch", "Every message", other);
-    let drives = robot.walk(&mut guest, SHORT).and_then(|_| match robot.simulation.intake().tally().refused {
-        refused if refused.iter().any(|&count| count > 0) => Err(robot.simulation.intake().tally().to_string()),
+    let drives = robot.walk(&mut guest, SHORT).and_then(|_| match robot.simulation.commands().tally().refused {
+        refused if refused.iter().any(|&count| count > 0) => Err(robot.simulation.commands().tally().to_string()),
         _ => Ok(String::new()),
     });
     if !report.rule("and drives the robot from where it is", "A control period", drives) {
@@ -208,10 +208,10 @@ fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
         robot.port.send(Sensors { stamp, ..sensors }).map_err(|error| error.to_string())?;
         deadline = (deadline + period).max(sent);
         sleep_until(deadline);
-        while let Some(command) = robot.port.take().map_err(|error| error.to_string())? {
-            robot.simulation.hear(&command);
+        while let Some(command) = robot.port.try_receive().map_err(|error| error.to_string())? {
+            robot.simulation.receive(&command);
         }
-        let reply = robot.simulation.intake().reply_ns(&stamp);
+        let reply = robot.simulation.commands().reply_ns(&stamp);
         replies.extend((reply > 0).then_some(reply));
         periods += 1;
         if robot.simulation.advance().is_err() {

@@ -5,7 +5,7 @@ use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use controller::Controller;
 use messages::clock::{now_ns, random};
-use messages::invitation::Invitation;
+use messages::peer_environment::PeerEnvironment;
 use messages::port::{ControllerPort, PortError, RecorderPort};
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use std::time::{Duration, Instant};
@@ -30,7 +30,7 @@ pub struct Driver {
 }
 
 impl Driver {
-    pub fn new(host: &Host, invitation: &Invitation) -> Result<Driver, String> {
+    pub fn new(host: &Host, invitation: &PeerEnvironment) -> Result<Driver, String> {
         let words = |error: PortError| error.to_string();
         Ok(Driver {
             recorder: RecorderPort::open(&invitation.session, &invitation.contract).map_err(words)?,
@@ -101,7 +101,7 @@ impl Driver {
 
     pub fn pass_on(&mut self, command: Command) -> Result<(), String> {
         self.since_ns = now_ns();
-        self.port.pass_on(command).map_err(|error| error.to_string())
+        self.port.send_raw(command).map_err(|error| error.to_string())
     }
 
     /// Control periods in lockstep, until these sensors have come or the last ones.

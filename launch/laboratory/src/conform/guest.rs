@@ -1,7 +1,7 @@
 //! The program under test: started as `biped run` starts it, and ended whatever it does.
 
 use crate::subject::Subject;
-use messages::invitation::Invitation;
+use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, Pace};
 use messages::scene::Scene;
 use messages::session::Session;
@@ -24,13 +24,19 @@ pub struct Host {
 
 impl Host {
     /// A session that nobody else has, with the scene's contract.
-    pub fn invitation(&self, pace: Pace) -> Invitation {
+    pub fn invitation(&self, pace: Pace) -> PeerEnvironment {
         let (scene, session) = (self.scene.clone(), Session::unique());
-        Invitation { session, contract: Contract::of(&scene, pace), patience: self.patience, scene, succeeds: false }
+        PeerEnvironment {
+            session,
+            contract: Contract::of(&scene, pace),
+            patience: self.patience,
+            scene,
+            takes_over: false,
+        }
     }
 
     /// Starts it there.
-    pub fn invite(&self, invitation: &Invitation) -> Result<Guest, String> {
+    pub fn invite(&self, invitation: &PeerEnvironment) -> Result<Guest, String> {
         let environment = children::environment(invitation).map_err(|failure| failure.message)?;
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);

@@ -4,7 +4,7 @@ use super::guest::{GOODBYE, Guest, Host};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use messages::clock::{now_ns, random};
-use messages::invitation::Invitation;
+use messages::peer_environment::PeerEnvironment;
 use messages::port::PlantPort;
 use messages::wire::{Command, Sensors, Stamp, Torques};
 use plant::Simulation;
@@ -25,7 +25,7 @@ pub struct Robot {
 }
 
 impl Robot {
-    pub fn new(host: &Host, invitation: &Invitation) -> Result<Robot, String> {
+    pub fn new(host: &Host, invitation: &PeerEnvironment) -> Result<Robot, String> {
         let port = PlantPort::open(&invitation.session, &invitation.contract).map_err(|error| error.to_string())?;
         let simulation = simulation(host)?;
         let (stamps, limit) = (Stamps::default(), host.scene.plant.torque_limit);
@@ -65,7 +65,7 @@ impl Robot {
         let mut torques = vec![];
         for _ in 0..periods {
             let command = self.ask(guest, self.simulation.sensors())?;
-            self.simulation.hear(&command);
+            self.simulation.receive(&command);
             self.simulation.advance().map_err(|error| format!("our robot cannot go on: {error}"))?;
             torques.push(command.torques);
         }

@@ -167,16 +167,16 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
             let flaw = Flaw::ALL[random.usize(0..Flaw::ALL.len())];
             // It claims to answer the sensors before these, so that the plant goes on waiting for the good one.
             let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
-            rogue.port.pass_on(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;
+            rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;
             let begin = Instant::now();
             while begin.elapsed() < READ {
                 std::thread::yield_now(); // the plant may need this very processor
             }
         }
-        rogue.port.pass_on(good).map_err(words)?;
+        rogue.port.send_raw(good).map_err(words)?;
         rogue.sent = good;
         let stamp = Stamp { ack: calm.sensors().stamp.seq, ..calm.sensors().stamp };
-        calm.hear(&Command { stamp, ..good }.sealed());
+        calm.receive(&Command { stamp, ..good }.sealed());
         calm.advance().map_err(words)?;
         hashes.push(calm.truth().hash);
         rogue.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {
@@ -196,7 +196,7 @@ pub fn every_other(count: u64, random: &mut fastrand::Rng) -> Trial {
         let good = rogue.answer(&sensors)?;
         let bad = [Flaw::NotANumber, Flaw::Infinite, Flaw::Huge][random.usize(0..3)];
         let is_bad = sensors.stamp.seq > 1 && sensors.stamp.seq % 2 == 0;
-        rogue.port.pass_on(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(words)?;
+        rogue.port.send_raw(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(words)?;
         rogue.sent = good;
         rogue.listen(|truth| match truth.base_position[2] > 0.2 {
             true => Ok(()),

@@ -95,7 +95,7 @@ pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
     .map_err(at)?;
     let (status, words) = successor.end(LIMIT).map_err(at)?;
     drop(peer);
-    let left = stage.session.leftovers();
+    let left = stage.session.shm_files();
     match () {
         () if !status.success() => Err(at(format!("its successor ended with {status}: {words}"))),
         () if !left.is_empty() => Err(at(format!("left {}", left[0].display()))),
@@ -155,7 +155,7 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
     let most = trials.to_string();
     let mut stage = Stage::run(&["--respawn", &most, "--set", "duration=100000"])?;
     stage.is_set()?;
-    let mut port = RecorderPort::visit(&stage.session).map_err(|error| error.to_string())?;
+    let mut port = RecorderPort::attach(&stage.session).map_err(|error| error.to_string())?;
     let mut files = None;
     let mut next = |what: &str, holds: &dyn Fn(&Truth) -> bool| -> Result<Truth, String> {
         let (mut found, mut wrong) = (None, None);
@@ -174,7 +174,7 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
         host.push(start_of_a_process()?);
         let now = now_ns();
         let before = next("a walk", &|truth| truth.stamp.mono_ns > now && truth.state == 1)?;
-        let files = *files.get_or_insert_with(|| stage.session.leftovers().len());
+        let files = *files.get_or_insert_with(|| stage.session.shm_files().len());
         std::thread::sleep(Duration::from_millis(random.u64(50..400)));
         let number = stage.wait_for(victim)?;
         let killed = now_ns();
@@ -191,7 +191,7 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
             "the host starts a program in {}, at most {} ms; the session had {files} files, and has {}",
             of_host[0],
             of_host[1],
-            stage.session.leftovers().len()
+            stage.session.shm_files().len()
         );
         results.push(time.map(|time| Outcome { time: Some(time), remark }));
         if results.last().is_some_and(Result::is_err) {

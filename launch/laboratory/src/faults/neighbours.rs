@@ -73,10 +73,10 @@ pub fn loud(random: &mut fastrand::Rng) -> Trial {
 /// Nothing of the session may be left.
 fn cleared(session: &Session, outcome: Outcome) -> Trial {
     let start = Instant::now();
-    let mut left: Vec<PathBuf> = session.leftovers();
+    let mut left: Vec<PathBuf> = session.shm_files();
     while !left.is_empty() && start.elapsed() < LIMIT {
         std::thread::sleep(Duration::from_millis(5));
-        left = session.leftovers();
+        left = session.shm_files();
     }
     if left.is_empty() { Ok(outcome) } else { Err(format!("something is left: {left:?}")) }
 }

@@ -1,7 +1,7 @@
 //! Real processes under test: started, found by their session's name, hurt, and watched to their end.
 
 use crate::subject::{Subject, eventually};
-use messages::port::{Ask, ask};
+use messages::port::{Action, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
@@ -89,7 +89,7 @@ impl Stage {
         let mut is_over = false;
         eventually("the robot is driven", LONG, || {
             is_over = self.launcher.as_mut().is_none_or(Subject::has_ended);
-            is_over || ask(&self.session, Ask::Rearm).is_ok_and(|reply| reply.stamp.seq > 1)
+            is_over || ask(&self.session, Action::Rearm).is_ok_and(|reply| reply.stamp.seq > 1)
         })?;
         match &mut self.launcher {
             Some(launcher) if is_over => {
@@ -143,7 +143,7 @@ impl Stage {
         let (status, words) = launcher.end(LONG)?;
         eventually("every process ends", LONG, || self.living().is_empty())?;
         let took = start.elapsed();
-        let left = self.session.leftovers();
+        let left = self.session.shm_files();
         match left.first() {
             Some(file) => Err(format!("{} files are left, such as {}", left.len(), file.display())),
             None => Ok((took, status, words)),
@@ -157,7 +157,7 @@ impl Drop for Stage {
         self.launcher = None;
         self.living().iter().for_each(|(number, _)| _ = send(*number, Signal::SIGKILL));
         let _ = eventually("the end", LIMIT, || self.living().is_empty());
-        self.session.sweep();
+        self.session.remove_files();
     }
 }
 

@@ -78,7 +78,7 @@ pub fn the_recorder(rounds: usize) -> Trial {
     stage.is_set()?;
     // The launcher records; we are another recorder, who goes on reading.
     let launcher = stage.wait_for(Role::Launcher)?;
-    let mut port = RecorderPort::visit(&stage.session).map_err(|error| error.to_string())?;
+    let mut port = RecorderPort::attach(&stage.session).map_err(|error| error.to_string())?;
     let mut listen = |span: Duration| -> Result<[f64; 2], String> {
         let (mut late, start) = (vec![], Instant::now());
         while start.elapsed() < span {

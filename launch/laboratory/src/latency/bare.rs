@@ -47,7 +47,7 @@ impl Plant {
         let stamp = Stamp { seq: seq.into(), ..Stamp::default() };
         self.send(Sensors { stamp, ..Sensors::default() })?;
         let mut look = || match self {
-            Plant::Bare(port) => port.look(),
+            Plant::Bare(port) => port.poll(),
             Plant::Ours(port) => port.wait(),
         };
         while hear(&mut look)?.stamp.ack != stamp.seq {}
@@ -66,7 +66,7 @@ impl Plant {
     fn send(&self, sensors: Sensors) -> Result<(), PortError> {
         match self {
             Plant::Bare(port) => port.send(sensors),
-            Plant::Ours(port) => port.pass_on(sensors),
+            Plant::Ours(port) => port.send_raw(sensors),
         }
     }
 }
@@ -91,7 +91,7 @@ impl Controller {
     pub fn serve(&mut self) -> Result<(), Failure> {
         loop {
             let mut look = || match self {
-                Controller::Bare(port) => port.look(),
+                Controller::Bare(port) => port.poll(),
                 Controller::Ours(port) => port.wait(),
             };
             let Sensors { stamp, last, .. } = hear(&mut look)?;
@@ -101,7 +101,7 @@ impl Controller {
             let command = Command { stamp: Stamp { ack: stamp.seq, ..stamp }, ..Command::default() };
             match self {
                 Controller::Bare(port) => port.send(command)?,
-                Controller::Ours(port) => port.pass_on(command)?,
+                Controller::Ours(port) => port.send_raw(command)?,
             }
         }
     }

@@ -10,7 +10,7 @@ use messages::load::load;
 use messages::port::{Contract, Pace, Waiting};
 use messages::scene::Scene;
 use plant::Simulation;
-use plant::process::Next;
+use plant::process::ExchangeOutcome;
 use shared::exit::Failure;
 use shared::list;
 
@@ -66,12 +66,12 @@ pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> 
                 0 => talk.ask(sensors)?, // the other side may just be coming
                 _ => talk.exchange(*sensors)?,
             };
-            simulation.hear(&command);
+            simulation.receive(&command);
             if begun > 0 {
                 compute.add(sensors.stamp.mono_ns - begun);
                 period.add(talk.heard_ns - begun);
             }
-            Ok(Next::Period { late_ns: 0 })
+            Ok(ExchangeOutcome::Advance { late_ns: 0 })
         });
         if let Err(End::Failed(failure)) = walked {
             return Err(failure);

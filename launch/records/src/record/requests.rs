@@ -1,7 +1,7 @@
 //! What was asked of a run, and what became of it. A run that nobody spoke to repeats to the bit; one that somebody did, does with
 //! these.
 
-use messages::port::{Ask, Verdict};
+use messages::port::{Action, Verdict};
 use messages::wire::{REQUESTS, Served};
 use serde::Serialize;
 
@@ -55,7 +55,7 @@ impl Answered {
         let mut asked = Answered {
             time_s: served.stamp.sim_ns as f64 * 1e-9,
             kind: REQUESTS.get(served.request.kind as usize).copied().unwrap_or("unknown"),
-            answer: Verdict::words(served.verdict),
+            answer: Verdict::text(served.verdict),
             body: None,
             impulse_ns: None,
             over_s: None,
@@ -64,14 +64,14 @@ impl Answered {
             period_s: None,
             speed_mps: None,
         };
-        match Ask::of(&served.request) {
-            Ok(Ask::Push { body, impulse, duration }) => {
+        match Action::decode(&served.request) {
+            Ok(Action::Push { body, impulse, duration }) => {
                 (asked.body, asked.impulse_ns, asked.over_s) = (Some(body), Some(impulse), Some(duration));
             }
-            Ok(Ask::Step { periods }) => asked.periods = Some(periods),
-            Ok(Ask::Reset { seed }) => asked.seed = seed,
-            Ok(Ask::Set { period, speed }) => (asked.period_s, asked.speed_mps) = (period, speed),
-            Ok(Ask::Pause | Ask::Resume | Ask::Rearm) | Err(_) => (),
+            Ok(Action::Step { periods }) => asked.periods = Some(periods),
+            Ok(Action::Reset { seed }) => asked.seed = seed,
+            Ok(Action::Set { period, speed }) => (asked.period_s, asked.speed_mps) = (period, speed),
+            Ok(Action::Pause | Action::Resume | Action::Rearm) | Err(_) => (),
         }
         asked
     }
@@ -88,7 +88,7 @@ impl Answered {
             self.speed_mps.map(|speed| format!("speed {speed} m/s")),
         ];
         let values: String = values.into_iter().flatten().map(|value| format!(" {value}")).collect();
-        let refused = match *answer == Verdict::words(Verdict::Done as u64) {
+        let refused = match *answer == Verdict::text(Verdict::Done as u64) {
             true => String::new(),
             false => format!(" (refused: {answer})"),
         };
@@ -121,20 +121,21 @@ mod tests {
     use super::*;
     use messages::wire::{Stamp, Stamped};
 
-    fn served(ask: Ask, verdict: Verdict) -> Served {
+    fn served(ask: Action, verdict: Verdict) -> Served {
         let stamp = Stamp { sim_ns: 1_500_000_000, ..Stamp::default() };
-        Served { stamp, request: ask.request().sealed(), verdict: verdict as u64 }
+        Served { stamp, request: ask.encode().sealed(), verdict: verdict as u64 }
     }
 
     #[test]
     fn a_request_is_told_with_its_values_and_its_answer() {
-        let push = Ask::Push { body: 4, impulse: [0.0, 3.0, 0.0], duration: 0.05 };
+        let push = Action::Push { body: 4, impulse: [0.0, 3.0, 0.0], duration: 0.05 };
         let asked = Answered::of(&served(push, Verdict::Done));
         assert_eq!(asked.words(), "push 0,3,0 N·s body 4 at 1.500 s");
         let json = serde_json::to_value(&asked).unwrap();
         let keys = json.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys, ["answer", "body", "impulse_ns", "kind", "over_s", "time_s"]);
-        let refused = Answered::of(&served(Ask::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
+        let refused =
+            Answered::of(&served(Action::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
         assert_eq!(refused, "set speed 99 m/s at 1.500 s (refused: a number is out of range)");
     }
 
@@ -142,7 +143,7 @@ mod tests {
     fn however_many_there_are_the_list_is_bounded_and_the_count_true() {
         let mut requests = Requests::default();
         assert_eq!(requests.words(), "");
-        (0..5000).for_each(|_| requests.push(&served(Ask::Pause, Verdict::Done)));
+        (0..5000).for_each(|_| requests.push(&served(Action::Pause, Verdict::Done)));
         assert_eq!((requests.list.len(), requests.count), (LISTED, 5000));
         assert!(requests.words().ends_with("; 4995 more"));
     }

@@ -4,8 +4,8 @@
 //! shows is to be the wire's and not the model's. A test holds the two together.
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
+use messages::rotation::{aligned_axis, rotated, sin_cos_all};
 use messages::scene::Scene;
-use messages::turn::{along, sines_cosines, turned};
 use messages::wire::{CONTACTS, JOINTS, Truth};
 use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
@@ -66,7 +66,7 @@ impl Robot {
         let base = bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
         let or_base = |name: &str| find(name).unwrap_or(base);
         let contacts = (bodies.iter().enumerate())
-            .flat_map(|(i, body)| body.touchable().map(move |ball| (i, ball)))
+            .flat_map(|(i, body)| body.contact_spheres().map(move |ball| (i, ball)))
             .take(CONTACTS)
             .collect();
         let mut lumps: Vec<_> = (bodies.iter().enumerate()).map(|(i, body)| (i, body.com.into(), body.mass)).collect();
@@ -107,7 +107,7 @@ impl Robot {
         placed.clear();
         placed.resize(self.bodies.len(), base);
         let mut turns = [(0.0, 1.0); JOINTS];
-        sines_cosines(&truth.angle, &mut turns);
+        sin_cos_all(&truth.angle, &mut turns);
         for link in &self.links {
             let k = link.joint;
             let (travel, turn, rate) =
@@ -178,7 +178,7 @@ impl Link {
         let hinge = rotation * self.at;
         let (turned, arm, sliding, turning) = match self.kind {
             JointKind::Revolute => {
-                let turned = turned(rotation.matrix(), &self.axis, self.along, turn);
+                let turned = rotated(rotation.matrix(), &self.axis, self.along, turn);
                 (Rotation3::from_matrix_unchecked(turned), hinge, Vector3::zeros(), axis * rate)
             }
             JointKind::Prismatic => (*rotation, hinge + axis * travel, axis * rate, Vector3::zeros()),
@@ -200,7 +200,7 @@ fn links(bodies: &[Body], base: usize) -> Vec<Link> {
         .filter_map(|(number, (body, joint))| {
             let parent = bodies.iter().position(|other| other.name == joint.parent)?;
             let axis = Vector3::from(joint.axis).normalize();
-            let along = along(&axis);
+            let along = aligned_axis(&axis);
             Some(Link { body, parent, joint: number, kind: joint.kind, axis, along, at: joint.at.into() })
         })
         .collect();

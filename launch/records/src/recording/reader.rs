@@ -7,7 +7,7 @@ use bytemuck::bytes_of_mut;
 use mcap::records::Record;
 use messages::file;
 use messages::load::{parse, validate};
-use messages::port::{Ask, Verdict};
+use messages::port::{Action, Verdict};
 use messages::scene::Scene;
 use messages::wire::{Command, SCHEMA_HASH, Sensors, Served, Stamp, Telemetry, Truth};
 use shared::exit::{Exit, Failure};
@@ -135,9 +135,9 @@ impl Reader {
     }
 
     /// Takes out the requests that were granted and took effect by now, as `is_due` sees it.
-    pub fn granted(&mut self, is_due: impl Fn(&Stamp, Ask) -> bool) -> Vec<Ask> {
+    pub fn granted(&mut self, is_due: impl Fn(&Stamp, Action) -> bool) -> Vec<Action> {
         let mut asks = vec![];
-        self.served.retain(|served| match Ask::of(&served.request) {
+        self.served.retain(|served| match Action::decode(&served.request) {
             Ok(ask) if served.verdict == Verdict::Done as u64 => {
                 let is_due = is_due(&served.stamp, ask);
                 asks.extend(is_due.then_some(ask));

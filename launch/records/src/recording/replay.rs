@@ -5,7 +5,7 @@ use super::reader::Reader;
 use clap::Args;
 use controller::Controller;
 use controller::process::ProcessError;
-use messages::port::Ask;
+use messages::port::Action;
 use messages::scene::{LinkScene, Scene};
 use messages::wire::{Command, Stamp, Stamped, Truth};
 use plant::Simulation;
@@ -132,7 +132,7 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
             let mut torques = None;
             for (seq, encoders) in sensors.iter().filter(|(seq, _)| heard.contains(seq)) {
                 for ask in reader.granted(|at, ask| ask.is_for_controller() && at.run == stamp.run && at.ack < *seq) {
-                    if let Ask::Set { period, speed } = ask {
+                    if let Action::Set { period, speed } = ask {
                         controller.set(period, speed).map_err(ProcessError::from)?;
                         found.done += 1;
                     }
@@ -168,15 +168,15 @@ fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> 
                     found.done += u64::from(again(simulation, ask));
                 }
                 if command.run == stamp.run {
-                    simulation.hear(&Command { stamp: command, torques, telemetry }.sealed());
+                    simulation.receive(&Command { stamp: command, torques, telemetry }.sealed());
                 }
                 simulation.advance()?;
                 simulation
             }
             other => {
                 found.beginnings += 1;
-                for ask in reader.granted(|at, ask| at.run != stamp.run || matches!(ask, Ask::Reset { .. })) {
-                    if let Ask::Reset { seed: Some(seed) } = ask {
+                for ask in reader.granted(|at, ask| at.run != stamp.run || matches!(ask, Action::Reset { .. })) {
+                    if let Action::Reset { seed: Some(seed) } = ask {
                         (scene.plant.seed, found.done) = (seed, found.done + 1);
                     }
                 }
@@ -189,15 +189,15 @@ fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> 
 }
 
 /// Does what the plant was asked for; whether it is of any effect here.
-fn again(simulation: &mut Simulation, ask: Ask) -> bool {
+fn again(simulation: &mut Simulation, ask: Action) -> bool {
     match ask {
-        Ask::Push { body, impulse, duration } => simulation.push(body, impulse, duration),
-        Ask::Rearm => {
-            simulation.intake().rearm();
+        Action::Push { body, impulse, duration } => simulation.push(body, impulse, duration),
+        Action::Rearm => {
+            simulation.commands().rearm();
             true
         }
         // time that stands still is not recorded, a reset begins another run, and set-points are the controller's
-        Ask::Pause | Ask::Resume | Ask::Step { .. } | Ask::Reset { .. } | Ask::Set { .. } => false,
+        Action::Pause | Action::Resume | Action::Step { .. } | Action::Reset { .. } | Action::Set { .. } => false,
     }
 }
 

@@ -11,7 +11,7 @@ use hyper::Method;
 use hyper::body::Bytes;
 use hyper::header::HeaderName;
 use messages::load;
-use messages::port::{Ask, RecorderPort, Verdict, ask};
+use messages::port::{Action, RecorderPort, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{STATES, Truth};
@@ -36,7 +36,7 @@ const NEXT: HeaderName = HeaderName::from_static("next");
 /// # Errors
 /// If there is no such session, it does not say what its scene is, or the port is in use.
 pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut truths = RecorderPort::visit(session)?;
+    let mut truths = RecorderPort::attach(session)?;
     let name = session.name();
     let unknown = || {
         let why =
@@ -172,7 +172,7 @@ impl Desk {
                 let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
                 text(200, &format!("done at t {:.2} s: {state}", reply.stamp.sim_ns as f64 * 1e-9))
             }
-            Ok(reply) => text(409, &format!("refused: {}", Verdict::words(reply.verdict))),
+            Ok(reply) => text(409, &format!("refused: {}", Verdict::text(reply.verdict))),
             Err(error) => text(409, &error.to_string()),
         }
     }
@@ -201,15 +201,15 @@ enum Wish {
 }
 
 impl Wish {
-    fn ask(self, trunk: usize) -> Ask {
+    fn ask(self, trunk: usize) -> Action {
         match self {
-            Wish::Pause => Ask::Pause,
-            Wish::Resume => Ask::Resume,
-            Wish::Step { periods } => Ask::Step { periods },
-            Wish::Reset => Ask::Reset { seed: None },
-            Wish::Rearm => Ask::Rearm,
-            Wish::Push { body, impulse } => Ask::Push { body: body.unwrap_or(trunk), impulse, duration: 0.05 },
-            Wish::Set { period, speed } => Ask::Set { period: Some(period), speed: Some(speed) },
+            Wish::Pause => Action::Pause,
+            Wish::Resume => Action::Resume,
+            Wish::Step { periods } => Action::Step { periods },
+            Wish::Reset => Action::Reset { seed: None },
+            Wish::Rearm => Action::Rearm,
+            Wish::Push { body, impulse } => Action::Push { body: body.unwrap_or(trunk), impulse, duration: 0.05 },
+            Wish::Set { period, speed } => Action::Set { period: Some(period), speed: Some(speed) },
         }
     }
 }

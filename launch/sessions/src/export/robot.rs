@@ -48,7 +48,7 @@ impl Robot {
                 middle: body.com,
                 parent: body.joint.as_ref().and_then(|joint| index(&joint.parent)),
                 joint: body.joint.clone(),
-                touching: body.touchable().map(ball).collect(),
+                touching: body.contact_spheres().map(ball).collect(),
             }
         };
         let parts: Vec<Part> = scene.bodies.iter().zip(&model.body_link).map(part).collect();

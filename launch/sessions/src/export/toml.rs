@@ -1,6 +1,6 @@
 //! A robot as TOML, which `--robot` reads: to be edited into another one.
 
-use messages::robot::{Body, Joint, arranged};
+use messages::robot::{Body, Joint, canonical_biped};
 use messages::scene::Scene;
 use toml::{Table, Value};
 
@@ -38,8 +38,8 @@ const JOINT: [&str; 7] = ["parent", "kind", "axis", "at", "stiffness", "damping"
 /// The whole file; of a biped whose legs are mirror images one leg is enough.
 pub fn text(scene: &Scene) -> String {
     let plant = &scene.plant;
-    let half = scene.bodies.get(..5).filter(|half| arranged(half).as_ref() == Ok(&scene.bodies));
-    let is_biped = arranged(&scene.bodies).is_ok();
+    let half = scene.bodies.get(..5).filter(|half| canonical_biped(half).as_ref() == Ok(&scene.bodies));
+    let is_biped = canonical_biped(&scene.bodies).is_ok();
     let mut out = [HEAD, if is_biped { BIPED } else { "" }].concat();
     out += &format!("\nname = {}\n\n", Value::from(scene.robot_name()));
     out += &format!(

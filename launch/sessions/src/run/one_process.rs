@@ -4,7 +4,7 @@ use super::watch::{Watch, goes_on};
 use messages::scene::Scene;
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
-use plant::process::Next;
+use plant::process::ExchangeOutcome;
 use shared::exit::{Exit, Failure, unless};
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc;
@@ -74,8 +74,8 @@ pub fn disturbed_in_process(
         if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
             let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
             let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
-            simulation.hear(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
+            simulation.receive(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
         }
-        Ok(Next::Period { late_ns: 0 })
+        Ok(ExchangeOutcome::Advance { late_ns: 0 })
     })
 }

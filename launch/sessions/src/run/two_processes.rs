@@ -5,8 +5,8 @@ use super::watch::{Watch, goes_on};
 use crate::children::{self, Role, Swept};
 use crate::opening::guarded;
 use crate::swap::Succession;
-use messages::invitation::Invitation;
 use messages::load;
+use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
 use messages::session::Session;
@@ -43,7 +43,8 @@ pub fn run(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) 
     let contract = Contract::of(scene, args.pace.pace());
     let bar = watch.progress.bar.clone();
     let patience = args.pace.patience();
-    let invitation = Invitation { session: swept.0.clone(), contract, patience, scene: scene.clone(), succeeds: false };
+    let invitation =
+        PeerEnvironment { session: swept.0.clone(), contract, patience, scene: scene.clone(), takes_over: false };
     let arguments = |child| [child_arguments(args, &swept.0), args.system.of_child(child).arguments()].concat();
     let start = |child: usize| {
         let name = ["plant", "controller"][child];
@@ -56,20 +57,20 @@ pub fn run(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) 
     // takes longest; it speaks, and anybody else's begins, when we listen.
     let held = args.plant.is_none().then(|| Role::hold("plant", &arguments(0), &bar)).transpose()?;
     // Of those who start this session at once, one goes on.
-    let member = swept.0.enter()?;
-    if !member.lead() {
+    let member = swept.0.join()?;
+    if !member.try_lead() {
         return Err(taken(&swept.0));
     }
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
-    swept.0.tell_scene(&load::text(scene))?;
+    swept.0.publish_scene(&load::text(scene))?;
     let mut roles = vec![held.map_or_else(|| start(0), Ok)?];
     roles[0].begin();
     roles.extend(controller);
     let mut lives = args.respawn;
     let mut succession = Succession::new(&args.swap, &swept.0, &contract, patience);
     let succeed = |command: &str| {
-        let heir = Invitation { succeeds: true, ..invitation.clone() };
+        let heir = PeerEnvironment { takes_over: true, ..invitation.clone() };
         Role::foreign("controller", command, &children::environment(&heir)?, &bar)
     };
     let mut left_alone: Option<Instant> = None;

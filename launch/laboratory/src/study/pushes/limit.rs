@@ -14,10 +14,10 @@ use super::trial::{BEGIN, DURATION};
 use crate::study::args::Direction;
 use controller::constants::Constants;
 use controller::error::ControllerError;
-use controller::pendulum::{Flow, Motion};
+use controller::pendulum::{PendulumState, Propagator};
 use controller::process::ProcessError;
 use controller::support::Chain;
-use controller::swing::LEAST_JERK_PEAK;
+use controller::swing::MINIMUM_JERK_PEAK;
 use messages::scene::Scene;
 use messages::wire::Telemetry;
 use records::record::Recorder;
@@ -114,7 +114,7 @@ impl Pendulum {
         } else {
             0.0
         };
-        let within = |time: f64| SWING / LEAST_JERK_PEAK * time * time;
+        let within = |time: f64| SWING / MINIMUM_JERK_PEAK * time * time;
         let landing = (foot + 0.5 * speed * left + within(left)).min(self.reach);
         let stride = self.reach.min(0.5 * within(self.step));
         let caught = p + stride / ((omega * self.step).exp() - 1.0);
@@ -125,14 +125,14 @@ impl Pendulum {
 
     fn lateral(&self, state: &Telemetry, outward: bool) -> f64 {
         let (omega, edge) = (self.omega[1], self.edge[1]);
-        let period = Flow::new(omega, self.h);
+        let period = Propagator::new(omega, self.h);
         let bears = |impulse: f64| {
-            let mut at = Motion { x: state.pendulum[2], v: state.pendulum[3] };
+            let mut at = PendulumState { x: state.pendulum[2], v: state.pendulum[3] };
             let push = if outward { -impulse } else { impulse } * omega / (self.per_shift[1] * DURATION);
             for _ in 0..(DURATION / self.h) as usize {
                 let over = at.x >= 0.5 * self.width; // the other foot carries
                 let p = if outward { -edge } else { edge + if over { self.width } else { 0.0 } };
-                at = at.after(&period, push - omega * omega * p);
+                at = at.propagated(&period, push - omega * omega * p);
             }
             (-edge..=self.width + edge).contains(&(at.x + at.v / omega))
         };

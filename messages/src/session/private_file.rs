@@ -48,7 +48,7 @@ pub(super) fn folder(path: &Path) -> io::Result<()> {
 }
 
 /// Takes all rights from group and others.
-pub(super) fn close_to_others(path: &Path) {
+pub(super) fn restrict_access(path: &Path) {
     let open = |found: Metadata| found.is_file() && found.mode() & OTHERS != 0;
     if path.symlink_metadata().is_ok_and(open)
         && let Ok(file) = self::open(path, OpenOptions::new().read(true))
@@ -130,7 +130,7 @@ mod tests {
         assert!(words.contains("may be written to by others"), "{words}");
         std::fs::write(&file, "").expect("a file");
         std::fs::set_permissions(&file, Permissions::from_mode(0o666)).expect("ours");
-        close_to_others(&file);
+        restrict_access(&file);
         assert_eq!(file.metadata().expect("there").mode() & 0o777, 0o600);
     }
 }

@@ -8,7 +8,7 @@
 //! | `velocity` | no drive is so fast: [`FAST`] |
 //! | `friction` | it is 0 |
 
-use super::{Found, Node, attribute, child, optional};
+use super::{Node, Parsed, attribute, child, optional};
 use std::f64::consts::TAU;
 
 /// A stop beyond a whole turn is none for a leg [rad].
@@ -19,8 +19,8 @@ const FAR: f64 = 10.0;
 const FAST: f64 = 100.0;
 
 /// Refuses it, all joints of the first kind that is found in one sentence; what no edit of numbers can mend is first.
-pub(super) fn refuse(joints: &[Node]) -> Found<()> {
-    let kinds: [(&str, Check); 6] = [
+pub(super) fn refuse(joints: &[Node]) -> Parsed<()> {
+    let kinds: [(&str, JointTest); 6] = [
         (
             "neither revolute, continuous, prismatic nor fixed, but joints here turn or slide about one axis",
             is_of_another_type,
@@ -54,17 +54,17 @@ pub(super) fn refuse(joints: &[Node]) -> Found<()> {
     Ok(())
 }
 
-type Check = fn(Node) -> Found<bool>;
+type JointTest = fn(Node) -> Parsed<bool>;
 
-fn is_of_another_type(joint: Node) -> Found<bool> {
+fn is_of_another_type(joint: Node) -> Parsed<bool> {
     Ok(!matches!(attribute(joint, "type")?, "revolute" | "continuous" | "prismatic" | "fixed"))
 }
 
-fn has_friction(joint: Node) -> Found<bool> {
+fn has_friction(joint: Node) -> Parsed<bool> {
     child(joint, "dynamics").map_or(Ok(false), |dynamics| Ok(optional(dynamics, "friction", 0.0)? != 0.0))
 }
 
-fn has_stops(joint: Node) -> Found<bool> {
+fn has_stops(joint: Node) -> Parsed<bool> {
     let Some(limit) = child(joint, "limit") else { return Ok(false) };
     let far = match attribute(joint, "type")? {
         "revolute" => TURN,
@@ -76,7 +76,7 @@ fn has_stops(joint: Node) -> Found<bool> {
     Ok(meant && (optional(limit, "lower", 0.0)? > -far || optional(limit, "upper", 0.0)? < far))
 }
 
-fn is_slow(joint: Node) -> Found<bool> {
+fn is_slow(joint: Node) -> Parsed<bool> {
     child(joint, "limit").map_or(Ok(false), |limit| Ok(optional(limit, "velocity", f64::INFINITY)? < FAST))
 }
 

@@ -11,9 +11,9 @@ use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
 /// π/2 in two parts.
-const QUARTER: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
+const HALF_PI_PARTS: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
 /// Angles beyond this are the library's [rad].
-const FAR: f64 = 1e5;
+const MAX_REDUCED_ANGLE: f64 = 1e5;
 
 /// Coefficients of z, z²… in sin r/r − 1, z = r².
 const SINE: [f64; 6] = [
@@ -35,31 +35,31 @@ const COSINE: [f64; 6] = [
 ];
 
 /// Adding it leaves the nearest whole number in the last bits of a float.
-const WHOLE: f64 = 6_755_399_441_055_744.0;
+const ROUNDING_SHIFT: f64 = 6_755_399_441_055_744.0;
 
 /// sin x and cos x, to within a unit in the last place of 1.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    if x.abs() < FAR { near(x) } else { x.sin_cos() }
+    if x.abs() < MAX_REDUCED_ANGLE { reduced(x) } else { x.sin_cos() }
 }
 
 /// The same of many angles, bit for bit, several at a time.
 #[inline]
-pub fn sines_cosines(angles: &[f64], out: &mut [(f64, f64)]) {
+pub fn sin_cos_all(angles: &[f64], out: &mut [(f64, f64)]) {
     for (x, out) in angles.iter().zip(&mut *out) {
-        *out = near(*x);
+        *out = reduced(*x);
     }
-    if !angles.iter().all(|x| x.abs() < FAR) {
+    if !angles.iter().all(|x| x.abs() < MAX_REDUCED_ANGLE) {
         angles.iter().zip(out).for_each(|(x, out)| *out = sin_cos(*x));
     }
 }
 
-/// sin x and cos x of |x| < [`FAR`], without a branch.
+/// sin x and cos x of |x| < [`MAX_REDUCED_ANGLE`], without a branch.
 #[inline(always)]
-fn near(x: f64) -> (f64, f64) {
-    let shifted = x * FRAC_2_PI + WHOLE;
-    let quarters = shifted - WHOLE;
-    let r = (-quarters).mul_add(QUARTER[1], (-quarters).mul_add(QUARTER[0], x)); // |r| <= π/4
+fn reduced(x: f64) -> (f64, f64) {
+    let shifted = x * FRAC_2_PI + ROUNDING_SHIFT;
+    let quarters = shifted - ROUNDING_SHIFT;
+    let r = (-quarters).mul_add(HALF_PI_PARTS[1], (-quarters).mul_add(HALF_PI_PARTS[0], x)); // |r| <= π/4
     let z = r * r;
     let sum = |coefficients: &[f64; 6]| coefficients.iter().rev().fold(0.0_f64, |sum, c| sum.mul_add(z, *c));
     let sine = (r * z).mul_add(sum(&SINE), r);
@@ -71,23 +71,23 @@ fn near(x: f64) -> (f64, f64) {
 }
 
 /// Which of a body's own axes a unit axis lies along, if any: turning about it is cheaper.
-pub fn along(axis: &Vector3<f64>) -> Option<usize> {
+pub fn aligned_axis(axis: &Vector3<f64>) -> Option<usize> {
     (0..3).find(|&k| axis[k].abs() == 1.0)
 }
 
-/// R turned about a unit axis, given in the frame of R, by the angle with this sine and cosine; [`along`] says which of its own
+/// R turned about a unit axis, given in the frame of R, by the angle with this sine and cosine; [`aligned_axis`] says which of its own
 /// that is, if any.
 #[inline]
-pub fn turned(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, (s, c): (f64, f64)) -> Matrix3<f64> {
+pub fn rotated(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, (s, c): (f64, f64)) -> Matrix3<f64> {
     match along {
-        Some(k) => about(r, k, (s * axis[k], c)),
+        Some(k) => rotated_about(r, k, (s * axis[k], c)),
         None => r * (Matrix3::identity() * c + axis.cross_matrix() * s + axis * axis.transpose() * (1.0 - c)),
     }
 }
 
 /// Axes of a body, the columns of R, turned about the k-th of them by the angle with this sine and cosine.
 #[inline]
-pub fn about(r: &Matrix3<f64>, k: usize, (s, c): (f64, f64)) -> Matrix3<f64> {
+pub fn rotated_about(r: &Matrix3<f64>, k: usize, (s, c): (f64, f64)) -> Matrix3<f64> {
     let [x, y, z] = [0, 1, 2].map(|k| r.column(k).into_owned());
     // Each case by itself: columns picked by a number that varies go through memory, an eighth of the controller's tick.
     let mixed = |u: Vector3<f64>, v: Vector3<f64>| (u * c + v * s, v * c - u * s);
@@ -135,7 +135,7 @@ mod tests {
         for far in [0.0, 1e7, f64::NAN] {
             let angles: Vec<f64> = (0..11).map(|k| 1.7 * f64::from(k) - 8.0).chain([far, -0.0]).collect();
             let mut pairs = vec![(0.0, 0.0); angles.len()];
-            sines_cosines(&angles, &mut pairs);
+            sin_cos_all(&angles, &mut pairs);
             let bits = |(s, c): (f64, f64)| [s.to_bits(), c.to_bits()];
             assert!(angles.iter().zip(&pairs).all(|(x, pair)| bits(sin_cos(*x)) == bits(*pair)), "{far}");
         }
@@ -148,13 +148,17 @@ mod tests {
             let unit = Vector3::ith_axis(k);
             for angle in [-2.5, 0.0, 0.7] {
                 let expected = start * Rotation3::from_axis_angle(&unit, angle);
-                assert!((about(start.matrix(), k, sin_cos(angle)) - expected.matrix()).amax() < 1e-15, "{k} {angle}");
+                assert!(
+                    (rotated_about(start.matrix(), k, sin_cos(angle)) - expected.matrix()).amax() < 1e-15,
+                    "{k} {angle}"
+                );
                 for axis in [unit.into_inner(), -unit.into_inner()] {
-                    let turned = [along(&axis), None].map(|along| turned(start.matrix(), &axis, along, sin_cos(angle)));
+                    let turned =
+                        [aligned_axis(&axis), None].map(|along| rotated(start.matrix(), &axis, along, sin_cos(angle)));
                     assert!((turned[0] - turned[1]).amax() < 1e-15, "{axis} {angle}");
                 }
             }
         }
-        assert_eq!(along(&Vector3::new(0.6, 0.0, 0.8)), None);
+        assert_eq!(aligned_axis(&Vector3::new(0.6, 0.0, 0.8)), None);
     }
 }

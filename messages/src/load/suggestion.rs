@@ -1,20 +1,21 @@
 //! What somebody meant who wrote a name that does not exist.
 
 /// From here on two words are one with a slip of the hand: `wlak` and `walk` have .93, `walk` and `wheel` .73.
-const LIKE: f64 = 0.85;
+const MIN_SIMILARITY: f64 = 0.85;
 
 /// `; did you mean ...?` if a known name is much like the unknown one, else nothing.
-pub(super) fn hint<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub(super) fn suggest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let likeness = |name: &'a str| (strsim::jaro_winkler(unknown, name), name);
     let best = known.into_iter().map(likeness).max_by(|one, other| one.0.total_cmp(&other.0));
-    best.filter(|(likeness, _)| *likeness > LIKE).map_or(String::new(), |(_, name)| format!("; did you mean `{name}`?"))
+    best.filter(|(likeness, _)| *likeness > MIN_SIMILARITY)
+        .map_or(String::new(), |(_, name)| format!("; did you mean `{name}`?"))
 }
 
 /// The same of what serde says of an unknown field or variant, which names it and all that would be right.
-pub(super) fn hint_of(error: &str) -> String {
+pub(super) fn suggest_from_error(error: &str) -> String {
     let mut names = error.split('`').skip(1).step_by(2);
     match names.next().filter(|_| error.contains("unknown field") || error.contains("unknown variant")) {
-        Some(unknown) => hint(unknown, names),
+        Some(unknown) => suggest(unknown, names),
         None => String::new(),
     }
 }
@@ -26,13 +27,13 @@ mod tests {
     #[test]
     fn a_slip_is_understood_and_another_word_is_not() {
         let known = ["walk", "wheel", "stand", "walk-literal"];
-        assert_eq!(hint("wlak", known), "; did you mean `walk`?");
-        assert_eq!(hint("standd", known), "; did you mean `stand`?");
-        assert_eq!(hint("quadruped", known), "");
+        assert_eq!(suggest("wlak", known), "; did you mean `walk`?");
+        assert_eq!(suggest("standd", known), "; did you mean `stand`?");
+        assert_eq!(suggest("quadruped", known), "");
         assert_eq!(
-            hint_of("unknown field `frition`, expected one of `dt`, `friction`, `law`"),
+            suggest_from_error("unknown field `frition`, expected one of `dt`, `friction`, `law`"),
             "; did you mean `friction`?"
         );
-        assert_eq!(hint_of("invalid type: string, expected `friction`"), "");
+        assert_eq!(suggest_from_error("invalid type: string, expected `friction`"), "");
     }
 }

@@ -5,7 +5,7 @@ use std::io::{Write, stderr};
 
 /// Writes a line to standard error, [`printable`]. That nobody reads it, or that it cannot be written, must not end a run: `eprintln!`
 /// would.
-pub fn tell(words: impl Display) {
+pub fn log(words: impl Display) {
     let _ = writeln!(stderr(), "{}", printable(&words.to_string()));
 }
 

@@ -1,65 +1,48 @@
-//! The accept gate: which commands may reach the drives.
+//! The accept validator: which commands may reach the drives.
 //!
 //! It looks in the order of [`REFUSALS`](messages::wire::REFUSALS), from whom to what: version, run, owner, check sum,
 //! number, sensors answered, torques. Each refusal has a counter; a refused command leaves no trace beside it.
 
-use messages::wire::{Command, Stamped, Torques};
+use messages::wire::{Command, Refusal, Stamped, Torques};
 
 /// Torques beyond so many times the drives' limit are nonsense; up to it the drives clamp.
-const NONSENSE: f64 = 4.0;
+const MAX_TORQUE_FACTOR: f64 = 4.0;
 /// From limit to limit is the farthest that an honest command moves in one control period, in limits.
-const FULL_SWING: f64 = 2.0;
+const MAX_JUMP_FACTOR: f64 = 2.0;
 /// Replaced controllers that are remembered.
-const RETIRED: usize = 8;
-
-/// Why a command is refused; the order is that of [`REFUSALS`](messages::wire::REFUSALS).
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Refusal {
-    /// Magic or schema hash are not ours.
-    Version,
-    /// Meant for another run.
-    Run,
-    /// From a controller whose place another has taken.
-    Owner,
-    /// The check sum is wrong.
-    Damaged,
-    /// Not newer than the last accepted one: late, or seen before.
-    Stale,
-    /// Answers sensors not yet sent.
-    Early,
-    /// A torque is no number.
-    NotFinite,
-    /// A torque that no drive has.
-    TooStrong,
-    /// A torque that jumps farther than from limit to limit.
-    TooSteep,
-}
+const REMEMBERED_CONTROLLERS: usize = 8;
 
 /// What an accepted command brought beside its torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Admission {
+pub struct Acceptance {
     /// Commands before it that never came.
     pub lost: u64,
     /// Whether it is the first of another controller process.
     pub takeover: bool,
 }
 
-/// The gate of one run.
+/// The validator of one run.
 #[derive(Clone, Debug)]
-pub struct Gate {
+pub struct CommandValidator {
     run: u64,
     /// Torque limit of the drives [N·m].
     limit: f64,
     /// Epoch and number of the last accepted command.
     owner: Option<(u64, u64)>,
     torques: Torques,
-    retired: [Option<u64>; RETIRED],
+    replaced: [Option<u64>; REMEMBERED_CONTROLLERS],
 }
 
-impl Gate {
+impl CommandValidator {
     /// For commands of the run `run` to drives of `limit` [N·m].
-    pub fn new(run: u64, limit: f64) -> Gate {
-        Gate { run, limit, owner: None, torques: Torques::default(), retired: [None; RETIRED] }
+    pub fn new(run: u64, limit: f64) -> CommandValidator {
+        CommandValidator {
+            run,
+            limit,
+            owner: None,
+            torques: Torques::default(),
+            replaced: [None; REMEMBERED_CONTROLLERS],
+        }
     }
 
     /// Lets a command pass that comes while the newest sensors sent are number `now`.
@@ -69,7 +52,7 @@ impl Gate {
     ///
     /// # Errors
     /// The first reason to refuse it.
-    pub fn admit(&mut self, command: &Command, now: u64) -> Result<Admission, Refusal> {
+    pub fn validate(&mut self, command: &Command, now: u64) -> Result<Acceptance, Refusal> {
         let (stamp, torque) = (&command.stamp, &command.torques.torque);
         let owner = self.owner.filter(|(epoch, _)| *epoch == stamp.epoch);
         let jump = |(torque, before): (&f64, &f64)| (torque - before).abs();
@@ -77,7 +60,7 @@ impl Gate {
             Refusal::Version
         } else if stamp.run != self.run {
             Refusal::Run
-        } else if owner.is_none() && self.retired.contains(&Some(stamp.epoch)) {
+        } else if owner.is_none() && self.replaced.contains(&Some(stamp.epoch)) {
             Refusal::Owner
         } else if !command.is_sound() {
             Refusal::Damaged
@@ -87,9 +70,9 @@ impl Gate {
             Refusal::Early
         } else if !torque.iter().all(|torque| torque.is_finite()) {
             Refusal::NotFinite
-        } else if torque.iter().any(|torque| torque.abs() > NONSENSE * self.limit) {
+        } else if torque.iter().any(|torque| torque.abs() > MAX_TORQUE_FACTOR * self.limit) {
             Refusal::TooStrong
-        } else if torque.iter().zip(&self.torques.torque).map(jump).any(|jump| jump > FULL_SWING * self.limit) {
+        } else if torque.iter().zip(&self.torques.torque).map(jump).any(|jump| jump > MAX_JUMP_FACTOR * self.limit) {
             Refusal::TooSteep
         } else {
             return Ok(self.accept(command, owner));
@@ -97,17 +80,17 @@ impl Gate {
         Err(reason)
     }
 
-    fn accept(&mut self, command: &Command, owner: Option<(u64, u64)>) -> Admission {
+    fn accept(&mut self, command: &Command, owner: Option<(u64, u64)>) -> Acceptance {
         let before = self.owner.replace((command.stamp.epoch, command.stamp.seq));
         self.torques.torque = command.torques.torque.map(|torque| torque.clamp(-self.limit, self.limit));
         match (owner, before) {
-            (Some((_, seq)), _) => Admission { lost: command.stamp.seq - seq - 1, takeover: false },
+            (Some((_, seq)), _) => Acceptance { lost: command.stamp.seq - seq - 1, takeover: false },
             (None, Some((epoch, _))) => {
-                self.retired.rotate_right(1);
-                self.retired[0] = Some(epoch);
-                Admission { lost: 0, takeover: true }
+                self.replaced.rotate_right(1);
+                self.replaced[0] = Some(epoch);
+                Acceptance { lost: 0, takeover: true }
             }
-            (None, None) => Admission::default(),
+            (None, None) => Acceptance::default(),
         }
     }
 }
@@ -124,8 +107,8 @@ mod tests {
         Command { stamp, torques: Torques { torque: [torque; 8] }, ..Command::default() }.sealed()
     }
 
-    fn gate() -> Gate {
-        Gate::new(RUN, 40.0)
+    fn validator() -> CommandValidator {
+        CommandValidator::new(RUN, 40.0)
     }
 
     #[test]
@@ -153,27 +136,27 @@ mod tests {
             (resealed(|c| c.torques.torque[0] = -81.0), Refusal::TooSteep),
         ];
         for (bad, reason) in cases {
-            assert_eq!(gate().admit(&bad, 4), Err(reason), "{}", REFUSALS[reason as usize]);
+            assert_eq!(validator().validate(&bad, 4), Err(reason), "{}", REFUSALS[reason as usize]);
         }
-        assert_eq!(gate().admit(&good, 4), Ok(Admission::default()));
+        assert_eq!(validator().validate(&good, 4), Ok(Acceptance::default()));
     }
 
     #[test]
     fn what_was_seen_or_overtaken_is_stale_and_gaps_are_counted() {
-        let mut gate = gate();
-        assert_eq!(gate.admit(&command(1, 1, 1, 0.0), 1), Ok(Admission::default()));
-        assert_eq!(gate.admit(&command(1, 1, 1, 0.0), 2), Err(Refusal::Stale));
-        assert_eq!(gate.admit(&command(1, 4, 2, 0.0), 2), Ok(Admission { lost: 2, takeover: false }));
-        assert_eq!(gate.admit(&command(1, 3, 2, 0.0), 2), Err(Refusal::Stale));
+        let mut validator = validator();
+        assert_eq!(validator.validate(&command(1, 1, 1, 0.0), 1), Ok(Acceptance::default()));
+        assert_eq!(validator.validate(&command(1, 1, 1, 0.0), 2), Err(Refusal::Stale));
+        assert_eq!(validator.validate(&command(1, 4, 2, 0.0), 2), Ok(Acceptance { lost: 2, takeover: false }));
+        assert_eq!(validator.validate(&command(1, 3, 2, 0.0), 2), Err(Refusal::Stale));
     }
 
     #[test]
     fn a_replaced_controller_never_comes_back() {
-        let mut gate = gate();
-        assert_eq!(gate.admit(&command(1, 9, 1, 0.0), 1), Ok(Admission::default()));
-        assert_eq!(gate.admit(&command(2, 1, 2, 0.0), 2), Ok(Admission { lost: 0, takeover: true }));
-        assert_eq!(gate.admit(&command(1, 10, 2, 0.0), 2), Err(Refusal::Owner));
-        assert_eq!(gate.admit(&command(2, 2, 2, 0.0), 2), Ok(Admission::default()));
+        let mut validator = validator();
+        assert_eq!(validator.validate(&command(1, 9, 1, 0.0), 1), Ok(Acceptance::default()));
+        assert_eq!(validator.validate(&command(2, 1, 2, 0.0), 2), Ok(Acceptance { lost: 0, takeover: true }));
+        assert_eq!(validator.validate(&command(1, 10, 2, 0.0), 2), Err(Refusal::Owner));
+        assert_eq!(validator.validate(&command(2, 2, 2, 0.0), 2), Ok(Acceptance::default()));
     }
 
     /// A million commands with random flaws: what passes is finite, within four limits, of the run, and never older.
@@ -182,7 +165,7 @@ mod tests {
         let seed = fastrand::u64(..);
         println!("seed {seed}");
         let mut random = fastrand::Rng::with_seed(seed);
-        let (mut gate, mut newest, mut passed, mut refused) = (gate(), (0, 0), 0, [0; REFUSALS.len()]);
+        let (mut validator, mut newest, mut passed, mut refused) = (validator(), (0, 0), 0, [0; REFUSALS.len()]);
         let flawed = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 200.0, -130.0];
         for now in 1..=1_000_000 {
             // every so often a new controller takes over
@@ -206,7 +189,7 @@ mod tests {
                 2 => c.stamp.check ^= 1 << random.u32(0..32),
                 _ => (),
             }
-            match gate.admit(&c, now) {
+            match validator.validate(&c, now) {
                 Ok(_) => {
                     let Stamp { run, epoch, seq, ack, .. } = c.stamp;
                     assert!(c.torques.torque.iter().all(|torque| torque.abs() <= 160.0) && run == RUN, "{c:?}");

@@ -1,6 +1,6 @@
 //! Who is in a session: every member holds a shared lock on one file, which the system gives back even for the killed.
 
-use super::{Remains, Session, own};
+use super::{Session, StaleSession, private_file};
 use crate::port::PortError;
 use nix::fcntl::{FcntlArg, fcntl};
 use nix::libc::{F_WRLCK, SEEK_SET, flock};
@@ -10,31 +10,32 @@ use std::os::unix::process::parent_id;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Patience of the last one out with the locks of a parent that has just been killed.
-const ORPHANED: Duration = Duration::from_millis(500);
+/// Timeout of the last one out with the locks of a parent that has just been killed.
+const ORPHANED_LOCK_TIMEOUT: Duration = Duration::from_millis(500);
 /// And with somebody who only looks whether the session is running, which takes microseconds.
-const GLANCE: Duration = Duration::from_millis(2);
+const STATUS_CHECK_TIME: Duration = Duration::from_millis(2);
 
 impl Session {
     /// Enters the session. The first one in sweeps what killed processes left, here and in sessions that are dead.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn enter(&self) -> Result<Membership, PortError> {
-        let path = self.list();
+    pub fn join(&self) -> Result<Membership, PortError> {
+        let path = self.lock_file();
         let fail = |reason| PortError::SharedMemory(format!("{} cannot be locked: {reason}", path.display()));
         loop {
             let options = &mut File::options();
-            let file = own::open(&path, options.read(true).write(true).create(true).truncate(false)).map_err(fail)?;
+            let file =
+                private_file::open(&path, options.read(true).write(true).create(true).truncate(false)).map_err(fail)?;
             if file.try_lock().is_ok() {
-                self.leftovers().iter().filter(|left| **left != path).for_each(|left| remove(left));
+                self.shm_files().iter().filter(|left| **left != path).for_each(|left| remove(left));
                 file.lock_shared().map_err(fail)?;
-                Remains::all().iter().for_each(|dead| _ = dead.remove());
+                StaleSession::all().iter().for_each(|dead| _ = dead.remove());
             }
             file.lock_shared().map_err(fail)?;
             // The last one out may have removed the file just before it was locked here.
             if is_current(&file, &path) {
-                own::folder(&self.root()).map_err(fail)?;
+                private_file::folder(&self.root()).map_err(fail)?;
                 // told to whoever looks for running sessions
                 file.write_all_at(self.name.as_bytes(), 0).map_err(fail)?;
                 return Ok(Membership { session: self.clone(), file, parent: parent_id() });
@@ -74,21 +75,21 @@ impl Membership {
     fn patience(&self) -> Duration {
         match self.is_orphaned() {
             // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
-            true => ORPHANED,
+            true => ORPHANED_LOCK_TIMEOUT,
             // One that lives and is in the session is the last one out.
             false if self.session.is_member(self.parent) => Duration::ZERO,
-            false => GLANCE,
+            false => STATUS_CHECK_TIME,
         }
     }
 
     /// Whether the session's files are still there. Somebody may have removed them, as logind does (RemoveIPC) when a user's last login
     /// ends: who is in the session goes on, but nobody can join any more.
     pub fn can_be_joined(&self) -> bool {
-        is_current(&self.file, &self.session.list())
+        is_current(&self.file, &self.session.lock_file())
     }
 
     /// Takes the lead, which one member has at a time, as long as it is in the session: says whether it got it.
-    pub fn lead(&self) -> bool {
+    pub fn try_lead(&self) -> bool {
         let first_byte = flock { l_type: F_WRLCK as _, l_whence: SEEK_SET as _, l_start: 0, l_len: 1, l_pid: 0 };
         fcntl(&self.file, FcntlArg::F_OFD_SETLK(&first_byte)).is_ok()
     }
@@ -106,8 +107,8 @@ impl Drop for Membership {
             std::thread::sleep(Duration::from_millis(1));
             last = self.file.try_lock().is_ok();
         }
-        if last && is_current(&self.file, &self.session.list()) {
-            Remains::at(&self.session.prefix()).clear();
+        if last && is_current(&self.file, &self.session.lock_file()) {
+            StaleSession::at(&self.session.prefix()).clear();
         }
     }
 }
@@ -123,8 +124,8 @@ mod tests {
             let (session, gate) = (Session::unique(), Barrier::new(4));
             let enters = || {
                 gate.wait();
-                let member = session.enter().expect("shared memory");
-                let leads = member.lead();
+                let member = session.join().expect("shared memory");
+                let leads = member.try_lead();
                 gate.wait(); // nobody leaves before all have asked
                 leads
             };
@@ -133,16 +134,16 @@ mod tests {
                 all.into_iter().filter_map(|one| one.join().ok()).filter(|leads| *leads).count()
             });
             assert_eq!(leaders, 1);
-            assert!(session.leftovers().is_empty());
+            assert!(session.shm_files().is_empty());
         }
     }
 
     #[test]
     fn the_lead_is_free_again_once_its_holder_has_left() {
         let session = Session::unique();
-        let [first, second] = [0, 1].map(|_| session.enter().expect("shared memory"));
-        assert!(first.lead() && !second.lead());
+        let [first, second] = [0, 1].map(|_| session.join().expect("shared memory"));
+        assert!(first.try_lead() && !second.try_lead());
         drop(first);
-        assert!(second.lead());
+        assert!(second.try_lead());
     }
 }

@@ -9,23 +9,23 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 /// What is half done for so long is never finished: the living take microseconds.
-const HALF_DONE: Duration = Duration::from_millis(100);
+const STALE_AFTER: Duration = Duration::from_millis(100);
 /// It is looked at this often, so that the living are not waited for any longer.
 const LOOK: Duration = Duration::from_millis(1);
 
 impl Session {
     /// Removes what was left half made: segments without a size, for which whoever opens one as root waits for ever, and
     /// services of which not all was written.
-    pub(crate) fn clear_half_made(&self) {
+    pub(crate) fn remove_incomplete_files(&self) {
         clear(|| {
-            let all = self.leftovers().into_iter().chain(within(&self.services()));
-            all.filter(|path| is_half_made(path)).collect()
+            let all = self.shm_files().into_iter().chain(within(&self.services()));
+            all.filter(|path| is_incomplete(path)).collect()
         });
     }
 
     /// Removes services that nobody uses: who was the last to use one was killed amid removing it. A process that makes,
     /// uses or removes a service has a tag of it among the files of its node; those of the dead must have been removed.
-    pub(crate) fn clear_half_removed(&self) {
+    pub(crate) fn remove_unused_services(&self) {
         clear(|| {
             // the services first: one that is made meanwhile has its tag before
             let services: Vec<PathBuf> = within(&self.services()).collect();
@@ -47,7 +47,7 @@ impl Session {
 /// Removes the files that `find` finds again and again.
 fn clear(find: impl Fn() -> Vec<PathBuf>) {
     let (start, mut found) = (Instant::now(), find());
-    while !found.is_empty() && start.elapsed() < HALF_DONE {
+    while !found.is_empty() && start.elapsed() < STALE_AFTER {
         std::thread::sleep(LOOK);
         let still = find();
         found.retain(|path| still.contains(path));
@@ -61,7 +61,7 @@ fn within(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
 }
 
 /// A segment may be read only when it is finished, a service only then no longer be written.
-fn is_half_made(path: &Path) -> bool {
+fn is_incomplete(path: &Path) -> bool {
     let is_service = path.extension().is_some_and(|end| end == "service");
     let is_it = |file: Metadata| match is_service {
         true => file.mode() & 0o200 != 0,
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn what_is_finished_meanwhile_is_not_waited_for() {
         let session = Session::unique();
-        let _member = session.enter().expect("shared memory"); // or whoever enters a session sweeps this one
+        let _member = session.join().expect("shared memory"); // or whoever enters a session sweeps this one
         let file = session.root().with_extension("half");
         let clearing = |finds: u32| {
             let (start, left) = (Instant::now(), Cell::new(finds));
@@ -98,16 +98,16 @@ mod tests {
     #[test]
     fn what_nobody_uses_goes_and_what_somebody_uses_stays() {
         let session = Session::unique();
-        let member = session.enter().expect("shared memory"); // or whoever enters a session sweeps this one
+        let member = session.join().expect("shared memory"); // or whoever enters a session sweeps this one
         let node = session.root().join("nodes/1");
         let services: [PathBuf; 2] = ["used", "unused"].map(|name| session.services().join(format!("{name}.service")));
         std::fs::create_dir_all(&node).expect("a folder");
         std::fs::create_dir_all(session.services()).expect("a folder");
         services.iter().for_each(|path| std::fs::write(path, "").expect("a file"));
         std::fs::write(node.join("used.service_tag"), "").expect("a file");
-        session.clear_half_removed();
+        session.remove_unused_services();
         assert_eq!(services.map(|path| path.exists()), [true, false]);
         drop(member);
-        assert_eq!(session.leftovers(), Vec::<PathBuf>::new());
+        assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
     }
 }

@@ -1,16 +1,16 @@
 //! What reaches the drives of what the controller says:
 //!
 //! ```text
-//!   link → injector (delay, loss, …) → gate → newest accepted command → its age → watchdog → hand-over → torques
+//!   link → injector (delay, loss, …) → validator → newest accepted command → its age → watchdog → hand-over → torques
 //! ```
 //! Pure, in simulated time: the same in one process and in two, in lockstep and in real time.
 
-use crate::gate::{Admission, Gate};
 use crate::handover::Handover;
 use crate::inject::Injector;
-use crate::watchdog::{Mode, Watchdog};
+use crate::validation::{Acceptance, CommandValidator};
+use crate::watchdog::Watchdog;
 use messages::scene::Scene;
-use messages::wire::{Command, Encoders, JOINTS, Sensors, Stamp, Tally, Torques};
+use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
 use std::f64::consts::TAU;
 
 /// Damping of an abandoned joint, D [N·m·s/rad].
@@ -18,9 +18,9 @@ const DAMPING: f64 = 2.0;
 
 /// The way to the drives, in one run.
 #[derive(Clone, Debug)]
-pub struct Intake {
+pub struct CommandPipeline {
     injector: Option<Injector>,
-    gate: Gate,
+    validator: CommandValidator,
     watchdog: Watchdog,
     handover: Handover,
     /// Torques of the last period [N·m].
@@ -30,25 +30,25 @@ pub struct Intake {
     newest: Option<Command>,
     /// Whether the newest has come since torques were last asked for.
     fresh: bool,
-    mode: Mode,
+    state: PlantState,
     age: u64,
     before: Encoders,
     tally: Tally,
 }
 
-impl Intake {
+impl CommandPipeline {
     /// For the run `run` of a scene.
-    pub fn new(scene: &Scene, run: u64) -> Intake {
-        Intake {
+    pub fn new(scene: &Scene, run: u64) -> CommandPipeline {
+        CommandPipeline {
             injector: (!scene.link.is_perfect()).then(|| Injector::new(&scene.link, 1.0 / scene.rate)),
-            gate: Gate::new(run, scene.plant.torque_limit),
+            validator: CommandValidator::new(run, scene.plant.torque_limit),
             watchdog: Watchdog::new(scene.rate),
             handover: Handover::new(scene.rate),
             applied: Torques::default(),
             count_rate: scene.rate * TAU / f64::from(scene.plant.encoder_bits).exp2(),
             newest: None,
             fresh: false,
-            mode: Mode::Wait,
+            state: PlantState::Wait,
             age: 0,
             before: Encoders::default(),
             tally: Tally::default(),
@@ -57,10 +57,10 @@ impl Intake {
 
     /// A command comes in control period `now`, the number of the newest sensors. Until one has been accepted, none is
     /// held up: the robot is switched on when the first one is there.
-    pub fn hear(&mut self, command: &Command, now: u64) {
+    pub fn receive(&mut self, command: &Command, now: u64) {
         match &mut self.injector {
             Some(injector) if self.newest.is_some() => injector.push(now, command),
-            _ => self.look(command, now),
+            _ => self.validate(command, now),
         }
     }
 
@@ -68,23 +68,25 @@ impl Intake {
     pub fn torques(&mut self, sensors: &Sensors) -> Torques {
         let now = sensors.stamp.seq;
         while let Some(command) = self.injector.as_mut().and_then(|injector| injector.pop(now)) {
-            self.look(&command, now);
+            self.validate(&command, now);
         }
         let before = std::mem::replace(&mut self.before, sensors.encoders);
         let Some(newest) = &self.newest else { return Torques::default() };
         self.age = now - newest.stamp.ack;
-        self.mode = self.watchdog.judge(self.age, std::mem::take(&mut self.fresh));
+        self.state = self.watchdog.update(self.age, std::mem::take(&mut self.fresh));
         let tally = &mut self.tally;
-        match self.mode {
-            Mode::Hold => tally.held += 1,
-            Mode::Damp => tally.damped += 1,
-            Mode::Fault => tally.faulted += 1,
-            Mode::Wait | Mode::Run | Mode::Paused => (),
+        match self.state {
+            PlantState::Hold => tally.held += 1,
+            PlantState::Damp => tally.damped += 1,
+            PlantState::Fault => tally.faulted += 1,
+            PlantState::Wait | PlantState::Run | PlantState::Paused => (),
         }
-        self.applied = match self.mode {
-            Mode::Damp => self.damping(&sensors.encoders, &before),
-            Mode::Fault => Torques::default(),
-            Mode::Wait | Mode::Run | Mode::Paused | Mode::Hold => self.handover.blend(newest.torques),
+        self.applied = match self.state {
+            PlantState::Damp => self.damping(&sensors.encoders, &before),
+            PlantState::Fault => Torques::default(),
+            PlantState::Wait | PlantState::Run | PlantState::Paused | PlantState::Hold => {
+                self.handover.blend(newest.torques)
+            }
         };
         self.applied
     }
@@ -94,10 +96,10 @@ impl Intake {
         self.watchdog.rearm();
     }
 
-    /// The gate, and what comes through it.
-    fn look(&mut self, command: &Command, now: u64) {
-        match self.gate.admit(command, now) {
-            Ok(Admission { lost, takeover }) => {
+    /// The validator, and what comes through it.
+    fn validate(&mut self, command: &Command, now: u64) {
+        match self.validator.validate(command, now) {
+            Ok(Acceptance { lost, takeover }) => {
                 self.tally.lost += lost;
                 self.tally.takeovers += u64::from(takeover);
                 if takeover {
@@ -117,7 +119,7 @@ impl Intake {
     }
 
     /// Whether a command has been accepted yet.
-    pub fn has_begun(&self) -> bool {
+    pub fn has_command(&self) -> bool {
         self.newest.is_some()
     }
 
@@ -133,8 +135,8 @@ impl Intake {
     }
 
     /// What drove the last period.
-    pub fn mode(&self) -> Mode {
-        self.mode
+    pub fn state(&self) -> PlantState {
+        self.state
     }
 
     /// Age of the command of the last period [control periods].

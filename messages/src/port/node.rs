@@ -1,8 +1,8 @@
-//! One process's place in a session: its node, and the topics as the contract wants them.
+//! One process's node in a session: its node, and the topics as the contract wants them.
 
 use super::contract::Contract;
 use super::error::{PortError, broken};
-use crate::session::{Membership, Room, Session};
+use crate::session::{Membership, Session, ShmUsage};
 use crate::wire::{Reply, Request, SCHEMA_HASH, Served, Stamped, Truth};
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
@@ -20,29 +20,29 @@ const LINK_READERS: usize = 4;
 /// Messages of truth that a recorder may lag behind. All their room is taken at the start: four times as many take 6 ms.
 pub(super) const TRUTH_BUFFER: usize = 1024;
 /// Shared memory that must be free before a session begins [bytes]: four times what its largest topic takes.
-pub const ROOM: u64 = (4 * RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
+pub const REQUIRED_SHM: u64 = (4 * RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
 /// Others whose last messages a reader still hears after they have ended. Every look of iceoryx2 passes over the places for
 /// all of them, by default 128.
-const ENDED: usize = 2;
+const EXPIRED_CONNECTIONS: usize = 2;
 /// Time to keep trying while another process is just making or removing the same topic.
-const OPENING: Duration = Duration::from_secs(2);
+const OPEN_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// Writers of what was served: plant and controller, and whoever takes the place of one that has just been killed.
-const DESKS: usize = 4;
+/// Writers of what was served: plant and controller, and whoever takes the node of one that has just been killed.
+const SERVED_WRITERS: usize = 4;
 /// Requests that a recorder may lag behind: more in a few milliseconds than people ask.
 pub(super) const SERVED_BUFFER: usize = 64;
 
 /// The topic of requests that were answered.
 const SERVED: &str = "biped/served";
-/// The topic of the truth, and the bell by which a recorder says that it reads.
+/// The topic of the truth, and the notifier by which a recorder says that it reads.
 pub(super) const TRUTH: &str = "biped/truth";
 
 pub(super) type Topic<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
-type DeskFactory = request_response::PortFactory<ipc::Service, Request, (), Reply, ()>;
+type ServiceFactory = request_response::PortFactory<ipc::Service, Request, (), Reply, ()>;
 
-/// One process's place in a session: the node, and what it may open.
+/// One process's node in a session: the node, and what it may open.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct SessionNode {
     // Before the membership, whose end clears away what the node leaves: fields are dropped in order.
     node: Node<ipc::Service>,
     /// Visitors have none.
@@ -50,43 +50,43 @@ pub(super) struct Place {
     membership: Membership,
 }
 
-impl Place {
-    /// A place as one of the session's makers.
-    pub fn open(session: &Session, contract: &Contract) -> Result<Place, PortError> {
-        Room::demand(ROOM)?;
-        Place::enter(session, Some(*contract))
+impl SessionNode {
+    /// A node as one of the session's makers.
+    pub fn open(session: &Session, contract: &Contract) -> Result<SessionNode, PortError> {
+        ShmUsage::require(REQUIRED_SHM)?;
+        SessionNode::enter(session, Some(*contract))
     }
 
-    /// A place in a session that others have made.
-    pub fn visit(session: &Session) -> Result<Place, PortError> {
+    /// A node in a session that others have made.
+    pub fn attach(session: &Session) -> Result<SessionNode, PortError> {
         if !session.is_running() {
             return Err(PortError::NoSession { session: session.name().into(), other: session.other_owner() });
         }
-        Place::enter(session, None)
+        SessionNode::enter(session, None)
     }
 
-    fn enter(session: &Session, contract: Option<Contract>) -> Result<Place, PortError> {
+    fn enter(session: &Session, contract: Option<Contract>) -> Result<SessionNode, PortError> {
         // What goes wrong is told in our own words; IOX2_LOG_LEVEL shows iceoryx2's as well.
         set_log_level_from_env_or(LogLevel::Fatal);
-        let membership = session.enter()?;
+        let membership = session.join()?;
         let mut config = Config::default();
         let root = session.root().into_os_string().into_encoded_bytes();
         config.global.prefix = FileName::new(session.prefix().as_bytes()).map_err(|e| broken("naming", e))?;
         config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| broken("naming", e))?);
         // New nodes clear away what dead ones left; at its end a node need not, for the last one out does.
         config.global.node.cleanup_dead_nodes_on_destruction = false;
-        config.defaults.publish_subscribe.subscriber_expired_connection_buffer = ENDED;
-        config.defaults.request_response.server_expired_connection_buffer = ENDED;
-        session.clear_half_made();
+        config.defaults.publish_subscribe.subscriber_expired_connection_buffer = EXPIRED_CONNECTIONS;
+        config.defaults.request_response.server_expired_connection_buffer = EXPIRED_CONNECTIONS;
+        session.remove_incomplete_files();
         // The default handler would swallow Ctrl-C; the program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| broken("joining the session", e))?;
-        session.close_to_others();
-        session.clear_half_removed(); // the new node has removed those of the dead
-        Ok(Place { node, contract, membership })
+        session.restrict_access();
+        session.remove_unused_services(); // the new node has removed those of the dead
+        Ok(SessionNode { node, contract, membership })
     }
 
-    fn topic<M: Stamped>(&self, name: &str, shape: Shape) -> Result<Topic<M>, PortError> {
+    fn topic<M: Stamped>(&self, name: &str, shape: TopicSettings) -> Result<Topic<M>, PortError> {
         let service = service_name(name)?;
         let builder = || self.node.service_builder(&service).publish_subscribe::<M>();
         let required = self.required()?;
@@ -104,12 +104,14 @@ impl Place {
                 None => builder.open().map_err(Into::into),
             }
         };
-        let error = match patiently(open, incompatible) {
+        let error = match with_retries(open, incompatible) {
             Ok(topic) => return Ok(topic),
             Err(error) => error,
         };
         match builder().open() {
-            Ok(found) if error == Open::IncompatibleAttributes.into() => Err(self.disagreement(found.attributes())),
+            Ok(found) if error == Open::IncompatibleAttributes.into() => {
+                Err(self.contract_difference(found.attributes()))
+            }
             _ if incompatible(&error) || error == Open::ServiceInCorruptedState.into() => {
                 Err(PortError::Foreign { session: self.session().into(), reason: format!("{error:?}") })
             }
@@ -121,37 +123,47 @@ impl Place {
     }
 
     pub fn truth(&self) -> Result<Topic<Truth>, PortError> {
-        self.topic(TRUTH, Shape { writers: 1, readers: RECORDERS, buffer: TRUTH_BUFFER, history: 0, overwrite: false })
+        self.topic(
+            TRUTH,
+            TopicSettings { writers: 1, readers: RECORDERS, buffer: TRUTH_BUFFER, history: 0, overwrite: false },
+        )
     }
 
     pub fn served(&self) -> Result<Topic<Served>, PortError> {
-        let shape = Shape { writers: DESKS, readers: RECORDERS, buffer: SERVED_BUFFER, history: 0, overwrite: true };
+        let shape = TopicSettings {
+            writers: SERVED_WRITERS,
+            readers: RECORDERS,
+            buffer: SERVED_BUFFER,
+            history: 0,
+            overwrite: true,
+        };
         self.topic(SERVED, shape)
     }
 
     pub fn link<M: Stamped>(&self, name: &str) -> Result<Topic<M>, PortError> {
-        self.topic(name, Shape { writers: 1, readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
+        self.topic(name, TopicSettings { writers: 1, readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
     }
 
     pub fn event(&self, name: &str) -> Result<event::PortFactory<ipc::Service>, PortError> {
         let service = service_name(name)?;
-        patiently(|| self.node.service_builder(&service).event().open_or_create(), |_| false)
+        with_retries(|| self.node.service_builder(&service).event().open_or_create(), |_| false)
             .map_err(|e| broken("the wake-up", e))
     }
 
-    /// A desk of one's own.
-    pub fn desk(&self, name: &str) -> Result<DeskFactory, PortError> {
+    /// A service of one's own.
+    pub fn service(&self, name: &str) -> Result<ServiceFactory, PortError> {
         let service = service_name(name)?;
-        let desk = || self.node.service_builder(&service).request_response::<Request, Reply>().max_servers(1);
+        let service = || self.node.service_builder(&service).request_response::<Request, Reply>().max_servers(1);
         let schema = self.schema()?;
-        patiently(|| desk().open_or_create_with_attributes(&schema), |_| false).map_err(|e| broken("opening a desk", e))
+        with_retries(|| service().open_or_create_with_attributes(&schema), |_| false)
+            .map_err(|e| broken("opening a desk", e))
     }
 
-    /// Somebody else's desk, if there is one.
-    pub fn visited_desk(&self, name: &str) -> Result<Option<DeskFactory>, PortError> {
-        let desk = self.node.service_builder(&service_name(name)?).request_response::<Request, Reply>();
-        match desk.open_with_attributes(&self.schema()?) {
-            Ok(desk) => Ok(Some(desk)),
+    /// Somebody else's service, if there is one.
+    pub fn existing_service(&self, name: &str) -> Result<Option<ServiceFactory>, PortError> {
+        let service = self.node.service_builder(&service_name(name)?).request_response::<Request, Reply>();
+        match service.open_with_attributes(&self.schema()?) {
+            Ok(service) => Ok(Some(service)),
             Err(RequestResponseOpenError::DoesNotExist) => Ok(None),
             Err(RequestResponseOpenError::IncompatibleAttributes) => {
                 Err(PortError::Foreign { session: self.session().into(), reason: "its wire schema is another".into() })
@@ -188,7 +200,7 @@ impl Place {
     }
 
     /// The first part of the contract that the session's makers have otherwise.
-    fn disagreement(&self, found: &AttributeSet) -> PortError {
+    fn contract_difference(&self, found: &AttributeSet) -> PortError {
         let session = self.session().to_string();
         for (what, ours) in self.attributes() {
             let key = AttributeKey::try_from(what).ok();
@@ -203,7 +215,7 @@ impl Place {
 }
 
 /// Quality of service of a topic.
-struct Shape {
+struct TopicSettings {
     writers: usize,
     readers: usize,
     buffer: usize,
@@ -231,11 +243,11 @@ fn incompatible(error: &PublishSubscribeOpenOrCreateError) -> bool {
 }
 
 /// Retries for a while what is not final: another process may be making or removing the same thing at this moment.
-fn patiently<T, E>(mut open: impl FnMut() -> Result<T, E>, is_final: impl Fn(&E) -> bool) -> Result<T, E> {
+fn with_retries<T, E>(mut open: impl FnMut() -> Result<T, E>, is_final: impl Fn(&E) -> bool) -> Result<T, E> {
     let start = Instant::now();
     loop {
         match open() {
-            Err(error) if !is_final(&error) && start.elapsed() < OPENING => {
+            Err(error) if !is_final(&error) && start.elapsed() < OPEN_TIMEOUT => {
                 std::thread::sleep(Duration::from_millis(2));
             }
             result => return result,
