@@ -18,7 +18,7 @@ initial = { clearance = 0.0, velocity = [0.5, 0.0, 0.0], joints = [0.0, 0.5, -1.
 /// Prints what each stage makes, and compares the velocity at the end.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let scene = load::parse(SCENE, "one step")?;
-    let mut plant = Plant::new(&scene)?.without_welds();
+    let mut plant = Plant::new(&scene)?.without_standing_feet();
     let (model, mut state, h) = (plant.model().clone(), plant.state().clone(), scene.plant.dt);
 
     let mut pose = kinematics::Pose::new(&model); // poses and velocities of all links

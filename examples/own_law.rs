@@ -47,7 +47,7 @@ fn gauss_seidel(problem: &Problem, sweeps: usize) -> Vec<f64> {
 /// Prints the residual of the law after more and more sweeps, beside that of the default law.
 pub fn main() -> Result<(), Box<dyn Error>> {
     for (name, scene, converges) in [("brick", BRICK, true), ("robot", ROBOT, false)] {
-        let mut plant = Plant::new(&load::parse(scene, name)?)?.without_welds();
+        let mut plant = Plant::new(&load::parse(scene, name)?)?.without_standing_feet();
         plant.step()?;
         let (problem, mut solver) = (plant.problem(), Solver::default());
         let default = solver.solve(problem, Law::Cone, &mut Memory::default()).natural_map;

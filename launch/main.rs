@@ -18,7 +18,7 @@ use clap::{FromArgMatches, Parser, Subcommand};
 use laboratory::{chart, conform, contact, faults, hashes, latency, robustness, soak, study};
 use nix::sys::signal::{SigSet, Signal};
 use records::{recording, top, view};
-use sessions::{allowance, children, desk, doctor, export, model, roles, run, tunnel, wire};
+use sessions::{allowance, children, desk, doctor, environment, export, model, roles, run, tunnel, wire};
 use shared::args::SceneArgs;
 use shared::exit::{self, Exit, Failure};
 use shared::list;
@@ -64,6 +64,8 @@ enum Command {
     Plant(roles::RoleArgs),
     /// Start the controller of a session
     Controller(roles::RoleArgs),
+    /// Print what a controller needs to attach to a running session
+    Session(environment::EnvironmentArgs),
     #[command(flatten)]
     Desk(desk::Wish),
     /// Show a running session or a recording in a browser, in 3-D; a session can be pushed and led from there
@@ -140,6 +142,7 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => roles::plant(&args, stop),
         Some(Command::Controller(args)) => roles::controller(&args, stop),
+        Some(Command::Session(args)) => environment::run(&args, stop),
         Some(Command::Desk(wish)) => desk::run(wish),
         Some(Command::View(args)) => view::run(&args, stop),
         Some(Command::Top(args)) => top::run(&args, stop),

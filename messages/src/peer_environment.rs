@@ -1,12 +1,19 @@
 //! What a program that takes part in a session finds in its environment: written by whoever starts it, read by whoever is
 //! started. docs/WIRE.md lists the variables.
 
+use crate::load::text;
 use crate::port::{Contract, PortError};
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::wire::SCHEMA_HASH;
+use std::collections::BTreeMap;
 use std::env;
-use std::time::Duration;
+use std::time::{Duration, Instant};
+
+/// Time to wait for a session, unless the environment says otherwise.
+const PATIENCE: Duration = Duration::from_secs(10);
+/// Time between two looks for it.
+const POLL: Duration = Duration::from_millis(5);
 
 /// Where the session is, and what is to be done in it.
 #[derive(Clone, Debug)]
@@ -45,13 +52,68 @@ impl PeerEnvironment {
         environment
     }
 
-    /// The one in this process's environment.
+    /// Publishes it in its session, for programs that are started by hand, and the scene for those who look on.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`] if there is no room for it.
+    pub fn publish(&self) -> Result<(), PortError> {
+        let variables: BTreeMap<_, _> = self.environment().into_iter().collect();
+        self.session.publish_scene(&text(&self.scene))?;
+        self.session.publish_environment(&serde_json::to_string(&variables).unwrap_or_default())
+    }
+
+    /// The one in this process's environment. If it names a session in `BIPED_SESSION` and says nothing else, this attaches to
+    /// that session.
     ///
     /// # Errors
     /// See [`PeerEnvironmentError`].
-    pub fn from_env() -> Result<PeerEnvironment, PeerEnvironmentError> {
-        let session = Session::named(&variable("SESSION")?)?;
-        let contract = variable("CONTRACT")?;
+    pub fn from_env(keeps_waiting: impl Fn() -> bool) -> Result<PeerEnvironment, PeerEnvironmentError> {
+        let variable = |name: &str| env::var(name).ok();
+        match (variable("BIPED_SESSION"), variable("BIPED_CONTRACT")) {
+            (Some(session), None) => {
+                let patience = variable("BIPED_PATIENCE").map_or(Ok(PATIENCE), |seconds| patience(&seconds))?;
+                PeerEnvironment::attach(&session, patience, keeps_waiting)
+            }
+            _ => PeerEnvironment::parse(variable),
+        }
+    }
+
+    /// Takes part in a session by its name. Waits until its plant is there, at most for `patience`.
+    ///
+    /// # Errors
+    /// No such session within that time; else see [`PeerEnvironmentError`].
+    pub fn attach(
+        name: &str,
+        patience: Duration,
+        keeps_waiting: impl Fn() -> bool,
+    ) -> Result<PeerEnvironment, PeerEnvironmentError> {
+        let (session, start) = (Session::named(name)?, Instant::now());
+        let published = || session.is_running().then(|| session.environment()).flatten();
+        loop {
+            if let Some(json) = published() {
+                let variables: BTreeMap<String, String> = serde_json::from_str(&json)
+                    .map_err(|error| malformed(format!("session `{name}` has published no environment: {error}")))?;
+                let found = PeerEnvironment::parse(|key| variables.get(key).cloned())?;
+                return Ok(PeerEnvironment { patience, ..found });
+            }
+            if start.elapsed() > patience || !keeps_waiting() {
+                return Err(PortError::NoSession { session: name.into(), other: session.other_owner() }.into());
+            }
+            std::thread::sleep(POLL);
+        }
+    }
+
+    fn parse(variable: impl Fn(&str) -> Option<String>) -> Result<PeerEnvironment, PeerEnvironmentError> {
+        let needed = |name: &str| {
+            variable(name).ok_or_else(|| {
+                malformed(format!(
+                    "{name} is not set: set BIPED_SESSION to the name of a running session, \
+                     or start this by biped run SCENE --controller COMMAND, or --plant COMMAND"
+                ))
+            })
+        };
+        let session = Session::named(&needed("BIPED_SESSION")?)?;
+        let contract = needed("BIPED_CONTRACT")?;
         let contract = Contract::parse(&contract)
             .ok_or_else(|| malformed(format!("BIPED_CONTRACT has not the lines of docs/WIRE.md: {contract:?}")))?;
         if contract.schema != SCHEMA_HASH {
@@ -59,12 +121,10 @@ impl PeerEnvironment {
             let session = session.name().into();
             return Err(PortError::Incompatible { session, what: "wire schema", theirs, ours }.into());
         }
-        let patience = variable("PATIENCE")?;
-        let patience = patience.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-        let patience = patience.ok_or_else(|| malformed("BIPED_PATIENCE is no number of seconds"))?;
-        let scene = serde_json::from_str(&variable("SCENE")?)
+        let patience = patience(&needed("BIPED_PATIENCE")?)?;
+        let scene = serde_json::from_str(&needed("BIPED_SCENE")?)
             .map_err(|error| malformed(format!("BIPED_SCENE is no scene: {error}")))?;
-        Ok(PeerEnvironment { session, contract, patience, scene, takes_over: env::var_os("BIPED_SUCCEEDS").is_some() })
+        Ok(PeerEnvironment { session, contract, patience, scene, takes_over: variable("BIPED_SUCCEEDS").is_some() })
     }
 }
 
@@ -72,10 +132,7 @@ fn malformed(sentence: impl ToString) -> PeerEnvironmentError {
     PeerEnvironmentError::Malformed(sentence.to_string())
 }
 
-fn variable(name: &str) -> Result<String, PeerEnvironmentError> {
-    env::var(format!("BIPED_{name}")).map_err(|_| {
-        malformed(format!(
-            "BIPED_{name} is not set: start this by biped run SCENE --controller COMMAND, or --plant COMMAND"
-        ))
-    })
+fn patience(seconds: &str) -> Result<Duration, PeerEnvironmentError> {
+    let patience = seconds.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
+    patience.ok_or_else(|| malformed("BIPED_PATIENCE is no number of seconds"))
 }

@@ -60,10 +60,19 @@ typedef struct {
 extern "C" {
 #endif // __cplusplus
 
-// Takes the controller's place in the session that `biped run --controller` put into the environment.
+// Takes the controller's place in the session that `biped run --controller` put into the environment; or, if there is
+// only BIPED_SESSION, attaches to the session of that name, as `biped_attach` does.
 //
 // `controller` is null or points to a pointer that may be written.
 int biped_open(biped_Controller **controller);
+
+// Takes the controller's place in the session of this name, which `biped plant SCENE --session NAME` has started, or will
+// within `patience` seconds. Sensors may be missing for as long.
+//
+// `controller` is null or points to a pointer that may be written; `session` is null or ends with a zero.
+int biped_attach(biped_Controller **controller,
+                 const char *session,
+                 double patience);
 
 // Waits for encoders that have not been answered: BIPED_GOODBYE, BIPED_TICK or BIPED_BEGIN. What the plant asks again is
 // answered again by itself.

@@ -16,6 +16,7 @@ struct Error : std::runtime_error {
 class Session {
 public:
     Session() { check(biped_open(&controller)); }
+    explicit Session(const char *name, double patience = 10.0) { check(biped_attach(&controller, name, patience)); }
     ~Session() { biped_close(&controller); }
     Session(const Session &) = delete;
     Session &operator=(const Session &) = delete;

@@ -4,6 +4,11 @@ plant has in common with it is here as well; the rest of a plant's end is plant/
     python3 -m pip install iceoryx2==0.10.0 numpy xxhash
     biped run stand --controller "python3 controller/foreign/python/stand.py"
 
+or, from anywhere else that shares /dev/shm, such as a debugger or another terminal:
+
+    biped plant stand --session lab
+    python3 controller/foreign/python/stand.py --session lab
+
 Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 where the contract differs, 130 on TERM.
 """
 
@@ -73,13 +78,57 @@ class Members:
             shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
 
 
-class Session:
-    """What `biped run` put into the environment, and two topics: the one that is read and the one that is written."""
+def prefix_of(name):
+    """How the files of this user's session of a name begin."""
+    hash = 0xCBF29CE484222325
+    for byte in os.getuid().to_bytes(4, "little") + name.encode():
+        hash = (hash ^ byte) * 0x100000001B3 & 0xFFFF_FFFF_FFFF_FFFF
+    return f"biped_{hash & 0xFFFF_FFFF:08x}_"
 
-    def __init__(self, role="controller"):
-        if "BIPED_SESSION" not in os.environ:
-            fail(2, f'start me by: biped run SCENE --{role} "python3 …"')
-        env = {key[6:].lower(): value for key, value in os.environ.items() if key.startswith("BIPED_")}
+
+def is_running(prefix):
+    """Whether a process is a member of the session."""
+    try:
+        with open(f"/dev/shm/{prefix}members", "rb") as file:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        return True
+    except OSError:
+        pass
+    return False
+
+
+def attach(name, patience=10.0):
+    """The environment of a running session, which its plant has published; waits for it for `patience` seconds."""
+    prefix, start = prefix_of(name), time.monotonic()
+    while True:
+        try:
+            if is_running(prefix):
+                return json.loads(Path(f"/dev/shm/{prefix}environment").read_text()) | {"BIPED_PATIENCE": str(patience)}
+        except FileNotFoundError:
+            pass  # it begins just now
+        if time.monotonic() - start > patience:
+            fail(PEER_MISSING, f"no session `{name}` is running: start one by biped plant SCENE --session {name}")
+        time.sleep(0.005)
+
+
+def environment():
+    """Where to take part: in the session that `--session NAME` or BIPED_SESSION names, or as `biped run` says."""
+    if "--session" in sys.argv[:-1]:
+        return attach(sys.argv[sys.argv.index("--session") + 1])
+    if "BIPED_SESSION" in os.environ and "BIPED_CONTRACT" not in os.environ:
+        return attach(os.environ["BIPED_SESSION"], float(os.environ.get("BIPED_PATIENCE", 10.0)))
+    return os.environ
+
+
+class Session:
+    """Two topics, the one that is read and the one that is written, of the session that an environment describes."""
+
+    def __init__(self, role="controller", environment=os.environ):
+        if "BIPED_SESSION" not in environment:
+            fail(2, f'start me by: biped run SCENE --{role} "python3 …", or with --session NAME of a running session')
+        env = {key[6:].lower(): value for key, value in environment.items() if key.startswith("BIPED_")}
+        self.name, self.succeeds = env["session"], "succeeds" in env
         self.scene, self.patience = json.loads(env["scene"]), float(env["patience"])
         contract = dict(line.split("=", 1) for line in env["contract"].splitlines())
         if contract["wire schema"] != f"{wire.SCHEMA:016x}":
@@ -116,8 +165,8 @@ class Session:
             try:
                 return builder.create()
             except iox2.PublisherCreateError:
-                if "BIPED_SUCCEEDS" not in os.environ:
-                    fail(INCOMPATIBLE, f"session `{os.environ['BIPED_SESSION']}` already has a {role}")
+                if not self.succeeds:
+                    fail(INCOMPATIBLE, f"session `{self.name}` already has a {role}")
                 time.sleep(0.0005)
 
     def event(self, name):
@@ -165,7 +214,7 @@ def patiently(open_it, name):
             return open_it()
         except Exception as error:  # iceoryx2's own classes
             if "Incompatible" in str(error):
-                fail(INCOMPATIBLE, f"{name} was made with another contract than {os.environ['BIPED_CONTRACT'].split()}")
+                fail(INCOMPATIBLE, f"{name} was made with another contract than this program's")
             last = error
             time.sleep(0.01)
     fail(6, f"{name} cannot be opened: {last}")
@@ -175,7 +224,7 @@ def serve(make):
     """Answers the plant until it says goodbye. `make(scene, rate)` gives a controller whose `tick(counts, telemetry)`
     returns eight torques [N·m] and may fill in the telemetry; a new one is made for each run of the plant."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
-    session = Session()
+    session = Session(environment=environment())
     try:
         answer = wire.Command()
         answer.stamp.epoch = secrets.randbits(64)

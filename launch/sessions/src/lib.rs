@@ -4,6 +4,7 @@ pub mod allowance;
 pub mod children;
 pub mod desk;
 pub mod doctor;
+pub mod environment;
 pub mod export;
 pub mod model;
 pub mod opening;

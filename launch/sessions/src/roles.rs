@@ -4,14 +4,13 @@ use crate::children;
 use crate::opening::guarded;
 use crate::realtime;
 use clap::Args;
-use messages::load::text;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort};
 use messages::session::Session;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use shared::args::PaceArgs;
 use shared::args::SceneArgs;
-use shared::exit::Failure;
+use shared::exit::{Failure, unless};
 use shared::output::tell;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -31,9 +30,9 @@ pub struct RoleArgs {
     pace: PaceArgs,
     #[command(flatten)]
     system: realtime::RealtimeArgs,
-    /// Name of the session that plant and controller share
-    #[arg(long, default_value = "biped", requires = "scene")]
-    session: String,
+    /// Name of the session that plant and controller share [biped]; without a scene, a running session to attach to
+    #[arg(long)]
+    session: Option<String>,
     /// Leave room for a tunnel to another machine, which `biped tunnel` opens
     #[arg(long, requires = "scene")]
     tunnel: bool,
@@ -43,30 +42,43 @@ pub struct RoleArgs {
 }
 
 impl RoleArgs {
-    /// Where to take part: as the arguments say, or the environment.
-    fn invitation(&self) -> Result<PeerEnvironment, Failure> {
-        let Some(scene) = self.scene.clone() else { return Ok(PeerEnvironment::from_env()?) };
-        let scene = SceneArgs { scene, robot: self.robot.clone(), settings: self.settings.clone() }.load()?;
-        let contract = Contract::of(&scene, self.pace.pace()).with_tunnel(self.tunnel);
-        let session = Session::named(&self.session)?;
-        Ok(PeerEnvironment { session, contract, patience: self.pace.patience(), scene, takes_over: false })
+    /// Where to take part: as the arguments say, as the session of this name has published, or as the environment says.
+    fn invitation(&self, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
+        let keeps_waiting = || !stop.load(Relaxed);
+        let environment = match (&self.scene, &self.session) {
+            (None, None) => PeerEnvironment::from_env(keeps_waiting),
+            (None, Some(session)) => PeerEnvironment::attach(session, self.pace.patience(), keeps_waiting),
+            (Some(scene), session) => {
+                let (robot, settings) = (self.robot.clone(), self.settings.clone());
+                let scene = SceneArgs { scene: scene.clone(), robot, settings }.load()?;
+                let contract = Contract::of(&scene, self.pace.pace()).with_tunnel(self.tunnel);
+                let session = Session::named(session.as_deref().unwrap_or(SESSION))?;
+                Ok(PeerEnvironment { session, contract, patience: self.pace.patience(), scene, takes_over: false })
+            }
+        };
+        unless(stop)?;
+        Ok(environment?)
     }
 }
+
+/// Name of the session, unless another one is given.
+const SESSION: &str = "biped";
 
 /// `biped plant`.
 ///
 /// # Errors
 /// A sentence and an exit code.
 pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let PeerEnvironment { session, contract, patience, scene, .. } = begin(args, 0)?;
-    let port = guarded(|| PlantPort::open(&session, &contract))?;
-    session.publish_scene(&text(&scene))?;
+    let environment = begin(args, 0, stop)?;
+    let PeerEnvironment { session, contract, patience, scene, .. } = &environment;
+    let port = guarded(|| PlantPort::open(session, contract))?;
+    environment.publish()?;
     ready(args)?;
     if args.parent.is_some() {
         held(stop);
     }
-    let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience };
-    let (tally, result) = plant::process::run(&scene, port, options, stop);
+    let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience: *patience };
+    let (tally, result) = plant::process::run(scene, port, options, stop);
     let remarks = tally.to_string();
     if !remarks.is_empty() {
         tell(remarks);
@@ -79,7 +91,7 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// # Errors
 /// A sentence and an exit code.
 pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let PeerEnvironment { session, contract, patience, scene, takes_over } = begin(args, 1)?;
+    let PeerEnvironment { session, contract, patience, scene, takes_over } = begin(args, 1, stop)?;
     let port = match takes_over {
         true => ControllerPort::open_when_free(&session, &contract, || !stop.load(Relaxed))?,
         false => guarded(|| ControllerPort::open(&session, &contract))?,
@@ -89,8 +101,8 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// What both roles begin with: plant (0) and controller (1).
-fn begin(args: &RoleArgs, side: usize) -> Result<PeerEnvironment, Failure> {
-    let invitation = args.invitation()?;
+fn begin(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
+    let invitation = args.invitation(stop)?;
     if let Some(parent) = args.parent {
         // Nobody else may be left to clear up after it.
         children::die_with(parent).inspect_err(|_| invitation.session.remove_files())?;

@@ -108,7 +108,11 @@ impl SessionArgs {
     }
 }
 
-fn only_named(running: Vec<Session>) -> Result<Session, Failure> {
+/// The only session that somebody named.
+///
+/// # Errors
+/// If there is none, or more than one to choose from.
+pub fn only_named(running: Vec<Session>) -> Result<Session, Failure> {
     let (named, unnamed): (Vec<_>, Vec<_>) = running.into_iter().partition(Session::is_named);
     match unnamed.first() {
         Some(run) if named.is_empty() => Err(Failure::new(

@@ -39,7 +39,16 @@ pub struct Controller {
 impl Controller {
     /// The place that the environment names.
     pub(crate) fn open() -> Result<Controller, Failure> {
-        let PeerEnvironment { session, contract, patience, scene, takes_over } = PeerEnvironment::from_env()?;
+        Controller::of(PeerEnvironment::from_env(|| !STOP.load(Relaxed))?)
+    }
+
+    /// The place in a running session, once that is there.
+    pub(crate) fn attach(session: &str, patience: Duration) -> Result<Controller, Failure> {
+        Controller::of(PeerEnvironment::attach(session, patience, || !STOP.load(Relaxed))?)
+    }
+
+    fn of(environment: PeerEnvironment) -> Result<Controller, Failure> {
+        let PeerEnvironment { session, contract, patience, scene, takes_over } = environment;
         let waits = || takes_over && !STOP.load(Relaxed);
         Ok(Controller {
             port: ControllerPort::open_when_free(&session, &contract, waits)?,

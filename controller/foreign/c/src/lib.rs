@@ -1,4 +1,4 @@
-//! A controller's end of a session for C, and for whatever speaks to C: [`messages::port`] behind nine functions.
+//! A controller's end of a session for C, and for whatever speaks to C: [`messages::port`] behind ten functions.
 //!
 //! `controller.h` is made of this file. Whoever calls gets a code and a sentence, never a panic: see [`failure`].
 
@@ -11,8 +11,9 @@ pub mod failure;
 use end::Controller;
 use failure::{Failure, guarded};
 use messages::wire::{Encoders, Telemetry, Torques};
-use std::ffi::{c_char, c_int};
+use std::ffi::{CStr, c_char, c_int};
 use std::sync::atomic::Ordering::Relaxed;
+use std::time::Duration;
 
 /// Said by `biped_wait`: the plant's goodbye, which wants no answer.
 pub const BIPED_GOODBYE: c_int = 0;
@@ -41,7 +42,8 @@ pub struct Status {
     pub start: [f64; 8],
 }
 
-/// Takes the controller's place in the session that `biped run --controller` put into the environment.
+/// Takes the controller's place in the session that `biped run --controller` put into the environment; or, if there is
+/// only BIPED_SESSION, attaches to the session of that name, as `biped_attach` does.
 ///
 /// # Safety
 /// `controller` is null or points to a pointer that may be written.
@@ -50,6 +52,31 @@ pub unsafe extern "C" fn biped_open(controller: *mut *mut Controller) -> c_int {
     guarded(|| {
         let place = there(controller, "biped_open: controller")?;
         let opened = Box::into_raw(Box::new(Controller::open()?));
+        // SAFETY: not null; the caller lets us write there.
+        unsafe { place.write(opened) };
+        Ok(0)
+    })
+}
+
+/// Takes the controller's place in the session of this name, which `biped plant SCENE --session NAME` has started, or will
+/// within `patience` seconds. Sensors may be missing for as long.
+///
+/// # Safety
+/// `controller` is null or points to a pointer that may be written; `session` is null or ends with a zero.
+#[unsafe(no_mangle)]
+pub unsafe extern "C" fn biped_attach(
+    controller: *mut *mut Controller,
+    session: *const c_char,
+    patience: f64,
+) -> c_int {
+    guarded(|| {
+        let place = there(controller, "biped_attach: controller")?;
+        let session = there(session.cast_mut(), "biped_attach: session")?;
+        // SAFETY: not null; the caller promises that it ends with a zero.
+        let session = unsafe { CStr::from_ptr(session) }.to_string_lossy();
+        let patience = Duration::try_from_secs_f64(patience)
+            .map_err(|error| Failure::misuse(format!("biped_attach: patience is {patience} s: {error}")))?;
+        let opened = Box::into_raw(Box::new(Controller::attach(&session, patience)?));
         // SAFETY: not null; the caller lets us write there.
         unsafe { place.write(opened) };
         Ok(0)

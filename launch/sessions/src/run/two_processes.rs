@@ -5,7 +5,6 @@ use super::watch::{Watch, goes_on};
 use crate::children::{self, Role, Swept};
 use crate::opening::guarded;
 use crate::swap::Succession;
-use messages::load;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, RecorderPort};
 use messages::scene::Scene;
@@ -63,7 +62,7 @@ pub fn run(args: &RunArgs, scene: &Scene, watch: &mut Watch, stop: &AtomicBool) 
     }
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = guarded(|| RecorderPort::open(&swept.0, &contract))?;
-    swept.0.publish_scene(&load::text(scene))?;
+    invitation.publish()?;
     let mut roles = vec![held.map_or_else(|| start(0), Ok)?];
     roles[0].begin();
     roles.extend(controller);

@@ -1,0 +1,94 @@
+//! `biped session`: what a program that is started by hand has to know to take part in a running session.
+
+use clap::{Args, ValueEnum};
+use messages::peer_environment::PeerEnvironment;
+use messages::session::Session;
+use serde_json::{Map, Value, json};
+use shared::args::only_named;
+use shared::exit::{Failure, unless};
+use shared::output::say;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::Duration;
+
+/// Arguments of `biped session`.
+#[derive(Args)]
+pub struct EnvironmentArgs {
+    /// Name of the session; without it, the only one that somebody named
+    name: Option<String>,
+    /// How the environment is printed
+    #[arg(long, value_enum, default_value = "shell")]
+    format: Format,
+    /// Time to wait until the session of that name is there [s]
+    #[arg(long, default_value_t = 0.0, value_name = "SECONDS", requires = "name", value_parser = wait)]
+    wait: f64,
+}
+
+/// How the environment is printed.
+#[derive(Clone, Copy, ValueEnum)]
+enum Format {
+    /// For a shell: eval "$(biped session NAME)"
+    Shell,
+    /// As one JSON object of strings
+    Json,
+    /// As an entry of .vscode/launch.json that debugs the open Python file
+    Vscode,
+}
+
+fn wait(text: &str) -> Result<f64, String> {
+    let good = text.parse().ok().filter(|seconds| (0.0..=1e6).contains(seconds));
+    good.ok_or_else(|| "a number of seconds from 0 to 1000000 is needed".into())
+}
+
+/// Prints the environment.
+///
+/// # Errors
+/// If there is no such session.
+pub fn run(args: &EnvironmentArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let name = match &args.name {
+        Some(name) => name.clone(),
+        None => only_named(Session::running())?.name().into(),
+    };
+    let found = PeerEnvironment::attach(&name, Duration::from_secs_f64(args.wait), || !stop.load(Relaxed));
+    unless(stop)?;
+    let variables = found?.environment();
+    let object = || variables.iter().map(|(key, value)| (key.to_string(), Value::from(value.as_str()))).collect();
+    say(match args.format {
+        Format::Shell => variables.iter().map(|(key, value)| format!("export {key}={}\n", quoted(value))).collect(),
+        Format::Json => pretty(&Value::Object(object())),
+        Format::Vscode => pretty(&launch_entry(&name, object())),
+    });
+    Ok(())
+}
+
+/// A word of a shell.
+fn quoted(value: &str) -> String {
+    format!("'{}'", value.replace('\'', r"'\''"))
+}
+
+fn pretty(value: &Value) -> String {
+    format!("{value:#}\n")
+}
+
+fn launch_entry(name: &str, environment: Map<String, Value>) -> Value {
+    json!({
+        "name": format!("biped: {name}"),
+        "type": "debugpy",
+        "request": "launch",
+        "program": "${file}",
+        "console": "integratedTerminal",
+        "env": environment,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_quoted_word_is_one_word_of_the_shell() {
+        for value in ["plain", "two\nlines", "it's \"so\" $HOME `x`", ""] {
+            let echo = std::process::Command::new("sh").args(["-c", &format!("printf %s {}", quoted(value))]).output();
+            assert_eq!(String::from_utf8(echo.expect("a shell").stdout).as_deref(), Ok(value));
+        }
+    }
+}
