@@ -13,7 +13,7 @@
 //! | which points can touch | [`detect`] |
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
-//! | links that stand: six equations each | [`weld`] |
+//! | standing feet: six equations each | [`standing`] |
 //! | drives and encoders | [`drive`] |
 //! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`], [`handover`] |
 //! | the record of a control period | [`truth`] |

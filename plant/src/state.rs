@@ -1,4 +1,4 @@
-//! Where the robot is and how it moves: x and xdot.
+//! State of the robot: x and xdot.
 
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
@@ -7,19 +7,19 @@ use messages::scene::{Base, Initial};
 use messages::turn::sin_cos;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 
-/// Determinant of the axes of the virtual joints, the sine of the angle to their singular pitch, below which they cannot turn every way [-].
+/// Least determinant of the axes of the virtual joints [-]. It is the cosine of the pitch; at zero, the joints lose a direction.
 const MIN_DETERMINANT: f64 = 1e-6;
-/// Half of a rotation angle below which (1 − ½d cot ½d)/d² is taken from its series [rad]: the closed form would lose digits to cancellation,
-/// and the next term of the series is below 1e-16.
+/// Half of a rotation angle below which (1 − ½d cot ½d)/d² is computed from its series [rad]. The closed form would lose digits by
+/// cancellation. The next term of the series contributes less than 1e-17 of w.
 const SERIES_ANGLE: f64 = 0.02;
 /// Half of a rotation angle below which sin(x)/x rounds to 1 [rad]: the next term of the series is x²/6.
 const SINC_ANGLE: f64 = 1e-8;
 
 /// Generalised position and velocity of (1).
 ///
-/// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` matches
-/// it, but for a quaternion base, where it is position, unit quaternion w, x, y, z, joints, and `xdot` is the velocity
-/// of the base's origin and the angular velocity, both in W, then the joint rates.
+/// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` has the same order. With a
+/// quaternion base, `x` is position, unit quaternion w, x, y, z, and joints; `xdot` is the velocity of the base's origin and the angular
+/// velocity, both in W, and the joint rates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Generalised position [m, rad].
@@ -29,7 +29,7 @@ pub struct State {
 }
 
 impl State {
-    /// Every coordinate and rate zero.
+    /// All coordinates and rates zero.
     pub fn zero(model: &Model) -> Self {
         let mut state = State { x: vec![0.0; model.coordinates()], xdot: vec![0.0; model.dofs()] };
         if model.base == Base::Quaternion {
@@ -38,17 +38,17 @@ impl State {
         state
     }
 
-    /// Becomes the other state, of the same model, in the room it has.
+    /// Copies another state of the same model without allocation.
     pub fn copy(&mut self, other: &State) {
         self.x.copy_from_slice(&other.x);
         self.xdot.copy_from_slice(&other.xdot);
     }
 
-    /// The state that a scene begins with; velocities in W become rates of the base's coordinates.
+    /// The initial state of a scene. Velocities in W become rates of the base's coordinates.
     ///
     /// # Errors
-    /// A list of joints of the wrong length, a value that is not finite, a motion that the base's coordinates do not
-    /// have, or a clearance of a robot without contact points.
+    /// A list of joints with the wrong length, a value that is not finite, a motion that the base cannot perform, or a clearance without
+    /// contact points.
     pub fn initial(model: &Model, initial: &Initial) -> Result<Self, PlantError> {
         let mut state = State::zero(model);
         let offset = model.coordinates() - model.dofs();
@@ -131,7 +131,7 @@ impl State {
         Ok(())
     }
 
-    /// x(t + h) = x + h xdot; a quaternion turns by exp(h w), which is exact for a constant angular velocity.
+    /// x(t + h) = x + h xdot. A quaternion is rotated by exp(h w), which is exact for a constant angular velocity.
     pub fn advance(&mut self, model: &Model, h: f64) {
         let mut joints = 0;
         if model.base == Base::Quaternion {
@@ -148,7 +148,7 @@ impl State {
         }
     }
 
-    /// x ⊕ d: coordinates move by d, a quaternion turns by the rotation vector in it.
+    /// x ⊕ d: coordinates change by d. A quaternion is rotated by the rotation vector in d.
     pub fn displace(&mut self, model: &Model, by: impl Fn(usize) -> f64) {
         let mut joints = 0;
         if model.base == Base::Quaternion {
@@ -161,8 +161,8 @@ impl State {
         self.x[joints + offset..].iter_mut().zip(joints..).for_each(|(x, i)| *x += by(i));
     }
 
-    /// The rate of the displacement `by` that [`State::displace`] takes: xdot, but for a rotation vector d,
-    /// dexp⁻¹_d(w) = w − ½ d × w + (1 − ½|d| cot ½|d|)/|d|² d × (d × w).
+    /// The rate of the displacement `by` of [`State::displace`]. It equals xdot, except for a rotation vector d: dexp⁻¹_d(w) = w − ½ d × w
+    /// + (1 − ½|d| cot ½|d|)/|d|² d × (d × w).
     ///
     /// # Source
     /// Hairer, Lubich & Wanner, *Geometric Numerical Integration*, III.4 and IV.7.
@@ -191,8 +191,8 @@ impl State {
         self.xdot[model.joint_dof[k]]
     }
 
-    /// Greatest rate of a turn, of the base or a joint [rad/s]. A base on virtual joints is left out: near the place that they do not know
-    /// their rates are not its own.
+    /// Greatest rotation rate of the base or a joint [rad/s]. A base on virtual joints is left out: near its singular pitch, the rates of
+    /// the joints exceed its angular velocity.
     pub fn fastest_turn(&self, model: &Model) -> f64 {
         let base = match model.base {
             Base::Fixed | Base::Virtual => 0.0,
@@ -207,7 +207,7 @@ impl State {
 /// exp(h w) q, of unit length: q turned by the angular velocity w in W for the time h.
 fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
-    // sin(half)/half, whose series needs no second term below 1e-8
+    // below SINC_ANGLE, sin(half)/half is 1 to rounding
     let (sin, cos) = sin_cos(half);
     let sinc = if half < SINC_ANGLE { 1.0 } else { sin / half };
     let [a, x, y, z] = [cos, 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
@@ -221,7 +221,7 @@ fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     product.map(|c| c / length)
 }
 
-/// Coordinate that lifts the base.
+/// Index of the coordinate along z.
 fn height_coordinate(base: Base) -> Option<usize> {
     match base {
         Base::Fixed => None,
@@ -230,13 +230,13 @@ fn height_coordinate(base: Base) -> Option<usize> {
     }
 }
 
-/// Yaw, then pitch, then roll, as a rotation from the base's axes to W.
+/// Rotation from the base's axes to W: yaw, then pitch, then roll.
 pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError> {
     let angles = finite(initial.orientation_deg.map(f64::to_radians), || "initial.orientation_deg".into())?;
     Ok(Rotation3::from_euler_angles(angles.x, angles.y, angles.z).into_inner())
 }
 
-/// How far to lift the robot until its lowest contact point is `clearance` above the ground z = 0 [m].
+/// Height by which to lift the robot so that its lowest contact point is `clearance` above the ground z = 0 [m].
 pub(crate) fn height_offset(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
     let heights = model.contact_points.iter().map(|point| pose.height(point));
     let lowest = heights.fold(f64::INFINITY, f64::min);
