@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_command_acts_after_the_stated_number_of_periods() {
+    fn a_command_acts_after_the_configured_number_of_periods() {
         let mut drives = Drives::new(&PlantScene { latency_ticks: 2, ..PlantScene::default() });
         let seen: Vec<f64> = (1..=5).map(|k| drives.apply(&Torques { torque: [f64::from(k); 8] }).torque[0]).collect();
         assert_eq!(seen, [1.0, 1.0, 1.0, 2.0, 3.0]);

@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn impulses_at_the_contacts_make_up_the_wrench_within_the_law() {
+    fn impulses_balance_the_wrench_within_the_law() {
         for place in [[0.0, 0.0], [0.07, -0.02], [-0.095, 0.0], [0.06, 0.03]] {
             for (friction_forces, twist) in
                 [([0.0, 0.0], 0.0), ([0.2, -0.3], 0.0), ([0.05, 0.1], 0.01), ([0.0, -0.1], -0.015)]
@@ -248,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn an_edge_carries_what_its_ends_do_and_no_moment_about_itself() {
+    fn an_edge_carries_no_moment_about_itself() {
         let ends = [Vector3::new(0.1, 0.05, -0.6), Vector3::new(-0.1, 0.03, -0.6)];
         let touch = |(id, arm): (usize, Vector3<f64>)| Touch::new(id, 1, arm, 0.0);
         let touches: Vec<_> = ends.into_iter().enumerate().map(touch).collect();
@@ -274,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn what_would_tip_or_slip_has_none() {
+    fn a_sole_that_would_tip_or_slip_has_no_distribution() {
         for (place, friction_forces, twist) in [
             ([0.101, 0.0], [0.0, 0.0], 0.0),
             ([0.0, -0.051], [0.0, 0.0], 0.0),
@@ -288,7 +288,7 @@ mod tests {
 
     /// The load moves to where a contact carries nothing, and to the edge of the sole, and slightly beyond either.
     #[test]
-    fn the_wrench_is_made_up_to_rounding_however_little_a_corner_would_pull() {
+    fn the_wrench_is_balanced_to_rounding_near_tipping() {
         let seed = fastrand::u64(..);
         println!("seed {seed}");
         let mut rng = fastrand::Rng::with_seed(seed);

@@ -111,7 +111,7 @@ mod tests {
     }
 
     #[test]
-    fn one_tangent_is_as_two_of_which_one_holds_nothing() {
+    fn one_tangent_equals_two_with_one_frictionless() {
         let (seed, mut rng) = (fastrand::u64(..), Rng::new());
         println!("seed {seed}");
         rng.seed(seed);
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_no_solution() {
+    fn nan_gives_a_nan_residual() {
         let scaled = contact(2, &[0.0, 0.5, 0.5]);
         for k in 0..6 {
             let mut rows = [0.0; 6];
@@ -139,7 +139,7 @@ mod tests {
     /// Moreau's theorem: p is the nearest point of a cone to x exactly if p is in the cone, x − p has no acute angle with any edge, and x −
     /// p is perpendicular to p.
     #[test]
-    fn the_nearest_point_is_in_the_cone_and_no_edge_leads_nearer() {
+    fn the_projection_is_in_the_cone_and_no_edge_is_nearer() {
         let (seed, mut rng) = (fastrand::u64(..), Rng::new());
         println!("seed {seed}");
         rng.seed(seed);
