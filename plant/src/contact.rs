@@ -31,6 +31,7 @@ mod coulomb;
 mod law;
 mod lu;
 mod memory;
+mod mode;
 mod problem;
 mod projection;
 mod round_cones;

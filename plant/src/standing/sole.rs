@@ -13,7 +13,7 @@
 //!
 //! No contact slips, so the impulses obey Coulomb's law wherever |f_F| <= μ f_N.
 
-use super::SpatialPair;
+use super::spatial_pair::SpatialPair;
 use crate::contact::{COLLINEAR, PULL_ROUNDING};
 use crate::detect::Touch;
 use nalgebra::{Matrix3, Vector2, Vector3};

@@ -3,6 +3,7 @@
 
 use super::super::certificate::relative;
 use super::scaled_problem::ScaledProblem;
+use super::vector::max_abs;
 
 /// The optimality conditions that the natural map measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,14 +41,6 @@ pub(super) fn natural_map(scaled: &ScaledProblem, f: &[f64], v: &[f64], optimali
         }
     }
     relative(worst + nan, scale(scaled, f))
-}
-
-/// Greatest magnitude of some numbers; ignores NaN.
-pub(super) fn max_abs(numbers: &[f64]) -> f64 {
-    let greater = |most: f64, x: f64| if x.abs() > most { x.abs() } else { most };
-    let (fours, rest) = numbers.as_chunks::<4>();
-    let most = fours.iter().fold([0.0; 4], |most, four| std::array::from_fn(|k| greater(most[k], four[k])));
-    rest.iter().chain(&most).fold(0.0, |most, x| greater(most, *x))
 }
 
 /// Nearest point of the cone |x_1|/h_1 + |x_2|/h_2 <= x_0. With h_2 = 0 it is the planar cone |x_1| <= h_1 x_0.
