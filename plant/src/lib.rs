@@ -3,7 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | links, joints and base as a tree | [`model`] |
-//! | x and xdot | [`state`] |
+//! | x and xdot | [`state`], `initial` |
 //! | poses, points, momentum, energy | [`kinematics`], [`spatial`] |
 //! | (2)-(11) as the paper has them | [`dynamics`] |
 //! | H and b, fast | [`composite`] |
@@ -34,6 +34,7 @@ pub mod error;
 pub mod factor;
 pub mod gate;
 pub mod handover;
+mod initial;
 pub mod inject;
 pub mod intake;
 pub mod kinematics;

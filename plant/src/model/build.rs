@@ -1,9 +1,11 @@
 //! Construction of a model from a scene: ordered tree, masses, payload and gravity, with every value checked.
 
+use super::check::{finite, not_negative};
 use super::{ContactPoint, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
+use crate::initial::{height_offset, orientation};
 use crate::kinematics::{self, Pose};
-use crate::state::{self, State};
+use crate::state::State;
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Law, Scene};
 use messages::turn;
@@ -57,12 +59,12 @@ impl Model {
         let position = finite(scene.initial.position, || "the initial position".into())?;
         match self.base {
             Base::Fixed => {
-                self.mount_rotation = state::orientation(&scene.initial)?;
+                self.mount_rotation = orientation(&scene.initial)?;
                 self.mount_position = position;
                 if let Some(clearance) = scene.initial.clearance {
                     let mut pose = Pose::new(self);
                     kinematics::pose(self, &State::initial(self, &scene.initial)?, &mut pose);
-                    self.mount_position.z += state::height_offset(self, &pose, clearance)?;
+                    self.mount_position.z += height_offset(self, &pose, clearance)?;
                 }
             }
             Base::Planar => self.mount_position.y = position.y,
@@ -279,14 +281,4 @@ fn add_payload(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link
 fn unit(axis: [f64; 3], body: &str) -> Result<Vector3<f64>, PlantError> {
     let rule = || PlantError::value(format!("the joint axis of body `{body}`"), axis, "a direction, not zero");
     Vector3::from(axis).try_normalize(MIN_AXIS).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
-}
-
-pub(crate) fn finite(value: [f64; 3], what: impl Fn() -> String) -> Result<Vector3<f64>, PlantError> {
-    let good = value.iter().all(|component| component.is_finite());
-    if good { Ok(value.into()) } else { Err(PlantError::value(what(), value, "finite")) }
-}
-
-fn not_negative(value: f64, what: &str) -> Result<f64, PlantError> {
-    let good = value >= 0.0 && value.is_finite();
-    if good { Ok(value) } else { Err(PlantError::value(what, value, "finite and not negative")) }
 }

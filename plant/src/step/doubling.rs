@@ -1,11 +1,9 @@
 //! Step doubling: error control by comparison with two half steps.
 
-use super::midpoint_contact::LastAcceleration;
+use super::Plant;
 use super::step_size::{MIN_FACTOR, SAFETY};
-use super::{Plant, Workspace};
-use crate::contact::Memory;
+use super::workspace::Workspace;
 use crate::error::PlantError;
-use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
 
@@ -17,26 +15,6 @@ const MAX_FACTOR: f64 = 4.0;
 const LAST_STEP_STRETCH: f64 = 1.01;
 /// Difference of one step and two half steps, divided by the error of the two [-]: 2^p − 1 for a method of order p = 2.
 const RICHARDSON: f64 = 3.0;
-
-/// Memories at the beginning of a step, and the result that it is compared with.
-pub(super) struct StepDoublingState {
-    memory: Memory,
-    last_acceleration: LastAcceleration,
-    events: u64,
-    /// State after one step over both halves.
-    coarse: State,
-}
-
-impl StepDoublingState {
-    pub fn new(model: &Model) -> StepDoublingState {
-        StepDoublingState {
-            memory: Memory::of(model.contact_points.len()),
-            last_acceleration: LastAcceleration::new(model),
-            events: 0,
-            coarse: State::zero(model),
-        }
-    }
-}
 
 impl Plant {
     /// Integrates over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.

@@ -1,6 +1,7 @@
 //! Midpoint methods: all forces at the middle of the step, second order.
 
-use super::{Plant, Workspace};
+use super::Plant;
+use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
 

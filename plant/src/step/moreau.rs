@@ -1,23 +1,9 @@
 //! The method of Moreau and Jean with θ = ½: mean forces over the step, second order.
 
 use super::Plant;
+use super::workspace::Means;
 use crate::delassus::Free;
 use crate::error::PlantError;
-use crate::model::Model;
-
-/// Mean values of a step.
-pub(super) struct Means {
-    /// h a(x, ẋ₋).
-    rise: Vec<f64>,
-    /// ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)).
-    velocity: Vec<f64>,
-}
-
-impl Means {
-    pub fn new(model: &Model) -> Means {
-        Means { rise: vec![0.0; model.dofs()], velocity: vec![0.0; model.dofs()] }
-    }
-}
 
 impl Plant {
     /// ẋ₊ = ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)) + H⁻¹KΔf, x₊ = x + ½h(ẋ₋ + ẋ₊), with the contact law at the end of the step.

@@ -1,7 +1,7 @@
 //! Contact by contact: the problem (14) and its solution (15)-(22).
 
-use super::contact::Touches;
 use super::settings::{Settings, World};
+use super::touches::Touches;
 use crate::contact::{Memory, Report, Solver, tangents};
 use crate::delassus::{ContactMap, Free, Response};
 use crate::detect::Touch;
