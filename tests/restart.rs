@@ -44,7 +44,7 @@ fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f
         }
         let torques = controller.tick(&sensors.encoders).unwrap_or_default(); // a heap of legs is no posture
         let stamp = Stamp { ack: sensors.stamp.seq, epoch, ..sensors.stamp };
-        simulation.hear(&Command { stamp, torques, ..Command::default() }.sealed());
+        simulation.receive(&Command { stamp, torques, ..Command::default() }.sealed());
         Ok(Next::Period { late_ns: 0 })
     });
     (lowest, (simulation.truth().base_position[0] - from) / LAST)

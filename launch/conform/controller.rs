@@ -209,7 +209,7 @@ fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
         deadline = (deadline + period).max(sent);
         sleep_until(deadline);
         while let Some(command) = robot.port.take().map_err(|error| error.to_string())? {
-            robot.simulation.hear(&command);
+            robot.simulation.receive(&command);
         }
         let reply = robot.simulation.intake().reply_ns(&stamp);
         replies.extend((reply > 0).then_some(reply));

@@ -65,7 +65,7 @@ impl Robot {
         let mut torques = vec![];
         for _ in 0..periods {
             let command = self.ask(guest, self.simulation.sensors())?;
-            self.simulation.hear(&command);
+            self.simulation.receive(&command);
             self.simulation.advance().map_err(|error| format!("our robot cannot go on: {error}"))?;
             torques.push(command.torques);
         }

@@ -175,7 +175,7 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
         rogue.port.pass_on(good).map_err(words)?;
         rogue.sent = good;
         let stamp = Stamp { ack: calm.sensors().stamp.seq, ..calm.sensors().stamp };
-        calm.hear(&Command { stamp, ..good }.sealed());
+        calm.receive(&Command { stamp, ..good }.sealed());
         calm.advance().map_err(words)?;
         hashes.push(calm.truth().hash);
         rogue.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {

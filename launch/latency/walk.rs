@@ -66,7 +66,7 @@ pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> 
                 0 => talk.ask(sensors)?, // the other side may just be coming
                 _ => talk.exchange(*sensors)?,
             };
-            simulation.hear(&command);
+            simulation.receive(&command);
             if begun > 0 {
                 compute.add(sensors.stamp.mono_ns - begun);
                 period.add(talk.heard_ns - begun);

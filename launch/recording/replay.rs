@@ -168,7 +168,7 @@ fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> 
                     found.done += u64::from(again(simulation, ask));
                 }
                 if command.run == stamp.run {
-                    simulation.hear(&Command { stamp: command, torques, telemetry }.sealed());
+                    simulation.receive(&Command { stamp: command, torques, telemetry }.sealed());
                 }
                 simulation.advance()?;
                 simulation

@@ -74,7 +74,7 @@ pub fn disturbed_in_process(
         if let Some(controller) = controller.as_mut().filter(|_| sensors.last == 0) {
             let torques = controller.tick(&sensors.encoders).map_err(ProcessError::from)?;
             let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
-            simulation.hear(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
+            simulation.receive(&Command { stamp, torques, telemetry: controller.telemetry() }.sealed());
         }
         Ok(Next::Period { late_ns: 0 })
     })

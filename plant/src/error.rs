@@ -110,8 +110,8 @@ pub enum PlantError {
         time: f64,
     },
     /// A step whose iteration does not converge.
-    #[error("the step at t = {time:.4} s does not settle: {reason}")]
-    Unsettled {
+    #[error("the step at t = {time:.4} s does not converge: {reason}")]
+    NotConverged {
         /// Simulated time at the step's beginning [s].
         time: f64,
         /// The quantity that still changes.

@@ -79,7 +79,7 @@ impl<'a> Link<'a> {
         while self.is_driven {
             match self.port.wait()? {
                 Some(command) => {
-                    simulation.hear(&command);
+                    simulation.receive(&command);
                     let stamp = command.stamp;
                     // nothing that a damaged one says is believed
                     let answers =
@@ -119,7 +119,7 @@ impl<'a> Link<'a> {
         simulation.intake().tally_mut().skipped += overrun;
         self.deadline += overrun * self.period_ns;
         while let Some(command) = self.port.take()? {
-            simulation.hear(&command);
+            simulation.receive(&command);
         }
         self.abandoned(simulation)?;
         Ok(Next::Period { late_ns })

@@ -66,7 +66,7 @@ impl Simulation {
     }
 
     /// Receives a sealed command.
-    pub fn hear(&mut self, command: &Command) {
+    pub fn receive(&mut self, command: &Command) {
         self.intake.hear(command, self.stamp.seq);
     }
 

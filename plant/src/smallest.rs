@@ -118,9 +118,9 @@ fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
     } else {
         let time = scene.duration;
         let end = totals.com.z + time * (totals.com_velocity.z + 0.5 * time * model.gravity.z);
-        let far =
+        let reach =
             scene.bodies.iter().zip(&from_base).map(|(body, way)| body.mass * (way + norm(body.com))).sum::<f64>();
-        totals.com.z.min(end) - far / totals.mass
+        totals.com.z.min(end) - reach / totals.mass
     };
     let touches = |i: usize, at: [f64; 3], radius: f64| least <= from_base[i] + norm(at) + radius;
     let bodies = scene.bodies.iter().enumerate();
@@ -163,18 +163,18 @@ fn is_its_mirror_image(scene: &Scene) -> bool {
     let straight = roll == 0.0 && yaw == 0.0 && initial.velocity[1] == 0.0;
     let level = initial.angular_velocity[0] == 0.0 && initial.angular_velocity[2] == 0.0;
     let count = scene.bodies.len();
-    let twins: BTreeSet<usize> = (0..count).filter_map(|i| twin(scene, i, count)).collect();
-    lawful && alone && straight && level && twins.len() == count // each body is the image of another or of itself
+    let images: BTreeSet<usize> = (0..count).filter_map(|i| mirror_image(scene, i, count)).collect();
+    lawful && alone && straight && level && images.len() == count // each body is the image of another or of itself
 }
 
 /// The mirror image of body i, if there is one. `depth` limits the search along its parents.
-fn twin(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
+fn mirror_image(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
     let bodies = &scene.bodies;
     let Some(joint) = &bodies[i].joint else {
-        return alike(&bodies[i], &bodies[i]).then_some(i);
+        return are_mirror_images(&bodies[i], &bodies[i]).then_some(i);
     };
     let parent = bodies.iter().position(|body| body.name == joint.parent)?;
-    let parent = twin(scene, parent, depth.checked_sub(1)?)?;
+    let parent = mirror_image(scene, parent, depth.checked_sub(1)?)?;
     let mut candidates = (0..bodies.len()).filter(|&j| {
         let of_parent = |joint: &&Joint| joint.parent == bodies[parent].name;
         let Some(other) = bodies[j].joint.as_ref().filter(of_parent) else { return false };
@@ -189,7 +189,7 @@ fn twin(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
         };
         let joints = other.kind == joint.kind && other.at == mirrored(joint.at);
         let springs = other.stiffness == joint.stiffness && other.damping == joint.damping;
-        joints && springs && alike(&bodies[i], &bodies[j]) && signs.into_iter().any(same)
+        joints && springs && are_mirror_images(&bodies[i], &bodies[j]) && signs.into_iter().any(same)
     });
     candidates.next()
 }
@@ -200,7 +200,7 @@ fn joint_index(bodies: &[Body], body: usize) -> usize {
 }
 
 /// Whether one body is the mirror image of the other, apart from their joints.
-fn alike(a: &Body, b: &Body) -> bool {
+fn are_mirror_images(a: &Body, b: &Body) -> bool {
     let touches = |body: &Body| body.touchable().collect::<Vec<_>>();
     let (ours, theirs) = (touches(a), touches(b));
     let image = |touch: &Sphere| Sphere { at: mirrored(touch.at), radius: touch.radius };

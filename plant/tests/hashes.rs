@@ -41,7 +41,7 @@ fn hash(name: &str) -> String {
         if let Some(controller) = &mut controller {
             let torques = controller.tick(&sensors.encoders).expect("it stays up");
             let stamp = Stamp { ack: sensors.stamp.seq, ..sensors.stamp };
-            simulation.hear(&Command { stamp, torques, ..Command::default() }.sealed());
+            simulation.receive(&Command { stamp, torques, ..Command::default() }.sealed());
         }
         if simulation.advance().is_err() {
             break; // scene gimbal ends at its singular pitch

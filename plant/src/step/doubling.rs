@@ -39,7 +39,7 @@ impl Plant {
             self.work.doubling.events = self.events;
             self.midpoint_contact(part)?;
             self.work.doubling.coarse.copy(&self.now.state);
-            self.go_back(record)?;
+            self.restore_start(record)?;
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
             let error = distance(&self.work.doubling.coarse, &self.now.state) / RICHARDSON;
@@ -51,14 +51,14 @@ impl Plant {
             } else {
                 self.rejected += 1;
                 step = (part * factor).max(shortest);
-                self.go_back(record)?;
+                self.restore_start(record)?;
             }
         }
         Ok(())
     }
 
     /// Restores the beginning of the step.
-    fn go_back(&mut self, record: Record) -> Result<(), PlantError> {
+    fn restore_start(&mut self, record: Record) -> Result<(), PlantError> {
         let Workspace { start, doubling, .. } = &self.work;
         self.now.state.copy(start);
         self.memory.copy(&doubling.memory);

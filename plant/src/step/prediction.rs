@@ -139,7 +139,7 @@ impl Touches {
                 down(touch) + touch.velocity_gain.z + touch.approach < 0.0 || memory.was_active(touch.id)
             });
         }
-        (self.horizon, self.slow) = (if skips_landings { 0.0 } else { half }, f64::INFINITY);
+        (self.horizon, self.min_bounce_speed) = (if skips_landings { 0.0 } else { half }, f64::INFINITY);
         self
     }
 

@@ -15,12 +15,12 @@ pub(super) struct Touches {
     /// That time [s].
     pub horizon: f64,
     /// Contacts that approach more slowly than this do not bounce [m/s].
-    pub slow: f64,
+    pub min_bounce_speed: f64,
 }
 
 impl Touches {
     pub fn new(model: &Model) -> Touches {
-        Touches { list: Vec::with_capacity(model.contact_points.len()), horizon: 0.0, slow: 0.0 }
+        Touches { list: Vec::with_capacity(model.contact_points.len()), horizon: 0.0, min_bounce_speed: 0.0 }
     }
 
     /// Lists the points that may touch within a step of `h` whose velocity without contact would be `free`.
@@ -28,7 +28,7 @@ impl Touches {
     /// Slow contacts, whose speed two steps of free fall could have caused, do not bounce.
     pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
         touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
-        (self.horizon, self.slow) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
+        (self.horizon, self.min_bounce_speed) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
         self
     }
 
@@ -37,7 +37,7 @@ impl Touches {
         self.find(world, pose, free, 0.0);
         let gravity = world.model.gravity.norm();
         self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, gravity));
-        self.slow = BOUNCE_STEPS * gravity * h;
+        self.min_bounce_speed = BOUNCE_STEPS * gravity * h;
         self
     }
 
@@ -55,7 +55,7 @@ impl Touches {
         }
         // lowest first, as in a step, so that no result depends on the numbering of contacts
         self.list.sort_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
-        (self.horizon, self.slow) = (0.0, 0.0);
+        (self.horizon, self.min_bounce_speed) = (0.0, 0.0);
         self
     }
 }

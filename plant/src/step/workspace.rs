@@ -59,14 +59,14 @@ impl Workspace {
 /// Mean values of a step.
 pub(super) struct Means {
     /// h a(x, ẋ₋).
-    pub rise: Vec<f64>,
+    pub start_change: Vec<f64>,
     /// ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)).
     pub velocity: Vec<f64>,
 }
 
 impl Means {
     pub fn new(model: &Model) -> Means {
-        Means { rise: vec![0.0; model.dofs()], velocity: vec![0.0; model.dofs()] }
+        Means { start_change: vec![0.0; model.dofs()], velocity: vec![0.0; model.dofs()] }
     }
 }
 

@@ -38,7 +38,7 @@ fn an_implicit_step_that_does_not_converge_ends_the_run() {
     };
     assert!(run(1e-3).is_ok());
     let error = run(0.7).expect_err("it cannot settle");
-    assert!(matches!(error, PlantError::Unsettled { .. }) && error.to_string().contains("plant.dt"), "{error}");
+    assert!(matches!(error, PlantError::NotConverged { .. }) && error.to_string().contains("plant.dt"), "{error}");
 }
 
 /// If inertia and drive of a joint add up to infinity, H is infinite and its inverse zero: the joint would never move.

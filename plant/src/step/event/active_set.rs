@@ -74,7 +74,7 @@ impl Touches {
         event_contacts: &[EventContact],
     ) -> &mut Touches {
         let points = world.model.contact_points.iter().zip(event_contacts).enumerate();
-        (self.horizon, self.slow) = (0.0, 0.0);
+        (self.horizon, self.min_bounce_speed) = (0.0, 0.0);
         self.list.clear();
         self.list.extend(points.filter(|(_, (_, contact))| contact.active).map(|(id, (point, _))| {
             let arm = pose.lowest(point);
@@ -115,8 +115,8 @@ impl Contacts {
         let pull = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
-            let swept = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
-            let mut pull = own + swept + velocity * BAUMGARTE_RATE;
+            let bias_acceleration = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
+            let mut pull = own + bias_acceleration + velocity * BAUMGARTE_RATE;
             pull.z += (velocity.z + touch.gap * BAUMGARTE_RATE) * BAUMGARTE_RATE;
             pull
         };
