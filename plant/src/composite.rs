@@ -1,10 +1,10 @@
-//! H and b fast: composite rigid bodies for H, one recursion for b. The default path of a step.
+//! Fast H and b: composite rigid bodies for H, and one recursion for b. A step uses these.
 //!
-//! Equal to [`crate::dynamics`] to rounding. All quantities are about O in W axes, so the inertias and wrenches of a
-//! branch simply add up towards the base.
+//! The results equal those of [`crate::dynamics`] to rounding. All quantities are about O in W axes, so inertias and wrenches of a branch
+//! add up towards the base.
 //!
 //! # Source
-//! Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5 and 6; (1)-(11) say what is computed.
+//! Featherstone, Rigid Body Dynamics Algorithms (2008), ch. 5 and 6; the equations are (1)-(11).
 
 use crate::factor::PathMatrix;
 use crate::kinematics::Pose;
@@ -12,7 +12,7 @@ use crate::model::{ContactPoint, Model, Motion};
 use crate::spatial::{Inertia, Spatial};
 use nalgebra::Vector3;
 
-/// Scratch of the recursions, one entry per link.
+/// Workspace of the recursions, one entry per link.
 #[derive(Clone, Debug)]
 pub struct Composite {
     inertia: Vec<Inertia>,
@@ -21,7 +21,7 @@ pub struct Composite {
 }
 
 impl Composite {
-    /// Room for a model.
+    /// Allocates for a model.
     pub fn new(model: &Model) -> Self {
         let links = model.links.len();
         Composite {
@@ -33,7 +33,7 @@ impl Composite {
 
     /// H(x) of (1), with J_r on the diagonal.
     ///
-    /// H_ij = S_j · I_i S_i for each j on the path to link i, where I_i is the inertia of all that link i carries.
+    /// H_ij = S_j · I_i S_i for each j on the path to link i, where I_i is the inertia of the whole branch of link i.
     pub fn inertia(&mut self, model: &Model, pose: &Pose, h: &mut PathMatrix) {
         for ((sum, link), pose) in self.inertia.iter_mut().zip(&model.links).zip(&pose.links) {
             *sum = if link.mass > 0.0 { Inertia::new(link.mass, &pose.com, &pose.tensor) } else { Inertia::default() };
@@ -45,7 +45,7 @@ impl Composite {
             self.inertia[link.parent] += carried;
             self.wrench[i] = carried.times(&pose.links[i].column);
         }
-        let all = self.inertia[aligned]; // what the first links carry; only the last of them may weigh anything itself
+        let all = self.inertia[aligned]; // of the whole robot; only the last of the first links has mass
         for (wrench, pose) in self.wrench.iter_mut().zip(&pose.links).take(1 + aligned) {
             *wrench = all.times(&pose.column);
         }
@@ -55,7 +55,7 @@ impl Composite {
         for (j, link) in model.links[1..].iter().enumerate().skip(aligned) {
             let Spatial { angular, linear } = pose.links[j + 1].column;
             let wrenches = self.wrench[1..][model.branch(j)].iter();
-            // a virtual link slides, or turns about O: half of its column is zero
+            // a virtual link slides, or turns about O, so half of its column is zero
             match (j < model.base_link, link.motion) {
                 (true, Motion::Prismatic) => h.set_column(model, j, wrenches.map(|f| linear.dot(&f.linear))),
                 (true, _) => h.set_column(model, j, wrenches.map(|f| angular.dot(&f.angular))),
@@ -75,7 +75,7 @@ impl Composite {
         for (i, link) in model.links.iter().enumerate().skip(aligned) {
             let here = &pose.links[i];
             let a = if i == aligned {
-                // gravity as an upward acceleration of link 0, as the paper does; and what slides sweeps the axes that turn
+                // gravity acts as an upward acceleration of link 0, as in the paper; sliding links move the axes of the turning ones
                 let Spatial { angular: w, linear: v } = here.velocity;
                 Spatial { angular: Vector3::zeros(), linear: v.cross(&w) - model.gravity }
             } else {
@@ -103,8 +103,8 @@ impl Composite {
         b[..aligned].copy_from_slice(&[f.x, f.y, f.z, n.x, n.y, n.z][..aligned]);
     }
 
-    /// K̇ᵀẋ: the acceleration in W that a corner has without ẍ [m/s²], after [`Composite::bias`] at this pose. The lowest
-    /// point of a ball stays below its centre, wherever on the ball that is.
+    /// K̇ᵀẋ: the acceleration of a contact point in W without ẍ [m/s²], after [`Composite::bias`] at this pose. The contact point of a ball
+    /// is always below its centre.
     pub fn bias_acceleration(&self, model: &Model, pose: &Pose, point: &ContactPoint) -> Vector3<f64> {
         let (velocity, acceleration) = (&pose.links[point.link].velocity, &self.acceleration[point.link]);
         let centre = pose.arm(point.link, &point.at);

@@ -31,6 +31,7 @@ mod coulomb;
 mod law;
 mod lu;
 mod memory;
+mod mode;
 mod problem;
 mod projection;
 mod round_cones;
@@ -44,7 +45,9 @@ pub use memory::Memory;
 pub use problem::{ContactSpring, Problem};
 pub use solver::Solver;
 pub use tolerance::PROMISED;
-pub(crate) use tolerance::{COLLINEAR, COMPLIANCE, PULL_ROUNDING, STANDING_BOUND, STANDING_REDUCTION, WELL_SOLVED};
+pub(crate) use tolerance::{
+    COLLINEAR, COMPLIANCE, OVERREDUCTION, PULL_ROUNDING, STANDING_BOUND, STANDING_REDUCTION, WELL_SOLVED,
+};
 
 /// Quality and cost of the solution of one contact problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -1,8 +1,7 @@
-//! The contact problem of a step, (12)-(14): K, A = KᵀH⁻¹K and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
+//! The contact problem of a step, (12)-(14): K, the Delassus matrix A = KᵀH⁻¹K, and b = Kᵀ(ẋ₋ + H⁻¹Δf_b).
 //!
-//! The contacts of one link are moved by the same degrees of freedom, those of the link's path, so their columns of K stand side
-//! by side and go through the factor L of H together: Y = √D⁻¹L⁻ᵀK, A = YᵀY, and after the solution
-//! H⁻¹KΔf = L⁻¹√D⁻¹(YΔf).
+//! The same degrees of freedom, those of the link's path, move all contacts of a link. So their columns of K are stored side by side and
+//! pass the factor L of H together: Y = √D⁻¹L⁻ᵀK and A = YᵀY. After the solution, H⁻¹KΔf = L⁻¹√D⁻¹(YΔf).
 
 use crate::contact::{Problem, has_basis, tangents};
 use crate::detect::Touch;
@@ -14,23 +13,23 @@ use messages::scene::Law;
 use nalgebra::Vector3;
 use std::ops::Range;
 
-/// Columns that are worked on at once: those of a foot of four corners, three registers full.
+/// Columns per block: those of a foot with four contacts, in three vector registers.
 const PANEL: usize = 12;
-/// Rows of their products that are.
+/// Rows per tile of the product.
 const ROWS: usize = 4;
 
-/// The motion without contact, and what turns forces into motion.
+/// The motion without contact, and the factor of H that maps forces to motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Free<'a> {
-    /// Where the robot is.
+    /// Pose of the robot.
     pub pose: &'a Pose,
-    /// L and D of H there.
+    /// Factors of H at that pose.
     pub factor: &'a Factor,
-    /// The velocity that the step would end with if nothing touched, ẋ₋ + H⁻¹Δf_b; between events the acceleration.
+    /// Velocity at the end of the step without contact, ẋ₋ + H⁻¹Δf_b; between events the acceleration.
     pub rate: &'a [f64],
 }
 
-/// Impulses, and what they do.
+/// Contact impulses and the velocity change that they cause.
 #[derive(Clone, Copy, Debug)]
 pub struct Response<'a> {
     /// H⁻¹KΔf.
@@ -39,13 +38,13 @@ pub struct Response<'a> {
     pub impulses: &'a [Vector3<f64>],
 }
 
-/// The problem of the touching contacts, and Y = √D⁻¹L⁻ᵀK, link by link.
+/// The contact problem, and Y = √D⁻¹L⁻ᵀK, link by link.
 #[derive(Clone, Debug)]
 pub struct ContactMap {
-    /// (14).
+    /// The problem (14).
     pub problem: Problem,
     groups: Vec<LinkColumns>,
-    /// Y of each group, [`PANEL`] columns at a time; what fills up the last is zero.
+    /// Y of each link, [`PANEL`] columns per block; the last is padded with zeros.
     blocks: Vec<[f64; PANEL]>,
     /// Force and moment about O of a unit impulse along each column of a link, [`PANEL`] columns at a time.
     wrenches: Vec<[[f64; PANEL]; 6]>,
@@ -56,20 +55,20 @@ pub struct ContactMap {
     impulses: Vec<Vector3<f64>>,
 }
 
-/// The contacts of one link.
+/// The contacts of one link, as columns of K.
 #[derive(Clone, Debug)]
 struct LinkColumns {
     link: usize,
-    /// Their rows in the problem, which are their columns in K.
+    /// Rows of these contacts in the problem, which are their columns in K.
     columns: Range<usize>,
-    /// First of their blocks.
+    /// Index of the first block.
     start: usize,
-    /// Blocks of a column: one for each degree of freedom that moves them, or an empty one.
+    /// Blocks per column: one for each degree of freedom that moves them, at least one.
     height: usize,
 }
 
 impl ContactMap {
-    /// Room for a model.
+    /// Allocates for a model.
     pub fn new(model: &Model) -> Self {
         let points = model.contact_points.len();
         ContactMap {
@@ -83,11 +82,11 @@ impl ContactMap {
         }
     }
 
-    /// What the problem of the touching contacts has beside A: who they are and b = Kᵀfree. What it makes of contact i is replaced by
-    /// `replaced(i, Kᵀfree)`.
+    /// Sets up the problem of the touching contacts without A: identities and b = Kᵀfree. `replaced(i, Kᵀfree)` gives the drift of contact
+    /// i.
     ///
-    /// The first tangent of a contact is its direction of free slip, so that friction can oppose it exactly. The paper
-    /// takes the velocity before the step; a contact at rest has none, and would creep down any slope.
+    /// The first tangent of a contact is the direction of its free slip, so that friction opposes it exactly. The paper takes the direction
+    /// of the velocity before the step. A contact at rest has none, so it would creep down any slope.
     pub fn drift(
         &mut self,
         model: &Model,
@@ -118,7 +117,7 @@ impl ContactMap {
         problem
     }
 
-    /// The same problem with A.
+    /// Adds A to the problem.
     pub fn assemble(&mut self, model: &Model, free: &Free, touches: &[Touch]) -> &Problem {
         let ContactMap { problem, groups, blocks, wrenches, tangents, .. } = self;
         let rows = 1 + problem.tangents;
@@ -145,7 +144,7 @@ impl ContactMap {
                 let Spatial { linear, angular } = free.pose.links[dof + 1].column;
                 let [a, b, c, d, e, f] = [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z];
                 for (y, [w0, w1, w2, w3, w4, w5]) in y[depth..].iter_mut().step_by(height).zip(&*wrenches) {
-                    // its power per unit rate: by virtual work, K's entries
+                    // power per unit rate; by virtual work these are the entries of K
                     *y = std::array::from_fn(|k| {
                         let force = c.mul_add(w2[k], b.mul_add(w1[k], a * w0[k]));
                         f.mul_add(w5[k], e.mul_add(w4[k], d * w3[k])) + force
@@ -161,7 +160,7 @@ impl ContactMap {
         problem
     }
 
-    /// What the impulses of a solution do, as rows of the problem.
+    /// Velocity change and impulses in W of a solution.
     pub fn respond(&mut self, model: &Model, factor: &Factor, impulse: &[f64]) -> Response<'_> {
         let ContactMap { problem, groups, blocks, tangents, change, impulses, .. } = self;
         change.fill(0.0);
@@ -183,7 +182,7 @@ impl ContactMap {
 }
 
 impl LinkColumns {
-    /// Its Y, [`PANEL`] columns at a time: the first of them, and their blocks, base first.
+    /// Blocks of Y with the index of their first column. In each block, the base comes first.
     fn columns<'a>(&self, blocks: &'a [[f64; PANEL]]) -> impl Iterator<Item = (usize, &'a [[f64; PANEL]])> + use<'a> {
         let count = self.columns.len().div_ceil(PANEL);
         let blocks = blocks[self.start..].chunks_exact(self.height).take(count);
@@ -191,7 +190,7 @@ impl LinkColumns {
     }
 }
 
-/// A = YᵀY: two links meet in the degrees of freedom that they share.
+/// A = YᵀY. The columns of two links share the blocks of their common degrees of freedom.
 fn multiply(model: &Model, groups: &[LinkColumns], blocks: &[[f64; PANEL]], size: usize, product: &mut [f64]) {
     for (i, a) in groups.iter().enumerate() {
         for b in &groups[..=i] {
@@ -209,8 +208,8 @@ fn multiply(model: &Model, groups: &[LinkColumns], blocks: &[[f64; PANEL]], size
     }
 }
 
-/// Σ y_a y_bᵀ, of some columns of y_a.
-#[inline(never)] // or its sums are not worked on in whole registers
+/// Σ y_a y_bᵀ for some columns of y_a.
+#[inline(never)] // inlined, it would not use whole vector registers
 fn tile(y_a: &[[f64; PANEL]], first: usize, y_b: &[[f64; PANEL]]) -> [[f64; PANEL]; ROWS] {
     let mut tile = [[0.0; PANEL]; ROWS];
     for (y_a, y_b) in y_a.iter().zip(y_b) {
@@ -221,7 +220,7 @@ fn tile(y_a: &[[f64; PANEL]], first: usize, y_b: &[[f64; PANEL]]) -> [[f64; PANE
     tile
 }
 
-/// Writes a tile to where it belongs in the product, whatever of it does; and its mirror image to where that belongs.
+/// Writes the part of a tile that lies inside the product, and its transpose if `mirrored`.
 fn write(
     tile: &[[f64; PANEL]; ROWS],
     (rows, columns): (Range<usize>, Range<usize>),
@@ -241,7 +240,7 @@ fn write(
     }
 }
 
-/// Along the free slip and across it; along the axes of W for a law whose tangents do not follow the slip.
+/// Tangents along and across the free slip; along the axes of W for laws whose tangents do not follow the slip.
 fn tangents_of(drift: &Vector3<f64>, law: Law) -> [Vector3<f64>; 2] {
     let slip = drift.xy().norm();
     let along = match slip > 0.0 && has_basis(law) {

@@ -1,37 +1,39 @@
-//! Which contact points can touch the ground within a step.
+//! Detection of the contact points that may touch the ground within a step.
 
 use crate::kinematics::Pose;
 use crate::model::Model;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
-/// A contact point near enough to the ground to touch it.
+/// A contact point that may touch the ground.
 #[derive(Clone, Copy, Debug)]
 pub struct Touch {
-    /// Which of [`Model::points`].
+    /// Index in [`Model::contact_points`].
     pub id: usize,
     /// Link that carries it.
     pub link: usize,
-    /// Where it touches, from the pose's reference point [m]: it, at the height of the lowest contact of its link. These are thus in one
-    /// plane: a foot that lands askew by a hair would else have to slip by a hair to stand, and contact be as ill-posed as that is little.
+    /// Its position from the pose's reference point, at the height of the lowest contact of its link [m]. All contacts of a link thus lie
+    /// in one plane. Otherwise a slightly tilted foot could only stand if it slipped slightly, and the contact problem would be
+    /// ill-conditioned.
     pub arm: Vector3<f64>,
     /// Height above the ground [m].
     pub gap: f64,
-    /// Speed at which it may still come down in this step; negative: it must go up [m/s]. See [`approach`].
+    /// Speed at which it may still approach the ground in this step; negative if it must rise [m/s]. See [`allowed_approach`].
     pub approach: f64,
-    /// Velocity that K gains on the way to the end of the step, in W [m/s]. Zero for a method whose law holds where K is taken.
+    /// Velocity that it gains from the change of K until the end of the step, in W [m/s]. Zero for methods whose law holds at the pose of
+    /// K.
     pub velocity_gain: Vector3<f64>,
-    /// Angular velocity that its link gains there likewise [rad/s].
+    /// Angular velocity that its link gains likewise [rad/s].
     pub angular_gain: Vector3<f64>,
-    /// Direction of its slip in the middle of the step, if friction is to act against that: a unit vector along the ground, else zero.
+    /// Given direction of its slip in the middle of the step: a unit vector along the ground, or zero if friction is not to act against a
+    /// given direction.
     pub slip_direction: Vector3<f64>,
-    /// Time after which it meets the ground, as its motion to the middle of the step says, if it comes down faster than the step's forces make
-    /// it; else infinite [s].
+    /// Predicted time until it meets the ground, if it approaches faster than the forces of the step could cause; else infinite [s].
     pub lands_after: f64,
 }
 
 impl Touch {
-    /// A contact point at a place, which may not come down any further.
+    /// A contact point at a position, with an allowed approach of zero.
     pub fn new(id: usize, link: usize, arm: Vector3<f64>, gap: f64) -> Touch {
         let none = Vector3::zeros();
         Touch {
@@ -47,24 +49,25 @@ impl Touch {
         }
     }
 
-    /// Whether it comes down faster than the step's forces make it.
+    /// Whether it approaches faster than the forces of the step could cause.
     pub fn lands(&self) -> bool {
         self.lands_after < f64::INFINITY
     }
 }
 
-/// Part of a depth that one step takes back [-]: what a step's error leaves is gone within some ten steps, and never thrown back.
+/// Part of a penetration that one step recovers [-]. The error of a step disappears within some ten steps, and is never thrown back.
 const RECOVERED_PART: f64 = 0.2;
-/// Greatest speed at which a depth is taken back, as a part of g h [-]: what comes out rises by less than 50 steps of its own fall.
+/// Greatest recovery speed, relative to g h [-]. A recovering point rises by less than its free fall in 50 steps.
 const MAX_RECOVERY_SPEED: f64 = 10.0;
-/// A depth that is more than a step's error, as a part of g h² [-]: what methods that stop velocities alone let stay inside the ground.
+/// Penetration that exceeds the error of a step, relative to g h² [-]. Methods that stop velocities alone leave smaller ones.
 const DEEP_PENETRATION: f64 = 10.0;
 
-/// A contact point is listed if it is no higher than this many times the way that it can fall in a step [-]. The factor leaves room for what
-/// contact forces add to its speed; [`add_penetrating`] adds the points that are faster still.
+/// A point is listed if its height is at most this many times the distance that it can fall in a step [-]. The factor leaves room for speed
+/// that contact forces add. [`add_penetrating`] adds the points that are faster still.
 const SEARCH_FACTOR: f64 = 2.0;
 
-/// Speed at which a contact may still come down within `h` [m/s]: it closes its gap. Deep inside the ground it is negative: it comes out.
+/// Speed at which a contact may still approach the ground within `h` [m/s]: it may close its gap. Negative for a deep penetration, which
+/// must recover.
 pub fn allowed_approach(gap: f64, h: f64, gravity: f64) -> f64 {
     match gap {
         gap if gap > 0.0 => gap / h,
@@ -73,18 +76,18 @@ pub fn allowed_approach(gap: f64, h: f64, gravity: f64) -> f64 {
     }
 }
 
-/// Speed at which a contact may come down that is to come out of the ground by a part of its depth in a step of `h` [m/s].
+/// Speed of approach, negative, at which a point recovers a part of its penetration in a step of `h` [m/s].
 pub fn recovery_speed(gap: f64, h: f64, gravity: f64) -> f64 {
     (RECOVERED_PART * gap / h).max(-MAX_RECOVERY_SPEED * gravity * h)
 }
 
-/// Lists the points that may touch within a step of `h` [s], link by link, the lowest first, so that results do not depend on the order in
-/// which a scene lists them (nor on left and right). `free` is the velocity that the step would end with if nothing touched.
+/// Lists the points that may touch within a step of `h` [s], link by link and the lowest first. So results do not depend on the order in
+/// the scene, nor on left and right. `free` is the velocity at the end of the step without contact.
 ///
-/// The printed laws stop whatever touches at any height, so for them touching means a gap no larger than two steps of
-/// free fall open, 2gh². The other laws let a point close its gap first, so every point is listed that could close it, by its
-/// velocity now or without contact, going twice as far; what contact makes faster still is seen afterwards: [`add_penetrating`]. A spring
-/// pushes what it is compressed by now.
+/// The printed laws stop listed points at any height. For them a point is listed if its gap is at most two steps of free fall, 2gh². The
+/// other laws let a point close its gap. For them, a point is listed if twice its present speed, or twice its speed without contact, would
+/// close the gap. [`add_penetrating`] finds points that contact makes faster still. With `SpringDamper`, only points inside the ground are
+/// listed.
 pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touches: &mut Vec<Touch>) {
     touches.clear();
     let mut first = 0;
@@ -109,14 +112,15 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touc
     }
 }
 
-/// Lists the lowest first, and gives all contacts of a link its height.
+/// Sorts by height, and moves all contacts of a link to the height of the lowest.
 fn flatten(touches: &mut [Touch]) {
     touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
     let height = touches.first().map_or(0.0, |lowest| lowest.arm.z);
     touches.iter_mut().for_each(|touch| touch.arm.z = height);
 }
 
-/// Adds the points that were not listed and that the velocity `after` the step takes into the ground within `h`; whether there are any.
+/// Adds points that were not listed and that the velocity `after` the step drives into the ground within `h`. Returns whether there are
+/// any.
 pub fn add_penetrating(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], touches: &mut Vec<Touch>) -> bool {
     if matches!(law, Law::SpringDamper | Law::EnergyQp | Law::Complementarity) {
         return false;

@@ -1,4 +1,4 @@
-//! What stands between the controller's numbers and the joints: delay, lost periods, torque limits, encoders.
+//! Drives and encoders between controller and joints: delay, lost periods, torque limits, resolution.
 
 use messages::scene::PlantScene;
 use messages::wire::{Encoders, JOINTS, Torques};
@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 pub struct Drives {
     /// Greatest torque [N·m].
     limit: f64,
-    /// Counts per radian.
+    /// Encoder counts per radian.
     resolution: f64,
     /// Periods between a command and its effect.
     latency: usize,
@@ -22,7 +22,7 @@ pub struct Drives {
 }
 
 impl Drives {
-    /// As the scene describes them.
+    /// Drives and encoders of a scene.
     pub fn new(scene: &PlantScene) -> Self {
         let latency = scene.latency_ticks as usize;
         Drives {
@@ -36,9 +36,9 @@ impl Drives {
         }
     }
 
-    /// Takes one period's command and returns the torques that act in it [N·m].
+    /// Takes the command of one period and returns the torques that act in it [N·m].
     ///
-    /// Until the first command has come through, the delay line holds that command: a robot is switched on standing.
+    /// The delay line initially holds the first command, so that the robot starts in a stance that its torques hold.
     pub fn apply(&mut self, command: &Torques) -> Torques {
         while self.queue.len() <= self.latency {
             self.queue.push_back(*command);
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_command_acts_after_the_stated_number_of_periods() {
+    fn a_command_acts_after_the_configured_number_of_periods() {
         let mut drives = Drives::new(&PlantScene { latency_ticks: 2, ..PlantScene::default() });
         let seen: Vec<f64> = (1..=5).map(|k| drives.apply(&Torques { torque: [f64::from(k); 8] }).torque[0]).collect();
         assert_eq!(seen, [1.0, 1.0, 1.0, 2.0, 3.0]);

@@ -1,19 +1,18 @@
-//! The paper's inverse dynamics (2)-(11), in its order and letters; H, b and K (1) from it.
+//! The paper's inverse dynamics (2)-(11) in its order and notation; H, b and K of (1) from it.
 //!
-//! This is the readable reference; a step uses [`crate::composite`], which is tested to be equal. Differences from the
-//! printed equations:
+//! This is the readable reference. A step uses [`crate::composite`], and tests hold the two equal. Differences from the printed equations:
 //!
-//! - A link of a tree has one joint towards the base and any number away from it. So p_i is the origin of link i *at
-//!   joint i*, which the paper calls p_{i-1}, and p_i* = p_i - p_{i-1} is fixed in the parent: (5) takes its velocities.
-//! - Prismatic joints, by Luh, Walker & Paul (1980), for the base position too.
+//! - A link of a tree has one joint towards the base and any number away from it. So p_i is the origin of link i *at joint i*, which the
+//!   paper calls p_{i-1}, and p_i* = p_i - p_{i-1} is fixed in the parent: (5) uses the velocities of the parent.
+//! - Prismatic joints follow Luh, Walker & Paul (1980); the base position has such joints too.
 //! - (8) lacks link indices: it is J_i wd_i + w_i × J_i w_i.
-//! - (9) has f_EXT as the force of link on ground. Then (1) would hold with -K, and the impulse that (15) wants
-//!   positive would pull. Here f_EXT acts *on* the link and is subtracted.
-//! - (10) as printed adds (p_{i-1} - r_i) × f_i. The moment equation about r_i has it on the other side, so it is
-//!   subtracted. The moment of f_EXT is missing there; here it is included, or K would lack the feet's lever arms.
-//! - (11) subtracts D_i qd_i, which in (1) would be a damping that drives. Here it is added, and so is J_r qdd_i.
+//! - (9) has f_EXT as the force of link on ground. Then (1) would hold with -K, and an impulse that is positive by (15) would pull. Here
+//!   f_EXT acts *on* the link and is subtracted.
+//! - (10) as printed adds (p_{i-1} - r_i) × f_i. The moment equation about r_i has it on the other side, so it is subtracted. (10) also
+//!   lacks the moment of f_EXT. Here it is included; otherwise K would lack the lever arms of the feet.
+//! - (11) subtracts D_i qd_i, which in (1) would be a damping that adds energy. Here it is added, and so is J_r qdd_i.
 //!
-//! Each of these is shown in tests/dynamics/errata.rs against data of other engines.
+//! tests/dynamics/errata.rs shows each of these against data of other engines.
 
 use crate::kinematics::Pose;
 use crate::model::{Model, Motion};
@@ -30,7 +29,7 @@ pub struct Force {
     pub force: Vector3<f64>,
 }
 
-/// What inverse dynamics is given beside the pose.
+/// Input of inverse dynamics besides the pose.
 #[derive(Clone, Copy, Debug)]
 pub struct Given<'a> {
     /// xdot [m/s, rad/s].
@@ -43,10 +42,10 @@ pub struct Given<'a> {
     pub forces: &'a [Force],
 }
 
-/// u = H xddot + b - K f_EXT: effort on each degree of freedom that makes the robot move as given. Allocates.
+/// u = H xddot + b - K f_EXT: the effort on each degree of freedom for a given motion. Allocates.
 ///
 /// # Source
-/// (2)-(11), with the corrections in the head of this file.
+/// (2)-(11), with the corrections at the top of this file.
 pub fn inverse(model: &Model, pose: &Pose, given: &Given) -> Vec<f64> {
     let links = model.links.len();
     let zero = vec![Vector3::zeros(); links];

@@ -1,4 +1,4 @@
-//! What can go wrong in a plant, one clear sentence each.
+//! Errors of a plant, one clear sentence each.
 
 use crate::contact::Problem;
 use messages::scene::Law;
@@ -7,7 +7,7 @@ use thiserror::Error;
 /// Why a plant could not be built or could not take a step.
 #[derive(Clone, Debug, PartialEq, Error)]
 pub enum PlantError {
-    /// The tree has no root, or several.
+    /// The tree has no root, or several roots.
     #[error("exactly one body, the base, must be without a joint, but there are {}: [{}]", .names.len(), .names.join(", "))]
     Base {
         /// Bodies without a joint.
@@ -22,30 +22,30 @@ pub enum PlantError {
     /// A name that no body has.
     #[error("{what} names the body `{name}`, but there are only: {known}")]
     Unknown {
-        /// Who names it.
+        /// What refers to the name.
         what: String,
-        /// The name.
+        /// The unknown name.
         name: String,
         /// Names of the bodies.
         known: String,
     },
-    /// Bodies that hang from each other.
+    /// Bodies that are each other's ancestors.
     #[error("the parents of body `{body}` lead in a circle and never to the base")]
     Cycle {
-        /// One body of the circle, or below it.
+        /// A body of the cycle, or below it.
         body: String,
     },
-    /// A value that no body or scene can have.
+    /// A value outside its range.
     #[error("{what} is {value}, but it must be {rule}")]
     Value {
-        /// Quantity, and whose it is.
+        /// Quantity and owner.
         what: String,
-        /// As found.
+        /// The value.
         value: String,
-        /// What would be right.
+        /// The allowed values.
         rule: String,
     },
-    /// The inertia matrix is not positive definite, so the model or its state is no longer one of masses.
+    /// The inertia matrix is not positive definite: model or state no longer describe masses.
     #[error("the inertia matrix has the pivot {pivot} at degree of freedom {dof}, but it must be positive and finite")]
     Singular {
         /// Index of the degree of freedom.
@@ -53,7 +53,7 @@ pub enum PlantError {
         /// The pivot.
         pivot: f64,
     },
-    /// A contact law that finds exact solutions has found none.
+    /// A law that should be exact missed its tolerance.
     #[error("contact problem of step {} at t = {time:.4} s: {law} leaves a residual of {residual:.1e}, but plant.tolerance is {tolerance:.1e}", .step)]
     Unsolved {
         /// Number of the step, the first being 0.
@@ -62,14 +62,14 @@ pub enum PlantError {
         time: f64,
         /// The law.
         law: Law,
-        /// Natural map of the law's own problem, relative to the step's scale; NaN if there is no impulse at all [-].
+        /// Natural map of the law's own conditions, relative to the step's scale; NaN if there is no impulse [-].
         residual: f64,
-        /// What was asked for [-].
+        /// `plant.tolerance` [-].
         tolerance: f64,
         /// The problem.
         problem: Box<Problem>,
     },
-    /// Plastic contact has raised the energy, which no impulse that obeys its law can.
+    /// Plastic contact raised the energy. No impulse that obeys its law can do that.
     #[error(
         "contact at t = {time:.4} s: the impulses of {law} raise the energy by {gain:.1e} J, with a residual of {residual:.1e}; plant.dt is too long for this scene, or its masses differ too much"
     )]
@@ -78,30 +78,30 @@ pub enum PlantError {
         time: f64,
         /// The law.
         law: Law,
-        /// Energy after the step less that without contact [J].
+        /// Energy after the step minus that without contact [J].
         gain: f64,
-        /// Natural map of the law's own problem [-].
+        /// Natural map of the law's own conditions [-].
         residual: f64,
     },
-    /// The simulation has blown up.
+    /// The simulation has diverged.
     #[error("the state is no longer finite at t = {time:.4} s: the step plant.dt is too long for this scene")]
     NotFinite {
         /// Simulated time [s].
         time: f64,
     },
-    /// Something turns so fast that a step cannot tell which way.
+    /// A rotation rate at which a step cannot tell the direction of rotation.
     #[error(
         "at t = {time:.4} s something turns at {rate:.1e} rad/s, by more than half a turn in a step of {dt} s: plant.dt is too long for this scene"
     )]
     Spins {
         /// Simulated time [s].
         time: f64,
-        /// How fast [rad/s].
+        /// The rotation rate [rad/s].
         rate: f64,
         /// The step [s].
         dt: f64,
     },
-    /// Virtual joints that cannot turn every way.
+    /// Virtual joints at their singular pitch.
     #[error(
         "at t = {time:.4} s the base stands at 90° pitch, where the virtual joints lose a direction: use plant.base = \"quaternion\""
     )]
@@ -109,12 +109,12 @@ pub enum PlantError {
         /// Simulated time [s].
         time: f64,
     },
-    /// A step whose iteration or error control does not settle.
-    #[error("the step at t = {time:.4} s does not settle: {reason}")]
-    Unsettled {
+    /// A step whose iteration does not converge.
+    #[error("the step at t = {time:.4} s does not converge: {reason}")]
+    NotConverged {
         /// Simulated time at the step's beginning [s].
         time: f64,
-        /// What goes on changing.
+        /// The quantity that still changes.
         reason: String,
     },
 }

@@ -1,32 +1,32 @@
-//! H = LᵀDL without fill-in: degrees of freedom on different branches never meet.
+//! H = LᵀDL without fill-in: entries between different branches of the tree stay zero.
 //!
 //! # Source
-//! Featherstone, Rigid Body Dynamics Algorithms (2008), §6.5; here by rows, each from all that its branch has to say.
+//! Featherstone, Rigid Body Dynamics Algorithms (2008), §6.5; here row by row, each from all rows of its branch.
 
 use crate::error::PlantError;
 use crate::model::Model;
 use crate::spatial::Spatial;
 use nalgebra::DMatrix;
 
-/// A matrix over degrees of freedom whose entry (i, j), j <= i, is zero unless j is on the path to i: H, and its L.
+/// A matrix over degrees of freedom whose entry (i, j), j <= i, is zero unless j is on the path to i: H, and its factor L.
 ///
-/// Row i holds the entries of the path, base first, its diagonal last; so the place of (i, j) is the depth of j, the same
-/// in every row of the branch of j.
+/// Row i holds the entries of the path, base first and diagonal last. So the index of (i, j) within its row is the depth of j, the same in
+/// every row of the branch of j.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathMatrix {
     /// Length of each row.
     length: Vec<usize>,
-    /// Rows in whole blocks, so that short loops need no remainder; what lies behind a row's end means nothing.
+    /// Rows in whole blocks, so that short loops need no remainder. Numbers beyond the end of a row have no meaning.
     blocks: Vec<[f64; PANEL]>,
-    /// Blocks of a row.
+    /// Blocks per row.
     stride: usize,
 }
 
-/// Numbers of a row that are worked on at once: those of a leg with its base, three registers full.
+/// Numbers per block: those of a leg with its base, in three vector registers.
 const PANEL: usize = 12;
 
 impl PathMatrix {
-    /// Zeros for a model.
+    /// The zero matrix of a model.
     pub fn new(model: &Model) -> Self {
         let length: Vec<usize> = (1..model.links.len()).map(|link| model.depth(link)).collect();
         let stride = length.iter().copied().max().unwrap_or(1).div_ceil(PANEL);
@@ -39,13 +39,13 @@ impl PathMatrix {
         &self.blocks[i * self.stride..].as_flattened()[..self.length[i]]
     }
 
-    /// The same, to change.
+    /// The same, mutable.
     #[inline]
     pub fn row_mut(&mut self, i: usize) -> &mut [f64] {
         &mut self.blocks[i * self.stride..].as_flattened_mut()[..self.length[i]]
     }
 
-    /// Sets the entries (i, j) of one j and every i of its branch, in order.
+    /// Sets the entries (i, j) for every i of the branch of j, in order.
     #[inline]
     pub(crate) fn set_column(&mut self, model: &Model, j: usize, values: impl Iterator<Item = f64>) {
         let (place, width) = (self.length[j] - 1, self.stride * PANEL);
@@ -55,7 +55,7 @@ impl PathMatrix {
         }
     }
 
-    /// Sets the first six entries of row i: force and moment, which are those of degrees of freedom along and about the axes of W.
+    /// Sets the first six entries of row i to force and moment: those of the degrees of freedom along and about the axes of W.
     #[inline]
     pub(crate) fn set_first(&mut self, i: usize, wrench: &Spatial) {
         let row = &mut self.blocks[i * self.stride];
@@ -93,7 +93,7 @@ pub struct Factor {
 }
 
 impl Factor {
-    /// Room for a model.
+    /// Allocates for a model.
     pub fn new(model: &Model) -> Self {
         let zeros = vec![0.0; model.dofs()];
         Factor { l: PathMatrix::new(model), inverse: zeros.clone(), root: zeros }
@@ -104,7 +104,7 @@ impl Factor {
     /// # Errors
     /// [`PlantError::Singular`] if H is not positive definite.
     pub fn factorize(&mut self, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
-        // one block holds a leg with its base; where the compiler knows that, this takes a quarter less
+        // one block holds a leg with its base; a width known at compile time saves a quarter of the time
         match self.l.stride {
             1 => self.factorize_by(1, model, h),
             stride => self.factorize_by(stride, model, h),
@@ -114,7 +114,7 @@ impl Factor {
     #[inline(always)]
     fn factorize_by(&mut self, stride: usize, model: &Model, h: &PathMatrix) -> Result<(), PlantError> {
         let width = stride * PANEL;
-        // U = DL: each row is scaled when all are known, and waits for no more of the one before than it must
+        // U = DL: rows are scaled at the end, so that no row waits for the scaling of the one before
         for i in (0..model.dofs()).rev() {
             let place = self.l.length[i] - 1;
             let (rows, branch) = self.l.blocks.split_at_mut((i + 1) * stride);
@@ -167,7 +167,7 @@ impl Factor {
         self.forward_solve(stride, model, v);
     }
 
-    /// v = L⁻¹ √D⁻¹ v: what [`Factor::half_solve`] leaves to do.
+    /// v = L⁻¹ √D⁻¹ v: the second half after [`Factor::half_solve`].
     pub fn second_half_solve(&self, model: &Model, v: &mut [f64]) {
         v.iter_mut().zip(&self.root).for_each(|(v, root)| *v *= root);
         match self.l.stride {
@@ -189,11 +189,11 @@ impl Factor {
         }
     }
 
-    /// Y = √D⁻¹ L⁻ᵀK, for columns of K that are zero off the path to `link`, W of them side by side: a block for each degree of freedom
-    /// of the path, base first, then those of the next columns.
+    /// Y = √D⁻¹ L⁻ᵀK for columns of K that are zero off the path to `link`, W columns side by side. The order is: one block for each degree
+    /// of freedom of the path, base first, then those of the next W columns.
     ///
-    /// The result has the same pattern, so that in the Delassus matrix KᵀH⁻¹K = YᵀY two links meet in the first
-    /// [`Model::shared`] blocks.
+    /// The result has the same pattern. So in the Delassus matrix KᵀH⁻¹K = YᵀY, the columns of two links share the first [`Model::shared`]
+    /// blocks.
     pub fn half_solve<const W: usize>(&self, model: &Model, link: usize, columns: &mut [[f64; W]]) {
         let path = model.path(link);
         for column in columns.chunks_exact_mut(path.len().max(1)) {

@@ -1,4 +1,4 @@
-//! Where everything is: poses and velocities of links, points, Jacobian columns, and sums over the robot.
+//! Kinematics: poses and velocities of links and points, Jacobian columns, and sums over the robot.
 
 use crate::model::{ContactPoint, Link, Model, Motion};
 use crate::spatial::{Spatial, Symmetric};
@@ -24,21 +24,21 @@ pub struct LinkPose {
     pub velocity: Spatial,
 }
 
-/// Pose and velocity of every link at one state.
+/// Pose and velocity of every link in one state.
 ///
-/// Positions count from O, the origin of the base body, so that nothing loses digits far from the world's origin.
+/// Positions are relative to O, the origin of the base body. So they lose no digits far from the world's origin.
 #[derive(Clone, Debug)]
 pub struct Pose {
     /// Reference point O in W [m].
     pub reference: Vector3<f64>,
     /// One per link of the model.
     pub links: Vec<LinkPose>,
-    /// Sine and cosine of what each joint has turned by, of those links that do not move as one.
+    /// Sine and cosine of each joint coordinate, except those of the world-aligned first links.
     turns: Vec<(f64, f64)>,
 }
 
 impl Pose {
-    /// Room for the poses of a model, and what never changes in them: link 0, and the axes of those that follow those of W.
+    /// Allocates for a model, and sets the constant parts: link 0, and the axes of the world-aligned links.
     pub fn new(model: &Model) -> Self {
         let at_rest = LinkPose { rotation: model.mount_rotation, ..LinkPose::default() };
         let mut links = vec![at_rest; model.links.len()];
@@ -56,14 +56,14 @@ impl Pose {
         self.reference + self.arm(link, at)
     }
 
-    /// The same from O [m].
+    /// The same relative to O [m].
     #[inline]
     pub fn arm(&self, link: usize, at: &Vector3<f64>) -> Vector3<f64> {
         let link = &self.links[link];
         link.origin + link.rotation * at
     }
 
-    /// Where a corner would touch the ground, from O: itself, or the lowest point of its ball [m].
+    /// Point at which a contact point would touch the ground, from O: the point itself, or the lowest point of its ball [m].
     #[inline]
     pub fn lowest(&self, point: &ContactPoint) -> Vector3<f64> {
         let mut arm = self.arm(point.link, &point.at);
@@ -71,13 +71,13 @@ impl Pose {
         arm
     }
 
-    /// Height of a corner above the ground [m].
+    /// Height of a contact point above the ground [m].
     #[inline]
     pub fn height(&self, point: &ContactPoint) -> f64 {
         self.reference.z + self.lowest(point).z
     }
 
-    /// Velocity that rates `xdot` would give a link at this pose.
+    /// Velocity of a link at this pose for rates `xdot`.
     pub fn twist(&self, model: &Model, link: usize, xdot: &[f64]) -> Spatial {
         let path = model.path(link).iter();
         path.fold(Spatial::default(), |sum, &dof| sum + self.links[dof + 1].column * xdot[dof])
@@ -119,7 +119,7 @@ fn rotation(q: &[f64]) -> Matrix3<f64> {
 
 /// Computes the pose and velocity of every link, from the base outwards.
 ///
-/// What slides along the axes of W and turns about them moves as one: O slides, and the last of these links has all their velocity.
+/// The world-aligned first links move as one: O translates, and the last of these links has their total velocity.
 pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     let Pose { reference, links, turns } = pose;
     let aligned = model.world_aligned();
@@ -166,7 +166,7 @@ pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     }
 }
 
-/// Gives every link the velocity that the rates `xdot` make at this pose.
+/// Computes the velocity of every link at this pose for rates `xdot`.
 pub fn velocities(model: &Model, xdot: &[f64], pose: &mut Pose) {
     let aligned = model.world_aligned();
     pose.links[aligned].velocity = aligned_velocity(aligned, xdot);
@@ -175,14 +175,15 @@ pub fn velocities(model: &Model, xdot: &[f64], pose: &mut Pose) {
     }
 }
 
-/// Velocity of the first links, which move as one: they slide and turn, only slide, or there are none ([`Model::aligned`]).
+/// Velocity of the world-aligned first links, which move as one: they translate and turn, translate only, or there are none
+/// ([`Model::world_aligned`]).
 fn aligned_velocity(aligned: usize, xdot: &[f64]) -> Spatial {
     let part =
         |from: usize| if aligned > from { Vector3::from_column_slice(&xdot[from..from + 3]) } else { Vector3::zeros() };
     Spatial { angular: part(3), linear: part(0) }
 }
 
-/// Centre of mass and tensor of a link whose rotation and origin are known.
+/// Computes centre of mass and inertia tensor from the link's rotation and origin.
 #[inline]
 fn set_mass_properties(link: &Link, here: &mut LinkPose) {
     if link.mass > 0.0 {
@@ -195,11 +196,11 @@ fn set_mass_properties(link: &Link, here: &mut LinkPose) {
     }
 }
 
-/// Column of K (1): the effort on each degree of freedom of the path to `link` of a unit force along `direction` at
-/// `arm` (from O) on that link.
+/// Column of K (1): the effort on each degree of freedom of the path to `link` of a unit force along `direction` at `arm` (from O) on that
+/// link.
 ///
-/// By virtual work it is also the row of the Jacobian: velocity of the point along `direction` = column · xdot.
-/// `column` has one entry per degree of freedom of [`Model::path`], base first; all others are zero.
+/// By virtual work it is also the row of the Jacobian: velocity of the point along `direction` = column · xdot. `column` has one entry per
+/// degree of freedom of [`Model::path`], base first; all others are zero.
 pub fn contact_column(
     model: &Model,
     pose: &Pose,
@@ -227,13 +228,13 @@ pub struct Totals {
     pub linear: Vector3<f64>,
     /// Angular momentum about the centre of mass [kg·m²/s].
     pub angular: Vector3<f64>,
-    /// Kinetic energy, with that of the drives [J].
+    /// Kinetic energy, including that of the drives [J].
     pub kinetic: f64,
-    /// Potential energy in the field of gravity, zero at the world's origin [J].
+    /// Potential energy of gravity, zero at the world's origin [J].
     pub potential: f64,
 }
 
-/// Adds up mass, momentum and energy of the bodies.
+/// Sums mass, momentum and energy over the bodies.
 pub fn totals(model: &Model, state: &State, pose: &Pose) -> Totals {
     let mut sum = Totals::default();
     for (link, pose) in model.links.iter().zip(&pose.links).filter(|(link, _)| link.mass > 0.0) {

@@ -3,7 +3,7 @@
 //! | what | where |
 //! |---|---|
 //! | links, joints and base as a tree | [`model`] |
-//! | x and xdot | [`state`] |
+//! | x and xdot | [`state`], `initial` |
 //! | poses, points, momentum, energy | [`kinematics`], [`spatial`] |
 //! | (2)-(11) as the paper has them | [`dynamics`] |
 //! | H and b, fast | [`composite`] |
@@ -13,7 +13,7 @@
 //! | which points can touch | [`detect`] |
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
-//! | links that stand: six equations each | [`weld`] |
+//! | standing feet: six equations each | [`standing`] |
 //! | drives and encoders | [`drive`] |
 //! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`], [`handover`] |
 //! | the record of a control period | [`truth`] |
@@ -33,6 +33,7 @@ pub mod dynamics;
 pub mod error;
 pub mod factor;
 pub mod handover;
+mod initial;
 pub mod inject;
 pub mod kinematics;
 pub mod model;

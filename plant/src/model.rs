@@ -1,21 +1,23 @@
-//! The robot as the dynamics see it: a tree of links with one degree of freedom each, built once and constant.
+//! The robot model of the dynamics: a tree of links with one degree of freedom each, constant after construction.
 //!
-//! Link 0 is the paper's "virtual base link", fixed in W. Link i > 0 moves against its parent by the degree of freedom
-//! i - 1; parents come before children, each branch in one piece. The base's coordinates are links without mass and
-//! length in front of the base body (Fig. 1), so one recursion serves every base:
+//! Link 0 is the paper's "virtual base link", fixed in W. Link i > 0 moves relative to its parent by the degree of freedom i - 1. Parents
+//! come before children, and each branch is contiguous. The coordinates of the base are links without mass and length in front of the base
+//! body (Fig. 1). So one recursion serves every kind of base:
 //!
 //! | base | degrees of freedom before the joints |
 //! |---|---|
 //! | fixed | none: the base body is link 0 |
-//! | planar | x, z, turn about y |
-//! | virtual | x, y, z, turns about z, y, x, each axis carried by the turn before it |
-//! | quaternion | x, y, z, turns about the world's x, y, z, whose axes the translating link 3 carries |
+//! | planar | x, z, rotation about y |
+//! | virtual | x, y, z, rotations about z, y, x, each axis carried by the rotation before it |
+//! | quaternion | x, y, z, rotations about the world's x, y, z, whose axes the translating link 3 carries |
 //!
-//! With that choice of carrier the last three rates are the angular velocity in W and need no other case anywhere.
+//! With the last choice of carrier, the last three rates are the angular velocity in W, and no other code needs a special case.
 
 mod build;
+mod check;
 
-pub(crate) use build::{finite, moves_in_plane};
+pub(crate) use build::moves_in_plane;
+pub(crate) use check::finite;
 
 use crate::error::PlantError;
 use messages::robot::Tiles;
@@ -23,14 +25,14 @@ use messages::scene::Base;
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
-/// How a link moves against its parent.
+/// How a link moves relative to its parent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Turns about the axis by the coordinate [rad].
+    /// Rotation about the axis by the coordinate [rad].
     Revolute,
-    /// Slides along the axis by the coordinate [m].
+    /// Translation along the axis by the coordinate [m].
     Prismatic,
-    /// Turns about an axis of W; the orientation is the base's quaternion, which all three such links share.
+    /// Rotation about an axis of W. The orientation is the quaternion of the base, which all three such links share.
     Spin,
 }
 
@@ -39,15 +41,15 @@ pub enum Motion {
 pub struct Link {
     /// Parent link, less than this link's own index.
     pub parent: usize,
-    /// Link in which the joint's axis is fixed: the parent, but link 3 for the turns of a quaternion base.
+    /// Link in which the joint's axis is fixed: the parent, or link 3 for the rotations of a quaternion base.
     pub carrier: usize,
     /// Kind of motion.
     pub motion: Motion,
     /// Unit axis z in the carrier's frame.
     pub axis: Vector3<f64>,
-    /// Which of the carrier's own axes the axis lies along, if any: turning about it is cheaper.
+    /// Index of the carrier's coordinate axis that is parallel to the axis, if any; rotation about it is cheaper.
     pub along: Option<usize>,
-    /// Joint in the parent's frame; this link's origin is there at zero travel [m].
+    /// Position of the joint in the parent's frame; the link's origin at zero coordinate [m].
     pub at: Vector3<f64>,
     /// Mass with payload; zero for virtual links [kg].
     pub mass: f64,
@@ -55,9 +57,9 @@ pub struct Link {
     pub com: Vector3<f64>,
     /// Principal moments of the body alone, along the link's axes [kg·m²].
     pub moments: Vector3<f64>,
-    /// What a payload adds to them: a point of this mass, m_1 m_2/(m_1 + m_2) [kg] …
+    /// Point mass that adds the payload's part of the moments, m_1 m_2/(m_1 + m_2) [kg].
     pub reduced_mass: f64,
-    /// … at the payload's place relative to the body's own centre of mass, in the link's frame [m].
+    /// Position of that point mass relative to the body's own centre of mass, in the link's frame [m].
     pub payload_arm: Vector3<f64>,
     /// Drive inertia J_r on the joint; zero for virtual links [kg·m²].
     pub drive_inertia: f64,
@@ -65,21 +67,21 @@ pub struct Link {
     pub damping: f64,
 }
 
-/// A point that may touch the ground, or a ball that does so with its lowest point.
+/// A contact point, or a ball that touches with its lowest point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactPoint {
     /// Link that carries it.
     pub link: usize,
-    /// Where it or its centre is, in the link's frame [m].
+    /// Position of the point, or of the ball's centre, in the link's frame [m].
     pub at: Vector3<f64>,
     /// Radius; zero for a point [m].
     pub radius: f64,
-    /// Where there is ground for it, if not everywhere.
+    /// Where there is ground for it; everywhere if none.
     pub tiles: Option<Tiles>,
 }
 
 impl ContactPoint {
-    /// Whether there is ground under it when it is at x [m].
+    /// Whether there is ground below it if it is at x [m].
     #[inline]
     pub fn has_ground(&self, x: f64) -> bool {
         self.tiles.is_none_or(|tiles| tiles.has_ground_at(x))
@@ -99,16 +101,16 @@ pub struct Spring {
     pub rest: f64,
 }
 
-/// The robot and its gravity: everything constant that the dynamics need.
+/// The robot and gravity: all constants of the dynamics.
 #[derive(Clone, Debug)]
 pub struct Model {
     /// Coordinates of the base.
     pub base: Base,
     /// Acceleration of free fall in W [m/s²].
     pub gravity: Vector3<f64>,
-    /// Orientation of link 0 in W: identity but for a fixed base.
+    /// Orientation of link 0 in W: the identity, except for a fixed base.
     pub mount_rotation: Matrix3<f64>,
-    /// Position of link 0 in W [m]: zero but for a fixed base, and for y of a planar one.
+    /// Position of link 0 in W [m]: zero, except for a fixed base, and for y of a planar one.
     pub mount_position: Vector3<f64>,
     /// The links, parents first.
     pub links: Vec<Link>,
@@ -116,24 +118,24 @@ pub struct Model {
     pub base_link: usize,
     /// Link of each body of the scene, in the scene's order.
     pub body_link: Vec<usize>,
-    /// Names of the bodies of the scene, likewise.
+    /// Names of the bodies, in the scene's order.
     pub body_name: Vec<String>,
     /// Degree of freedom of each joint, in the order of the scene's bodies that carry joints (wire order).
     pub joint_dof: Vec<usize>,
     /// Contact points and balls, in the order of the scene's bodies.
     pub contact_points: Vec<ContactPoint>,
-    /// Greatest distance of a joint or a contact from the centre of mass of a body that it is on: the scale of lengths, wherever the
-    /// bodies' frames are [m].
+    /// Scale of lengths: the greatest distance of a joint or a contact from the centre of mass of a body that it belongs to [m]. It does
+    /// not depend on the bodies' frames.
     pub length: f64,
-    /// Directions that friction acts along at most: one, x, if nothing moves along y.
+    /// Tangents with friction at most: one, x, if nothing moves along y.
     pub directions: usize,
-    /// Springs and dampers that the scene's joints ask for; empty for bare joints.
+    /// Springs and dampers of the scene's joints; empty if there are none.
     pub springs: Vec<Spring>,
     /// Degrees of freedom between W and each link, base first, one list after the other.
     path: Vec<usize>,
-    /// Where the list of each link begins, and the end of the last.
+    /// Start of each link's list, and the end of the last list.
     path_start: Vec<usize>,
-    /// End of the branch that begins at each degree of freedom.
+    /// End of the branch of each degree of freedom.
     branch_end: Vec<usize>,
 }
 
@@ -148,7 +150,7 @@ impl Model {
         self.dofs() + usize::from(self.base == Base::Quaternion)
     }
 
-    /// How many degrees of freedom, from the first on, are along and then about the axes of W.
+    /// Number of first degrees of freedom that are along, and then about, the axes of W.
     #[inline]
     pub fn world_aligned(&self) -> usize {
         match self.base {
@@ -158,13 +160,13 @@ impl Model {
         }
     }
 
-    /// Degrees of freedom between W and a link, base first: the only ones that move it.
+    /// Degrees of freedom between W and a link, base first; no other ones move it.
     #[inline]
     pub fn path(&self, link: usize) -> &[usize] {
         &self.path[self.path_start[link]..self.path_start[link + 1]]
     }
 
-    /// Degree of freedom i with all that it moves: they follow each other.
+    /// Range of the degrees of freedom of the branch that starts with i.
     #[inline]
     pub fn branch(&self, i: usize) -> Range<usize> {
         i..self.branch_end[i]
@@ -176,17 +178,17 @@ impl Model {
         self.path_start[link + 1] - self.path_start[link]
     }
 
-    /// Number of degrees of freedom that two links share: their paths agree up to there.
+    /// Number of degrees of freedom that two links share. Their paths agree up to there.
     pub fn shared(&self, a: usize, b: usize) -> usize {
         self.path(a).iter().zip(self.path(b)).take_while(|(i, j)| i == j).count()
     }
 
-    /// Whether every link can move in all six directions, for the base can.
+    /// Whether the base has six degrees of freedom, so that every link can move in all directions.
     pub fn has_floating_base(&self) -> bool {
         matches!(self.base, Base::Virtual | Base::Quaternion)
     }
 
-    /// Axes of W along which the first coordinates move the base.
+    /// Axes of W along which the first coordinates translate the base.
     pub fn base_translation(&self) -> &'static [usize] {
         match self.base {
             Base::Fixed => &[],
@@ -195,7 +197,7 @@ impl Model {
         }
     }
 
-    /// Whether the base cannot move, or its frame is at its centre of mass.
+    /// Whether the base is fixed, or its frame is at its centre of mass.
     pub fn base_is_at_its_centre(&self) -> bool {
         self.base == Base::Fixed || self.links[self.base_link].com == Vector3::zeros()
     }
@@ -205,10 +207,10 @@ impl Model {
         self.links.iter().map(|link| link.mass).sum()
     }
 
-    /// Link of the body with this name; the base's for an empty name.
+    /// Link of the body with this name; the base's link for an empty name.
     ///
     /// # Errors
-    /// [`PlantError::Unknown`], `what` telling who asks.
+    /// [`PlantError::Unknown`]; `what` tells what refers to the name.
     pub fn link_of(&self, name: &str, what: &str) -> Result<usize, PlantError> {
         if name.is_empty() {
             return Ok(self.base_link);

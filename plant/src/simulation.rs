@@ -1,11 +1,11 @@
-//! A run: the plant, what stands before its drives, and the count of its control periods.
+//! A run: the plant, the command pipeline before its drives, and the count of its control periods.
 
 use crate::command_pipeline::CommandPipeline;
 use crate::{Plant, PlantError};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
 
-/// A run of a scene. Pure: what of a clock is in its messages, the shell fills in.
+/// A run of a scene. It reads no clock: the process around it sets the times in messages.
 pub struct Simulation {
     scene: Scene,
     plant: Plant,
@@ -13,12 +13,12 @@ pub struct Simulation {
     encoders: Encoders,
     /// Control periods of the scene.
     periods: u64,
-    /// Run, epoch, number and simulated time of the present sensors.
+    /// Run, epoch, sequence number and simulated time of the present sensor message.
     stamp: Stamp,
 }
 
 impl Simulation {
-    /// The run number `run` of a scene, at time zero, by the process `epoch`.
+    /// Run number `run` of a scene, at time zero, in the process with this `epoch`.
     ///
     /// # Errors
     /// As [`Plant::new`].
@@ -34,7 +34,7 @@ impl Simulation {
         })
     }
 
-    /// From the beginning, as the run number `run`; with another seed, if one is given.
+    /// Restarts from the beginning as run number `run`, with a new seed if one is given.
     ///
     /// # Errors
     /// As [`Plant::new`].
@@ -47,12 +47,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// What the robot's joints report now: number 1 at time zero. The last ones want no answer.
+    /// The present sensor message. Its sequence number is 1 at time zero. After the last period it asks for no answer.
     pub fn sensors(&self) -> Sensors {
         Sensors { stamp: self.stamp, encoders: self.encoders, last: u64::from(self.stamp.seq > self.periods) }
     }
 
-    /// What only a simulation knows, at the same instant.
+    /// Ground truth at the same instant.
     pub fn truth(&self) -> Truth {
         let mut truth = self.plant.truth();
         Command { stamp: truth.command, torques: truth.asked, telemetry: truth.telemetry } = self.commands.newest();
@@ -64,7 +64,7 @@ impl Simulation {
         truth
     }
 
-    /// A command comes, sealed.
+    /// Receives a sealed command.
     pub fn receive(&mut self, command: &Command) {
         self.commands.receive(command, self.stamp.seq);
     }
@@ -80,7 +80,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// As [`Plant::get_ready`].
+    /// As [`Plant::prepare`].
     pub fn prepare(&mut self) {
         self.plant.prepare();
     }
@@ -90,12 +90,12 @@ impl Simulation {
         self.plant.push(body, impulse, duration)
     }
 
-    /// What drove the last period.
+    /// Mode that determined the torques of the last period.
     pub fn state(&self) -> PlantState {
         self.commands.state()
     }
 
-    /// What stands before the drives.
+    /// The command pipeline before the drives.
     pub fn commands(&mut self) -> &mut CommandPipeline {
         &mut self.commands
     }

@@ -1,17 +1,17 @@
-//! Model no more than a scene needs: the same motion with fewer coordinates and fewer contact points.
+//! Reduction of a scene to the smallest model with the same motion: fewer coordinates and fewer contact points.
 //!
-//! | what goes | when |
+//! | what is removed | condition |
 //! |---|---|
 //! | contact points that can never touch | the flight of the centre of mass, or the reach from a fixed base, keeps them above the ground |
-//! | y, yaw and roll of the base | the scene is its own mirror image across the plane of x and z, so it stays so |
-//! | contact points of a body that differ in y alone, but for one at their mean y | nothing moves across that plane: they move as one |
-//! | the friction across that plane | likewise; [`Model::directions`](crate::model::Model) |
+//! | y, yaw and roll of the base | the scene is symmetric about the plane of x and z, so it stays symmetric |
+//! | contact points of a body that differ in y alone, except one at their mean y | nothing moves across that plane, so they move as one |
+//! | friction across that plane | the same; [`Model::directions`](crate::model::Model) |
 //!
-//! Each rule is a proof, so motion, force on each body and zero-moment point are the same but for rounding. Where Coulomb's law has several
-//! answers, as for how hard two feet push against one another sideways, the smaller model may have another one.
+//! Each rule is exact: motion, total force on each body and zero-moment point are the same to rounding. Where Coulomb's law has several
+//! solutions, such as the sideways force between two feet, the smaller model may have another one.
 //!
-//! What is not in the scene, say a push at the desk, may go across the plane or bring down what was to fly over. So a run is on this model
-//! only where it is asked for and nobody can push.
+//! A push during the run is not part of the scene. It may break the symmetry, or bring down a point that was removed. So a run uses the
+//! reduced model only on request, and only where nobody can push.
 
 use crate::contact::is_coulomb;
 use crate::error::PlantError;
@@ -28,9 +28,9 @@ use std::fmt;
 pub struct Smallest {
     /// The scene.
     pub scene: Scene,
-    /// Degrees of freedom, contact points and directions of friction of the model as the scene asks for it …
+    /// Size of the model of the original scene.
     pub full: Size,
-    /// … and of this one.
+    /// Size of the reduced model.
     pub size: Size,
 }
 
@@ -41,21 +41,21 @@ pub struct Size {
     pub base: Base,
     /// Degrees of freedom.
     pub dofs: usize,
-    /// Points and balls that may touch.
+    /// Contact points and balls.
     pub contacts: usize,
-    /// Tangents that friction acts along.
+    /// Tangents along which friction acts.
     pub directions: usize,
 }
 
-/// The smallest model that gives the scene's answer.
+/// Reduces a scene to its smallest model.
 ///
 /// # Errors
-/// If the scene cannot be simulated at all; see [`PlantError`].
+/// If the scene cannot be simulated; see [`PlantError`].
 pub fn smallest(written: &Scene) -> Result<Smallest, PlantError> {
     let full = Size::of(written)?;
     let mut scene = written.clone();
     if scene.controller.is_some() {
-        return Ok(Smallest { scene, full, size: full }); // what drives it may do anything
+        return Ok(Smallest { scene, full, size: full }); // a controller may cause any motion
     }
     drop_untouchable(&mut scene)?;
     let movable = matches!(scene.plant.base, Base::Virtual | Base::Quaternion);
@@ -70,17 +70,17 @@ pub fn smallest(written: &Scene) -> Result<Smallest, PlantError> {
 }
 
 impl Smallest {
-    /// Whether it is smaller than the model as the scene asks for it.
+    /// Whether the reduced model is smaller than the original one.
     pub fn is_smaller(&self) -> bool {
         self.size != self.full
     }
 }
 
 impl Size {
-    /// That of the model as the scene asks for it.
+    /// Size of the model of a scene.
     ///
     /// # Errors
-    /// If the scene cannot be simulated at all; see [`PlantError`].
+    /// If the scene cannot be simulated; see [`PlantError`].
     pub fn of(scene: &Scene) -> Result<Size, PlantError> {
         let model = Model::new(scene)?;
         let (dofs, contacts) = (model.dofs(), model.contact_points.len());
@@ -97,10 +97,10 @@ impl fmt::Display for Size {
     }
 }
 
-/// Takes away the points that cannot come down to the ground while the scene lasts.
+/// Removes contact points that cannot reach the ground during the scene.
 ///
-/// No joint that turns moves a point further from the base than the lengths on the way add up to, and without contact and
-/// push the centre of mass flies a parabola, least high at an end.
+/// Revolute joints move a point no further from the base than the sum of the lengths in between. Without contact and push, the centre of
+/// mass flies on a parabola, whose lowest point is one of its ends.
 fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
     let slides = |body: &Body| body.joint.as_ref().is_some_and(|joint| joint.kind == JointKind::Prismatic);
     let plant = &scene.plant;
@@ -118,19 +118,19 @@ fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
     } else {
         let time = scene.duration;
         let end = totals.com.z + time * (totals.com_velocity.z + 0.5 * time * model.gravity.z);
-        let far =
+        let reach =
             scene.bodies.iter().zip(&from_base).map(|(body, way)| body.mass * (way + norm(body.com))).sum::<f64>();
-        totals.com.z.min(end) - far / totals.mass
+        totals.com.z.min(end) - reach / totals.mass
     };
     let touches = |i: usize, at: [f64; 3], radius: f64| least <= from_base[i] + norm(at) + radius;
     let bodies = scene.bodies.iter().enumerate();
     let some = bodies.map(|(i, body)| body.contact_spheres().any(|touch| touches(i, touch.at, touch.radius)));
-    // once one point has touched, the flight of a free base is another
+    // after a first touch, the flight of a free base is no longer a parabola
     if model.base != Base::Fixed && some.into_iter().any(|some| some) {
         return Ok(());
     }
     if scene.initial.clearance.take().is_some() {
-        scene.initial.position[2] = pose.reference.z; // what the points made of it
+        scene.initial.position[2] = pose.reference.z; // the height that the clearance gave
     }
     for (i, body) in scene.bodies.iter_mut().enumerate() {
         body.contacts.retain(|&at| touches(i, at, 0.0));
@@ -139,7 +139,7 @@ fn drop_untouchable(scene: &mut Scene) -> Result<(), PlantError> {
     Ok(())
 }
 
-/// Greatest distance that a body's origin can have from the base's [m].
+/// Greatest possible distance of a body's origin from the base's origin [m].
 fn distance_from_base(bodies: &[Body], mut i: usize) -> f64 {
     let mut way = 0.0;
     while let Some(joint) = &bodies[i].joint {
@@ -153,33 +153,33 @@ fn norm(v: [f64; 3]) -> f64 {
     v.iter().map(|x| x * x).sum::<f64>().sqrt()
 }
 
-/// Whether the scene is its own mirror image across the plane of x and z through the base, at the beginning and by the laws
-/// of its motion, hence for ever.
+/// Whether the scene is symmetric about the plane of x and z through the base, in its initial state and in its laws of motion. It then
+/// stays symmetric.
 fn is_its_mirror_image(scene: &Scene) -> bool {
     let (plant, initial) = (&scene.plant, &scene.initial);
-    let lawful = !matches!(plant.law, Law::Sweep(_)); // its sweeps have an order
+    let lawful = !matches!(plant.law, Law::Sweep(_)); // the order of the sweeps breaks the symmetry
     let alone = plant.payload_kg == 0.0 && plant.push_impulse == [0.0; 3];
     let [roll, _, yaw] = initial.orientation_deg;
     let straight = roll == 0.0 && yaw == 0.0 && initial.velocity[1] == 0.0;
     let level = initial.angular_velocity[0] == 0.0 && initial.angular_velocity[2] == 0.0;
     let count = scene.bodies.len();
-    let twins: BTreeSet<usize> = (0..count).filter_map(|i| twin(scene, i, count)).collect();
-    lawful && alone && straight && level && twins.len() == count // each body is the image of one
+    let images: BTreeSet<usize> = (0..count).filter_map(|i| mirror_image(scene, i, count)).collect();
+    lawful && alone && straight && level && images.len() == count // each body is the image of another or of itself
 }
 
-/// The body that is the mirror image of body i, if there is one. Its parents are looked at up to `depth` steps away.
-fn twin(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
+/// The mirror image of body i, if there is one. `depth` limits the search along its parents.
+fn mirror_image(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
     let bodies = &scene.bodies;
     let Some(joint) = &bodies[i].joint else {
-        return alike(&bodies[i], &bodies[i]).then_some(i);
+        return are_mirror_images(&bodies[i], &bodies[i]).then_some(i);
     };
     let parent = bodies.iter().position(|body| body.name == joint.parent)?;
-    let parent = twin(scene, parent, depth.checked_sub(1)?)?;
+    let parent = mirror_image(scene, parent, depth.checked_sub(1)?)?;
     let mut candidates = (0..bodies.len()).filter(|&j| {
         let of_parent = |joint: &&Joint| joint.parent == bodies[parent].name;
         let Some(other) = bodies[j].joint.as_ref().filter(of_parent) else { return false };
         let [x, y, z] = joint.axis;
-        // the image of a turn turns the other way about the image of its axis
+        // a mirrored rotation has the opposite sign about the mirrored axis
         let image = if joint.kind == JointKind::Revolute { [-x, y, -z] } else { [x, -y, z] };
         let signs = [1.0, -1.0].into_iter().filter(|sign| other.axis == image.map(|part| sign * part));
         let same = |sign: f64| {
@@ -189,18 +189,18 @@ fn twin(scene: &Scene, i: usize, depth: usize) -> Option<usize> {
         };
         let joints = other.kind == joint.kind && other.at == mirrored(joint.at);
         let springs = other.stiffness == joint.stiffness && other.damping == joint.damping;
-        joints && springs && alike(&bodies[i], &bodies[j]) && signs.into_iter().any(same)
+        joints && springs && are_mirror_images(&bodies[i], &bodies[j]) && signs.into_iter().any(same)
     });
     candidates.next()
 }
 
-/// Which of the joints a body carries.
+/// Index of a body's joint among all joints.
 fn joint_index(bodies: &[Body], body: usize) -> usize {
     bodies[..body].iter().filter(|body| body.joint.is_some()).count()
 }
 
-/// Whether one body is the mirror image of the other, their joints aside.
-fn alike(a: &Body, b: &Body) -> bool {
+/// Whether one body is the mirror image of the other, apart from their joints.
+fn are_mirror_images(a: &Body, b: &Body) -> bool {
     let touches = |body: &Body| body.contact_spheres().collect::<Vec<_>>();
     let (ours, theirs) = (touches(a), touches(b));
     let image = |touch: &Sphere| Sphere { at: mirrored(touch.at), radius: touch.radius };
@@ -213,14 +213,14 @@ fn mirrored([x, y, z]: [f64; 3]) -> [f64; 3] {
     [x, -y, z]
 }
 
-/// Makes one of the points, and of the balls, that differ in y alone.
+/// Merges contact points, and balls, that differ in y alone.
 fn merge(body: &mut Body) {
     let points: Vec<_> = body.contacts.iter().map(|&at| Sphere { at, radius: 0.0 }).collect();
     body.contacts = merged(&points).iter().map(|point| point.at).collect();
     body.spheres = merged(&body.spheres);
 }
 
-/// One for those that differ in y alone, at their mean y, where the evenest of their pressures act together.
+/// Replaces touches that differ in y alone by one at their mean y, where their resultant acts if their impulses are equal.
 fn merged(touches: &[Sphere]) -> Vec<Sphere> {
     let across = |touch: &Sphere| [touch.at[0], touch.at[2], touch.radius];
     let mut ones: Vec<Sphere> = vec![];

@@ -1,7 +1,7 @@
-//! Pairs of vectors about one reference point: velocities, wrenches, and the inertia of a rigid body.
+//! Spatial vectors about one reference point: velocities, wrenches, and the inertia of a rigid body.
 //!
-//! Everything is in W axes and about the reference point O of [`crate::kinematics::Pose`], so that the columns and
-//! inertias of different links add without any transformation (Featherstone, Rigid Body Dynamics Algorithms, 2008).
+//! Everything is in W axes and about the reference point O of [`crate::kinematics::Pose`]. So columns and inertias of different links add
+//! without any transformation (Featherstone, Rigid Body Dynamics Algorithms, 2008).
 
 use nalgebra::{Matrix3, Vector3};
 use std::ops::{Add, AddAssign, Mul};
@@ -21,13 +21,13 @@ impl Spatial {
         Spatial { angular: point.cross(force), linear: *force }
     }
 
-    /// Power of a wrench on a velocity, or its effort on a column [W, N·m or N].
+    /// Power of a wrench on a velocity [W], or effort of a wrench on a column [N·m or N].
     #[inline]
     pub fn dot(&self, other: &Spatial) -> f64 {
         self.angular.dot(&other.angular) + self.linear.dot(&other.linear)
     }
 
-    /// Rate of change of a velocity pair fixed in a body that moves with `self`: (w × a, w × l + v × a).
+    /// Rate of change of a spatial velocity fixed in a body that moves with `self`: (w × a, w × l + v × a).
     #[inline]
     pub fn cross(&self, other: &Spatial) -> Spatial {
         Spatial {
@@ -71,7 +71,7 @@ impl Mul<f64> for Spatial {
 pub struct Symmetric(pub [f64; 6]);
 
 impl Symmetric {
-    /// As a full matrix.
+    /// The full matrix.
     pub fn matrix(&self) -> Matrix3<f64> {
         let [xx, yy, zz, xy, xz, yz] = self.0;
         Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
@@ -86,7 +86,7 @@ impl Symmetric {
         Symmetric([m.x + entry(0, 0), m.x + entry(1, 1), m.x + entry(2, 2), entry(0, 1), entry(0, 2), entry(1, 2)])
     }
 
-    /// m (c² 1 - c cᵀ): what a point of mass m at c has about the origin.
+    /// m (c² 1 - c cᵀ): inertia of a point mass m at c about the origin.
     #[inline]
     pub fn of_point(mass: f64, c: &Vector3<f64>) -> Symmetric {
         let (x, y, z) = (mass * c.x, mass * c.y, mass * c.z);
@@ -112,7 +112,7 @@ impl Mul<&Vector3<f64>> for &Symmetric {
     }
 }
 
-/// Inertia of a rigid body, or of several moving as one, about O.
+/// Inertia about O of a rigid body, or of several that move as one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Inertia {
     /// Mass [kg].
@@ -124,13 +124,13 @@ pub struct Inertia {
 }
 
 impl Inertia {
-    /// Of a body with `mass`, centre of mass `com` from O, and `tensor` about that centre in W axes.
+    /// A body with `mass`, centre of mass `com` from O, and inertia `tensor` about that centre in W axes.
     #[inline]
     pub fn new(mass: f64, com: &Vector3<f64>, tensor: &Symmetric) -> Self {
         Inertia { mass, first: com * mass, second: *tensor + Symmetric::of_point(mass, com) }
     }
 
-    /// Momentum of a velocity, wrench of an acceleration: (J w + m c × v, m v + w × m c).
+    /// Momentum of a velocity, or wrench of an acceleration: (J w + m c × v, m v + w × m c).
     #[inline]
     pub fn times(&self, motion: &Spatial) -> Spatial {
         Spatial {

@@ -1,16 +1,15 @@
-//! Springs and dampers on joints, k (q0 - q) - d q', as stable as the method that they act in.
+//! Springs and dampers of joints, k (q0 - q) - d q', integrated implicitly where the method allows it.
 //!
-//! At the end of a step of Euler's:
+//! With semi-implicit Euler, at the end of a step:
 //!
 //! ```text
 //!   H (ẋ₊ - ẋ₋) = h (u - b - d ẋ₊ - k (x + h ẋ₊ - q0)) + KΔf
 //!   (H + h d + h² k)(ẋ₊ - ẋ₋) = h (u - b - d ẋ₋ - k (x + h ẋ₋ - q0)) + KΔf
 //! ```
 //!
-//! So they only add to the diagonal of H, and are stable at every h; taken at the beginning, a servo of 3 N·m·s/rad on an
-//! ankle of the robot in the air would blow up above .92 ms. In the middle of a step, where the mean velocity ½(ẋ₋ + ẋ₊) has
-//! led, the same holds with ½h for h on the diagonal. Methods of higher order take the forces of the present state, for
-//! which both times are zero.
+//! So they only add to the diagonal of H, and are stable at every h. Evaluated at the beginning of the step, a servo of 3 N·m·s/rad on an
+//! ankle of the robot in the air would be unstable above .92 ms. At the middle of a step, reached with the mean velocity ½(ẋ₋ + ẋ₊), the
+//! same holds with ½h for h. Methods of higher order use the forces of the present state; both times are then zero.
 
 use crate::factor::PathMatrix;
 use crate::model::Model;
@@ -23,10 +22,10 @@ pub fn add_to_inertia(model: &Model, tau: f64, inertia: &mut PathMatrix) {
     }
 }
 
-/// The same for the middle of a step of h, with the mean velocity: θ h d + ¼h² k, θ = ½ + z/(12 + 2z), z = h d/H_ii.
+/// Adds to the diagonal of H for the middle of a step of h, with the mean velocity: θ h d + ¼h² k, θ = ½ + z/(12 + 2z), z = h d/H_ii.
 ///
-/// θ = ½ is of second order, but what a strong damper should stop would change its sign at every step; θ = 1 is not. Between them this is the
-/// part of the step in which an exponential decay acts, to the order of z³.
+/// θ = ½ is second order, but with a strong damper the velocity would change its sign at every step. θ = 1 is first order. The formula in
+/// between gives the mean of an exponential decay over the step, up to order z³.
 pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix) {
     for spring in &model.springs {
         let own = inertia.row(spring.dof).last().copied().unwrap_or(0.0);
@@ -36,7 +35,7 @@ pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix) 
     }
 }
 
-/// Adds k (x + τ ẋ - q0) to b, which has d ẋ already.
+/// Adds k (x + τ ẋ - q0) to b, which already contains d ẋ.
 pub fn add_to_bias(model: &Model, state: &State, tau: f64, bias: &mut [f64]) {
     let offset = state.x.len() - state.xdot.len();
     for spring in &model.springs {

@@ -26,6 +26,7 @@ mod certificate;
 mod foot;
 mod inverse_inertia;
 mod sole;
+mod spatial_pair;
 
 use crate::contact::{COMPLIANCE, Report, STANDING_BOUND, STANDING_REDUCTION, WELL_SOLVED};
 use crate::delassus::{Free, Response};
@@ -36,18 +37,12 @@ use certificate::{report, speed};
 use foot::Foot;
 use inverse_inertia::{BlockLdl, InverseInertia};
 use nalgebra::Vector3;
+use spatial_pair::{MAX_FEET, SpatialPair, padded};
 
-/// Feet at most. With more, contacts are solved one by one.
-const MAX_FEET: usize = 4;
 /// Solutions of the linear system at most. From the second on, they undo the compliance.
 const MAX_SOLUTIONS: usize = 5;
 /// Active contacts that hold a link in all its directions.
 const MIN_ACTIVE: usize = 3;
-
-/// Velocity (v at c, angular) or wrench (force, moment about c), in W.
-type SpatialPair = [Vector3<f64>; 2];
-/// The same as a row, padded to whole vector registers.
-type PaddedRow = [f64; 8];
 
 /// The standing feet of a step; workspace.
 #[derive(Clone, Debug)]
@@ -180,17 +175,4 @@ fn respond<'a>(model: &Model, factor: &Factor, feet: &[Foot], change: &'a mut [f
     }
     factor.second_half_solve(model, change);
     change
-}
-
-fn padded([linear, angular]: &SpatialPair) -> PaddedRow {
-    [linear.x, linear.y, linear.z, angular.x, angular.y, angular.z, 0.0, 0.0]
-}
-
-fn unpadded(six: &PaddedRow) -> SpatialPair {
-    [Vector3::new(six[0], six[1], six[2]), Vector3::new(six[3], six[4], six[5])]
-}
-
-/// Velocity of a point at d from c.
-fn point_velocity([linear, angular]: &SpatialPair, d: &Vector3<f64>) -> Vector3<f64> {
-    linear + angular.cross(d)
 }

@@ -1,25 +1,21 @@
-//! Where the robot is and how it moves: x and xdot.
+//! State of the robot: x and xdot.
 
-use crate::error::PlantError;
-use crate::kinematics::{self, Pose};
-use crate::model::{Model, Motion, finite};
+use crate::model::{Model, Motion};
 use messages::rotation::sin_cos;
-use messages::scene::{Base, Initial};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use messages::scene::Base;
+use nalgebra::Vector3;
 
-/// Determinant of the axes of the virtual joints, the sine of the angle to their singular pitch, below which they cannot turn every way [-].
-const MIN_DETERMINANT: f64 = 1e-6;
-/// Half of a rotation angle below which (1 − ½d cot ½d)/d² is taken from its series [rad]: the closed form would lose digits to cancellation,
-/// and the next term of the series is below 1e-16.
+/// Half of a rotation angle below which (1 − ½d cot ½d)/d² is computed from its series [rad]. The closed form would lose digits by
+/// cancellation. The next term of the series contributes less than 1e-17 of w.
 const SERIES_ANGLE: f64 = 0.02;
 /// Half of a rotation angle below which sin(x)/x rounds to 1 [rad]: the next term of the series is x²/6.
 const SINC_ANGLE: f64 = 1e-8;
 
 /// Generalised position and velocity of (1).
 ///
-/// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` matches
-/// it, but for a quaternion base, where it is position, unit quaternion w, x, y, z, joints, and `xdot` is the velocity
-/// of the base's origin and the angular velocity, both in W, then the joint rates.
+/// `xdot` has one entry per degree of freedom: base, then joints in the model's order (`Model::joint_dof`). `x` has the same order. With a
+/// quaternion base, `x` is position, unit quaternion w, x, y, z, and joints; `xdot` is the velocity of the base's origin and the angular
+/// velocity, both in W, and the joint rates.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
     /// Generalised position [m, rad].
@@ -29,7 +25,7 @@ pub struct State {
 }
 
 impl State {
-    /// Every coordinate and rate zero.
+    /// All coordinates and rates zero.
     pub fn zero(model: &Model) -> Self {
         let mut state = State { x: vec![0.0; model.coordinates()], xdot: vec![0.0; model.dofs()] };
         if model.base == Base::Quaternion {
@@ -38,100 +34,13 @@ impl State {
         state
     }
 
-    /// Becomes the other state, of the same model, in the room it has.
+    /// Copies another state of the same model without allocation.
     pub fn copy(&mut self, other: &State) {
         self.x.copy_from_slice(&other.x);
         self.xdot.copy_from_slice(&other.xdot);
     }
 
-    /// The state that a scene begins with; velocities in W become rates of the base's coordinates.
-    ///
-    /// # Errors
-    /// A list of joints of the wrong length, a value that is not finite, a motion that the base's coordinates do not
-    /// have, or a clearance of a robot without contact points.
-    pub fn initial(model: &Model, initial: &Initial) -> Result<Self, PlantError> {
-        let mut state = State::zero(model);
-        let offset = model.coordinates() - model.dofs();
-        let joints = [("initial.joints", &initial.joints), ("initial.joint_rates", &initial.joint_rates)];
-        for (what, list) in joints {
-            let right = list.is_empty() || list.len() == model.joint_dof.len();
-            if !right || list.iter().any(|value| !value.is_finite()) {
-                let rule = format!("empty or {} finite numbers, one per joint", model.joint_dof.len());
-                return Err(PlantError::value(what, list, rule));
-            }
-        }
-        for (k, &dof) in model.joint_dof.iter().enumerate() {
-            state.x[dof + offset] = initial.joints.get(k).copied().unwrap_or(0.0);
-            state.xdot[dof] = initial.joint_rates.get(k).copied().unwrap_or(0.0);
-        }
-        state.set_initial_pose(model, initial)?;
-        state.set_initial_rates(model, initial)?;
-        if let (Some(clearance), Some(up)) = (initial.clearance, height_coordinate(model.base)) {
-            let mut pose = Pose::new(model);
-            kinematics::pose(model, &state, &mut pose);
-            state.x[up] += height_offset(model, &pose, clearance)?;
-        }
-        Ok(state)
-    }
-
-    /// Position and orientation of the base.
-    fn set_initial_pose(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
-        let position = finite(initial.position, || "initial.position".into())?;
-        let rotation = orientation(initial)?;
-        let [roll, pitch, yaw] = initial.orientation_deg.map(f64::to_radians);
-        match model.base {
-            Base::Fixed => {}
-            Base::Planar if roll != 0.0 || yaw != 0.0 => {
-                let rule = "without roll and yaw, which a planar base does not have";
-                return Err(PlantError::value("initial.orientation_deg", initial.orientation_deg, rule));
-            }
-            Base::Planar => self.x[..3].copy_from_slice(&[position.x, position.z, pitch]),
-            Base::Virtual => {
-                self.x[..6].copy_from_slice(&[position.x, position.y, position.z, yaw, pitch, roll]);
-            }
-            Base::Quaternion => {
-                self.x[..3].copy_from_slice(position.as_slice());
-                self.x[3..7].copy_from_slice(&kinematics::quaternion(&rotation));
-            }
-        }
-        Ok(())
-    }
-
-    /// Rates of the base's coordinates from its velocity and angular velocity in W.
-    fn set_initial_rates(&mut self, model: &Model, initial: &Initial) -> Result<(), PlantError> {
-        let velocity = finite(initial.velocity, || "initial.velocity".into())?;
-        let spin = finite(initial.angular_velocity, || "initial.angular_velocity".into())?;
-        let foreign = |what: &str, value: [f64; 3], good: bool, rule: &str| {
-            if good { Ok(()) } else { Err(PlantError::value(what, value, rule)) }
-        };
-        match model.base {
-            Base::Fixed => {
-                let rule = "zero, for the base is fixed";
-                foreign("initial.velocity", initial.velocity, velocity == Vector3::zeros(), rule)?;
-                foreign("initial.angular_velocity", initial.angular_velocity, spin == Vector3::zeros(), rule)?;
-            }
-            Base::Planar => {
-                let rule = "in the plane of x and z, for the base is planar";
-                foreign("initial.velocity", initial.velocity, velocity.y == 0.0, rule)?;
-                foreign("initial.angular_velocity", initial.angular_velocity, spin.x == 0.0 && spin.z == 0.0, rule)?;
-                self.xdot[..3].copy_from_slice(&[velocity.x, velocity.z, spin.y]);
-            }
-            Base::Virtual | Base::Quaternion => {
-                let mut pose = Pose::new(model);
-                kinematics::pose(model, self, &mut pose);
-                let axes = Matrix3::from_columns(&[4, 5, 6].map(|link: usize| pose.links[link].column.angular));
-                let rule = "another pitch: at ±90° the virtual joints cannot turn every way";
-                let lost = || PlantError::value("initial.orientation_deg", initial.orientation_deg, rule);
-                let rates =
-                    axes.try_inverse().filter(|_| axes.determinant().abs() > MIN_DETERMINANT).ok_or_else(lost)? * spin;
-                self.xdot[..3].copy_from_slice(velocity.as_slice());
-                self.xdot[3..6].copy_from_slice(rates.as_slice());
-            }
-        }
-        Ok(())
-    }
-
-    /// x(t + h) = x + h xdot; a quaternion turns by exp(h w), which is exact for a constant angular velocity.
+    /// x(t + h) = x + h xdot. A quaternion is rotated by exp(h w), which is exact for a constant angular velocity.
     pub fn advance(&mut self, model: &Model, h: f64) {
         let mut joints = 0;
         if model.base == Base::Quaternion {
@@ -148,7 +57,7 @@ impl State {
         }
     }
 
-    /// x ⊕ d: coordinates move by d, a quaternion turns by the rotation vector in it.
+    /// x ⊕ d: coordinates change by d. A quaternion is rotated by the rotation vector in d.
     pub fn displace(&mut self, model: &Model, by: impl Fn(usize) -> f64) {
         let mut joints = 0;
         if model.base == Base::Quaternion {
@@ -161,8 +70,8 @@ impl State {
         self.x[joints + offset..].iter_mut().zip(joints..).for_each(|(x, i)| *x += by(i));
     }
 
-    /// The rate of the displacement `by` that [`State::displace`] takes: xdot, but for a rotation vector d,
-    /// dexp⁻¹_d(w) = w − ½ d × w + (1 − ½|d| cot ½|d|)/|d|² d × (d × w).
+    /// The rate of the displacement `by` of [`State::displace`]. It equals xdot, except for a rotation vector d: dexp⁻¹_d(w) = w − ½ d × w
+    /// + (1 − ½|d| cot ½|d|)/|d|² d × (d × w).
     ///
     /// # Source
     /// Hairer, Lubich & Wanner, *Geometric Numerical Integration*, III.4 and IV.7.
@@ -191,8 +100,8 @@ impl State {
         self.xdot[model.joint_dof[k]]
     }
 
-    /// Greatest rate of a turn, of the base or a joint [rad/s]. A base on virtual joints is left out: near the place that they do not know
-    /// their rates are not its own.
+    /// Greatest rotation rate of the base or a joint [rad/s]. A base on virtual joints is left out: near its singular pitch, the rates of
+    /// the joints exceed its angular velocity.
     pub fn fastest_turn(&self, model: &Model) -> f64 {
         let base = match model.base {
             Base::Fixed | Base::Virtual => 0.0,
@@ -207,7 +116,7 @@ impl State {
 /// exp(h w) q, of unit length: q turned by the angular velocity w in W for the time h.
 fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     let half = 0.5 * h * (w[0] * w[0] + w[1] * w[1] + w[2] * w[2]).sqrt();
-    // sin(half)/half, whose series needs no second term below 1e-8
+    // below SINC_ANGLE, sin(half)/half is 1 to rounding
     let (sin, cos) = sin_cos(half);
     let sinc = if half < SINC_ANGLE { 1.0 } else { sin / half };
     let [a, x, y, z] = [cos, 0.5 * h * sinc * w[0], 0.5 * h * sinc * w[1], 0.5 * h * sinc * w[2]];
@@ -219,29 +128,4 @@ fn rotated(q: &[f64], w: &[f64], h: f64) -> [f64; 4] {
     ];
     let length = product.iter().map(|c| c * c).sum::<f64>().sqrt();
     product.map(|c| c / length)
-}
-
-/// Coordinate that lifts the base.
-fn height_coordinate(base: Base) -> Option<usize> {
-    match base {
-        Base::Fixed => None,
-        Base::Planar => Some(1),
-        Base::Virtual | Base::Quaternion => Some(2),
-    }
-}
-
-/// Yaw, then pitch, then roll, as a rotation from the base's axes to W.
-pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError> {
-    let angles = finite(initial.orientation_deg.map(f64::to_radians), || "initial.orientation_deg".into())?;
-    Ok(Rotation3::from_euler_angles(angles.x, angles.y, angles.z).into_inner())
-}
-
-/// How far to lift the robot until its lowest contact point is `clearance` above the ground z = 0 [m].
-pub(crate) fn height_offset(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
-    let heights = model.contact_points.iter().map(|point| pose.height(point));
-    let lowest = heights.fold(f64::INFINITY, f64::min);
-    if lowest.is_finite() && clearance.is_finite() {
-        return Ok(clearance - lowest);
-    }
-    Err(PlantError::value("initial.clearance", clearance, "finite and of a robot with contact points, or absent"))
 }

@@ -21,7 +21,10 @@ mod contact;
 mod doubling;
 mod euler;
 mod event;
+mod event_contact;
 mod free;
+mod impact;
+mod last_acceleration;
 mod midpoint;
 mod midpoint_contact;
 mod moreau;
@@ -31,17 +34,16 @@ mod prediction;
 mod runge_kutta;
 mod settings;
 mod stability;
+mod stages;
 mod step_size;
+mod touches;
+mod workspace;
 
-use contact::{Contacts, Touches};
-use doubling::StepDoublingState;
-use event::EventContact;
-use free::{Dynamics, FreeMotion};
-use midpoint_contact::LastAcceleration;
-use moreau::Means;
-use posed_state::{BaseCentre, PosedState};
-use runge_kutta::Stages;
+use event_contact::EventContact;
+use last_acceleration::LastAcceleration;
+use posed_state::PosedState;
 use settings::{Push, World};
+use workspace::Workspace;
 
 use crate::contact::{Memory, Problem};
 use crate::drive::Drives;
@@ -49,7 +51,7 @@ use crate::error::PlantError;
 use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
-use messages::scene::{Law, Method, Scene};
+use messages::scene::{Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 use std::f64::consts::PI;
 
@@ -90,30 +92,6 @@ pub struct Counts {
     pub events: u64,
     /// Steps that were rejected and repeated with a shorter length.
     pub rejected: u64,
-}
-
-/// Results of the stages; allocated once.
-struct Workspace {
-    dynamics: Dynamics,
-    free: FreeMotion,
-    touches: Touches,
-    contacts: Contacts,
-    /// The state at the middle of a step, then at its end.
-    middle: PosedState,
-    /// ẋ₋ at the middle of the step, and the centre of mass of the base there, with ẋ₋ and with ẋ₊.
-    before: Vec<f64>,
-    centres: [BaseCentre; 2],
-    /// Contact memory from before a step that may have to be split.
-    remembered: Memory,
-    /// Contact points that land in the step.
-    landing: Vec<usize>,
-    /// State at the beginning of a step, or of a part of it.
-    start: State,
-    stages: Stages,
-    means: Means,
-    /// Mean velocity of an implicit step.
-    mean: Vec<f64>,
-    doubling: StepDoublingState,
 }
 
 impl Plant {
@@ -163,7 +141,7 @@ impl Plant {
         let h = self.world.settings.h;
         match self.world.settings.method {
             Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.now, h, h),
-            Method::MidpointContact if self.last_acceleration.known() => {
+            Method::MidpointContact if self.last_acceleration.known => {
                 let found = self.evaluate_midpoint(h).is_ok(); // the step reports the error again
                 self.work.dynamics.set_prepared(found);
             }
@@ -265,26 +243,5 @@ impl Plant {
     /// The present state.
     pub fn state(&self) -> &State {
         &self.now.state
-    }
-}
-
-impl Workspace {
-    fn new(model: &Model, law: Law) -> Self {
-        Workspace {
-            dynamics: Dynamics::new(model),
-            free: FreeMotion::new(model),
-            touches: Touches::new(model),
-            contacts: Contacts::new(model, law),
-            middle: PosedState::new(model, State::zero(model)),
-            before: vec![0.0; model.dofs()],
-            centres: [BaseCentre::default(); 2],
-            remembered: Memory::of(model.contact_points.len()),
-            landing: Vec::with_capacity(model.contact_points.len()),
-            start: State::zero(model),
-            stages: Stages::new(model),
-            means: Means::new(model),
-            mean: vec![0.0; model.dofs()],
-            doubling: StepDoublingState::new(model),
-        }
     }
 }

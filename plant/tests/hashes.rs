@@ -1,5 +1,4 @@
-//! Claim: the first second of every built-in scene has the published bits, built for release or not, on one thread or on
-//! several, once or again.
+//! Claim: the first second of every built-in scene has the published bits in any build, on one thread or several, in every run.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -10,12 +9,12 @@ use messages::wire::{Command, Stamp, Stamped};
 use plant::Simulation;
 use std::path::PathBuf;
 
-/// Where the scenes are.
+/// Directory of the scenes.
 fn folder() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch/scenes")
 }
 
-/// Names and hashes of the first second, as published.
+/// Published names and hashes of the first second.
 fn published() -> Vec<(String, String)> {
     let table = std::fs::read_to_string(folder().join("hashes.txt")).expect("the table");
     let words = |line: &str| line.split_whitespace().map(String::from).take(2).collect::<Vec<_>>();
@@ -31,7 +30,7 @@ fn scene(name: &str) -> Scene {
     scene
 }
 
-/// Hash of the states of the first second, or of what there is of it.
+/// Hash of the states of the first second, or up to the error that ends the run.
 fn hash(name: &str) -> String {
     let scene = scene(name);
     let mut simulation = Simulation::new(&scene, 1, 1).expect("a good scene");
@@ -45,7 +44,7 @@ fn hash(name: &str) -> String {
             simulation.receive(&Command { stamp, torques, ..Command::default() }.sealed());
         }
         if simulation.advance().is_err() {
-            break; // gimbal ends at its pole
+            break; // scene gimbal ends at its singular pitch
         }
         hash = simulation.truth().hash;
     }
@@ -57,7 +56,7 @@ fn agrees((name, published): &(String, String)) {
 }
 
 #[test]
-fn the_first_second_has_the_published_bits_and_has_them_again() {
+fn the_first_second_has_the_published_bits_in_every_run() {
     let published = published();
     assert!(published.len() > 30, "every scene has its row");
     published.iter().for_each(agrees);
@@ -65,7 +64,7 @@ fn the_first_second_has_the_published_bits_and_has_them_again() {
 }
 
 #[test]
-fn several_threads_have_them_too() {
+fn several_threads_give_the_same_bits() {
     let (published, threads) = (published(), 4);
     std::thread::scope(|scope| {
         for first in 0..threads {

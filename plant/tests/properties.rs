@@ -14,7 +14,7 @@ fn vector(size: f64) -> impl Strategy<Value = [f64; 3]> {
     prop::array::uniform3(-size..size)
 }
 
-/// Body i of a chain or tree, hanging from any body before it, with a point or a ball that may touch.
+/// Body i of a chain or tree, attached to any body before it, with a contact point or ball.
 fn body(i: usize) -> impl Strategy<Value = Body> {
     let parent = if i == 0 { 0..1 } else { 0..i };
     let shape = (0.1..10.0, prop::array::uniform3(0.1..0.4), vector(0.1), vector(0.3), any::<bool>());
@@ -37,7 +37,7 @@ fn body(i: usize) -> impl Strategy<Value = Body> {
     })
 }
 
-/// A robot of one to five bodies in any attitude and motion, its lowest point on the ground.
+/// A robot of one to five bodies with random attitude and motion, its lowest point on the ground.
 fn robot() -> impl Strategy<Value = Scene> {
     let bodies = (1..=5_usize).prop_flat_map(|count| (0..count).map(body).collect::<Vec<_>>());
     let motion = (vector(180.0), vector(1.0), vector(3.0));
@@ -70,7 +70,7 @@ fn totals(plant: &Plant) -> Totals {
     kinematics::totals(plant.model(), plant.state(), &pose)
 }
 
-/// A few steps; the plant's own words where it has to give up.
+/// A few steps, or the plant's error.
 fn steps(scene: &Scene, count: usize) -> Result<Plant, PlantError> {
     let mut plant = Plant::new(scene)?;
     (0..count).try_for_each(|_| plant.step())?;
@@ -80,7 +80,7 @@ fn steps(scene: &Scene, count: usize) -> Result<Plant, PlantError> {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
-    /// In flight momentum grows by the weight, angular momentum and energy stay.
+    /// In flight, momentum changes by the weight, and angular momentum and energy are constant.
     #[test]
     fn flight_keeps_momentum_and_energy(scene in robot()) {
         let mut scene = scene;
@@ -96,7 +96,7 @@ proptest! {
         prop_assert!(gain.abs() < 1e-5 * scale, "energy grew by {gain:e} J of {:e}", before.kinetic);
     }
 
-    /// Power balance of a contact: what it does to the energy is less than nothing, whatever strikes whatever way.
+    /// Contact never raises the energy, for any direction of impact.
     #[test]
     fn contact_takes_energy_and_gives_none(scene in robot(), law in 0..3) {
         let mut scene = scene;
@@ -109,9 +109,9 @@ proptest! {
         prop_assert!(plant.truth().energy_gain <= 1e-9 * scale, "{:e} J gained", plant.truth().energy_gain);
     }
 
-    /// A world turned about the vertical moves as before.
+    /// A scene that is rotated about the vertical moves as before.
     #[test]
-    fn no_direction_along_the_ground_is_special(scene in robot(), degrees in -180.0..180.0) {
+    fn the_motion_does_not_depend_on_the_direction_along_the_ground(scene in robot(), degrees in -180.0..180.0) {
         let turn = Rotation3::from_axis_angle(&Vector3::z_axis(), f64::to_radians(degrees));
         let mut turned = scene.clone();
         turned.initial.orientation_deg[2] += degrees;
@@ -128,9 +128,9 @@ proptest! {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 100, ..ProptestConfig::default() })]
 
-    /// Every law with every method ends a tumble with numbers, or in words.
+    /// Every law with every method ends a tumble with finite numbers or with an error.
     #[test]
-    fn nothing_ever_is_not_a_number(scene in robot(), law in 0..Law::ALL.len(), method in 0..Method::ALL.len()) {
+    fn every_run_ends_with_finite_numbers_or_an_error(scene in robot(), law in 0..Law::ALL.len(), method in 0..Method::ALL.len()) {
         let mut scene = scene;
         (scene.plant.law, scene.plant.method) = (Law::ALL[law], Method::ALL[method]);
         match steps(&scene, 10) {

@@ -1,4 +1,4 @@
-//! Claim: contact knows no length, speed or friction of its own: what is scaled moves alike, and what is extreme is caught as well.
+//! Claim: contact has no built-in scale of length, speed or friction. Scaled scenes move alike, and extreme contacts are detected.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -7,7 +7,7 @@ use messages::scene::Law;
 use messages::wire::Torques;
 use plant::Plant;
 
-/// The states of a scene, one for each step: position of the base and its velocity.
+/// The states of a scene, one per step: position of the base and its velocity.
 fn run(text: &str) -> Vec<([f64; 3], [f64; 3])> {
     let scene = parse(text, "a test").expect("a scene");
     let mut plant = Plant::new(&scene).expect("a plant");
@@ -15,7 +15,8 @@ fn run(text: &str) -> Vec<([f64; 3], [f64; 3])> {
     let step = |_| {
         plant.advance(&Torques::default()).expect("a step");
         let truth = plant.truth();
-        // friction of 1e9 is the study's family `rough`, of which one in a thousand may be flagged a little above what is promised
+        // friction of 1e9 is the study's family `rough`, of which one in a thousand may be flagged with a residual slightly above the
+        // promise
         let [promised, flagged] = if scene.plant.friction < 1e9 { [1e-10, 0.0] } else { [1e-9, 1.0] };
         let obeys = scene.plant.law != Law::Cone || truth.natural_map <= promised;
         assert!(obeys && truth.fallbacks as f64 <= flagged, "{text}: {truth:?}");
@@ -24,7 +25,7 @@ fn run(text: &str) -> Vec<([f64; 3], [f64; 3])> {
     (0..steps).map(step).collect()
 }
 
-/// A box with sharp corners and a round one, thrown on the ground; every length times `scale`, in the same time.
+/// A box with sharp corners and a round one, thrown on the ground. Every length is times `scale`, the time is the same.
 fn thrown(scale: f64, settings: &str) -> String {
     let [half, flat, gravity, fast] = [0.1, 0.04, 9.81, 1.0].map(|size: f64| size * scale);
     let inertia = scale * scale * 0.01;
@@ -41,8 +42,8 @@ fn thrown(scale: f64, settings: &str) -> String {
 }
 
 #[test]
-fn lengths_a_million_times_as_large_or_small_move_alike() {
-    // by powers of two nothing rounds differently, so whatever differs has a length of its own
+fn scenes_scaled_by_a_million_move_alike() {
+    // powers of two round alike, so any difference reveals a built-in length
     for settings in
         ["", "law = \"Aligned\"", "method = \"MoreauJean\"", "method = \"MidpointMoreau\"", "method = \"Rk4Impact\""]
     {
@@ -71,9 +72,9 @@ fn cube(friction: f64, gravity: f64, dt: f64, velocity: [f64; 3], spin: [f64; 3]
     )
 }
 
-/// Contacts that gain many metres a second within a step are seen in time.
+/// Contacts that gain many metres per second within a step are detected in time.
 #[test]
-fn a_hundred_times_the_gravity_stands_on_the_ground() {
+fn a_cube_stands_under_a_hundredfold_gravity() {
     for gravity in [9.81, 981.0, 1e5] {
         let (end, _) = *run(&cube(0.5, gravity, 0.01, [0.0; 3], [0.0; 3])).last().expect("steps");
         println!("g = {gravity}: {:.2e} m above where it stands", end[2] - 0.05);
@@ -81,9 +82,9 @@ fn a_hundred_times_the_gravity_stands_on_the_ground() {
     }
 }
 
-/// What cannot slip comes to rest, tumbling over its edges, and does not sink.
+/// A cube with huge friction tumbles over its edges, comes to rest, and does not sink.
 #[test]
-fn what_cannot_slip_does_not() {
+fn a_cube_with_huge_friction_does_not_slip() {
     for friction in [0.0, 1e-3, 10.0, 1e3, 1e5, 1e9] {
         let states = run(&cube(friction, 9.81, 0.001, [1.0, 0.5, 0.0], [1.0, 2.0, 3.0]));
         let (end, speed) = *states.last().expect("steps");
@@ -95,10 +96,10 @@ fn what_cannot_slip_does_not() {
     }
 }
 
-/// A cube with eight corners thrown anyhow, on ground of nearly any friction. Points of a link that land together drift apart as its rigid
-/// motion lets them, or friction would push against the difference as hard as it can: one step of four thousand was left unsolved.
+/// A thrown cube with eight contacts, at nearly any friction. Points of a link that land together must separate as the rigid motion lets
+/// them. Otherwise friction opposes the difference with full force: one step of four thousand was left unsolved.
 #[test]
-fn what_is_thrown_is_solved_however_great_the_friction() {
+fn thrown_cubes_are_solved_at_any_friction() {
     let corner = |k: u32| [0, 1, 2].map(|axis| if k >> axis & 1 == 0 { 0.05 } else { -0.05 });
     let corners: Vec<_> = (0..8).map(|k| format!("{:?}", corner(k))).collect();
     for friction in [0.5, 1e2, 1e3, 1e4, 1e5] {
@@ -116,9 +117,9 @@ fn what_is_thrown_is_solved_however_great_the_friction() {
     }
 }
 
-/// A hammer: a light limb on a heavy body, whose tip contact speeds up from rest to several metres a second within one step.
+/// A hammer: a light limb on a heavy body. Contact accelerates its tip from rest to several metres per second within one step.
 #[test]
-fn a_light_limb_that_is_knocked_down_stops_at_the_ground() {
+fn a_light_limb_that_is_struck_stops_at_the_ground() {
     let text = "duration = 0.2\nrate = 1000.0\n[plant]\ndt = 0.001\nfriction = 0.5\ndrive_inertia = 0.0\n[initial]\nclearance = 0.002\n\
         velocity = [0.0, 0.0, -2.0]\n[[bodies]]\nname = \"block\"\nmass = 10.0\nsize = [0.2, 0.2, 0.2]\n\
         contacts = [[-0.1, 0.1, -0.1], [-0.1, -0.1, -0.1], [0.1, 0.1, -0.1], [0.1, -0.1, -0.1]]\n\

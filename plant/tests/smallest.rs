@@ -1,4 +1,4 @@
-//! Claims about the smallest sufficient model: the same motion, loads and zero-moment point, of fewer coordinates and contacts.
+//! Claims about the reduced model: the same motion, loads and zero-moment point, with fewer coordinates and contacts.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -10,11 +10,11 @@ use plant::Plant;
 use plant::kinematics::{self, Pose};
 use plant::smallest::{Size, smallest};
 
-/// Load below which the place of the zero-moment point is not asked for, over the weight.
+/// Part of the weight below which the zero-moment point is not compared.
 const LOADED: f64 = 0.01;
 /// Bound of a force that no law determines.
 const UNDETERMINED: f64 = f64::INFINITY;
-/// How long both models are compared [s].
+/// Time over which both models are compared [s].
 const WHILE: f64 = 0.6;
 
 fn scene(name: &str) -> Scene {
@@ -22,7 +22,7 @@ fn scene(name: &str) -> Scene {
     load(&path, &[], &[]).expect("a good scene")
 }
 
-/// Every scene that comes without a controller.
+/// Every scene without a controller.
 fn scenes() -> Vec<(String, Scene)> {
     let folder = format!("{}/../launch/scenes", env!("CARGO_MANIFEST_DIR"));
     let names = |folder: &str, prefix: &str| -> Vec<String> {
@@ -36,7 +36,7 @@ fn scenes() -> Vec<(String, Scene)> {
     all.into_iter().map(|name| (name.clone(), scene(&name))).filter(alone).collect()
 }
 
-/// What one model shows at the end of a control period.
+/// Observable quantities of a model at the end of a control period.
 struct Shown {
     /// Centres of mass [m], their velocities [m/s] and angular velocities [rad/s], body by body.
     motion: [Vec<Vector3<f64>>; 3],
@@ -69,18 +69,18 @@ fn shown(plant: &Plant) -> Shown {
     Shown { motion, force, zmp: (moment / load, load) }
 }
 
-/// By how much two models of a scene differ at most, each quantity over its scale: a length over that of the robot or its way from the
-/// origin, a speed over that of a fall from this height or its own, a rate over that speed by the size of the robot, a force over the
-/// weight or the greatest so far.
+/// Greatest differences of two models of a scene, each relative to its scale. A length: the robot's length, or its distance from the
+/// origin. A speed: that of a fall from this height, or the present one. A rate: that speed by the size of the robot. A force: the weight,
+/// or the greatest force so far.
 #[derive(Clone, Copy, Debug, Default)]
 struct Difference {
     motion: f64,
     /// Force on each body in the plane of x and z, and across it.
     force: [f64; 2],
     zmp: f64,
-    /// Periods in which something carried the robot.
+    /// Number of periods with load on the ground.
     loaded: usize,
-    /// What the contact problems of either were off their solution at most.
+    /// Greatest residual of the contact problems of both models.
     residual: f64,
 }
 
@@ -122,13 +122,13 @@ fn difference(full: &Scene, small: &Scene) -> Difference {
     most
 }
 
-/// The greater of two numbers, or what is none.
+/// The greater of two numbers, or NaN.
 fn greater(a: f64, b: f64) -> f64 {
     if a.is_nan() || a > b { a } else { b }
 }
 
-/// The same motion to 1e-12, or to what the contact problem is solved to; on the wheel, where rounding decides whether the two points of
-/// a spoke strike in one event or in two and so where the steps are split, to less than the error of its method.
+/// The same motion to 1e-12, or to the residual of the contact problem. On the wheel, rounding decides whether the two points of a spoke
+/// strike in one event or in two, and so where steps are split; there the motion agrees to the error of the method.
 #[test]
 fn every_scene_moves_the_same_on_its_smallest_model() {
     for (name, full) in scenes() {
@@ -151,8 +151,8 @@ fn every_scene_moves_the_same_on_its_smallest_model() {
     }
 }
 
-/// The same force on every body and the same zero-moment point. How hard two feet push against one another sideways no law determines,
-/// for across the plane their ankles alone turn, and the base of a planar model holds the rest: of stand0 the force in its plane is claimed.
+/// The same force on every body and the same zero-moment point. No law determines the sideways force between two feet: across the plane
+/// only their ankles turn, and the base of a planar model carries the rest. So the claim for stand0 is about the force in its plane.
 #[test]
 fn loads_and_zero_moment_point_are_those_of_the_full_model() {
     for (name, force) in [
@@ -169,7 +169,7 @@ fn loads_and_zero_moment_point_are_those_of_the_full_model() {
         assert!(most.loaded > 20 && most.zmp < 1e-9, "{name}: {most:?}");
         assert!(most.force[0] < force[0] && most.force[1] < force[1], "{name}: {most:?}");
     }
-    // negative control: on one edge, not in the middle, the points bear the same and show another zero-moment point
+    // negative control: on one edge instead of the middle, the points carry the same load but give another zero-moment point
     let full = scene("slide");
     let mut edge = smallest(&full).expect("a good scene").scene;
     edge.bodies[0].contacts.iter_mut().for_each(|point| point[1] = full.bodies[0].contacts[0][1]);
@@ -177,7 +177,7 @@ fn loads_and_zero_moment_point_are_those_of_the_full_model() {
     assert!(most.motion < 1e-12 && most.zmp > 0.1, "{most:?}");
 }
 
-/// A contact has a row for its pressure and one for each direction of friction.
+/// A contact has one row for its normal and one for each tangent.
 #[test]
 fn a_smaller_model_has_fewer_unknowns() {
     let unknowns = |size: &Size| [size.dofs, size.contacts * (1 + size.directions)];
@@ -191,7 +191,7 @@ fn a_smaller_model_has_fewer_unknowns() {
 }
 
 #[test]
-fn each_rule_does_what_it_says() {
+fn each_rule_of_the_reduction_applies() {
     let size = |name: &str| smallest(&scene(name)).expect("a good scene").size;
     let of = |name: &str| (size(name).base, size(name).dofs, size(name).contacts, size(name).directions);
     assert_eq!(of("slide"), (Base::Planar, 3, 2, 1));
@@ -203,14 +203,14 @@ fn each_rule_does_what_it_says() {
 }
 
 #[test]
-fn what_a_controller_drives_is_left_as_it_is() {
+fn a_scene_with_a_controller_is_not_reduced() {
     for name in ["walk", "stamp", "stand", "walk-literal", "paper"] {
         let full = scene(name);
         assert_eq!(smallest(&full).expect("a good scene").scene, full, "{name}");
     }
 }
 
-/// Negative controls: with any of these the scene is no longer its own mirror image.
+/// Negative controls: any of these breaks the symmetry of the scene.
 #[test]
 fn a_scene_that_is_not_symmetric_keeps_its_base() {
     let breaks: [fn(&mut Scene); 7] = [

@@ -1,4 +1,4 @@
-//! Claim: what slides and turns feels friction against the velocity of each of its contacts, as the round cone has it.
+//! Claim: friction on a body that slides and turns opposes the velocity of each of its contacts, as the round cone requires.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -19,8 +19,8 @@ fn turning(name: &str, settings: &[&str]) -> f64 {
     plant.state().xdot[5]
 }
 
-/// Three legs that share the weight of a puck: its equations of motion, by the classical method of fourth order in steps of 1e-4 s, say
-/// .706702 rad/s after half a second.
+/// Three legs carry a puck. Its equations of motion, integrated by the classical method of fourth order in steps of 1e-4 s, give .706702
+/// rad/s after half a second.
 #[test]
 fn a_puck_that_slides_and_turns_is_braked_about_the_vertical() {
     for (settings, most) in [(vec![], 2e-4), (vec!["plant.dt=0.00025"], 5e-5), (vec!["plant.method=EventDriven"], 1e-6)]
@@ -31,9 +31,9 @@ fn a_puck_that_slides_and_turns_is_braked_about_the_vertical() {
     }
 }
 
-/// A fourth point .4 mm above the ground never touches: it must change nothing.
+/// A fourth point .4 mm above the ground never touches, so it must not change anything.
 #[test]
-fn a_point_that_carries_nothing_changes_nothing() {
+fn a_point_without_load_changes_nothing() {
     let found = turning("untouched-point", &[]);
     println!("{found}");
     assert!((found - 1.662_76).abs() < 5e-4, "{found}");

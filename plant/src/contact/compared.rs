@@ -25,6 +25,7 @@ mod semismooth_newton;
 mod spring_damper;
 mod square_cone;
 mod status;
+mod vector;
 
 use super::{Memory, Problem, Report, has_basis};
 use basis_solver::BasisSolver;

@@ -22,15 +22,18 @@
 mod cascade;
 mod held_shift;
 mod interior;
+mod iterate;
 mod newton;
 mod patch;
 
 use super::memory::{LastContact, Memory};
+use super::mode::ContactMode;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{PROMISED, SOLVED};
 use super::{Problem, Report};
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
+use iterate::{Guess, Iterate};
 use messages::scene::Law;
 use newton::PatchNewton;
 
@@ -38,36 +41,6 @@ use newton::PatchNewton;
 const MAX_PATCH_CHOICES: usize = 2;
 /// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten.
 const MAX_MINIMA: u32 = 50;
-
-/// Contact mode: what a contact does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) enum ContactMode {
-    /// No impulse.
-    #[default]
-    Open,
-    /// Impulse without motion, each contact by itself.
-    Sticking,
-    /// Impulse without motion, together with other contacts of its link.
-    Patch,
-    /// Impulse and slip.
-    Sliding,
-}
-
-/// Initial guess for Newton's method: modes, and slip velocities in scaled units.
-#[derive(Clone, Debug, Default)]
-struct Guess {
-    modes: Vec<ContactMode>,
-    slips: Vec<[f64; 2]>,
-}
-
-/// An impulse with its velocity and residual, all scaled; and the number of linear systems solved so far.
-#[derive(Clone, Debug, Default)]
-struct Iterate {
-    f: Vec<f64>,
-    v: Vec<f64>,
-    error: f64,
-    steps: u32,
-}
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]
@@ -208,14 +181,5 @@ impl Coulomb {
             *memory.contact_mut(id) = LastContact { mode, slip, impulse: f.map(|f| f / cones.scale[i]), basis: 0 };
         }
         memory.is_static = is_static;
-    }
-}
-
-impl Iterate {
-    /// Copies another iterate without allocation, but not its count of linear systems.
-    fn copy(&mut self, other: &Iterate) {
-        self.f.clone_from(&other.f);
-        self.v.clone_from(&other.v);
-        self.error = other.error;
     }
 }

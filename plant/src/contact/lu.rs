@@ -122,7 +122,7 @@ mod tests {
     use nalgebra::{DMatrix, DVector};
 
     #[test]
-    fn what_it_solves_for_solves_the_matrix_whatever_was_there_before() {
+    fn a_used_workspace_solves_random_matrices() {
         let seed = fastrand::u64(..);
         println!("seed {seed}");
         let mut rng = Rng::with_seed(seed);

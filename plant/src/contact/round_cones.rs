@@ -156,7 +156,7 @@ mod tests {
     use fastrand::Rng;
 
     #[test]
-    fn the_response_is_that_of_column_by_column_and_what_is_no_number_shows() {
+    fn the_product_equals_that_column_by_column_and_nan_propagates() {
         let mut rng = Rng::with_seed(1);
         for m in 0..=9 {
             let [drift, impulse]: [Vec<f64>; 2] = std::array::from_fn(|_| (0..m).map(|_| rng.f64() - 0.5).collect());

@@ -109,6 +109,10 @@ pub(super) const REFINEMENT_REDUCTION: f64 = 0.1;
 /// A solution of standing feet after the first must leave no more than this part of the velocity error before it.
 pub(crate) const STANDING_REDUCTION: f64 = 0.5;
 
+/// Factor by which the friction weight of a slipping contact is reduced beyond the necessary, in the distribution over a patch or a sole, so
+/// that few trials suffice.
+pub(crate) const OVERREDUCTION: f64 = 1.5;
+
 /// A fixed-point iteration progresses if its change falls below this part of the least change before.
 pub(super) const FIXED_POINT_PROGRESS: f64 = 0.9;
 

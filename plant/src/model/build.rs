@@ -1,9 +1,11 @@
-//! From a scene to a model: the tree in order, each body's mass, payload and gravity, every value checked.
+//! Construction of a model from a scene: ordered tree, masses, payload and gravity, with every value checked.
 
+use super::check::{finite, not_negative};
 use super::{ContactPoint, Link, Model, Motion, Spring, unknown};
 use crate::error::PlantError;
+use crate::initial::{height_offset, orientation};
 use crate::kinematics::{self, Pose};
-use crate::state::{self, State};
+use crate::state::State;
 use messages::robot::{Body, Joint, JointKind};
 use messages::rotation;
 use messages::scene::{Base, Law, Scene};
@@ -52,17 +54,17 @@ impl Model {
         Ok(model)
     }
 
-    /// Puts link 0 where the scene's initial pose wants it and the base's coordinates cannot take it.
+    /// Places link 0 at the part of the initial pose that the base's coordinates cannot represent.
     fn mount(&mut self, scene: &Scene) -> Result<(), PlantError> {
         let position = finite(scene.initial.position, || "the initial position".into())?;
         match self.base {
             Base::Fixed => {
-                self.mount_rotation = state::orientation(&scene.initial)?;
+                self.mount_rotation = orientation(&scene.initial)?;
                 self.mount_position = position;
                 if let Some(clearance) = scene.initial.clearance {
                     let mut pose = Pose::new(self);
                     kinematics::pose(self, &State::initial(self, &scene.initial)?, &mut pose);
-                    self.mount_position.z += state::height_offset(self, &pose, clearance)?;
+                    self.mount_position.z += height_offset(self, &pose, clearance)?;
                 }
             }
             Base::Planar => self.mount_position.y = position.y,
@@ -133,7 +135,7 @@ fn length(links: &[Link], contact_points: &[ContactPoint]) -> f64 {
     reaches.chain(joints.filter(|_| jointed)).fold(0.0, f64::max)
 }
 
-/// One for each joint with a spring or damper.
+/// The springs and dampers of the joints that have one.
 fn springs(bodies: &[Body], body_link: &[usize], links: &[Link]) -> Result<Vec<Spring>, PlantError> {
     let mut springs = vec![];
     for (body, &link) in bodies.iter().zip(body_link) {
@@ -148,7 +150,7 @@ fn springs(bodies: &[Body], body_link: &[usize], links: &[Link]) -> Result<Vec<S
     Ok(springs)
 }
 
-/// All paths one after the other, and where each begins.
+/// The paths of all links, one after the other, and the start of each.
 fn paths(links: &[Link]) -> (Vec<usize>, Vec<usize>) {
     let (mut path, mut start) = (vec![], vec![0]);
     for (i, link) in links.iter().enumerate() {
@@ -161,7 +163,7 @@ fn paths(links: &[Link]) -> (Vec<usize>, Vec<usize>) {
     (path, start)
 }
 
-/// One past the last degree of freedom that each one moves.
+/// End of the branch of each degree of freedom.
 fn branch_ends(links: &[Link]) -> Vec<usize> {
     let mut ends: Vec<usize> = (1..links.len()).collect();
     for i in (1..links.len()).rev() {
@@ -172,7 +174,7 @@ fn branch_ends(links: &[Link]) -> Vec<usize> {
     ends
 }
 
-/// Bodies with their parents' indices, each parent before its children and each branch in one piece.
+/// Bodies with the indices of their parents. Each parent comes before its children, and each branch is contiguous.
 fn depth_first(bodies: &[Body]) -> Result<Vec<(usize, usize)>, PlantError> {
     let names: Vec<&str> = bodies.iter().map(|body| body.name.as_str()).collect();
     let find = |name: &str| names.iter().position(|known| *known == name);
@@ -220,7 +222,7 @@ fn virtual_link(parent: usize, motion: Motion, axis: Vector3<f64>) -> Link {
     }
 }
 
-/// The links of Fig. 1 that stand for the base's coordinates.
+/// The virtual links of Fig. 1 for the base's coordinates.
 fn virtual_links(base: Base) -> Vec<Link> {
     use Motion::{Prismatic, Revolute, Spin};
     let (x, y, z) = (Vector3::x(), Vector3::y(), Vector3::z());
@@ -239,7 +241,7 @@ fn virtual_links(base: Base) -> Vec<Link> {
     motions.into_iter().enumerate().map(link).collect()
 }
 
-/// Gives a link the mass of its body.
+/// Gives a link the mass properties of its body.
 fn set_mass(link: &mut Link, body: &Body) -> Result<(), PlantError> {
     let of = |what: &str| format!("the {what} of body `{}`", body.name);
     let positive = |value: f64| value > 0.0 && value.is_finite();
@@ -279,14 +281,4 @@ fn add_payload(links: &mut [Link], scene: &Scene, body_link: &[usize], base_link
 fn unit(axis: [f64; 3], body: &str) -> Result<Vector3<f64>, PlantError> {
     let rule = || PlantError::value(format!("the joint axis of body `{body}`"), axis, "a direction, not zero");
     Vector3::from(axis).try_normalize(MIN_AXIS).filter(|axis| axis.iter().all(|c| c.is_finite())).ok_or_else(rule)
-}
-
-pub(crate) fn finite(value: [f64; 3], what: impl Fn() -> String) -> Result<Vector3<f64>, PlantError> {
-    let good = value.iter().all(|component| component.is_finite());
-    if good { Ok(value.into()) } else { Err(PlantError::value(what(), value, "finite")) }
-}
-
-fn not_negative(value: f64, what: &str) -> Result<f64, PlantError> {
-    let good = value >= 0.0 && value.is_finite();
-    if good { Ok(value) } else { Err(PlantError::value(what, value, "finite and not negative")) }
 }

@@ -1,7 +1,7 @@
 //! One foot on its contacts, and its motion.
 
 use super::sole::Sole;
-use super::{PaddedRow, SpatialPair, padded, point_velocity, unpadded};
+use super::spatial_pair::{PaddedRow, SpatialPair, padded, point_velocity, unpadded};
 use crate::delassus::Free;
 use crate::detect::Touch;
 use crate::model::Model;

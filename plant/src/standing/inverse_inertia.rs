@@ -4,7 +4,7 @@
 //! lose the compliance where feet press against each other.
 
 use super::foot::Foot;
-use super::{MAX_FEET, PaddedRow, SpatialPair};
+use super::spatial_pair::{MAX_FEET, PaddedRow, SpatialPair};
 use crate::model::Model;
 use nalgebra::{Matrix3, Vector3};
 

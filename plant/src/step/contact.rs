@@ -1,92 +1,18 @@
 //! Contact stages of a step: touching points, contact impulse (14)-(22), and the velocity after it.
 
-use super::Plant;
 use super::per_contact::PerContact;
 use super::prediction::Prediction;
 use super::settings::{Settings, World};
+use super::touches::Touches;
 use crate::contact::{Memory, Report};
 use crate::delassus::{Free, Response};
-use crate::detect::{Touch, add_penetrating, allowed_approach, touching};
+use crate::detect::Touch;
 use crate::error::PlantError;
-use crate::kinematics::{self, Pose};
 use crate::model::Model;
 use crate::standing::StandingFeet;
 use crate::truth::Record;
 use messages::scene::Law;
 use nalgebra::Vector3;
-
-/// A contact bounces only if it approaches faster than free fall makes it in this many steps [-]. Otherwise a ball would bounce without end.
-const BOUNCE_STEPS: f64 = 2.0;
-
-/// The points that may touch within a time.
-pub(super) struct Touches {
-    pub list: Vec<Touch>,
-    /// That time [s].
-    pub horizon: f64,
-    /// Contacts that approach more slowly than this do not bounce [m/s].
-    pub slow: f64,
-}
-
-impl Touches {
-    pub fn new(model: &Model) -> Touches {
-        Touches { list: Vec::with_capacity(model.contact_points.len()), horizon: 0.0, slow: 0.0 }
-    }
-
-    /// Lists the points that may touch within a step of `h` whose velocity without contact would be `free`.
-    ///
-    /// Slow contacts, whose speed two steps of free fall could have caused, do not bounce.
-    pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
-        touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
-        (self.horizon, self.slow) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
-        self
-    }
-
-    /// Lists the points inside the ground, which have to leave it within `h`.
-    pub fn find_penetrating(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
-        self.find(world, pose, free, 0.0);
-        let gravity = world.model.gravity.norm();
-        self.list.iter_mut().for_each(|touch| touch.approach = allowed_approach(touch.gap, h, gravity));
-        self.slow = BOUNCE_STEPS * gravity * h;
-        self
-    }
-
-    /// Adds points that were not listed but that the velocity `after` the step drives into the ground. Returns whether there are any.
-    fn add_penetrating(
-        &mut self,
-        world: &World,
-        pose: &Pose,
-        after: &[f64],
-        prediction: Option<&Prediction>,
-        memory: &Memory,
-    ) -> bool {
-        let more = add_penetrating(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
-        if let Some(prediction) = prediction.filter(|_| more) {
-            for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
-                prediction.predict(world, memory, touches);
-            }
-            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // contact forces within the step accelerated it, so it did not land by itself
-        }
-        more
-    }
-
-    /// Lists the points within `landed` of the ground, and those that were active in the step before. An impact takes no time, so no other
-    /// point can come nearer.
-    pub fn find_on_ground(&mut self, world: &World, pose: &Pose, landed: f64, memory: &Memory) -> &mut Touches {
-        let Model { contact_points, .. } = &world.model;
-        self.list.clear();
-        for (id, point) in contact_points.iter().enumerate() {
-            let arm = pose.lowest(point);
-            let gap = pose.reference.z + arm.z;
-            if (gap <= landed || memory.was_active(id)) && point.has_ground(pose.reference.x + arm.x) {
-                self.list.push(Touch::new(id, point.link, arm, gap));
-            }
-        }
-        // lowest first, as in a step, so that no result depends on the numbering of contacts
-        self.list.sort_by(|a, b| a.link.cmp(&b.link).then(a.gap.total_cmp(&b.gap)));
-        (self.horizon, self.slow) = (0.0, 0.0);
-        self
-    }
-}
 
 /// Result of the contact stages.
 pub(super) struct Contact {
@@ -199,20 +125,6 @@ impl Contacts {
             }
         }
         Ok(contact)
-    }
-}
-
-impl Plant {
-    /// Impact: the contact law on the velocities of all listed points, without passage of time.
-    pub(super) fn impact(&mut self) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, .. } = self;
-        let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
-        let free = Free { pose: &now.pose, factor: &dynamics.factor, rate: &now.state.xdot };
-        let contact = work.contacts.solve(world, &free, &mut work.touches, None, memory)?;
-        record.take(contact, 1.0);
-        now.state.xdot.copy_from_slice(&contact.rate);
-        kinematics::velocities(&world.model, &now.state.xdot, &mut now.pose);
-        Ok(())
     }
 }
 

@@ -1,11 +1,9 @@
 //! Step doubling: error control by comparison with two half steps.
 
-use super::midpoint_contact::LastAcceleration;
+use super::Plant;
 use super::step_size::{MIN_FACTOR, SAFETY};
-use super::{Plant, Workspace};
-use crate::contact::Memory;
+use super::workspace::Workspace;
 use crate::error::PlantError;
-use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
 
@@ -17,26 +15,6 @@ const MAX_FACTOR: f64 = 4.0;
 const LAST_STEP_STRETCH: f64 = 1.01;
 /// Difference of one step and two half steps, divided by the error of the two [-]: 2^p − 1 for a method of order p = 2.
 const RICHARDSON: f64 = 3.0;
-
-/// Memories at the beginning of a step, and the result that it is compared with.
-pub(super) struct StepDoublingState {
-    memory: Memory,
-    last_acceleration: LastAcceleration,
-    events: u64,
-    /// State after one step over both halves.
-    coarse: State,
-}
-
-impl StepDoublingState {
-    pub fn new(model: &Model) -> StepDoublingState {
-        StepDoublingState {
-            memory: Memory::of(model.contact_points.len()),
-            last_acceleration: LastAcceleration::new(model),
-            events: 0,
-            coarse: State::zero(model),
-        }
-    }
-}
 
 impl Plant {
     /// Integrates over `h` in steps of [`Plant::midpoint_contact`] whose error stays below the tolerance.
@@ -61,7 +39,7 @@ impl Plant {
             self.work.doubling.events = self.events;
             self.midpoint_contact(part)?;
             self.work.doubling.coarse.copy(&self.now.state);
-            self.go_back(record)?;
+            self.restore_start(record)?;
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
             let error = distance(&self.work.doubling.coarse, &self.now.state) / RICHARDSON;
@@ -73,14 +51,14 @@ impl Plant {
             } else {
                 self.rejected += 1;
                 step = (part * factor).max(shortest);
-                self.go_back(record)?;
+                self.restore_start(record)?;
             }
         }
         Ok(())
     }
 
     /// Restores the beginning of the step.
-    fn go_back(&mut self, record: Record) -> Result<(), PlantError> {
+    fn restore_start(&mut self, record: Record) -> Result<(), PlantError> {
         let Workspace { start, doubling, .. } = &self.work;
         self.now.state.copy(start);
         self.memory.copy(&doubling.memory);

@@ -21,13 +21,13 @@
 mod active_set;
 
 use super::Plant;
-use super::runge_kutta::{DOP853, DOP853_ERRORS, RK4, Tableau};
+use super::event_contact::EventContact;
 use super::settings::Settings;
+use super::stages::{DOP853, DOP853_ERRORS, RK4, Tableau};
 use super::step_size::{MIN_FACTOR, SAFETY};
 use crate::error::PlantError;
 use crate::model::ContactPoint;
 use crate::truth::Record;
-pub(super) use active_set::EventContact;
 use active_set::slip;
 
 /// An event is located when its gap or slip is this small relative to that at the beginning of the step [-].

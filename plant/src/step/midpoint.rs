@@ -1,6 +1,7 @@
 //! Midpoint methods: all forces at the middle of the step, second order.
 
-use super::{Plant, Workspace};
+use super::Plant;
+use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
 
@@ -70,7 +71,7 @@ impl Plant {
             let reason = format!(
                 "its velocity still changes by {change:.1e} after {MAX_ITERATIONS} rounds; plant.dt is too long"
             );
-            return Err(PlantError::Unsettled { time: world.time(), reason });
+            return Err(PlantError::NotConverged { time: world.time(), reason });
         }
         record.take(contact, 1.0);
         now.set_displaced(world, start, |i| h * mean[i], &contact.rate)

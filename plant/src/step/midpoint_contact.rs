@@ -1,14 +1,13 @@
 //! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
+use super::Plant;
 use super::midpoint::update_mean;
 use super::posed_state::BaseCentre;
 use super::prediction::{Prediction, first_root};
-use super::{Plant, Workspace};
+use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
-use crate::model::Model;
 use messages::scene::Law;
-use nalgebra::Vector3;
 
 /// Iterations of the rule in flight at most; two or three are typical.
 const MAX_ITERATIONS: usize = 60;
@@ -39,54 +38,6 @@ struct Part {
 struct Landing {
     time: f64,
     gap: f64,
-}
-
-/// Acceleration of the step before, including contact.
-#[derive(Debug)]
-pub(super) struct LastAcceleration {
-    rate: Vec<f64>,
-    /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
-    turn: Vector3<f64>,
-    arm: Vector3<f64>,
-    /// False at the start and after an impact.
-    known: bool,
-}
-
-impl LastAcceleration {
-    pub fn new(model: &Model) -> LastAcceleration {
-        LastAcceleration { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
-    }
-
-    /// Copies another one without allocation.
-    pub fn copy(&mut self, other: &LastAcceleration) {
-        self.rate.copy_from_slice(&other.rate);
-        (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
-    }
-
-    /// Whether it is known.
-    pub fn known(&self) -> bool {
-        self.known
-    }
-
-    /// Marks it as unknown.
-    pub fn forget(&mut self) {
-        self.known = false;
-    }
-
-    /// Sets it from the last step of `h`.
-    fn set(&mut self, work: &Workspace, h: f64) {
-        let pairs = work.before.iter().zip(&work.contacts.contact.rate);
-        self.rate.iter_mut().zip(pairs).for_each(|(rate, (before, after))| *rate = (after - before) / h);
-        let [start, end] = work.centres;
-        (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
-    }
-
-    /// Adds the velocity that it causes within a time. `arm` points from the base's frame to its centre of mass.
-    fn add(&self, model: &Model, arm: &Vector3<f64>, time: f64, velocity: &mut [f64]) {
-        velocity.iter_mut().zip(&self.rate).for_each(|(v, rate)| *v += time * rate);
-        let moved = self.turn.cross(&(self.arm - arm)) * time;
-        velocity.iter_mut().zip(model.base_translation()).for_each(|(v, &axis)| *v += moved[axis]);
-    }
 }
 
 impl Plant {
@@ -198,7 +149,7 @@ impl Plant {
         {
             return Ok(()); // in flight the mean velocity is iterated in any case
         }
-        last_acceleration.set(work, part.h);
+        last_acceleration.set(&work.before, &work.contacts.contact.rate, work.centres, part.h);
         std::mem::swap(memory, &mut work.remembered);
         self.predict_free_motion(part)?;
         if self.world.settings.law == Law::Cone {
@@ -211,7 +162,8 @@ impl Plant {
     /// Accepts the end that was computed as the present state, and stores its acceleration.
     fn finish(&mut self, part: Part) {
         if part.h == part.whole {
-            self.last_acceleration.set(&self.work, part.h);
+            let Workspace { before, contacts, centres, .. } = &self.work;
+            self.last_acceleration.set(before, &contacts.contact.rate, *centres, part.h);
         } else {
             self.last_acceleration.forget(); // a part may be as short as rounding, so its velocity change gives no acceleration
         }

@@ -1,23 +1,9 @@
 //! The method of Moreau and Jean with θ = ½: mean forces over the step, second order.
 
 use super::Plant;
+use super::workspace::Means;
 use crate::delassus::Free;
 use crate::error::PlantError;
-use crate::model::Model;
-
-/// Mean values of a step.
-pub(super) struct Means {
-    /// h a(x, ẋ₋).
-    rise: Vec<f64>,
-    /// ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)).
-    velocity: Vec<f64>,
-}
-
-impl Means {
-    pub fn new(model: &Model) -> Means {
-        Means { rise: vec![0.0; model.dofs()], velocity: vec![0.0; model.dofs()] }
-    }
-}
 
 impl Plant {
     /// ẋ₊ = ẋ₋ + h·½(a(x, ẋ₋) + a(x*, ẋ*)) + H⁻¹KΔf, x₊ = x + ½h(ẋ₋ + ẋ₊), with the contact law at the end of the step.
@@ -30,11 +16,11 @@ impl Plant {
     pub(super) fn moreau_jean(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant { world, now, memory, record, work, .. } = self;
         work.start.copy(&now.state);
-        let (start, Means { rise, velocity }) = (&work.start, &mut work.means);
+        let (start, Means { start_change, velocity }) = (&work.start, &mut work.means);
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
-        for ((rise, free), before) in rise.iter_mut().zip(free.rate).zip(&start.xdot) {
-            *rise = free - before; // h a(x, ẋ₋)
+        for ((start_change, free), before) in start_change.iter_mut().zip(free.rate).zip(&start.xdot) {
+            *start_change = free - before; // h a(x, ẋ₋)
         }
         let touches = work.touches.find(world, free.pose, free.rate, h);
         let contact = work.contacts.solve(world, &free, touches, None, memory)?;
@@ -42,8 +28,10 @@ impl Plant {
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;
         let free = work.free.motion(world, now, dynamics, h);
         let ends = free.rate.iter().zip(&now.state.xdot).map(|(free, end)| free - end); // h a(x*, ẋ*)
-        for (((velocity, before), rise), end) in velocity.iter_mut().zip(&start.xdot).zip(&*rise).zip(ends) {
-            *velocity = before + 0.5 * (rise + end);
+        for (((velocity, before), start_change), end) in
+            velocity.iter_mut().zip(&start.xdot).zip(&*start_change).zip(ends)
+        {
+            *velocity = before + 0.5 * (start_change + end);
         }
         let free = Free { rate: velocity, ..free };
         let touches = work.touches.find(world, free.pose, free.rate, h);

@@ -1,7 +1,7 @@
 //! Contact by contact: the problem (14) and its solution (15)-(22).
 
-use super::contact::Touches;
 use super::settings::{Settings, World};
+use super::touches::Touches;
 use crate::contact::{Memory, Report, Solver, tangents};
 use crate::delassus::{ContactMap, Free, Response};
 use crate::detect::Touch;
@@ -38,7 +38,7 @@ impl PerContact {
     /// Newton's law of impact: a contact that would land with v_N leaves with -e v_N or more, e being `restitution`.
     pub fn set_problem(&mut self, world: &World, free: &Free, touches: &Touches, restitution: f64) {
         let Settings { law, friction, spring, .. } = world.settings;
-        let (touches, slow) = (&touches.list, touches.slow);
+        let (touches, min_bounce_speed) = (&touches.list, touches.min_bounce_speed);
         let given = law == Law::Cone && touches.iter().any(|touch| touch.slip_direction != Vector3::zeros());
         let at_the_end = |i: usize, drift: Vector3<f64>| {
             let end = drift + touches[i].velocity_gain;
@@ -63,7 +63,7 @@ impl PerContact {
             let normals = problem.drift.iter().step_by(1 + problem.tangents);
             for ((approach, free), touch) in problem.approach.iter_mut().zip(normals).zip(touches) {
                 let before = before(touch).z;
-                if before < -slow && free + *approach < 0.0 {
+                if before < -min_bounce_speed && free + *approach < 0.0 {
                     *approach = restitution * before;
                 }
             }

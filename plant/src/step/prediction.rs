@@ -9,11 +9,11 @@
 //!
 //! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would change its sign for ever.
 
-use super::contact::Touches;
 use super::posed_state::PosedState;
 use super::settings::World;
+use super::touches::Touches;
 use crate::contact::Memory;
-use crate::detect::{Touch, recovery_speed, touching};
+use crate::detect::{Touch, add_penetrating, recovery_speed, touching};
 use crate::kinematics::Pose;
 use messages::scene::Law;
 use nalgebra::Vector3;
@@ -139,7 +139,26 @@ impl Touches {
                 down(touch) + touch.velocity_gain.z + touch.approach < 0.0 || memory.was_active(touch.id)
             });
         }
-        (self.horizon, self.slow) = (if skips_landings { 0.0 } else { half }, f64::INFINITY);
+        (self.horizon, self.min_bounce_speed) = (if skips_landings { 0.0 } else { half }, f64::INFINITY);
         self
+    }
+
+    /// Adds points that were not listed but that the velocity `after` the step drives into the ground. Returns whether there are any.
+    pub fn add_penetrating(
+        &mut self,
+        world: &World,
+        pose: &Pose,
+        after: &[f64],
+        prediction: Option<&Prediction>,
+        memory: &Memory,
+    ) -> bool {
+        let more = add_penetrating(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
+        if let Some(prediction) = prediction.filter(|_| more) {
+            for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
+                prediction.predict(world, memory, touches);
+            }
+            self.list.iter_mut().for_each(|touch| touch.lands_after = f64::INFINITY); // contact forces within the step accelerated it, so it did not land by itself
+        }
+        more
     }
 }

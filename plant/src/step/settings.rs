@@ -159,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn plastic_contact_that_raises_the_energy_ends_the_run_and_rounding_does_not() {
+    fn an_energy_gain_beyond_rounding_ends_the_run() {
         for law in [Law::Cone, Law::Aligned, Law::EnergyQp, Law::ConeQp] {
             for work in [1e-9, 1.0, 1e6] {
                 let least = ENERGY_GAIN * work;
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn what_springs_may_raise_the_energy_and_what_bounces_may_not() {
+    fn springs_may_raise_the_energy_and_bounces_may_not() {
         for law in [Law::SpringDamper, Law::Sweep(3)] {
             assert_eq!(judged(law, 0.0, 1.0, 1.0), Ok(()), "{law}");
         }

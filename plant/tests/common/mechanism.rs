@@ -4,14 +4,14 @@ use plant::contact::Problem;
 
 pub const G: f64 = 9.81;
 pub const H: f64 = 1e-3;
-/// Corners of a foot from its centre of mass, and the inverse of its H.
+/// Contact points of a foot relative to its centre of mass, and the inverse of its H.
 pub const CORNERS: [[f64; 3]; 4] = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.06, 0.04, -0.3], [-0.06, -0.04, -0.3]];
 pub const INVERSE: [f64; 6] = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
 
 /// One contact's rows of K^T: normal, then the tangents x and y of the world.
 pub type Rows = [Vec<f64>; 3];
 
-/// A = K^T H^-1 K and b = K^T xdot of contacts with so many tangents, given all rows of K^T.
+/// A = K^T H^-1 K and b = K^T xdot of contacts with this number of tangents, from all rows of K^T.
 pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let mut problem = Problem::default();
@@ -28,12 +28,12 @@ pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot
     problem
 }
 
-/// A point r fixed to a rigid body with coordinates (v, omega) at its centre of mass.
+/// Rows of a point r on a rigid body with coordinates (v, omega) at its centre of mass.
 pub fn on_body([x, y, z]: [f64; 3]) -> Rows {
     [vec![0., 0., 1., y, -x, 0.], vec![1., 0., 0., 0., z, -y], vec![0., 1., 0., -z, 0., x]]
 }
 
-/// The foot stirs while its corners come and go: those that touch, and its velocity, at each step.
+/// A moving foot whose contacts open and close: the touching contacts and the velocity at each step.
 pub fn stirring_foot(steps: usize) -> impl Iterator<Item = (Vec<usize>, [f64; 6])> {
     let mut random = fastrand::Rng::with_seed(3);
     let mut xdot = [0.0, 0.0, -G * H, 0.0, 0.0, 0.0];

@@ -1,12 +1,12 @@
-//! Problems with exact answers.
+//! Problems with exact solutions.
 
 use super::{G, H, PIVOTED, Rows, assemble, assert_near, on_body, point_mass, solve};
 use messages::scene::Law;
 use plant::contact::{Memory, Problem, Solver, tangents};
 
-/// Scene 1. The program as printed lifts a slider; the conditions it was meant to have do not.
+/// Scene 1. The printed program lifts a sliding block; Coulomb's law does not.
 #[test]
-fn a_slider_hops_under_the_printed_program_and_stays_down_under_coulomb() {
+fn a_slider_hops_under_the_printed_program_and_stays_down_under_coulombs_law() {
     let (mu, speed, mass) = (0.5, 1.0, 3.0);
     let (solver, report) = solve(&point_mass(Law::EnergyQp, mass, speed, mu), Law::EnergyQp);
     let slip = (speed - mu * G * H) / (1.0 + mu * mu);
@@ -23,9 +23,9 @@ fn a_slider_hops_under_the_printed_program_and_stays_down_under_coulomb() {
     }
 }
 
-/// Scene 13 at the level of one step: two feet of one body, eight corners, rank six.
+/// Scene 13 as one step: two feet of one body, eight contacts, rank six.
 #[test]
-fn eight_corners_carry_the_weight_and_stand_still_in_any_order() {
+fn eight_contacts_carry_the_weight_at_rest_in_any_order() {
     let (mass, weight) = (14.0, 14.0 * G * H);
     let inverse = [1. / mass, 1. / mass, 1. / mass, 1. / 0.8, 1. / 0.7, 1. / 0.2];
     let mut corners = Vec::new();
@@ -34,7 +34,7 @@ fn eight_corners_carry_the_weight_and_stand_still_in_any_order() {
     }
     let mut random = fastrand::Rng::with_seed(2);
     for law in PIVOTED {
-        // Falling for one step from rest, pushed a little to the side and turned.
+        // One step of free fall from rest, with a small sideways push and rotation.
         let xdot = [2e-3, 1e-3, -G * H, 1e-4, -2e-4, 3e-4];
         for _ in 0..50 {
             random.shuffle(&mut corners);
@@ -70,7 +70,7 @@ fn a_contact_given_twice_moves_as_if_given_once() {
     }
 }
 
-/// Scene 15: the ground holds a light mass that holds a heavy one.
+/// Scene 15: the ground carries a light mass that carries a heavy one.
 #[test]
 fn a_heavy_mass_on_a_light_one_is_held_at_every_ratio() {
     for ratio in [1.0, 1e2, 1e4, 1e6] {
@@ -83,7 +83,7 @@ fn a_heavy_mass_on_a_light_one_is_held_at_every_ratio() {
             let problem = assemble(law, &[ground, between], &inverse, &[-G * H, -G * H, 0., 0.], 0.5);
             let (solver, report) = solve(&problem, law);
             let second = 1 + problem.tangents;
-            // A itself carries 1/heavy beside 1/light, so f is known to eps·ratio.
+            // A contains 1/heavy beside 1/light, so f is known to eps·ratio.
             let known = 1e-14 + 4.0 * f64::EPSILON * ratio;
             assert_near("f on the ground", solver.impulse[0], (light + heavy) * G * H, known);
             assert_near("f between", solver.impulse[second], heavy * G * H, known);
@@ -102,7 +102,7 @@ fn friction_sticks_inside_the_cone_and_slides_outside() {
     }
 }
 
-/// The second tangent is resisted: a block driven along one tangent, whose slip starts across it, stops both ways.
+/// Friction along the second tangent: a block driven along the first tangent starts to slip along the second, and stops along both.
 #[test]
 fn two_tangents_resist_a_slip_at_45_degrees_to_the_given_direction() {
     let mut problem = point_mass(Law::Aligned, 1.0, 0.0, 0.5);
@@ -145,16 +145,16 @@ fn a_painleve_rod_jams_above_four_thirds() {
     }
 }
 
-/// Scenes 5 and 6: the impact of a rocking block lands on one corner when slender, on both when squat.
+/// Scenes 5 and 6: a slender rocking block lands on one edge, a squat one on both.
 #[test]
-fn a_rocking_block_loses_what_housner_says() {
+fn a_rocking_block_loses_energy_as_housner_predicts() {
     for law in [Law::Complementarity, Law::Aligned] {
         for (b, h, mu, exact) in [(0.1, 0.4, 0.2, 0.911764705882), (0.5, 0.3, 5.0, 0.0)] {
-            // Half-width b, half-height h; before the impact it turns about the right corner at omega, and the left lands.
+            // Half-width b, half-height h. Before the impact it turns about the right edge at omega; then the left one lands.
             let (mass, omega) = (1.0_f64, 1.0);
             let inertia = mass * (b * b + h * h) / 3.0;
             let point = |x: f64| [vec![0., 1., -x], vec![1., 0., -h], vec![0.; 3]];
-            // (x, z, pitch), v = v_c + omega (z, -x); the corner (b, -h) rests.
+            // (x, z, pitch), v = v_c + omega (z, -x); the point (b, -h) rests.
             let xdot = [omega * h, omega * b, omega];
             let problem = assemble(law, &[point(b), point(-b)], &[1. / mass, 1. / mass, 1. / inertia], &xdot, mu);
             assert!(problem.drift[0].abs() < 1e-15 && problem.drift[problem.tangents + 1] > 0.0);
@@ -162,14 +162,14 @@ fn a_rocking_block_loses_what_housner_says() {
             let problem = assemble(law, &[point(b), point(-b)], &[1. / mass, 1. / mass, 1. / inertia], &mirrored, mu);
             let (solver, _) = solve(&problem, law);
             let stride = 1 + problem.tangents;
-            // Turning rate from the normal velocities of the corners.
+            // Rotation rate from the normal velocities of both points.
             let after = (solver.velocity[stride] - solver.velocity[0]) / (2.0 * b);
             assert_near("omega+/omega-", after, exact, 1e-11);
         }
     }
 }
 
-/// Landing: the paper's laws stop at once, the others may close the gap.
+/// Landing: the printed laws stop at once, the others may close the gap.
 #[test]
 fn a_falling_point_lands_exactly_on_the_ground() {
     let gap = 2e-4;
@@ -188,7 +188,7 @@ fn a_falling_point_lands_exactly_on_the_ground() {
 fn a_wrong_impulse_shows_in_the_residual() {
     let problem = point_mass(Law::Aligned, 1.0, 1.0, 0.5);
     let mut wrong = problem.clone();
-    wrong.drift[0] *= 1.001; // as if the answer of a slightly different problem were given to this one
+    wrong.drift[0] *= 1.001; // the solution of a slightly different problem
     let (mut solver, _) = solve(&wrong, Law::Aligned);
     let report = solver.measure_impulse(&problem, Law::Aligned, &solver.impulse.clone());
     assert!(report.natural_map > 1e-6, "{report:?}");
@@ -197,7 +197,7 @@ fn a_wrong_impulse_shows_in_the_residual() {
 }
 
 #[test]
-fn nothing_touching_and_nothing_moving_need_no_impulse() {
+fn no_contact_and_no_motion_need_no_impulse() {
     for law in PIVOTED {
         let mut problem = Problem::default();
         problem.reset(0, tangents(law));
@@ -209,7 +209,7 @@ fn nothing_touching_and_nothing_moving_need_no_impulse() {
 }
 
 #[test]
-fn not_a_number_is_reported_and_ends() {
+fn nan_is_reported_and_ends_the_solver() {
     for law in PIVOTED {
         for spoil in [true, false] {
             let mut problem = point_mass(law, 1.0, 1.0, 0.5);

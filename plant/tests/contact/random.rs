@@ -11,8 +11,8 @@ fn step_scale(problem: &Problem, solver: &Solver) -> f64 {
     (0..m).map(|k| (solver.impulse[k] * root(k)).abs().max((problem.drift[k] / root(k)).abs())).fold(0.0, f64::max)
 }
 
-/// A random mechanism: few or many coordinates, inertias to 1 : 1e6, contacts repeated or nearly so, fast and slow, high
-/// and low friction. Also the decimal exponent of the spread of inertias.
+/// A random mechanism: few or many coordinates, inertias up to 1 : 1e6, repeated or nearly repeated contacts, fast and slow, high and low
+/// friction. Also returns the decimal exponent of the spread of inertias.
 fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
     let contacts = random.usize(1..=8);
     let dof = random.usize(3..=14);
@@ -26,7 +26,7 @@ fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
             let again = rows[random.usize(0..i)].clone();
             rows.push(again);
         } else if rigid {
-            // Corners of a foot: coplanar points of one body, rank at most six.
+            // Contacts of a foot: coplanar points of one body, rank at most six.
             let mut row = on_body([random.f64() - 0.5, random.f64() - 0.5, -0.5]);
             row.iter_mut().for_each(|r| r.resize(dof, 0.0));
             rows.push(row);
@@ -65,11 +65,11 @@ fn the_printed_program_has_the_multipliers_that_its_lagrangian_gives() {
     assert!(violated > 1000, "(19) held in all but {violated} of 2000 problems");
 }
 
-/// The energy minimum has one velocity; so has Coulomb's law for a foot at ordinary friction that resists both tangents.
-/// Remembering the last basis must not be seen in it, while corners come and go. With one slip direction per corner, and
-/// these nearly parallel, corners can also jam each other: (17)-(22) then have several solutions, of which each is found.
+/// The energy minimum has one velocity. So has Coulomb's law with two tangents for a foot at ordinary friction. So a remembered basis must
+/// not change it, while contacts open and close. With one tangent per contact, and nearly parallel tangents, contacts can jam each other:
+/// (17)-(22) then have several solutions, and any of them may be found.
 #[test]
-fn a_remembered_basis_gives_the_velocity_of_a_fresh_start() {
+fn a_warm_start_with_a_basis_gives_the_velocity_of_a_cold_start() {
     for law in PIVOTED {
         let (mut memory, mut solver) = (Memory::default(), Solver::default());
         let (mut warm, mut others) = (0, 0);
@@ -91,7 +91,7 @@ fn a_remembered_basis_gives_the_velocity_of_a_fresh_start() {
     }
 }
 
-/// Every random problem is solved, whatever its rank or scale, and energy never rises.
+/// Every random problem is solved, at any rank and scale, and the energy never rises.
 #[test]
 fn random_problems_are_solved() {
     let seed = std::env::var("SEED").ok().and_then(|s| s.parse().ok()).unwrap_or(1995);
@@ -125,7 +125,7 @@ fn random_problems_are_solved() {
     assert_eq!(failed, 0);
 }
 
-/// A solver is nothing but room: what it solved before must not show, or a run would not repeat once it is reset.
+/// A solver has no state: what it solved before must not change results, or a run would not repeat after a reset.
 #[test]
 fn a_used_solver_gives_the_bits_of_a_new_one() {
     let seed = fastrand::u64(..);
@@ -135,7 +135,7 @@ fn a_used_solver_gives_the_bits_of_a_new_one() {
         let mut used = Solver::default();
         for case in 0..500 {
             let problem = match case % 3 {
-                // nothing moves, on contacts that depend on each other: what the next one starts from is no guess at all
+                // no motion, with dependent contacts: the next problem starts from a useless guess
                 0 => {
                     let corners = [[0.1, 0.1], [0.1, -0.1], [-0.1, 0.1], [-0.1, -0.1]];
                     let rows = corners.map(|[x, y]| on_body([x, y, -0.5]));

@@ -1,4 +1,4 @@
-//! The certificate itself: residuals of one contact whose exact values are found by hand.
+//! Claims about the certificate: residuals of one contact, computed by hand.
 
 use super::mechanism::of_rows;
 use super::{assert_near, point_mass};
@@ -10,7 +10,7 @@ const A: f64 = 2.0;
 const MU: f64 = 0.5;
 const ROUNDING: f64 = 1e-14;
 
-/// The residuals of an impulse f that leaves a point mass with the velocity v, each (normal, x, y).
+/// The residuals of an impulse f that leaves a point mass with velocity v, each (normal, x, y).
 fn of(f: [f64; 3], v: [f64; 3]) -> Report {
     let free = [0, 1, 2].map(|k| v[k] - A * f[k]);
     let rows = [vec![0., 0., 1.], vec![1., 0., 0.], vec![0., 1., 0.]];
@@ -18,32 +18,32 @@ fn of(f: [f64; 3], v: [f64; 3]) -> Report {
     Solver::default().measure_impulse(&problem, Law::Cone, &f)
 }
 
-/// f_N v_N counts whatever its sign: what is let into the ground is as wrong as what is pulled off it.
+/// f_N v_N counts with either sign: penetration is as wrong as pulling.
 #[test]
-fn what_pushes_and_moves_along_the_normal_violates_signorini_either_way() {
-    // Stopped from 6.5 m/s but for .5 m/s: V = 6.5 and F = V/A = 3.25, of which f lacks .25.
+fn an_impulse_with_normal_velocity_of_either_sign_violates_signorini() {
+    // Stopped from 6.5 m/s except .5 m/s: V = 6.5 and F = V/A = 3.25, of which f lacks .25.
     let sinks = of([3.0, 0.0, 0.0], [-0.5, 0.0, 0.0]);
     assert_near("f_N v_N", sinks.signorini, 1.5 / (3.25 * 6.5), ROUNDING);
     assert_near("natural map", sinks.natural_map, 1.0 / 13.0, ROUNDING);
-    // Thrown back at .5 m/s from 5.5 m/s: F = |f| = 3, and f is too much by .5 F/V.
+    // Thrown back at .5 m/s from 5.5 m/s: F = |f| = 3, and f exceeds by .5 F/V.
     let rises = of([3.0, 0.0, 0.0], [0.5, 0.0, 0.0]);
     assert_near("f_N v_N", rises.signorini, 1.5 / (3.0 * 5.5), ROUNDING);
     assert_near("natural map", rises.natural_map, 1.0 / 11.0, ROUNDING);
 }
 
 #[test]
-fn the_natural_map_of_one_contact_is_that_of_hand() {
+fn the_natural_map_of_one_contact_equals_values_computed_by_hand() {
     let edge = MU.hypot(1.0);
     let friction = |f: f64| [4.0, f, 0.0];
     for (what, f, v, exact) in [
         ("it falls freely", [0.0; 3], [-1.0, 0.0, 0.0], 1.0),
         ("it rises freely", [0.0; 3], [1.0, 0.3, 0.0], 0.0),
         ("it stands", friction(-1.0), [0.0; 3], 0.0),
-        // all friction that there may be, against the slip
+        // full friction against the slip
         ("it slides", friction(-2.0), [0.0, 0.7, 0.0], 0.0),
-        // none at a slip: without impulse it fell at 8 m/s and slid
+        // no friction: without impulse it fell at 8 m/s and slid
         ("it slides without friction", friction(0.0), [0.0, 0.6, 0.0], edge * 0.6 / 8f64.hypot(0.6)),
-        // friction of 3 where 2 may be: V = √(8² + 6²) = 10, F = 5; the nearest point is 1/edge away
+        // friction of 3 where 2 is allowed: V = √(8² + 6²) = 10, F = 5; the nearest point is 1/edge away
         ("it sticks beyond the cone", friction(-3.0), [0.0; 3], 1.0 / edge / 5.0),
     ] {
         let report = of(f, v);
@@ -52,16 +52,16 @@ fn the_natural_map_of_one_contact_is_that_of_hand() {
     }
 }
 
-/// Down to a millionth of what it was without impulse a slip has a direction, which friction has to oppose.
+/// A slip of a millionth of that without impulse still has a direction, which friction must oppose.
 #[test]
-fn friction_that_does_not_oppose_the_slip_shows_however_slow_that_is() {
+fn friction_that_does_not_oppose_even_a_slow_slip_is_detected() {
     for degrees in [0.0, 10.0, 90.0, 180.0] {
         let (sin, cos) = f64::to_radians(degrees).sin_cos();
         let f = [4.0, -2.0 * cos, 2.0 * sin];
         for part in [1e-1, 1e-3, 1e-5, 1e-7] {
             let free = A * f.iter().map(|f| f * f).sum::<f64>().sqrt();
             for direction in [0.3_f64, 2.0] {
-                // world and contact turned alike
+                // world and contact rotated alike
                 let turned = |x: f64, y: f64| {
                     let (s, c) = direction.sin_cos();
                     [c * x - s * y, s * x + c * y]
@@ -76,9 +76,9 @@ fn friction_that_does_not_oppose_the_slip_shows_however_slow_that_is() {
     }
 }
 
-/// Residuals are parts: neither the unit of mass nor that of time shows.
+/// Residuals are relative: they do not depend on the units of mass and time.
 #[test]
-fn residuals_have_no_unit() {
+fn residuals_do_not_depend_on_units() {
     let wrong = |mass: f64, speed: f64| {
         let mut problem: Problem = point_mass(Law::Cone, mass, speed, MU);
         problem.drift[0] = -0.7 * speed;

@@ -1,4 +1,4 @@
-//! What a scene becomes, and what is refused.
+//! Construction of models from scenes, and the errors of bad scenes.
 
 use crate::support::*;
 use messages::robot::Joint;
@@ -59,7 +59,7 @@ fn every_bad_scene_is_refused_by_name() {
 }
 
 #[test]
-fn the_initial_state_has_the_pose_and_velocity_in_the_world_that_the_scene_asks_for() {
+fn the_initial_state_has_the_scenes_pose_and_velocity_in_the_world() {
     for base in [Base::Virtual, Base::Quaternion] {
         let mut scene = bare_table_1(base);
         let initial = &mut scene.initial;
@@ -102,7 +102,7 @@ fn clearance_is_the_height_of_the_lowest_contact_point_on_every_base() {
 }
 
 #[test]
-fn joints_keep_the_order_of_the_list_however_it_is_sorted() {
+fn joints_keep_the_order_of_the_list_in_any_sorting() {
     let scene = bare_table_1(Base::Quaternion);
     let mut reversed = scene.clone();
     reversed.bodies.reverse();
@@ -150,14 +150,14 @@ fn a_payload_is_a_point_mass_of_its_body() {
 }
 
 #[test]
-fn downhill_is_forward() {
+fn downhill_is_positive_x() {
     let mut scene = bare_table_1(Base::Quaternion);
     scene.plant.incline_deg = 30.0;
     close("gravity", model(&scene).gravity.as_slice(), &[4.905, 0.0, -9.81 * 0.75_f64.sqrt()], 1e-15);
 }
 
 #[test]
-fn an_axis_of_any_length_is_a_direction() {
+fn a_joint_axis_may_have_any_length() {
     let mut scene = bare_table_1(Base::Quaternion);
     let unit = model(&scene);
     joint(&mut scene, 2).axis = [0.0, -7.0, 0.0];
@@ -166,7 +166,7 @@ fn an_axis_of_any_length_is_a_direction() {
 }
 
 #[test]
-fn one_body_is_robot_enough() {
+fn a_robot_may_have_one_body() {
     for base in BASES {
         let mut scene = bare_table_1(base);
         scene.bodies = vec![scene.bodies[4].clone()];

@@ -1,4 +1,4 @@
-//! The contact problem of a step: its rows are velocities of points, and its columns are what unit impulses do there.
+//! The contact problem of a step: its rows are velocities of points, and its columns are the effects of unit impulses.
 
 use crate::support::*;
 use messages::robot::Body;
@@ -13,13 +13,13 @@ use plant::factor::Factor;
 use plant::kinematics::{self, Pose};
 use plant::model::ContactPoint;
 
-/// All corners of a robot at once.
+/// All contact points of a robot.
 fn touches(case: &Case) -> Vec<Touch> {
     let corners = case.model.contact_points.iter().enumerate();
     corners.map(|(id, c)| Touch::new(id, c.link, case.pose.arm(c.link, &c.at), 0.0)).collect()
 }
 
-/// Along the free slip or along the axes of W: an impulse of one row acts along that row's direction, and changes every row as A says.
+/// An impulse of one row acts along that row's direction, and changes every row as A predicts, along the free slip or the axes of W.
 #[test]
 fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column() {
     for_each_case(20, 3, |rng, case| {
@@ -48,7 +48,7 @@ fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column
                     (response.impulses[row / stride], response.change.to_vec())
                 })
                 .collect();
-            // a point may be unable to move along an axis but for rounding, so errors are seen beside all columns
+            // a point may be unable to move along an axis, so errors are relative to all columns
             let same = |what: &str, found: &[f64], exact: &[f64], scale: f64| {
                 let error = found.iter().zip(exact).fold(0.0_f64, |error, (a, b)| error.max((a - b).abs()));
                 assert!(error <= 1e-11 * scale, "{law}: {what} differs by {error:e} of {scale:e}");
@@ -78,7 +78,7 @@ fn a_unit_impulse_along_a_row_changes_the_velocity_along_every_row_by_its_column
     });
 }
 
-/// A plate that slides and turns: each corner has the velocity v + ω × r along the axes z, x, y of W, less a step of free fall.
+/// A plate that slides and turns: each point has the velocity v + ω × r along the axes z, x, y of W, minus a step of free fall.
 #[test]
 fn rows_of_round_cones_are_the_axes_of_the_world() {
     let corners = [[0.1, 0.05, -0.02], [0.1, -0.05, -0.02], [-0.1, 0.05, -0.02], [-0.1, -0.05, -0.02]];
@@ -101,9 +101,9 @@ fn rows_of_round_cones_are_the_axes_of_the_world() {
     }
 }
 
-/// K̇ᵀẋ is how fast Kᵀẋ changes while ẋ stays the same; so at a ball, of which another point is the lowest from one instant to the next.
+/// K̇ᵀẋ is the rate of Kᵀẋ at constant ẋ. That includes a ball, whose lowest point moves on its surface.
 #[test]
-fn a_contact_is_swept_as_its_velocity_changes_at_a_constant_rate() {
+fn the_bias_acceleration_is_the_change_of_contact_velocity_at_constant_rates() {
     let step = 1e-5;
     for_each_case(21, 8, |rng, case| {
         let Case { mut model, state, .. } = case;

@@ -1,4 +1,4 @@
-//! (8)-(11) as printed do not give the motion; with the signs that `plant::dynamics` names they do.
+//! Equations (8)-(11) as printed do not give the motion; with the signs of `plant::dynamics` they do.
 
 use crate::reference_data::{floating, signed, state_of};
 use crate::support::*;
@@ -14,15 +14,15 @@ struct Reading {
     arm: f64,
     /// Sign of u_j f_EXTj in (9).
     external: f64,
-    /// Factor of the external force's own moment, which (10) does not have.
+    /// Factor of the external force's own moment, which (10) lacks.
     external_moment: f64,
-    /// Take the parent's w_{i-1}, wd_{i-1} where (8) leaves the index out.
+    /// Whether to use the parent's w_{i-1}, wd_{i-1} where (8) omits the index.
     late_index: bool,
 }
 
 const CORRECTED: Reading = Reading { arm: -1.0, external: -1.0, external_moment: -1.0, late_index: false };
 
-/// The recursion (2)-(11) on a tree whose joints all turn, under one external force on `link` at `arm`.
+/// The recursion (2)-(11) on a tree with revolute joints, under one external force on `link` at `arm`.
 fn recursion(case: &Case, given: &Given, reading: Reading) -> Vec<f64> {
     let (model, links) = (&case.model, case.model.links.len());
     let zero = vec![Vector3::zeros(); links];
@@ -64,7 +64,7 @@ fn recursion(case: &Case, given: &Given, reading: Reading) -> Vec<f64> {
     u
 }
 
-/// Greatest relative error over the reference data of inverse dynamics read in one way.
+/// Greatest relative error over the reference data of inverse dynamics, for one reading of the equations.
 fn worst(reading: Reading) -> f64 {
     let model = model(&bare_table_1(Base::Quaternion));
     let error_of = |data: &serde_json::Value| {
@@ -93,7 +93,7 @@ fn equations_9_and_10_need_the_force_of_the_ground_on_the_link_and_its_moment() 
             let force =
                 dynamics::Force { link: point.link, arm: case.pose.arm(point.link, &point.at), force: Vector3::z() };
             let given = Given { rate: &rest, acceleration: &rest, gravity: Vector3::zeros(), forces: &[force] };
-            // with u = -K f, K is the row of the Jacobian that the reference data confirms
+            // with u = -K f, K is the row of the Jacobian, which the reference data confirms
             let k: Vec<f64> = case.jacobian(point.link, &point.at).row(2).iter().copied().collect();
             let map = |reading| recursion(&case, &given, reading).iter().map(|u| -u).collect::<Vec<_>>();
             close("K", &map(CORRECTED), &k, 1e-11);
@@ -105,7 +105,7 @@ fn equations_9_and_10_need_the_force_of_the_ground_on_the_link_and_its_moment() 
 }
 
 #[test]
-fn equation_11_as_printed_would_drive_what_it_should_damp() {
+fn equation_11_as_printed_would_add_energy_by_damping() {
     let mut scene = bare_table_1(Base::Fixed);
     scene.plant.gravity = 0.0;
     scene.plant.joint_damping = 0.5;
@@ -113,7 +113,7 @@ fn equation_11_as_printed_would_drive_what_it_should_damp() {
     let state = random_state(&mut fastrand::Rng::with_seed(21), &model);
     let case = Case::new(&model, &state);
     let power = |sign: f64| {
-        // b with D as here (+1) and as printed (-1), and the change of energy that it makes
+        // b with D as here (+1) and as printed (-1), and the resulting change of energy
         let mut bias = case.b.clone();
         bias.iter_mut().zip(&state.xdot).for_each(|(b, rate)| *b += (sign - 1.0) * 0.5 * rate);
         let undamped = Case::new(&self::model(&bare(&scene)), &state).b;
@@ -130,7 +130,7 @@ fn bare(scene: &messages::scene::Scene) -> messages::scene::Scene {
 }
 
 #[test]
-fn the_recursion_with_both_signs_right_is_the_crates_own() {
+fn the_recursion_with_both_signs_corrected_equals_the_crates_recursion() {
     for_each_case(22, 2, |_, case| {
         let slides = |link: &plant::model::Link| link.motion == plant::model::Motion::Prismatic;
         if case.model.links[case.model.base_link + 1..].iter().any(slides) {

@@ -1,4 +1,4 @@
-//! The fast path is the paper's recursion, and the sparse factor is a factor of H.
+//! The fast path equals the paper's recursion, and the sparse factor is a factor of H.
 
 use crate::support::*;
 use messages::scene::Base;

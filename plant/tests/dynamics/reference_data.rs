@@ -1,6 +1,6 @@
-//! Table 1 against data of Pinocchio 4.1.0, which MuJoCo and Drake agree with to 3e-14.
+//! Table 1 against data of Pinocchio 4.1.0, with which MuJoCo and Drake agree to 3e-14.
 //!
-//! There the joints count from the trunk down, so the left leg's angles have the other sign.
+//! In that data, joints count from the trunk down, so the left leg's angles have the opposite sign.
 
 use crate::support::*;
 use messages::scene::Base;
@@ -11,7 +11,7 @@ use plant::model::Model;
 use plant::state::State;
 use serde_json::Value;
 
-/// Agreement asked for, relative to the largest entry of a vector or matrix.
+/// Required agreement, relative to the largest entry of a vector or matrix.
 const TOLERANCE: f64 = 1e-11;
 
 pub fn states(text: &str) -> Vec<Value> {
@@ -30,7 +30,7 @@ pub fn numbers(value: &Value) -> Vec<f64> {
     }
 }
 
-/// Sign of each degree of freedom there against here.
+/// Sign of each degree of freedom in that data relative to ours.
 const SIGN: [f64; 14] = [1.0, 1.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0, -1.0, -1.0, 1.0, 1.0, 1.0, 1.0];
 
 pub fn signed(value: &Value) -> Vec<f64> {
@@ -58,7 +58,7 @@ fn joints_of_table_1_are_in_wire_order() {
 }
 
 #[test]
-fn the_floating_robot_moves_as_other_engines_say() {
+fn the_floating_robot_moves_as_in_other_engines() {
     let model = model(&bare_table_1(Base::Quaternion));
     let cases = floating();
     assert_eq!(cases.len(), 40);
@@ -91,7 +91,7 @@ fn the_floating_robot_moves_as_other_engines_say() {
 }
 
 #[test]
-fn corners_are_where_other_engines_see_them_and_move_likewise() {
+fn contact_points_have_the_positions_and_velocities_of_other_engines() {
     let model = model(&bare_table_1(Base::Quaternion));
     for data in &floating() {
         let case = Case::new(&model, &state_of(&model, data));
@@ -130,7 +130,7 @@ fn corners_are_where_other_engines_see_them_and_move_likewise() {
 }
 
 #[test]
-fn the_virtual_links_of_the_paper_move_as_other_engines_say() {
+fn the_virtual_links_of_the_paper_move_as_in_other_engines() {
     let model = model(&bare_table_1(Base::Virtual));
     let cases = states(include_str!("../data/dynamics_virtual.json"));
     assert_eq!(cases.len(), 15);

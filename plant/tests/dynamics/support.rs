@@ -1,4 +1,4 @@
-//! Random robots and states, and how to compare.
+//! Random robots and states, and comparisons.
 
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Scene};
@@ -11,7 +11,7 @@ use plant::state::State;
 
 pub const BASES: [Base; 4] = [Base::Fixed, Base::Planar, Base::Virtual, Base::Quaternion];
 
-/// A model at a state, with all that the fast path computes.
+/// A model in a state, with all results of the fast path.
 pub struct Case {
     pub model: Model,
     pub state: State,
@@ -82,7 +82,7 @@ pub fn vector(rng: &mut fastrand::Rng, size: f64) -> [f64; 3] {
     std::array::from_fn(|_| size * (2.0 * rng.f64() - 1.0))
 }
 
-/// A robot of twelve bodies listed in any order, branched or one long chain, with sliding joints, drives, damping, payload and a slope.
+/// A robot of twelve bodies listed in any order, branched or one long chain, with sliding joints, drives, damping, payload and slope.
 pub fn random_tree(rng: &mut fastrand::Rng, base: Base) -> Scene {
     let is_chain = rng.bool();
     let mut bodies: Vec<Body> = (0..12)
@@ -126,7 +126,7 @@ pub fn random_state(rng: &mut fastrand::Rng, model: &Model) -> State {
     state
 }
 
-/// `count` random states of Table 1 and of random trees on every base; the seed is printed when a claim fails.
+/// Calls `claim` for `count` random states of Table 1 and of random trees on every base. Prints the seed when a claim fails.
 pub fn for_each_case(seed: u64, count: usize, mut claim: impl FnMut(&mut fastrand::Rng, Case)) {
     println!("seed {seed}");
     let mut rng = fastrand::Rng::with_seed(seed);

@@ -1,4 +1,4 @@
-//! What holds for every robot in every state.
+//! Theorems that hold for every robot in every state.
 
 use crate::support::*;
 use messages::scene::{Base, Scene};
@@ -64,7 +64,7 @@ fn only_gravity_moves_a_free_robot_and_nothing_turns_it() {
         let acceleration = case.forward(u.as_slice());
         let weight = case.model.gravity * case.model.mass();
         for axis in 0..3 {
-            // a drive's inertia has no place in the momentum of the bodies, and u_d - J_r qdd acts between two of them
+            // the momentum of the bodies does not contain the drives' inertia, and u_d - J_r qdd acts between two bodies
             let linear = rate(&case, &acceleration, |sum| sum.linear[axis]);
             let angular = rate(&case, &acceleration, |sum| sum.angular[axis]);
             assert!((linear - weight[axis]).abs() < 1e-6 * weight.norm(), "force {linear}, weight {}", weight[axis]);
@@ -74,7 +74,7 @@ fn only_gravity_moves_a_free_robot_and_nothing_turns_it() {
 }
 
 #[test]
-fn virtual_joints_and_quaternion_tell_the_same_motion() {
+fn virtual_joints_and_quaternion_give_the_same_motion() {
     let seed = 14;
     println!("seed {seed}");
     let mut rng = fastrand::Rng::with_seed(seed);
@@ -113,7 +113,7 @@ fn a_planar_base_is_a_free_one_that_stays_in_its_plane() {
     scene.initial.orientation_deg = [0.0, 20.0, 0.0];
     scene.initial.velocity = [0.4, 0.0, -0.2];
     scene.initial.angular_velocity = [0.0, 0.7, 0.0];
-    // both legs alike and no ankle roll: nothing leaves the plane
+    // both legs alike and no ankle roll: the motion stays in the plane
     scene.initial.joints = vec![0.0, 0.5, -1.2, 0.7, -0.7, 1.2, -0.5, 0.0];
     scene.initial.joint_rates = vec![0.0, 1.0, 0.3, -0.6, 0.6, -0.3, -1.0, 0.0];
     let accelerations = [Base::Planar, Base::Quaternion].map(|base| {
@@ -151,7 +151,7 @@ fn a_fixed_base_is_a_free_one_that_is_held() {
 }
 
 #[test]
-fn points_move_with_the_velocity_that_their_jacobian_says() {
+fn points_move_with_the_velocity_of_their_jacobian() {
     for_each_case(16, 5, |_, case| {
         let rest = vec![0.0; case.model.dofs()];
         for point in &case.model.contact_points {
@@ -193,7 +193,7 @@ fn drive_inertia_and_damping_enter_at_the_joints_alone() {
 }
 
 #[test]
-fn far_from_the_origin_not_a_bit_is_lost() {
+fn the_dynamics_have_the_same_bits_far_from_the_origin() {
     for base in [Base::Planar, Base::Virtual, Base::Quaternion] {
         let model = model(&bare_table_1(base));
         let state = random_state(&mut fastrand::Rng::with_seed(18), &model);
@@ -217,7 +217,7 @@ fn a_quaternion_turns_exactly_under_constant_angular_velocity() {
     let found = Case::new(&model, &state).pose.links[model.base_link].rotation;
     assert!((found - expected).amax() < 1e-12, "{found} instead of {expected}");
     assert!((state.x[3..7].iter().map(|c| c * c).sum::<f64>() - 1.0).abs() < 1e-15);
-    // and a turn too small for its square to count is not lost
+    // and a rotation whose square underflows is not lost
     let mut slow = State::zero(&model);
     slow.xdot[4] = 1e-170;
     slow.advance(&model, 1.0);

@@ -1,10 +1,10 @@
-//! What is known to fail: negative controls.
+//! Known defects of the compared laws: negative controls.
 
 use super::support::*;
 use messages::scene::Law;
 use plant::contact::{ContactSpring, Memory, Problem, Solver};
 
-/// A convex program lifts what slides, gap or no gap, round cone or square: v_N = mu |v_F|.
+/// A convex program lifts a sliding contact, with a gap or without, with a round or a square cone: v_N = mu |v_F|.
 #[test]
 fn every_energy_minimum_lifts_a_slider() {
     let (mu, speed) = (0.5, 1.0);
@@ -17,7 +17,7 @@ fn every_energy_minimum_lifts_a_slider() {
     }
 }
 
-/// Friction that is bounded by the step before knows nothing of an impact: what lands slips, where Coulomb's law sticks.
+/// Friction bounded by the impulse of the step before misses an impact: the landing slips, where Coulomb's law sticks.
 #[test]
 fn lagged_friction_slips_at_impact() {
     let (mu, fall, slip) = (0.7, 1.0, 0.3);
@@ -29,14 +29,14 @@ fn lagged_friction_slips_at_impact() {
     let report = solver.solve(&problem, Law::Lagged, &mut memory);
     assert_near("v_F", solver.velocity[1], slip, 1e-12);
     assert!(report.own <= 1e-10 && report.natural_map > 0.01, "{report:?}");
-    // One step later the impulse of the impact is the bound.
+    // One step later, the impulse of the impact is the bound.
     solver.solve(&point_mass(2.0, [slip, 0.0, -G * H], mu), Law::Lagged, &mut memory);
     assert_near("v_F a step later", solver.velocity[1], 0.0, 1e-10);
 }
 
-/// Gauss-Seidel leaves r/(1 + r) of the error a sweep on masses 1 : r, and stops whatever is left.
+/// A Gauss-Seidel sweep on masses 1 : r leaves r/(1 + r) of the error, and the law stops with the rest.
 #[test]
-fn sweeps_contract_as_the_mass_ratio_says() {
+fn sweeps_converge_at_the_rate_of_the_mass_ratio() {
     for ratio in [1.0, 10.0, 100.0, 1000.0] {
         let problem = heavy_on_light(ratio);
         let missing = |count| {
@@ -52,7 +52,7 @@ fn sweeps_contract_as_the_mass_ratio_says() {
 
 /// z'' + 2 zeta omega z' + omega^2 z = 0 in semi-implicit Euler steps is stable iff omega h < 2 (sqrt(1 + zeta^2) - zeta).
 #[test]
-fn a_spring_is_stable_up_to_the_step_that_theory_allows() {
+fn a_spring_is_stable_up_to_the_theoretical_step() {
     for (zeta, exact) in [(0.0, 2.0), (0.1, 1.810), (1.0, 0.8284)] {
         let theory = 2.0 * ((1.0_f64 + zeta * zeta).sqrt() - zeta);
         assert!((theory - exact).abs() < 1e-3);
@@ -66,7 +66,7 @@ fn a_spring_is_stable_up_to_the_step_that_theory_allows() {
     }
 }
 
-/// Whether a mass at rest on its spring, moved by a millionth of its compression, goes ever further.
+/// Whether a mass at rest on its spring, displaced by a millionth of its compression, oscillates with growing amplitude.
 fn grows(zeta: f64, omega_h: f64) -> bool {
     let (mass, stiffness) = (2.0_f64, 1e5_f64);
     let h = omega_h / (stiffness / mass).sqrt();

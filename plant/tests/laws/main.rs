@@ -1,4 +1,4 @@
-//! Claims about the contact laws: against each other, against exact answers, and about what is known to fail.
+//! Claims about the contact laws: against each other, against exact solutions, and about known defects.
 
 mod known_defects;
 #[path = "../common/mechanism.rs"]
@@ -11,7 +11,7 @@ use messages::scene::{Iteration, Law, PlantScene};
 use plant::contact::{Memory, Problem, Solver, tangents};
 use support::*;
 
-/// Coulomb's law with a cone that is round, or as round as its facets.
+/// Coulomb's law with a round cone, or with facets.
 const COULOMB: [Law; 6] = [
     Law::Facets(4),
     Law::Facets(8),
@@ -23,7 +23,7 @@ const COULOMB: [Law; 6] = [
 
 /// Scene 1: a slider along x stays down and slows by mu g h.
 #[test]
-fn a_slider_stays_down_and_slows_as_coulomb_says() {
+fn a_slider_stays_down_and_slows_by_coulombs_law() {
     let (mu, speed, mass) = (0.5, 1.0, 3.0);
     for law in COULOMB {
         let (solver, report) = solve(&point_mass(mass, [speed, 0.0, -G * H], mu), law);
@@ -34,10 +34,9 @@ fn a_slider_stays_down_and_slows_as_coulomb_says() {
     }
 }
 
-/// A round cone slows a slider alike in every direction; d facets brake too little between their corners, by no more than
-/// 1 - cos(pi/d).
+/// A round cone slows a slider equally in every direction. d facets brake too little between their vertices, by at most 1 - cos(pi/d).
 #[test]
-fn a_round_cone_knows_no_direction() {
+fn a_round_cone_is_isotropic() {
     let (mu, speed) = (0.5, 1.0);
     for degrees in 0..90 {
         let (sin, cos) = f64::from(degrees).to_radians().sin_cos();
@@ -56,7 +55,7 @@ fn a_round_cone_knows_no_direction() {
     }
 }
 
-/// Slip speeds lie between those of the polygons inside and outside the disc.
+/// Slip speeds lie between those for the polygons inside and outside the disc.
 #[test]
 fn the_cone_lies_between_the_bounds_of_its_polygons() {
     let mut random = fastrand::Rng::with_seed(7);
@@ -76,7 +75,7 @@ fn the_cone_lies_between_the_bounds_of_its_polygons() {
     }
 }
 
-/// Landing: what may close its gap lands exactly on the ground.
+/// Landing: laws that may close the gap land exactly on the ground.
 #[test]
 fn a_falling_point_lands_exactly_on_the_ground() {
     let gap = 2e-4;
@@ -89,14 +88,14 @@ fn a_falling_point_lands_exactly_on_the_ground() {
     }
 }
 
-/// Scene 15: the ground holds a light mass that holds a heavy one, by every law that ends where its conditions hold.
+/// Scene 15: the ground carries a light mass that carries a heavy one, under every law whose conditions hold at the end.
 #[test]
 fn a_heavy_mass_on_a_light_one_is_held_at_every_ratio() {
     for ratio in [1.0, 1e2, 1e4, 1e6] {
         for law in [&COULOMB[..], &[Law::Lagged, Law::ConeQp]].concat() {
             let (solver, report) = solve(&heavy_on_light(ratio), law);
             assert!(report.own <= 1e-10, "{law} at {ratio}: {report:?}");
-            // A residual of 1e-10 in v is one of 1e-10 ratio in f; what is solved to rounding has eps ratio.
+            // A residual of 1e-10 in v is one of 1e-10 ratio in f. A solution exact to rounding has eps ratio.
             let known = if law == Law::ConeQp { 1e-9 + 1e-13 * ratio } else { 1e-9 + 4.0 * f64::EPSILON * ratio };
             assert_near("f on the ground", solver.impulse[0], (1.0 + ratio) * G * H, known);
             assert_near("f between", solver.impulse[3], ratio * G * H, known);
@@ -104,8 +103,8 @@ fn a_heavy_mass_on_a_light_one_is_held_at_every_ratio() {
     }
 }
 
-/// The same with two cubes and eight contacts, by the default law: one of 1 kg carries one of a thousand million, which it holds to what
-/// is left of the light one's compliance beside the heavy one's, eps times their ratio.
+/// The same with two cubes and eight contacts, under the default law: one of 1 kg carries one of 1e9 kg. The error is the remaining
+/// compliance of the light one relative to the heavy one, eps times their ratio.
 #[test]
 fn a_cube_carries_one_a_billion_times_as_heavy() {
     let ratio = 1e9;
@@ -130,9 +129,9 @@ fn a_cube_carries_one_a_billion_times_as_heavy() {
     assert!(creep < 1e-8, "{creep}");
 }
 
-/// The paper's program needs a few solves more to be Coulomb's law: less where all sticks, more where something slides.
+/// The paper's program needs a few more minima to give Coulomb's law: fewer if all contacts stick, more if one slides.
 #[test]
-fn the_printed_program_is_some_solves_away_from_coulomb() {
+fn fixed_points_reach_coulombs_law_in_few_energy_minima() {
     let corners: Vec<Rows> = CORNERS.map(on_body).into();
     for iteration in [Iteration::Tresca, Iteration::Aclm] {
         let law = Law::FixedPoint(iteration);
@@ -149,9 +148,9 @@ fn the_printed_program_is_some_solves_away_from_coulomb() {
     }
 }
 
-/// Where A has no other answer, remembering the last impulse is not seen in the velocity, while corners come and go.
+/// Where A has a unique solution, a remembered impulse does not change the velocity, while contacts open and close.
 #[test]
-fn a_remembered_impulse_gives_the_velocity_of_a_fresh_start() {
+fn a_warm_start_with_an_impulse_gives_the_velocity_of_a_cold_start() {
     for law in [&COULOMB[..], &[Law::ConeQp]].concat() {
         let (mut memory, mut solver, mut steps) = (Memory::default(), Solver::default(), [0, 0]);
         for (step, (touching, xdot)) in stirring_foot(1000).enumerate() {
@@ -170,9 +169,9 @@ fn a_remembered_impulse_gives_the_velocity_of_a_fresh_start() {
     }
 }
 
-/// The energy minimum of pivoting and that of interior points are one where both have one tangent.
+/// The energy minima by pivoting and by interior points agree with one tangent.
 ///
-/// Minima whose residuals are e have (f - f')·A (f - f') <= e, so velocities that differ by sqrt(e) at most: 1e-5.
+/// Minima with residual e have (f - f')·A (f - f') <= e, so velocities differ by at most sqrt(e): 1e-5.
 #[test]
 fn the_energy_minimum_is_the_same_by_pivoting_and_by_interior_points() {
     for seed in 0..2000 {
@@ -191,7 +190,7 @@ fn the_energy_minimum_is_the_same_by_pivoting_and_by_interior_points() {
 }
 
 #[test]
-fn nothing_touching_and_nothing_moving_need_no_impulse() {
+fn no_contact_and_no_motion_need_no_impulse() {
     for law in Law::ALL {
         let mut problem = Problem::default();
         problem.reset(0, tangents(law));
@@ -203,7 +202,7 @@ fn nothing_touching_and_nothing_moving_need_no_impulse() {
 }
 
 #[test]
-fn not_a_number_is_reported_and_ends() {
+fn nan_is_reported_and_ends_the_solver() {
     for law in Law::ALL {
         for spoil in [true, false] {
             let mut problem = point_mass(1.0, [1.0, 0.0, -G * H], 0.5);

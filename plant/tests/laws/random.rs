@@ -7,10 +7,10 @@ use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use std::cell::Cell;
 
-/// An impulse well inside every cone that stops the free motion is the answer of every law: nothing moves.
+/// An impulse well inside every cone that stops the free motion is the solution of every law: nothing moves.
 ///
-/// The energy minimum has one velocity, so it must. Coulomb's law has several answers where limbs jam; what moves then has
-/// to obey the law as well, and be rare; so must be fixed points that do not settle, which are flagged.
+/// The energy minimum has one velocity, so it must be this one. Coulomb's law has several solutions where limbs jam. Any motion then has to
+/// obey the law as well, and must be rare. So must be fixed points that do not converge, which are flagged.
 #[test]
 fn all_laws_agree_when_everything_sticks() {
     let (cases, others) = (400, Cell::new(0));
@@ -31,7 +31,7 @@ fn all_laws_agree_when_everything_sticks() {
             let moved = speeds.fold(0.0, f64::max);
             if moved > 1e-9 * scale {
                 let minimum = matches!(law, Law::EnergyQp | Law::EnergyQpGap | Law::ConeQp);
-                // a fixed point that does not settle says so
+                // a fixed point that does not converge sets `fallback`
                 let told = report.fallback && matches!(law, Law::FixedPoint(_));
                 let obeys = told || report.own <= 1e-10;
                 prop_assert!(!minimum && obeys, "{law} moves at {moved:e} of {scale:e}: {report:?}");
@@ -45,11 +45,11 @@ fn all_laws_agree_when_everything_sticks() {
     assert!(others.get() <= 12 * cases / 100);
 }
 
-/// Where contacts are redundant, fixed points are reached although the minima creep along what hardly changes the energy.
+/// With redundant contacts, fixed points converge although the minima creep along directions that hardly change the energy.
 ///
-/// Carried over ever more cautiously only, they were given up in six of a thousand such problems, of which one is the first here.
+/// With under-relaxation only, six of a thousand such problems were given up; the first problem here is one of them.
 #[test]
-fn minima_that_creep_arrive() {
+fn creeping_fixed_points_converge() {
     let (count, seed) = (5000, fastrand::u64(..));
     println!("seed {seed}");
     let mut random = fastrand::Rng::with_seed(seed);
@@ -71,7 +71,7 @@ fn minima_that_creep_arrive() {
     assert!(unsolved <= count / 1000);
 }
 
-/// Sets the free motion to what an impulse in the middle of the cones stops.
+/// Sets the free motion to one that an impulse in the middle of the cones stops.
 fn stop(problem: &mut Problem, seed: u64, mu: f64) {
     let (m, stride) = (problem.rows(), 1 + problem.tangents);
     let mut random = fastrand::Rng::with_seed(seed);
@@ -79,7 +79,7 @@ fn stop(problem: &mut Problem, seed: u64, mu: f64) {
     for f in inside.chunks_exact_mut(stride) {
         let normal = 0.1 + random.f64();
         f[0] = normal;
-        // Both shares are drawn under one tangent as well.
+        // Draws both parts with one tangent as well.
         let shares = [random.f64() - 0.5, random.f64() - 0.5];
         f[1..].iter_mut().zip(shares).for_each(|(f_t, share)| *f_t = 0.4 * share * mu * normal);
     }
@@ -88,7 +88,7 @@ fn stop(problem: &mut Problem, seed: u64, mu: f64) {
     }
 }
 
-/// Every law over 1e5 random problems in all: solved to its own conditions, and the energy never rises.
+/// Every law over 1e5 random problems in total: solved to its own conditions, and the energy never rises.
 #[test]
 fn random_problems_are_solved_and_plastic_laws_never_raise_the_energy() {
     let count: u64 = std::env::var("COUNT").ok().and_then(|s| s.parse().ok()).unwrap_or(8_400);
@@ -116,18 +116,18 @@ fn random_problems_are_solved_and_plastic_laws_never_raise_the_energy() {
             at(1.0)
         );
         assert!(gain <= 1e-12, "{law}: energy rose by {gain:e}");
-        // An iteration without a proof of convergence may give up, and says so.
+        // An iteration without a proof of convergence may give up, with `fallback` set.
         let allowed = match law {
             Law::FixedPoint(_) => [count / 50, count / 50],
             Law::Facets(_) => [count / 5000, count / 500],
-            Law::Cone => [count / 2000, count / 500], // judged contact by contact, each by its own scale
+            Law::Cone => [count / 2000, count / 500], // judged contact by contact, each with its own scale
             _ => [0, count / 1000],
         };
         assert!(unsolved[0] <= allowed[0] && unsolved[1] <= allowed[1], "{law}: {unsolved:?}");
     }
 }
 
-/// Both iterations end at the answer of the round cone; facets come closer to it the more they are.
+/// Both iterations end at the solution of the round cone; facets approach it as their number grows.
 #[test]
 fn more_facets_and_more_minima_lead_to_the_cone() {
     let laws = [

@@ -1,4 +1,4 @@
-//! Mechanisms whose contact problems the claims are about.
+//! Mechanisms for the claims about contact laws.
 
 use super::mechanism::of_rows;
 pub use super::mechanism::{G, H, Rows, on_body};
@@ -16,14 +16,14 @@ pub fn point_mass(mass: f64, velocity: [f64; 3], mu: f64) -> Problem {
     assemble(2, &[[vec![0., 0., 1.], vec![1., 0., 0.], vec![0., 1., 0.]]], &[1.0 / mass; 3], &velocity, mu)
 }
 
-/// Scene 15: the ground holds a light mass of 1 kg that holds one `ratio` times as heavy.
+/// Scene 15: the ground carries a light mass of 1 kg that carries one `ratio` times as heavy.
 pub fn heavy_on_light(ratio: f64) -> Problem {
     let ground = [vec![1., 0., 0., 0.], vec![0., 0., 1., 0.], vec![0.; 4]];
     let between = [vec![-1., 1., 0., 0.], vec![0., 0., -1., 1.], vec![0.; 4]];
     assemble(2, &[ground, between], &[1., 1. / ratio, 1., 1. / ratio], &[-G * H, -G * H, 0., 0.], 0.5)
 }
 
-/// A chain of bodies on a free base, with a hinge at the end of each, and points anywhere on them that touch the ground.
+/// A chain of bodies on a free base, with a hinge at the end of each, and contact points anywhere on them.
 ///
 /// H is drawn as diagonal; K is that of the chain.
 pub fn chain(seed: u64, tangents: usize, spread: f64, mu: f64) -> Problem {
@@ -65,7 +65,7 @@ pub fn chain(seed: u64, tangents: usize, spread: f64, mu: f64) -> Problem {
     assemble(tangents, &rows, &inverse, &velocity[..6 + joints], mu)
 }
 
-/// A mechanism drawn from a seed.
+/// A random mechanism and its seed.
 #[derive(Clone, Copy, Debug)]
 pub struct Draw {
     pub seed: u64,
@@ -76,7 +76,7 @@ pub struct Draw {
 }
 
 impl Draw {
-    /// A random problem: few or many coordinates, contacts repeated or nearly so or corners of a foot, fast or slow.
+    /// A random problem: few or many coordinates, repeated or nearly repeated contacts or contacts of a foot, fast or slow.
     pub fn problem(self) -> Problem {
         let mut random = fastrand::Rng::with_seed(self.seed);
         let (contacts, dof) = (random.usize(1..=8), random.usize(3..=14));
@@ -105,7 +105,7 @@ impl Draw {
     }
 }
 
-/// Solves from nothing remembered.
+/// Solves without memory.
 pub fn solve(problem: &Problem, law: Law) -> (Solver, Report) {
     let mut solver = Solver::default();
     let report = solver.solve(problem, law, &mut Memory::default());

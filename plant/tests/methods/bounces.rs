@@ -1,4 +1,4 @@
-//! Restitution: bounces, their end, and what had come to rest before.
+//! Restitution: bounces, their end, and bodies that rested before.
 
 use crate::support::{built_in, gap, go, plant};
 use messages::scene::Method;
@@ -6,7 +6,7 @@ use plant::Plant;
 
 const G: f64 = 9.81;
 
-/// A foot that falls flat from .1 m and leaves the ground at `e` times the speed at which it lands, and its time to fall.
+/// A foot that falls flat from .1 m and leaves the ground with `e` times its landing speed, and its time to fall.
 fn dropped(e: f64, method: Method, dt: f64) -> (Plant, f64) {
     let mut scene = built_in("drop");
     scene.plant.restitution = e;
@@ -20,9 +20,9 @@ fn rise(plant: &Plant) -> f64 {
 const BOUNCING: [Method; 4] =
     [Method::SemiImplicitEuler, Method::MidpointContact, Method::Rk4Impact, Method::EventDriven];
 
-/// There are infinitely many bounces, but their sum is finite: t (1 + 2e/(1 − e)) with t the time to fall.
+/// There are infinitely many bounces, but their sum is finite: t (1 + 2e/(1 − e)), with t the time to fall.
 #[test]
-fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
+fn a_bouncing_foot_lies_still_after_the_sum_of_its_bounces() {
     for method in BOUNCING {
         for e in [0.5, 0.8] {
             let dt = 1e-4;
@@ -37,16 +37,16 @@ fn what_bounces_lies_still_once_the_sum_of_its_bounces_is_over() {
             }
             println!("{method:?}, e = {e}: still after {last:.4} s, the sum is {sum:.4} s; {:e}", rise(&plant));
             assert!((last / sum - 1.0).abs() < 0.01, "{method:?}, e = {e}: {last} instead of {sum}");
-            // what is cut off is no faster than two steps of free fall, and falls for one more
+            // the bounces cut off are no faster than two steps of free fall, and fall for one more
             assert!(gap(&plant).abs() < 2.5 * G * dt * dt, "{method:?}: {:e}", gap(&plant));
             assert!(rise(&plant).abs() < 1e-6, "{method:?}: {:e}", rise(&plant));
         }
     }
 }
 
-/// What is slower than two steps of free fall made it does not bounce: after the sum of the bounces, and some steps, nothing moves at all.
+/// A contact no faster than two steps of free fall does not bounce. After the sum of the bounces and some steps, nothing moves.
 #[test]
-fn the_last_of_the_bounces_comes() {
+fn bounces_end() {
     let dt = 1e-3;
     for method in BOUNCING {
         for e in [0.3, 0.8, 0.95] {
@@ -60,9 +60,9 @@ fn the_last_of_the_bounces_comes() {
     }
 }
 
-/// Without a loss it rises as high for ever: a hundred bounces on.
+/// Elastic: after a hundred bounces it still rises as high.
 #[test]
-fn what_loses_nothing_rises_as_high_for_ever() {
+fn elastic_bounces_keep_their_height() {
     for method in [Method::MidpointContact, Method::StepDoubling, Method::Rk4Impact, Method::EventDriven] {
         let (mut plant, fall) = dropped(1.0, method, 2e-3);
         let mut highest = 0.0_f64;
@@ -87,9 +87,9 @@ fn methods_that_do_not_find_a_landing_refuse_restitution() {
     }
 }
 
-/// What lay still, is thrown up and falls again bounces as it did the first time.
+/// A body that rested, is thrown up and falls again bounces as it did the first time.
 #[test]
-fn what_rested_bounces_again_when_it_falls_again() {
+fn a_resting_foot_bounces_again_when_it_falls_again() {
     let e = 0.5;
     for method in BOUNCING {
         let (mut plant, _) = dropped(e, method, 1e-3);
@@ -105,7 +105,7 @@ fn what_rested_bounces_again_when_it_falls_again() {
             }
             println!("{method:?}, {what}: {landing} m/s, then {} m/s", rise(&plant));
             assert!(landing < -0.5, "it lands");
-            // the speed that e multiplies is that of the instant at which the ground is looked for
+            // e multiplies the speed at the instant of detection
             let known = if method == Method::SemiImplicitEuler { 1e-12 } else { G * 1e-3 };
             assert!((rise(&plant) + e * landing).abs() < known, "{method:?}, {what}: {} of {landing}", rise(&plant));
             go(&mut plant, 1000);

@@ -1,4 +1,4 @@
-//! Cases from bug reports about other engines, with their right values, by the default method.
+//! Cases from bug reports about other engines, with their correct values, under the default method.
 
 use crate::support::{corners, energy, gap, go, totals};
 use messages::load::parse;
@@ -9,7 +9,7 @@ use plant::Plant;
 const CUBE: &str = "[[bodies]]\nname = \"cube\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n\
     contacts = [[0.05, 0.05, -0.05], [0.05, -0.05, -0.05], [-0.05, 0.05, -0.05], [-0.05, -0.05, -0.05]]\n";
 
-/// A scene with steps of `dt`, one a control period.
+/// A scene with steps of `dt`, one per control period.
 fn scene(dt: f64, text: &str) -> Scene {
     let mut scene = parse(text, "a test").expect("a scene");
     (scene.plant.dt, scene.rate) = (dt, 1.0 / dt);
@@ -22,7 +22,7 @@ fn after(scene: &Scene, time: f64) -> Plant {
     plant
 }
 
-/// Cf. Bullet3 #2698: by the paper's step 34 % of the momentum is gone at 5 s, and at 11.7 s nothing is finite.
+/// Cf. Bullet3 #2698: with the paper's step, 34 % of the momentum is gone at 5 s, and at 11.7 s the state is not finite.
 #[test]
 fn a_free_chain_keeps_momentum_and_energy() {
     let rest = |k: usize| {
@@ -50,7 +50,7 @@ fn a_free_chain_keeps_momentum_and_energy() {
         println!("dt {dt}, within 20 s: energy {:.1e}, momentum {:.1e}", worst[0], worst[1]);
         worst
     });
-    // they swing by h², and do not drift
+    // they oscillate by h², and do not drift
     assert!(worst[0].iter().all(|worst| *worst < 0.05) && worst[1].iter().all(|worst| *worst < 4e-3), "{worst:?}");
 }
 
@@ -79,9 +79,9 @@ fn a_heavy_top_stays_steady_on_its_tip() {
     assert!(coarse[1] < 1e-3 && fine[1] < coarse[1] / 10.0, "{coarse:?} {fine:?}");
 }
 
-/// A body that spins fast: by the paper's step its energy is eight times as much within a second.
+/// A body that spins fast: with the paper's step, its energy grows eightfold within a second.
 #[test]
-fn a_fast_spin_neither_gains_nor_loses() {
+fn a_fast_spin_keeps_its_energy() {
     let text = "[plant]\ngravity = 0.0\n[initial]\nangular_velocity = [40.0, 20.0, 90.0]\n[[bodies]]\nname = \"box\"\nmass = 1.0\n\
         size = [0.05, 0.2, 0.45]\ncontacts = []\n";
     let mut plant = Plant::new(&scene(1e-3, text)).expect("a box");
@@ -94,7 +94,7 @@ fn a_fast_spin_neither_gains_nor_loses() {
     assert!(energy.abs() < 1e-8 && momentum < 5e-3, "{energy:e} {momentum:e}");
 }
 
-/// Cf. DART #846: undamped, the energy stays; by the paper's step a spring loses all of it.
+/// Cf. DART #846: undamped, the energy is constant; with the paper's step a spring loses all of it.
 #[test]
 fn an_undamped_spring_keeps_its_energy() {
     let text = "[plant]\nbase = \"fixed\"\ngravity = 0.0\n[initial]\njoints = [0.1]\n[[bodies]]\nname = \"wall\"\nmass = 1.0\n\
@@ -147,7 +147,7 @@ fn a_spring_and_damper_far_too_stiff_for_the_step_bring_the_joint_to_rest() {
         size = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [0.05, 0.05, 0.4]\ncom = [0.0, 0.0, -0.2]\n\
         inertia = [0.01, 0.01, 0.01]\n\
         joint = { parent = \"h\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0], stiffness = 1e6, damping = 1e4 }\n";
-    // d/k = .01 s is the time in which it comes back
+    // d/k = .01 s is the time constant of its return
     let right = 0.1 * (-10.0_f64).exp();
     for method in [Method::MidpointContact, Method::ImplicitMidpoint, Method::MidpointMoreau] {
         let mut scene = scene(1e-4, text);
@@ -158,9 +158,9 @@ fn a_spring_and_damper_far_too_stiff_for_the_step_bring_the_joint_to_rest() {
     }
 }
 
-/// Cf. Drake #13657: T = 1.0036 s. Bodies of somebody's own have no drive inertia unless the scene says so.
+/// Cf. Drake #13657: T = 1.0036 s. Bodies have no drive inertia unless the scene gives one.
 #[test]
-fn a_pendulum_of_one_s_own_has_the_period_of_its_length() {
+fn a_pendulum_has_the_period_of_its_length() {
     let text = "[plant]\nbase = \"fixed\"\n[initial]\nposition = [0.0, 0.0, 2.0]\njoints = [0.01]\n[[bodies]]\nname = \"hook\"\n\
         mass = 1.0\nsize = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"bob\"\nmass = 0.1\nsize = [0.02, 0.02, 0.02]\ncom = [0.0, 0.0, -0.25]\n\
         joint = { parent = \"hook\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }\n";
@@ -182,9 +182,9 @@ fn a_pendulum_of_one_s_own_has_the_period_of_its_length() {
     assert!((bare - 1.0036).abs() < 1e-4 && driven > 4.0, "{bare} {driven}");
 }
 
-/// Cf. MuJoCo #752: it comes out of the ground gently and lies on it.
+/// Cf. MuJoCo #752: it leaves the ground gently and rests on it.
 #[test]
-fn what_begins_inside_the_ground_comes_out_and_rests() {
+fn a_body_that_starts_inside_the_ground_comes_out_and_rests() {
     let text = format!("[plant]\nfriction = 0.5\n[initial]\nposition = [0.0, 0.0, 0.04]\n{CUBE}");
     for method in Method::ALL {
         let mut scene = scene(1e-3, &text);
@@ -203,14 +203,14 @@ fn what_begins_inside_the_ground_comes_out_and_rests() {
     }
 }
 
-/// Cf. godot-jolt #796: contacts that gain more than .5 m/s within a step are not overlooked.
+/// Cf. godot-jolt #796: contacts that gain more than .5 m/s within a step are detected.
 #[test]
 fn under_a_hundredfold_gravity_a_cube_lands_and_stays() {
     let plant = after(&scene(0.01, &format!("[plant]\ngravity = 981.0\n[initial]\nclearance = 0.05\n{CUBE}")), 1.0);
     assert!(gap(&plant).abs() < 1e-9 && plant.state().xdot.iter().all(|v| v.abs() < 1e-6), "{:e}", gap(&plant));
 }
 
-/// It passes a micrometre above the ground, where gaps taken as straight would stop it: at .6 s it is at −.806 rad.
+/// It passes a micrometre above the ground, where a linear prediction of the gap would stop it: at .6 s it is at −.806 rad.
 #[test]
 fn a_grazing_pendulum_passes() {
     let text = "[plant]\nbase = \"fixed\"\n[initial]\nposition = [0.0, 0.0, 0.300001]\njoints = [1.0]\n[[bodies]]\nname = \"b\"\n\
@@ -226,7 +226,7 @@ fn a_grazing_pendulum_passes() {
     }
 }
 
-/// x and θ at 2 s, wherever the frame of the body is, on every base that lets it roll.
+/// x and θ at 2 s, for any position of the body's frame, on every base that lets it roll.
 #[test]
 fn a_loaded_ball_rolls_the_same_wherever_its_frame_is() {
     let tilt = -68.754_935_415_698_78_f64;
@@ -262,9 +262,9 @@ fn a_loaded_ball_rolls_the_same_wherever_its_frame_is() {
     assert!(errors[1] < 2e-5 && errors[2] < errors[0] / 8.0, "{errors:?}");
 }
 
-/// Every throw of the reference method's claim, by the default: energy only falls.
+/// Every throw of the reference method's claim, with the default method: the energy only falls.
 #[test]
-fn what_is_thrown_never_gains_energy() {
+fn thrown_bodies_never_gain_energy() {
     for seed in 0..60 {
         let mut scene = crate::throws::thrown(&mut fastrand::Rng::with_seed(seed));
         (scene.plant.method, scene.plant.dt, scene.rate) = (Method::MidpointContact, 1e-3, 1e3);
@@ -273,7 +273,7 @@ fn what_is_thrown_never_gains_energy() {
         for step in 0..1000 {
             plant.advance(&Torques::default()).unwrap_or_else(|error| panic!("seed {seed}: {error}"));
             let now = energy(&plant);
-            // of second order: what a step makes of the energy goes with h²
+            // second order: the energy error of a step is proportional to h²
             assert!(now < last + 2e-4 * first.abs(), "seed {seed}, step {step}: {last} becomes {now} J of {first}");
             last = last.min(now);
         }

@@ -1,10 +1,10 @@
-//! The scenes on which engines are compared: what the best method reaches, in steps of 5 ms and more.
+//! The scenes of the comparison of engines: accuracy of the best method, in steps of 5 ms and more.
 
 use crate::support::{built_in, corners, gap, go, plant, totals, way};
 use messages::scene::Method;
 
 #[test]
-fn slopes_hold_and_let_slide_to_rounding() {
+fn blocks_stick_and_slide_on_slopes_to_rounding() {
     let (s, c) = 20f64.to_radians().sin_cos();
     for dt in [0.02, 0.005] {
         let mut sliding = plant(built_in("incline"), Method::EventDriven, dt);
@@ -28,9 +28,9 @@ fn a_standing_biped_does_not_creep() {
     }
 }
 
-/// Housner: a rocking block keeps the square of 1 - 1.5 sin² a of its energy above that of lying flat.
+/// Housner: a rocking block keeps (1 - 1.5 sin² a)² of its energy above that of lying flat.
 #[test]
-fn a_rocking_block_loses_what_housner_says() {
+fn a_rocking_block_loses_energy_as_housner_predicts() {
     for (method, dt, limit) in
         [(Method::EventDriven, 0.02, 1e-10), (Method::EventDriven, 0.005, 1e-10), (Method::Rk4Impact, 0.002, 1e-4)]
     {
@@ -45,9 +45,9 @@ fn a_rocking_block_loses_what_housner_says() {
     }
 }
 
-/// At its steady speed each impact takes what the slope gives from spoke to spoke.
+/// At its steady speed, each impact dissipates the energy that the slope adds from spoke to spoke.
 #[test]
-fn a_rimless_wheel_goes_on_at_its_steady_speed() {
+fn a_rimless_wheel_keeps_its_steady_speed() {
     for (method, dt, limit) in [(Method::EventDriven, 0.02, 1e-9), (Method::Rk4Impact, 0.005, 1e-4)] {
         let mut wheel = plant(built_in("wheel"), method, dt);
         let energy = |plant: &plant::Plant| totals(plant).kinetic + totals(plant).potential;

@@ -1,14 +1,14 @@
-//! Step control: how much a part of a step may miss, what is taken back, and what does not settle.
+//! Step size control: error of the parts of a step, rejected parts, and steps that do not converge.
 
 use crate::support::{distance, go, plant, tumbling};
 use messages::scene::{Base, Method};
 use messages::wire::Torques;
 use plant::PlantError;
 
-/// The errors of the parts of a step add up, here all one way. Each is below its tolerance, and none so far below that it was effort for
-/// nothing. The first part is as long as the step, and is taken back.
+/// The errors of the parts of a step add up, here with one sign. Each is below its tolerance, and none so far below that effort was wasted.
+/// The first part is as long as the step, and is rejected.
 #[test]
-fn a_part_of_a_doubled_step_misses_little_less_than_its_tolerance() {
+fn the_error_of_a_doubled_step_is_near_its_tolerance() {
     let run = |method: Method, tolerance: f64| {
         let mut scene = tumbling(Base::Quaternion);
         scene.plant.tolerance_step = tolerance;
@@ -29,21 +29,21 @@ fn a_part_of_a_doubled_step_misses_little_less_than_its_tolerance() {
     assert_eq!((counts.evaluations, counts.rejected), (3, 0), "what is near enough is not taken back");
 }
 
-/// In steps of .7 s a tumbling biped's mean velocity does not settle; in steps of a millisecond it does.
+/// In steps of .7 s the mean velocity of a tumbling biped does not converge; in steps of a millisecond it does.
 #[test]
-fn an_implicit_step_that_does_not_settle_ends_the_run() {
+fn an_implicit_step_that_does_not_converge_ends_the_run() {
     let run = |dt: f64| {
         let mut plant = plant(tumbling(Base::Quaternion), Method::ImplicitMidpoint, dt);
         (0..20).try_for_each(|_| plant.advance(&Torques::default()).map(|_| ()))
     };
     assert!(run(1e-3).is_ok());
     let error = run(0.7).expect_err("it cannot settle");
-    assert!(matches!(error, PlantError::Unsettled { .. }) && error.to_string().contains("plant.dt"), "{error}");
+    assert!(matches!(error, PlantError::NotConverged { .. }) && error.to_string().contains("plant.dt"), "{error}");
 }
 
-/// Inertia and drive of a joint whose sum is no number make H infinite, and one over it zero: whatever pushed, the joint would stay.
+/// If inertia and drive of a joint add up to infinity, H is infinite and its inverse zero: the joint would never move.
 #[test]
-fn inertia_beyond_all_numbers_ends_the_run() {
+fn infinite_inertia_ends_the_run() {
     let text = "[plant]\ndrive_inertia = 1e308\n[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"b\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n\
         inertia = [1e308, 1e308, 1e308]\njoint = { parent = \"a\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.1] }\n";
     let scene = messages::load::parse(text, "a test").expect("a scene");

@@ -1,4 +1,4 @@
-//! Flight: order, energy, momentum, and orientations where virtual joints fail.
+//! Flight: order, energy, momentum, and orientations at which virtual joints are singular.
 
 use crate::support::{body, distance, go, plant, totals, tumbling};
 use messages::scene::{Base, Method, Scene};
@@ -75,7 +75,7 @@ fn flight_does_no_contact_work() {
     }
 }
 
-/// The spin in the body's own axes.
+/// Angular velocity in the body's own axes.
 fn own_spin(plant: &Plant) -> Vector3<f64> {
     let mut pose = Pose::new(plant.model());
     kinematics::pose(plant.model(), plant.state(), &mut pose);
@@ -105,7 +105,7 @@ fn a_free_box_spins_as_before_after_its_period() {
     }
 }
 
-/// Its velocities are those in W, so here it brakes; with those in the body's own axes it would gain 9 %.
+/// The method's angular velocities are in W, so here it brakes; in the body's own axes it would gain 9 %.
 #[test]
 fn explicit_euler_brakes_a_free_box() {
     let gain = |method| {
@@ -120,7 +120,7 @@ fn explicit_euler_brakes_a_free_box() {
     assert!(midpoint.abs() < 1e-3, "{midpoint}");
 }
 
-/// A cube, rolled by `roll`, that turns about its own y axis at 1 rad/s, through upright: its orientation's error after π s.
+/// A cube, rolled by `roll`, that turns about its own y axis at 1 rad/s through upright: its orientation error after π s.
 fn through_upright(base: Base, roll: f64, method: Method) -> f64 {
     let mut scene = body([0.1; 3], vec![]);
     scene.plant.base = base;
@@ -147,7 +147,7 @@ fn virtual_joints_lose_digits_near_upright_and_a_quaternion_does_not() {
 }
 
 #[test]
-fn upright_is_an_error_that_names_the_quaternion() {
+fn a_singular_pitch_is_an_error_that_names_the_quaternion_base() {
     let mut scene = body([0.1; 3], vec![]);
     scene.plant.base = Base::Virtual;
     scene.initial.angular_velocity = [0.0, PI / 2.0, 0.0];

@@ -1,4 +1,4 @@
-//! Contact: landing, stopping, resting, turning about a foot.
+//! Contact: landing, stopping, resting, rolling about a foot.
 
 use crate::support::{built_in, corners, distance, gap, go, plant, totals, way};
 use messages::scene::{Base, Law, Method, Scene};
@@ -7,7 +7,7 @@ use plant::{Plant, PlantError};
 const LOCATING: [Method; 2] = [Method::Rk4Impact, Method::EventDriven];
 
 #[test]
-fn a_sliding_block_stops_where_the_method_can_say() {
+fn a_sliding_block_stops_within_the_error_of_the_method() {
     let exact = 4.0 / (2.0 * 0.5 * 9.81);
     for name in ["slide", "slide30"] {
         for method in Method::ALL {
@@ -32,7 +32,7 @@ fn a_sliding_block_stops_where_the_method_can_say() {
 }
 
 #[test]
-fn what_falls_stops_at_the_ground_when_the_impact_is_located() {
+fn a_falling_body_stops_at_the_ground_if_the_impact_is_located() {
     for method in LOCATING {
         for dt in [0.02, 0.001] {
             let mut plant = plant(built_in("drop"), method, dt);
@@ -51,7 +51,7 @@ fn what_falls_stops_at_the_ground_when_the_impact_is_located() {
 }
 
 #[test]
-fn what_rests_neither_creeps_nor_sinks_under_any_method() {
+fn a_resting_body_neither_creeps_nor_sinks_under_any_method() {
     for method in Method::ALL {
         let mut plant = plant(built_in("stick"), method, 1e-3);
         let start = corners(&plant);
@@ -64,7 +64,7 @@ fn what_rests_neither_creeps_nor_sinks_under_any_method() {
     }
 }
 
-/// A mass on a massless leg of .8 m, turning about its foot at 1 rad/s.
+/// A mass on a massless leg of .8 m that turns about its foot at 1 rad/s.
 fn inverted_pendulum() -> Scene {
     let mut scene = crate::support::body([0.02; 3], vec![[0.0, 0.0, -0.8]]);
     (scene.plant.base, scene.plant.gravity, scene.plant.friction) = (Base::Planar, 9.81, 1.0);
@@ -98,7 +98,7 @@ fn an_inverted_pendulum_keeps_its_foot_on_the_ground() {
 }
 
 #[test]
-fn turning_about_a_foot_costs_impulses_an_order_and_accelerations_none() {
+fn rolling_contact_reduces_the_order_of_impulse_methods_only() {
     let mut exact = plant(inverted_pendulum(), Method::EventDriven, 0.02);
     go(&mut exact, 20);
     for method in Method::ALL {
@@ -137,7 +137,7 @@ fn the_reference_is_the_same_at_two_tolerances_and_steps() {
 }
 
 #[test]
-fn a_law_without_forces_is_refused_where_forces_are_asked_for() {
+fn event_methods_refuse_laws_without_contact_forces() {
     for method in LOCATING {
         for law in [Law::EnergyQp, Law::SpringDamper] {
             let mut scene = built_in("drop");
@@ -149,7 +149,7 @@ fn a_law_without_forces_is_refused_where_forces_are_asked_for() {
 }
 
 #[test]
-fn no_method_allocates_once_it_has_touched() {
+fn no_method_allocates_after_the_first_contact() {
     for method in Method::ALL {
         for name in ["drop", "stand0"] {
             let mut plant = plant(built_in(name), method, 1e-3);

@@ -1,4 +1,4 @@
-//! What `plant.tolerance` promises of every step.
+//! The promise of `plant.tolerance` for every step.
 
 use crate::support::built_in;
 use messages::scene::{Law, Method, Scene};
@@ -6,7 +6,7 @@ use messages::wire::Torques;
 use plant::contact::{Memory, Solver};
 use plant::{Plant, PlantError};
 
-/// Whether a scene runs for so many steps under a tolerance.
+/// Whether a scene runs for this many steps under a tolerance.
 fn run(scene: &Scene, tolerance: f64, steps: usize) -> Result<(), PlantError> {
     let mut scene = scene.clone();
     scene.plant.tolerance = tolerance;
@@ -14,7 +14,7 @@ fn run(scene: &Scene, tolerance: f64, steps: usize) -> Result<(), PlantError> {
     (0..steps).try_for_each(|_| plant.advance(&Torques::default()).map(|_| ()))
 }
 
-/// The residual that a step leaves is that of its problem solved once more; the greatest of them is what the tolerance has to allow.
+/// The residual of a step is that of its problem solved again; the tolerance has to allow the greatest of them.
 #[test]
 fn a_run_ends_at_the_first_step_that_leaves_more_than_the_tolerance() {
     for (name, steps) in [("stand0", 300), ("slide30", 300), ("rock", 300)] {

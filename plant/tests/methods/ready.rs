@@ -1,11 +1,11 @@
-//! What may be done before the torques of a step are known.
+//! Preparation of a step before its torques are known.
 
 use crate::support::{go, plant};
 use messages::scene::{Method, Scene};
 use messages::wire::Torques;
 
 #[test]
-fn who_gets_ready_for_a_step_before_its_torques_are_known_takes_the_same() {
+fn preparing_a_step_before_its_torques_changes_no_result() {
     for method in [Method::SemiImplicitEuler, Method::MidpointMoreau] {
         let mut scene = Scene::default();
         scene.initial.clearance = Some(0.0);

@@ -1,4 +1,4 @@
-//! Scenes of the tests, and how to run them.
+//! Scenes of the tests, and functions that run them.
 
 use messages::robot::Body;
 use messages::scene::{Base, Method, Scene};
@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use plant::Plant;
 use plant::kinematics::{self, Pose, Totals};
 
-/// A plant that runs `scene` with this method in steps of `dt`, one a control period.
+/// A plant that runs `scene` with this method in steps of `dt`, one per control period.
 pub fn plant(mut scene: Scene, method: Method, dt: f64) -> Plant {
     (scene.plant.method, scene.plant.dt, scene.rate) = (method, dt, 1.0 / dt);
     Plant::new(&scene).expect("a good scene")

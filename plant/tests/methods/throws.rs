@@ -1,4 +1,4 @@
-//! The reference method finishes what is thrown at it.
+//! The reference method finishes every throw.
 
 use crate::support::energy;
 use messages::robot::{Body, Sphere};
@@ -6,10 +6,10 @@ use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
 use plant::Plant;
 use std::time::Instant;
 
-/// Throws of the claim; `BIPED_THROWS` takes more.
+/// Number of throws; `BIPED_THROWS` sets another.
 const THROWS: u64 = 60;
 
-/// A box, a flat foot, a light wheel on balls or a rod, thrown anyhow on ground of any friction.
+/// A box, a flat foot, a light wheel on balls or a rod, thrown at random, on ground of any friction.
 pub fn thrown(random: &mut fastrand::Rng) -> Scene {
     let any = |random: &mut fastrand::Rng, size: f64| size * (2.0 * random.f64() - 1.0);
     let size =
@@ -41,7 +41,7 @@ pub fn thrown(random: &mut fastrand::Rng) -> Scene {
 }
 
 #[test]
-fn random_throws_end() {
+fn random_throws_end_without_error() {
     let throws = std::env::var("BIPED_THROWS").ok().and_then(|count| count.parse().ok()).unwrap_or(THROWS);
     let (mut times, mut lost, mut flagged) = (Vec::new(), Vec::new(), 0);
     for seed in 0..throws {
@@ -67,7 +67,7 @@ fn random_throws_end() {
     assert!(flagged * 50 <= throws, "{flagged} steps of {throws} throws were flagged");
 }
 
-/// The robot of Table 1, limp, thrown anyhow. Its joints make the centrifugal forces count.
+/// The robot of Table 1 without torques, thrown at random. Its joints make centrifugal forces significant.
 fn thrown_robot(random: &mut fastrand::Rng) -> Scene {
     let mut any = |size: f64| size * (2.0 * random.f64() - 1.0);
     let initial = Initial {
@@ -82,10 +82,10 @@ fn thrown_robot(random: &mut fastrand::Rng) -> Scene {
     Scene { rate: 1000.0, duration: 1.0, initial, plant, ..Scene::default() }
 }
 
-/// After a landing what is left of a step may be as short as rounding. A speed that contact takes in it, over its length, is no acceleration:
-/// with it the mean velocity of the next step made a hundred times the energy of the whole.
+/// After a landing, the rest of a step may be as short as rounding. A velocity change by contact, divided by that time, is no acceleration:
+/// with it, the mean velocity of the next step had a hundred times the total energy.
 #[test]
-fn what_lands_makes_no_energy() {
+fn landings_add_no_energy() {
     let seed = fastrand::u64(..);
     println!("seed {seed}");
     let mut random = fastrand::Rng::with_seed(seed);

@@ -1,4 +1,4 @@
-//! A foot that is about to land while another stands.
+//! A foot about to land while another one stands.
 
 use messages::robot::{Body, Joint};
 use messages::scene::{Base, Method, Scene};
@@ -10,7 +10,7 @@ const STEP: f64 = 5e-3;
 /// Force on the foot, ten times its weight [N].
 const PRESS: f64 = 2000.0;
 
-/// A rod that tips over on a hinge above a foot that stands, its end `clearance` above the ground and falling.
+/// A rod that tips over on a hinge above a standing foot, with its end `clearance` above the ground and falling.
 fn tipping_rod(angle: f64) -> Scene {
     let (height, length) = (0.2, 0.6);
     let sole = [[0.2, 0.2], [0.2, -0.2], [-0.2, 0.2], [-0.2, -0.2]].map(|[x, y]| [x, y, 0.0]);
@@ -34,10 +34,10 @@ fn tipping_rod(angle: f64) -> Scene {
     scene
 }
 
-/// If nothing touched, what presses the foot down would take the hinge down and throw the end of the rod up. The ground holds the foot, so
-/// the end comes down: what seemed to go on above the ground must land on it, and not in it.
+/// Without contact, the force on the foot would move the hinge down and throw the end of the rod up. But the ground holds the foot, so the
+/// end comes down. A foot that seemed airborne must then land on the ground, not in it.
 #[test]
-fn what_the_weight_of_a_foot_that_stands_drives_down_lands_on_the_ground_and_not_in_it() {
+fn a_foot_driven_down_by_a_standing_foot_lands_on_the_ground() {
     let (mut hovered, mut landed) = (0, 0);
     for start in 0..200 {
         let mut plant = Plant::new(&tipping_rod(0.05 + 1e-3 * f64::from(start))).expect("a rod on a foot");
@@ -51,14 +51,14 @@ fn what_the_weight_of_a_foot_that_stands_drives_down_lands_on_the_ground_and_not
             let after = before.twist(plant.model(), end.link, &plant.state().xdot);
             let left = gap + STEP * after.at(&before.arm(end.link, &end.at)).z;
             assert!(left > -1e-12, "start {start}, step {step}: {left:e} m from {gap:e} m");
-            let (touching, welded) = (plant.problem().contacts, plant.problem().delassus.is_empty());
-            hovered += usize::from(touching == 5 && welded);
+            let (touching, held) = (plant.problem().contacts, plant.problem().delassus.is_empty());
+            hovered += usize::from(touching == 5 && held);
             if left < 1e-12 {
                 landed += 1;
                 break;
             }
         }
     }
-    println!("{landed} of 200 rods landed; {hovered} steps hovered beside a foot that was welded");
+    println!("{landed} of 200 rods landed; {hovered} steps hovered beside a foot that was held");
     assert!(landed == 200 && hovered > 20, "{landed}, {hovered}");
 }

@@ -1,4 +1,4 @@
-//! Feet that stand are welded to the ground, six equations a foot: nothing but the time of a step may tell.
+//! Claims about standing feet, solved as six equations per foot: they change the time of a step, but no result.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -17,11 +17,11 @@ fn scene(name: &str, settings: &[&str]) -> Scene {
     load(&file, &settings, &[]).expect("a scene")
 }
 
-/// Steps through a scene with and without welds; the greatest difference of their states, how many steps were welded, and the
-/// plants at the end.
+/// Runs a scene with and without standing feet. Returns the greatest difference of the states, the number of steps with standing feet, and
+/// both plants at the end.
 fn compare(scene: &Scene, steps: usize) -> (f64, usize, [Plant; 2]) {
     let mut plants = [Plant::new(scene).expect("a plant"), Plant::new(scene).expect("a plant").without_standing_feet()];
-    let (mut worst, mut welded) = (0.0_f64, 0);
+    let (mut worst, mut held) = (0.0_f64, 0);
     for _ in 0..steps {
         for plant in &mut plants {
             plant.advance(&Torques::default()).expect("a step");
@@ -29,19 +29,19 @@ fn compare(scene: &Scene, steps: usize) -> (f64, usize, [Plant; 2]) {
         let [ours, theirs] = plants.each_ref().map(Plant::state);
         let pairs = ours.x.iter().zip(&theirs.x).chain(ours.xdot.iter().zip(&theirs.xdot));
         worst = pairs.fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
-        welded += usize::from(plants[0].problem().delassus.is_empty());
+        held += usize::from(plants[0].problem().delassus.is_empty());
         assert!(!plants[1].problem().delassus.is_empty());
     }
-    (worst, welded, plants)
+    (worst, held, plants)
 }
 
 #[test]
-fn welded_feet_stand_as_corner_by_corner() {
+fn standing_feet_move_as_contact_by_contact() {
     for name in ["stand0", "stand10"] {
-        let (worst, welded, plants) = compare(&scene(name, &[]), 6000);
-        println!("{name}: states differ by {worst:.1e}, {welded} of 6000 steps welded");
+        let (worst, held, plants) = compare(&scene(name, &[]), 6000);
+        println!("{name}: states differ by {worst:.1e}, {held} of 6000 steps held");
         assert!(worst < 1e-9, "{name}: {worst}");
-        assert!(welded > 1000, "{name}: only {welded} steps"); // on the slope the feet tip a little before they settle
+        assert!(held > 1000, "{name}: only {held} steps"); // on the slope the feet tip a little before they rest
         let [ours, theirs] = plants.each_ref().map(Plant::truth);
         let weight = |force: &[f64]| force.iter().skip(2).step_by(3).sum::<f64>();
         let difference = (weight(&ours.contact_force) - weight(&theirs.contact_force)).abs();
@@ -58,28 +58,29 @@ fn a_foot_on_an_edge_or_a_point_stands_as_contact_by_contact() {
         let foot = scene.bodies.last_mut().expect("a robot");
         assert_eq!(foot.contacts.len(), 4);
         foot.contacts = contacts;
-        let (worst, welded, _) = compare(&scene, 3000);
-        println!("{name}: states differ by {worst:.1e}, {welded} of 3000 steps welded");
+        let (worst, held, _) = compare(&scene, 3000);
+        println!("{name}: states differ by {worst:.1e}, {held} of 3000 steps held");
         assert!(worst < 1e-9, "{name}: {worst}");
-        assert!(welded > 1000, "{name}: only {welded} steps");
+        assert!(held > 1000, "{name}: only {held} steps");
     }
 }
 
 #[test]
-fn the_load_of_a_welded_foot_is_linear_over_its_sole() {
+fn the_load_of_a_standing_foot_is_linear_over_its_sole() {
     let (_, _, [plant, _]) = compare(&scene("stand0", &[]), 2000);
     let force = plant.truth().contact_force;
     for foot in force.chunks_exact(12).take(2) {
         let load = |point: usize| foot[3 * point + 2];
-        let bent = load(0) + load(3) - load(1) - load(2); // corners in the order ++, +-, -+, --
+        let bent = load(0) + load(3) - load(1) - load(2); // contact points in the order ++, +-, -+, --
         assert!(bent.abs() < 1e-9, "{foot:?}");
         assert!(load(0) > 0.0);
     }
 }
 
-/// The legs hold the feet apart along a direction in which no impulse moves them, so there any press would be as right as none.
+/// The legs hold the feet apart along a direction in which no impulse moves them, so any internal force would be a solution. The least one
+/// is zero.
 #[test]
-fn welded_feet_do_not_press_against_each_other_for_nothing() {
+fn standing_feet_have_no_internal_forces_without_effect() {
     let scene = scene("walk", &[]);
     let (mut plant, mut controller) =
         (Plant::new(&scene).expect("a plant"), Controller::new(&scene).expect("a controller"));
@@ -99,27 +100,27 @@ fn welded_feet_do_not_press_against_each_other_for_nothing() {
     }
     let mean = sum / f64::from(count);
     println!("on both feet for {count} ms, friction of {mean:.3} of the load in the mean");
-    // without taking back what no press can change it is .121; what is left is friction that the feet need
+    // with all internal forces it is .121; the rest is friction that the feet need
     assert!(count > 300 && mean < 0.08, "{mean} over {count} ms");
 }
 
 #[test]
-fn what_slides_is_not_welded_and_what_tips_turns_about_its_edges() {
+fn a_sliding_foot_is_not_held_and_a_tipping_one_turns_about_its_edges() {
     for (name, settings, expected) in [
         ("stand10", vec!["plant.friction=0.1"], 0..100),
         ("stand0", vec!["plant.push_impulse=[0,12,0]", "plant.push_time=0", "plant.push_duration=0.1"], 200..400),
     ] {
-        let (worst, welded, [plant, _]) = compare(&scene(name, &settings), 400);
-        println!("{name} {settings:?}: states differ by {worst:.1e}, {welded} of 400 steps welded");
+        let (worst, held, [plant, _]) = compare(&scene(name, &settings), 400);
+        println!("{name} {settings:?}: states differ by {worst:.1e}, {held} of 400 steps held");
         let moved = plant.truth().base_velocity.iter().fold(0.0, |most: f64, v| most.max(v.abs()));
         assert!(moved > 0.1, "{name}: the scene does not move, {moved} m/s");
         assert!(worst < 1e-6, "{name}: {worst}");
-        assert!(expected.contains(&welded), "{name}: {welded} steps were welded");
+        assert!(expected.contains(&held), "{name}: {held} steps were held");
     }
 }
 
 #[test]
-fn in_flight_there_is_no_problem_of_a_step_before() {
+fn the_contact_problem_is_empty_in_flight() {
     for (name, method) in
         [("stand0", "SemiImplicitEuler"), ("stand0", "Rk4"), ("drop", "Rk4Impact"), ("drop", "EventDriven")]
     {

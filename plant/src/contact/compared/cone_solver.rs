@@ -6,7 +6,6 @@ use super::super::{Memory, Problem, Report};
 use super::condition::{Condition, natural_map};
 use super::cone_qp::ConeQp;
 use super::facets::Facets;
-use super::fixed_point;
 use super::gauss_seidel::sweep;
 use super::scaled_problem::ScaledProblem;
 use super::semismooth_newton::SemismoothNewton;
@@ -65,7 +64,7 @@ impl ConeSolver {
                 let energy = Condition::Energy(&[]);
                 self.interior_then_newton(energy, &mut report.pivots) || self.minimise(energy, &mut report.pivots)
             }
-            Law::FixedPoint(iteration) => fixed_point::iterate(self, iteration, &mut report.pivots),
+            Law::FixedPoint(iteration) => self.iterate_fixed_point(iteration, &mut report.pivots),
             _ => self.polygon(condition(law), &mut report.pivots),
         };
         report.fallback = !solved;

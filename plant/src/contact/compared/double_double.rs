@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn thirty_digits_survive_what_one_number_loses() {
+    fn double_double_keeps_thirty_digits() {
         let mut random = fastrand::Rng::with_seed(7);
         for _ in 0..1000 {
             let [a, b, c] = [0; 3].map(|_| DoubleDouble::from(random.f64() - 0.5));

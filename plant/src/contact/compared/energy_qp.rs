@@ -24,8 +24,8 @@ mod sliding;
 
 use super::super::tolerance::{NEGATIVE_VELOCITY, ZERO_AMOUNT};
 use super::scaled_problem::ScaledProblem;
-use super::square_cone::max_abs;
 use super::status::EDGES;
+use super::vector::max_abs;
 use conjugate_directions::ConjugateDirections;
 use edges::{Edges, Panel, WIDTH, add, index_of, of_contact};
 use messages::scene::Law;

@@ -22,31 +22,33 @@ const MAX_MINIMA: u32 = 200;
 /// Minima without progress before the relaxation changes.
 const PATIENCE: u32 = 6;
 
-/// Iterates from the present impulse; false if that does not converge. Adds the minima to `count`.
-pub(super) fn iterate(solver: &mut ConeSolver, iteration: Iteration, count: &mut u32) -> bool {
-    let (mut least, mut stalled, mut relaxation, mut is_monotone) = (f64::INFINITY, 0, 1.0, false);
-    solver.held.clear();
-    for _ in 0..MAX_MINIMA {
-        let error = solver.residual(Condition::Coulomb);
-        if error <= SOLVED {
-            return true;
+impl ConeSolver {
+    /// Iterates from the present impulse; false if that does not converge. Adds the minima to `count`.
+    pub(super) fn iterate_fixed_point(&mut self, iteration: Iteration, count: &mut u32) -> bool {
+        let (mut least, mut stalled, mut relaxation, mut is_monotone) = (f64::INFINITY, 0, 1.0, false);
+        self.held.clear();
+        for _ in 0..MAX_MINIMA {
+            let error = self.residual(Condition::Coulomb);
+            if error <= SOLVED {
+                return true;
+            }
+            stalled += 1;
+            if error < FIXED_POINT_PROGRESS * least {
+                (least, stalled) = (error, 0);
+            } else if stalled > PATIENCE {
+                (least, stalled, relaxation) =
+                    (error, 0, if is_monotone { ACCELERATION * relaxation } else { DAMPING * relaxation });
+            }
+            is_monotone = self.hold(iteration, relaxation);
+            *count += 1;
+            self.with_held(|solver, held| {
+                let condition = match iteration {
+                    Iteration::Tresca => Condition::Bound(held),
+                    Iteration::Aclm => Condition::Energy(held),
+                };
+                solver.minimise(condition, &mut 0)
+            });
         }
-        stalled += 1;
-        if error < FIXED_POINT_PROGRESS * least {
-            (least, stalled) = (error, 0);
-        } else if stalled > PATIENCE {
-            (least, stalled, relaxation) =
-                (error, 0, if is_monotone { ACCELERATION * relaxation } else { DAMPING * relaxation });
-        }
-        is_monotone = solver.hold(iteration, relaxation);
-        *count += 1;
-        solver.with_held(|solver, held| {
-            let condition = match iteration {
-                Iteration::Tresca => Condition::Bound(held),
-                Iteration::Aclm => Condition::Energy(held),
-            };
-            solver.minimise(condition, &mut 0)
-        });
+        self.residual(Condition::Coulomb) <= PROMISED
     }
-    solver.residual(Condition::Coulomb) <= PROMISED
 }

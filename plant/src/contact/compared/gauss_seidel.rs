@@ -7,7 +7,7 @@ use super::super::projection::project_on_cone;
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::condition::{Condition, tangent_step};
 use super::polygon::project_on_cylinder;
-use super::scaled_problem::dot;
+use super::vector::dot;
 
 /// Part of the inverse diagonal of A that a projected gradient step takes [-]: half of it stays stable where normal
 /// and tangents are coupled.

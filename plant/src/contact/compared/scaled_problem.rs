@@ -4,7 +4,7 @@
 use super::super::round_cones::{RoundCones, apply_delassus};
 use super::super::tolerance::IMMOVABLE;
 use super::super::{Problem, approach_offset};
-use super::square_cone::max_abs;
+use super::vector::max_abs;
 use messages::scene::Law;
 
 /// Two rows of the problem with weights.
@@ -140,17 +140,4 @@ impl ScaledProblem {
     pub fn velocity(&self, impulse: &[f64], velocity: &mut Vec<f64>) {
         apply_delassus(&self.delassus, &self.drift, impulse, velocity);
     }
-}
-
-/// Scalar product with four partial sums, which fit in vector registers.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = [0.0; 4];
-    let (ca, cb) = (a.chunks_exact(4), b.chunks_exact(4));
-    let rest: f64 = ca.remainder().iter().zip(cb.remainder()).map(|(x, y)| x * y).sum();
-    for (x, y) in ca.zip(cb) {
-        for k in 0..4 {
-            sum[k] += x[k] * y[k];
-        }
-    }
-    (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest
 }

@@ -3,6 +3,7 @@
 
 use super::super::certificate::relative;
 use super::scaled_problem::ScaledProblem;
+use super::vector::max_abs;
 
 /// The optimality conditions that the natural map measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,14 +41,6 @@ pub(super) fn natural_map(scaled: &ScaledProblem, f: &[f64], v: &[f64], optimali
         }
     }
     relative(worst + nan, scale(scaled, f))
-}
-
-/// Greatest magnitude of some numbers; ignores NaN.
-pub(super) fn max_abs(numbers: &[f64]) -> f64 {
-    let greater = |most: f64, x: f64| if x.abs() > most { x.abs() } else { most };
-    let (fours, rest) = numbers.as_chunks::<4>();
-    let most = fours.iter().fold([0.0; 4], |most, four| std::array::from_fn(|k| greater(most[k], four[k])));
-    rest.iter().chain(&most).fold(0.0, |most, x| greater(most, *x))
 }
 
 /// Nearest point of the cone |x_1|/h_1 + |x_2|/h_2 <= x_0. With h_2 = 0 it is the planar cone |x_1| <= h_1 x_0.
@@ -111,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn one_tangent_is_as_two_of_which_one_holds_nothing() {
+    fn one_tangent_equals_two_with_one_frictionless() {
         let (seed, mut rng) = (fastrand::u64(..), Rng::new());
         println!("seed {seed}");
         rng.seed(seed);
@@ -126,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_is_no_solution() {
+    fn nan_gives_a_nan_residual() {
         let scaled = contact(2, &[0.0, 0.5, 0.5]);
         for k in 0..6 {
             let mut rows = [0.0; 6];
@@ -139,7 +132,7 @@ mod tests {
     /// Moreau's theorem: p is the nearest point of a cone to x exactly if p is in the cone, x − p has no acute angle with any edge, and x −
     /// p is perpendicular to p.
     #[test]
-    fn the_nearest_point_is_in_the_cone_and_no_edge_leads_nearer() {
+    fn the_projection_is_in_the_cone_and_no_edge_is_nearer() {
         let (seed, mut rng) = (fastrand::u64(..), Rng::new());
         println!("seed {seed}");
         rng.seed(seed);

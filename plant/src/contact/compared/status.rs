@@ -1,7 +1,7 @@
 //! The bits of a contact's basis. They encode a [`BasisStatus`], or the set of its basic edges.
 
-use super::super::coulomb::ContactMode;
 use super::super::memory::LastContact;
+use super::super::mode::ContactMode;
 use super::super::tolerance::MIN_SLIP;
 use super::scaled_problem::ScaledProblem;
 use super::square_cone;

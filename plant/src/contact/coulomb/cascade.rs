@@ -45,7 +45,7 @@ fn missed(problems: &[Problem], solver: impl Fn(&mut Coulomb) -> bool) -> usize 
 }
 
 #[test]
-fn every_rung_solves_what_the_others_leave() {
+fn every_stage_solves_problems_that_the_others_leave() {
     let any: Vec<_> = (0..1000).map(problem).collect();
     let [points, minima] = [POINTS, MINIMA].map(|seeds| seeds.map(problem));
     for (name, problems) in [("any", &any[..]), ("need points", &points), ("need minima", &minima)] {
@@ -75,7 +75,7 @@ fn every_rung_solves_what_the_others_leave() {
 /// The feet do not move, and impulses with large internal parts hold them. Without patches, the solver finds more of those internal parts
 /// again.
 #[test]
-fn feet_that_stick_as_patches_press_against_themselves_no_more_than_they_must() {
+fn patches_add_no_internal_forces() {
     let mut random = fastrand::Rng::with_seed(1996);
     let (mut systems, mut size) = ([0; 2], [0.0; 2]);
     for mut problem in (0..1000).map(problem) {

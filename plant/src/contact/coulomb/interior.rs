@@ -15,10 +15,11 @@
 mod cone;
 
 use super::super::lu::Lu;
+use super::super::mode::ContactMode;
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{COMPLIANCE, INTERIOR_RESIDUAL, MIN_TAU, WELL_SOLVED};
-use super::{ContactMode, Guess, Iterate};
+use super::iterate::{Guess, Iterate};
 use cone::{Scaling, Vector, axpy, determinant, dot, jordan_product, jordan_solve, max_step};
 
 /// Steps at most; 10 to 20 are typical.

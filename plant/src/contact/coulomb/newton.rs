@@ -21,12 +21,12 @@ mod min_norm;
 mod modes;
 
 use super::super::lu::Lu;
+use super::super::mode::ContactMode;
 use super::super::round_cones::{RoundCones, contact_rows};
 use super::super::tolerance::{COMPLIANCE, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
+use super::iterate::{Guess, Iterate};
 use super::patch::{LinkContacts, Patch};
-use super::{ContactMode, Guess, Iterate};
-use equations::{Equations, Unknown};
-use modes::ModeWeights;
+use equations::{Equations, ModeWeights, Unknown};
 
 /// Steps at most; from a good guess it takes one to four.
 const MAX_STEPS: u32 = 12;

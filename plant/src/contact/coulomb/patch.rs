@@ -13,15 +13,13 @@
 
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{DEPENDENT, PULL_ROUNDING};
+use super::super::tolerance::{DEPENDENT, OVERREDUCTION, PULL_ROUNDING};
 use nalgebra::{Matrix6, Vector6};
 
 /// Degrees of freedom of a rigid link.
 pub(super) const LINK_DOFS: usize = 6;
 /// Trials of the weights at most.
 const MAX_TRIALS: usize = 10;
-/// Factor by which the friction weight of a slipping contact is reduced beyond the necessary [-], so that few trials suffice.
-const OVERREDUCTION: f64 = 1.5;
 
 /// The three rows of Q of one contact.
 pub(super) type Rows = [[f64; LINK_DOFS]; 3];

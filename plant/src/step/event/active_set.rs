@@ -9,9 +9,11 @@ use crate::error::PlantError;
 use crate::kinematics::Pose;
 use crate::model::ContactPoint;
 use crate::step::Plant;
-use crate::step::contact::{Contact, Contacts, Touches};
+use crate::step::contact::{Contact, Contacts};
+use crate::step::event_contact::EventContact;
 use crate::step::posed_state::PosedState;
 use crate::step::settings::World;
+use crate::step::touches::Touches;
 use messages::scene::Law;
 use nalgebra::Vector3;
 
@@ -28,28 +30,6 @@ const STICKING_SPEED: f64 = 1e-6;
 const STICKING_ACCELERATION: f64 = 1e-6;
 /// A slip below this part of the slip at the beginning of the step keeps the direction that it had there [-].
 const MIN_SLIP: f64 = 1e-6;
-
-/// State of a contact point: at the beginning of the step, and according to its last force.
-///
-/// Gap and slip of an active or sticking contact drift by the method's error. So it stays active or sticking while its force does, however
-/// far it has drifted.
-#[derive(Clone, Copy, Debug, Default)]
-pub(in crate::step) struct EventContact {
-    /// It carries load, or would under pressure.
-    pub(super) active: bool,
-    /// It is active and does not slip.
-    pub(super) sticking: bool,
-    /// Height above the ground; infinite where there is no ground [m].
-    pub(super) gap: f64,
-    /// Direction of slip.
-    pub(super) slip_direction: Vector3<f64>,
-    /// Speed of slip [m/s].
-    pub(super) speed: f64,
-    /// The last force was compressive.
-    pressed: bool,
-    /// The last force left no tangential acceleration.
-    held: bool,
-}
 
 impl Plant {
     /// Determines active and sticking contacts, after the impact of landing points.
@@ -94,7 +74,7 @@ impl Touches {
         event_contacts: &[EventContact],
     ) -> &mut Touches {
         let points = world.model.contact_points.iter().zip(event_contacts).enumerate();
-        (self.horizon, self.slow) = (0.0, 0.0);
+        (self.horizon, self.min_bounce_speed) = (0.0, 0.0);
         self.list.clear();
         self.list.extend(points.filter(|(_, (_, contact))| contact.active).map(|(id, (point, _))| {
             let arm = pose.lowest(point);
@@ -135,8 +115,8 @@ impl Contacts {
         let pull = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
-            let swept = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
-            let mut pull = own + swept + velocity * BAUMGARTE_RATE;
+            let bias_acceleration = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
+            let mut pull = own + bias_acceleration + velocity * BAUMGARTE_RATE;
             pull.z += (velocity.z + touch.gap * BAUMGARTE_RATE) * BAUMGARTE_RATE;
             pull
         };

@@ -8,7 +8,7 @@ fn problems() -> Vec<Problem> {
 }
 
 #[test]
-fn what_all_but_holds_itself_is_solved_to_rounding_in_few_pivots() {
+fn almost_locked_feet_are_solved_to_rounding_in_few_pivots() {
     for problem in problems() {
         let report = BasisSolver::default().solve(&problem, Law::Aligned, &mut Memory::default(), &mut Vec::new());
         println!("{} contacts: {report:?}", problem.contacts);
@@ -18,7 +18,7 @@ fn what_all_but_holds_itself_is_solved_to_rounding_in_few_pivots() {
 }
 
 #[test]
-fn sixteen_digits_do_not_solve_all_of_it() {
+fn sixteen_digits_do_not_solve_all_of_them() {
     let problems = problems();
     let missed = problems.iter().filter(|problem| {
         let mut solver = BasisSolver::default();

@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn who_joins_and_leaves_in_any_order_has_the_optimum_of_all_at_once() {
+    fn edges_that_enter_and_leave_in_any_order_give_the_direct_optimum() {
         let seed = fastrand::u64(..);
         println!("seed {seed}");
         let mut rng = Rng::with_seed(seed);
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_left_of_a_member_may_be_as_little_as_contacts_yield_by() {
+    fn an_independent_part_as_small_as_the_compliance_is_resolved() {
         let yields = 2e-11;
         let row = |own: usize| [std::array::from_fn(|k| if k == own { 1.0 + yields } else { f64::from(k < 3) })];
         let mut directions = ConjugateDirections::default();

@@ -1,7 +1,7 @@
 //! Ratio test along one piece of the shift path: the piece ends at the first breakpoint, where a value reaches zero.
 
 use super::super::super::tolerance::MIN_FALL;
-use super::super::square_cone::max_abs;
+use super::super::vector::max_abs;
 use super::EnergyQp;
 use super::edges::{Panel, WIDTH, index_of, least};
 

@@ -1,10 +1,20 @@
 //! Unknowns and equations of the Newton method, after the table in [`super`]. The columns of G map unknowns to impulses. The rows of R map
 //! velocities to equations.
 
+use super::super::super::mode::ContactMode;
 use super::super::super::round_cones::{RoundCones, contact_rows};
-use super::super::ContactMode;
 use super::super::patch::{LINK_DOFS, LinkContacts, Patch};
-use super::modes::ModeWeights;
+
+/// Mode of a contact, and the weights of its equations.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ModeWeights {
+    pub mode: ContactMode,
+    /// Direction of friction, e.
+    pub along: [f64; 2],
+    /// Weights σρ of v⊥ and 1 − σ of f⊥.
+    pub slip_weight: f64,
+    pub friction_weight: f64,
+}
 
 /// One unknown, with its column of G and its row of R.
 #[derive(Clone, Copy, Debug)]

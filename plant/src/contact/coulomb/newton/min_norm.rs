@@ -4,9 +4,10 @@
 //! only. Of them, the method takes those of least norm. It adds the rows (1 − N Nᵀ) f_N = 0 to the equations, where N is an orthonormal
 //! basis of the range of A for the normals.
 
+use super::super::super::mode::ContactMode;
 use super::super::super::round_cones::RoundCones;
 use super::super::super::tolerance::{SOLVED, UNCHANGED};
-use super::super::{ContactMode, Iterate};
+use super::super::iterate::Iterate;
 use super::equations::{Equations, Unknown};
 use super::{MAX_REFINEMENTS, PatchNewton};
 

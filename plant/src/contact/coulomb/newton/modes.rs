@@ -1,21 +1,12 @@
 //! Mode of each contact: from the present impulse and velocity, or from a guess.
 
+use super::super::super::mode::ContactMode;
 use super::super::super::projection::norm;
 use super::super::super::round_cones::{RoundCones, contact_rows};
 use super::super::super::tolerance::COMPLIANCE;
-use super::super::{ContactMode, Guess, Iterate};
+use super::super::iterate::{Guess, Iterate};
 use super::PatchNewton;
-
-/// Mode of a contact, and the weights of its equations.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ModeWeights {
-    pub mode: ContactMode,
-    /// Direction of friction, e.
-    pub along: [f64; 2],
-    /// Weights σρ of v⊥ and 1 − σ of f⊥.
-    pub slip_weight: f64,
-    pub friction_weight: f64,
-}
+use super::equations::ModeWeights;
 
 impl PatchNewton {
     /// Sets the modes from impulse and velocity.

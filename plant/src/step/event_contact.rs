@@ -1,0 +1,25 @@
+//! Contact points between events.
+
+use nalgebra::Vector3;
+
+/// State of a contact point: at the beginning of the step, and according to its last force.
+///
+/// Gap and slip of an active or sticking contact drift by the method's error. So it stays active or sticking while its force does, however
+/// far it has drifted.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct EventContact {
+    /// It carries load, or would under pressure.
+    pub active: bool,
+    /// It is active and does not slip.
+    pub sticking: bool,
+    /// Height above the ground; infinite where there is no ground [m].
+    pub gap: f64,
+    /// Direction of slip.
+    pub slip_direction: Vector3<f64>,
+    /// Speed of slip [m/s].
+    pub speed: f64,
+    /// The last force was compressive.
+    pub pressed: bool,
+    /// The last force left no tangential acceleration.
+    pub held: bool,
+}

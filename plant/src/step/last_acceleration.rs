@@ -1,0 +1,47 @@
+//! The acceleration of the step before.
+
+use super::posed_state::BaseCentre;
+use crate::model::Model;
+use nalgebra::Vector3;
+
+/// Acceleration of the step before, including contact.
+#[derive(Debug)]
+pub(super) struct LastAcceleration {
+    rate: Vec<f64>,
+    /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
+    turn: Vector3<f64>,
+    arm: Vector3<f64>,
+    /// False at the start and after an impact.
+    pub known: bool,
+}
+
+impl LastAcceleration {
+    pub fn new(model: &Model) -> LastAcceleration {
+        LastAcceleration { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
+    }
+
+    /// Copies another one without allocation.
+    pub fn copy(&mut self, other: &LastAcceleration) {
+        self.rate.copy_from_slice(&other.rate);
+        (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
+    }
+
+    /// Marks it as unknown.
+    pub fn forget(&mut self) {
+        self.known = false;
+    }
+
+    /// Sets it from a step of `h`: the velocities and the centre of mass of the base before and after.
+    pub fn set(&mut self, before: &[f64], after: &[f64], [start, end]: [BaseCentre; 2], h: f64) {
+        let pairs = before.iter().zip(after);
+        self.rate.iter_mut().zip(pairs).for_each(|(rate, (before, after))| *rate = (after - before) / h);
+        (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
+    }
+
+    /// Adds the velocity that it causes within a time. `arm` points from the base's frame to its centre of mass.
+    pub fn add(&self, model: &Model, arm: &Vector3<f64>, time: f64, velocity: &mut [f64]) {
+        velocity.iter_mut().zip(&self.rate).for_each(|(v, rate)| *v += time * rate);
+        let moved = self.turn.cross(&(self.arm - arm)) * time;
+        velocity.iter_mut().zip(model.base_translation()).for_each(|(v, &axis)| *v += moved[axis]);
+    }
+}
