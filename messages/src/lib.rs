@@ -17,6 +17,7 @@
 pub mod action;
 pub mod clock;
 pub mod describe;
+mod error;
 pub mod file;
 mod law;
 pub mod load;

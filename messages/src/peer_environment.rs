@@ -1,7 +1,8 @@
 //! What a program that takes part in a session finds in its environment: written by whoever starts it, read by whoever is
 //! started. docs/WIRE.md lists the variables.
 
-use crate::port::{Contract, PortError};
+use crate::error::PortError;
+use crate::port::Contract;
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::wire::SCHEMA_HASH;

@@ -1,21 +1,21 @@
-//! What is simulated in a session, for those who come to look on.
+//! The scene of a session, for observers that join it.
 
 use super::{SHARED_MEMORY, Session, private_file};
-use crate::port::PortError;
+use crate::error::PortError;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Of a scene as TOML [bytes]: the longest that is built in has six thousand.
+/// Largest size of a scene as TOML [bytes]. The longest built-in scene has 6000.
 const LONGEST_SCENE: u64 = 1 << 24;
 
 impl Session {
-    /// Says what the scene is, as TOML. It goes with the rest of the session.
+    /// Stores the scene as TOML. The file is removed with the other files of the session.
     ///
     /// # Errors
-    /// [`PortError::SharedMemory`] if there is no room for it.
+    /// [`PortError::SharedMemory`] if the file cannot be written.
     pub fn publish_scene(&self, text: &str) -> Result<(), PortError> {
-        // a draft of one's own: launcher and plant say it at the same time
+        // Launcher and plant store it at the same time, so each writes a draft of its own first.
         let (draft, path) = (self.file(&format!("draft_{}", std::process::id())), self.file("scene"));
         let write = || {
             let mut file = private_file::open(&draft, File::options().write(true).create(true).truncate(true))?;
@@ -25,7 +25,7 @@ impl Session {
         write().map_err(|error| PortError::SharedMemory(format!("{} cannot be written: {error}", path.display())))
     }
 
-    /// What the scene is, if somebody has said so.
+    /// The scene as TOML, if it has been stored.
     pub fn scene(&self) -> Option<String> {
         private_file::read(&self.file("scene"), LONGEST_SCENE).ok()
     }
