@@ -90,7 +90,7 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     told.map_err(|error| error.to_string())?;
     let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[]));
     report.rule("`last` = 1 ends it in order within 3 s, with exit code 0", PERIOD, ended);
-    let said = robot.port.take().map_err(|error| error.to_string())?;
+    let said = robot.port.try_receive().map_err(|error| error.to_string())?;
     let said = said.map_or(Ok(String::new()), |command| Err(format!("command {} came", command.stamp.seq)));
     report.rule("`last` = 1 gets no answer", PERIOD, said);
     Ok(())
@@ -208,7 +208,7 @@ fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
         robot.port.send(Sensors { stamp, ..sensors }).map_err(|error| error.to_string())?;
         deadline = (deadline + period).max(sent);
         sleep_until(deadline);
-        while let Some(command) = robot.port.take().map_err(|error| error.to_string())? {
+        while let Some(command) = robot.port.try_receive().map_err(|error| error.to_string())? {
             robot.simulation.receive(&command);
         }
         let reply = robot.simulation.commands().reply_ns(&stamp);

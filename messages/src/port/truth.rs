@@ -14,7 +14,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Timeout with a recorder whose buffer is full, or that has not begun to read when all is said.
+/// Longest wait for a recorder whose buffer is full, or that has not begun to read at the end of a run.
 const RECORDER_TIMEOUT: Duration = Duration::from_secs(3);
 
 /// The writing end of the topic.
