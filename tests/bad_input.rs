@@ -36,7 +36,7 @@ fn a_bad_value_is_refused_by_its_key_in_every_role() {
 fn a_file_that_never_ends_is_not_read_for_ever() {
     let endless = "/dev/zero";
     for arguments in [&["run", endless][..], &["run", "walk", "--robot", endless], &["contact", endless]] {
-        refused(arguments, &[endless, "this is no file but a device"]);
+        refused(arguments, &[endless, "this is not a file but a device"]);
     }
 }
 

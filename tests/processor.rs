@@ -24,7 +24,10 @@ fn a_processor_that_lacks_an_instruction_is_told_which() {
         let Some((code, words)) = on(processor) else { return };
         if cfg!(target_feature = "avx") {
             assert_eq!((code, words.lines().count()), (Some(4), 1), "{processor}: {words}");
-            assert!(words.contains("this was built for processors with ") && words.contains("cargo build"), "{words}");
+            assert!(
+                words.contains("this program was built for processors with ") && words.contains("cargo build"),
+                "{words}"
+            );
         } else {
             println!("{processor}: {code:?} {words}"); // built for one that may be as old
         }

@@ -174,13 +174,13 @@ fn a_file_that_is_no_biped_is_refused_with_a_sentence() {
         "toml",
         "mass = 1.0",
         "mass = 1.0\ninertia = [1.0, 1.0, 3.0]",
-        &["bodies.left foot.inertia", "none exceeds the sum"],
+        &["bodies.left foot.inertia", "at most the sum"],
     );
     refused("toml", "", &["missing field `bodies`"]);
     refused("toml", "bodies = []", &["at least one body"]);
-    edited("urdf", "<inertial>", "<inertia1>", &["no XML"]);
+    edited("urdf", "<inertial>", "<inertia1>", &["not XML"]);
     edited("urdf", "<mass value=\"1\"/>", "", &["left_foot", "no mass"]);
-    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"one\"/>", &["\"one\"", "no number"]);
+    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"one\"/>", &["\"one\"", "not a number"]);
     edited("urdf", "<mass value=\"1\"/>", "<mass value=\"1.1\"/>", &["mirror image", "mass"]);
     edited("urdf", "ixy=\"0\"", "ixy=\"0.001\"", &["ixy of `left_foot`"]);
     edited("urdf", "effort=\"40\"", "effort=\"50\"", &["effort differs"]);

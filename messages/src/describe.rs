@@ -1,12 +1,12 @@
-//! The wire format for those who do not speak Rust: a C header, a Python module, a table for people. All of it is made of
-//! the same declaration as the schema hash.
+//! The wire format for other languages: a C header, a Python module, and a table in Markdown. All are generated from the declaration
+//! that also gives the schema hash.
 
 use crate::wire::{
     CONTACTS, Field, JOINTS, LAYOUT, MAGIC, Message, PHASES, REFUSALS, REQUESTS, SCHEMA_HASH, STATES, VERDICTS,
 };
 use std::fmt::Write;
 
-/// Names behind the numbers in messages: prefix of the constants, meaning, names.
+/// Enumerations in messages: prefix of the constants, field, names.
 const TABLES: [(&str, &str, &[&str]); 5] = [
     ("PHASE", "Telemetry.phase", &PHASES),
     ("STATE", "Truth.state, Reply.state", &STATES),
@@ -15,7 +15,7 @@ const TABLES: [(&str, &str, &[&str]); 5] = [
     ("REFUSED", "Tally.refused", &REFUSALS),
 ];
 
-/// A C header (C11, C++17): structs, constants, and assertions of every size and offset.
+/// A C header (C11, C++17) with structs, constants, and assertions of every size and offset.
 pub fn c_header() -> String {
     let mut out = String::from(
         "/* The wire format of biped. Made by `biped wire c`: do not edit. */\n#ifndef BIPED_WIRE_H\n#define \
@@ -64,7 +64,7 @@ fn c_struct(out: &mut String, Message { name, doc, size, fields }: &Message) {
     }
 }
 
-/// A Python module of `ctypes` structures that iceoryx2's Python package takes as payload types.
+/// A Python module with `ctypes` structures. The Python package of iceoryx2 accepts them as payload types.
 pub fn python_module() -> String {
     let mut out = String::from(
         "\"\"\"The wire format of biped. Made by `biped wire python`: do not edit.\"\"\"\n\nimport ctypes\n\n",
@@ -101,7 +101,7 @@ pub fn python_module() -> String {
     out
 }
 
-/// Tables for people, in Markdown.
+/// Tables in Markdown.
 pub fn markdown() -> String {
     let mut out = format!("Magic `{MAGIC:08x}`, schema `{SCHEMA_HASH:016x}`.\n");
     for Message { name, doc, size, fields } in LAYOUT {
@@ -121,12 +121,23 @@ pub fn markdown() -> String {
     out
 }
 
-/// A name that can be part of a constant's; a sentence cannot.
+/// A name as part of a constant's name; `None` for a sentence.
 fn constant(name: &str) -> Option<String> {
     name.bytes().all(|byte| byte.is_ascii_lowercase()).then(|| name.to_ascii_uppercase())
 }
 
-/// Without the links of Rust's documentation: [`Name`] becomes Name.
+/// Text without Rust's documentation links: [`Name`](path) becomes Name.
 fn plain(text: &str) -> String {
-    text.replace("[`", "").replace("`]", "")
+    let mut out = String::new();
+    let mut rest = text;
+    while let Some((before, name, after)) = rest.split_once("[`").and_then(|(before, link)| {
+        let (name, after) = link.split_once("`]")?;
+        Some((before, name, after))
+    }) {
+        out += before;
+        out += name;
+        let path = after.strip_prefix('(').and_then(|path| path.split_once(')'));
+        rest = path.map_or(after, |(_, after)| after);
+    }
+    out + rest
 }

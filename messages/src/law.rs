@@ -1,4 +1,4 @@
-//! Contact laws by name: what an impulse has to satisfy, and who finds it.
+//! Contact laws by name: the conditions on an impulse, and the method that solves them.
 
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Serialize};
@@ -6,37 +6,44 @@ use std::borrow::Cow;
 use std::fmt;
 use std::str::FromStr;
 
+/// Numbers of friction directions that [`Law::Facets`] may have.
+const FACETS: [u8; 4] = [4, 8, 12, 16];
+/// Number of friction directions of `Facets` without a parameter.
+const DEFAULT_FACETS: u8 = 8;
+/// Number of sweeps of `Sweep` without a parameter.
+const DEFAULT_SWEEPS: u16 = 50;
+
 /// Contact laws. Their conditions and sources are in `plant/src/contact.rs`.
 ///
-/// In a scene a law is one word, with its number or its kind in brackets: `Aligned`, `Facets(8)`, `FixedPoint(Tresca)`.
+/// In a scene a law is one word, some with a parameter in brackets: `Aligned`, `Facets(8)`, `FixedPoint(Tresca)`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(try_from = "String", into = "String")]
 pub enum Law {
     /// Springs, dampers and regularised friction, explicit in the velocity before the step.
     SpringDamper,
-    /// The energy minimum (14)-(16) as printed, by principal pivoting. Not Coulomb's law: what slides is thrown up.
+    /// The energy minimum (14)-(16) as printed in the paper, by principal pivoting. It is not Coulomb's law: a sliding body is thrown up.
     EnergyQp,
-    /// The same with gap and two tangents, v_N + gap/h >= mu |v_F|, as convex engines have it.
+    /// The same energy minimum with gap and two tangents, v_N + gap/h >= mu |v_F|, as in convex simulators.
     EnergyQpGap,
-    /// The energy minimum with friction bounded by mu f_N of the step before.
+    /// The energy minimum with friction bounded by mu f_N of the preceding step.
     Lagged,
-    /// The conditions (17)-(22) with the paper's one slip direction.
+    /// The conditions (17)-(22) with the paper's single slip direction.
     Complementarity,
-    /// (17)-(22) with both tangents resisted, the first along the slip.
+    /// The conditions (17)-(22) with friction along both tangents, the first of which is the slip direction.
     Aligned,
-    /// (17)-(22) with this many directions of friction, fixed in the world.
+    /// The conditions (17)-(22) with this number of friction directions, fixed in the world.
     Facets(u8),
-    /// Coulomb's law with a round cone; the default.
+    /// Coulomb's law with a circular cone; the default.
     Cone,
-    /// The energy minimum over round cones, by an interior-point method of others.
+    /// The energy minimum over circular cones, by the interior-point method of another library.
     ConeQp,
-    /// Coulomb's law with a round cone as the limit of energy minima.
+    /// Coulomb's law with a circular cone as the limit of a sequence of energy minima.
     FixedPoint(Iteration),
-    /// This many sweeps of projected Gauss-Seidel towards Coulomb's law.
+    /// This number of sweeps of projected Gauss-Seidel for Coulomb's law.
     Sweep(u16),
 }
 
-/// What [`Law::FixedPoint`] carries from one energy minimum to the next.
+/// Quantity that [`Law::FixedPoint`] takes from one energy minimum to the next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Iteration {
     /// The bound of friction, mu f_N.
@@ -46,9 +53,9 @@ pub enum Iteration {
 }
 
 impl Law {
-    /// That of a scene that names none.
+    /// The law of a scene that names none.
     pub const DEFAULT: Law = Law::Cone;
-    /// Every law, in the order of the paper's story; of those with a number the usual ones.
+    /// Every law. Laws with a parameter appear with its usual values.
     pub const ALL: [Law; 14] = [
         Law::SpringDamper,
         Law::EnergyQp,
@@ -63,12 +70,12 @@ impl Law {
         Law::ConeQp,
         Law::FixedPoint(Iteration::Tresca),
         Law::FixedPoint(Iteration::Aclm),
-        Law::Sweep(50),
+        Law::Sweep(DEFAULT_SWEEPS),
     ];
 }
 
 impl fmt::Display for Law {
-    /// The name without its number is the name of the variant.
+    /// The name of the variant, with its parameter.
     fn fmt(&self, out: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(out, "{self:?}")
     }
@@ -82,11 +89,13 @@ impl FromStr for Law {
             Some((name, detail)) => (name.trim(), Some(detail.trim())),
             None => (text.trim(), None),
         };
-        let facets = |count: &str| count.parse().ok().filter(|d| [4, 8, 12, 16].contains(d)).map(Law::Facets);
+        let facets = |count: &str| count.parse().ok().filter(|d| FACETS.contains(d)).map(Law::Facets);
         let sweeps = |count: &str| count.parse().ok().filter(|n| *n > 0).map(Law::Sweep);
         let law = match (name, detail) {
-            ("Facets", detail) => facets(detail.unwrap_or("8")),
-            ("Sweep", detail) => sweeps(detail.unwrap_or("50")),
+            ("Facets", None) => Some(Law::Facets(DEFAULT_FACETS)),
+            ("Facets", Some(count)) => facets(count),
+            ("Sweep", None) => Some(Law::Sweep(DEFAULT_SWEEPS)),
+            ("Sweep", Some(count)) => sweeps(count),
             ("FixedPoint", None | Some("Aclm")) => Some(Law::FixedPoint(Iteration::Aclm)),
             ("FixedPoint", Some("Tresca")) => Some(Law::FixedPoint(Iteration::Tresca)),
             (name, None) => Law::ALL.into_iter().find(|law| law.to_string() == name),
@@ -96,11 +105,12 @@ impl FromStr for Law {
     }
 }
 
-/// What a scene may say, for the error that lists it.
+/// The names that a scene may use, for an error or a description.
 fn names() -> String {
     let plain = Law::ALL.map(|law| law.to_string()).into_iter().filter(|name| !name.contains('('));
-    let numbered = ["Facets(4)", "Facets(8)", "Facets(12)", "Facets(16)", "FixedPoint(Tresca)", "FixedPoint(Aclm)"];
-    let names = plain.chain(numbered.map(String::from)).chain(["Sweep(n)".into()]);
+    let facets = FACETS.map(|count| Law::Facets(count).to_string());
+    let iterations = [Iteration::Tresca, Iteration::Aclm].map(|kind| Law::FixedPoint(kind).to_string());
+    let names = plain.chain(facets).chain(iterations).chain(["Sweep(n)".into()]);
     names.map(|name| format!("`{name}`")).collect::<Vec<_>>().join(", ")
 }
 
@@ -133,7 +143,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_law_is_read_as_it_is_written() {
+    fn every_law_survives_writing_and_reading() {
         for law in Law::ALL.into_iter().chain([Law::Facets(12), Law::Sweep(4)]) {
             assert_eq!(law.to_string().parse(), Ok(law));
         }
@@ -145,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_law_lists_those_that_exist() {
+    fn the_error_of_an_unknown_law_lists_the_known_ones() {
         for wrong in ["Coulomb", "Facets(5)", "Facets(20)", "Sweep(0)", "FixedPoint(x)", "Cone(3)", "", "aligned"] {
             let error = wrong.parse::<Law>().expect_err(wrong);
             for name in ["Aligned", "SpringDamper", "Facets(16)", "FixedPoint(Tresca)", "Sweep(n)"] {

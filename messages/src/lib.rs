@@ -1,22 +1,25 @@
-//! The contract between plant and controller, and nothing else.
+//! What plant and controller share: the messages between them, and the scene that both read.
 //!
 //! | what | where |
 //! |---|---|
 //! | messages, schema hash | [`wire`] |
-//! | the same for C, Python and people | [`describe`] |
+//! | the wire format for C, Python and as a table | [`describe`] |
 //! | robots as data, Table 1 of the paper | [`robot`] |
-//! | scenes: TOML in, checked values out | [`scene`], [`load`] |
-//! | what may be asked of a running session | [`ask`] |
-//! | files that somebody names | [`file`] |
-//! | the link between two processes | [`port`], [`session`], [`clock`] |
-//! | sine, cosine, and what they turn | [`turn`] |
-//! | how a program learns where it takes part | [`invitation`] |
-//! | words for people | [`tell`] |
-//! | whether the processor is one that this was built for | `processor` |
+//! | scenes as data; loading and checking them | [`scene`], [`load`] |
+//! | requests to a running session | [`action`] |
+//! | connection between the processes | [`port`] |
+//! | sessions: names, members and files in shared memory | [`session`] |
+//! | monotonic clock, timeouts | [`clock`] |
+//! | environment variables of a process in a session | [`peer_environment`] |
+//! | files that the user names | [`file`] |
+//! | sine, cosine, rotations | [`rotation`] |
+//! | lines on standard error | [`log()`] |
+//! | check of the processor's features | `processor` |
 
 pub mod action;
 pub mod clock;
 pub mod describe;
+mod error;
 pub mod file;
 mod law;
 pub mod load;

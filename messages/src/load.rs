@@ -1,90 +1,31 @@
-//! From text to a scene that can be trusted: file or built-in name, `--set` overrides, then every value checked.
+//! Loading a scene: from a file or a built-in name, with `--set` overrides, to a scene whose values have all been checked.
 //!
-//! A bad scene is refused with one sentence that names where, which key, what it is and what would be right.
+//! A bad scene is refused with one sentence. It names the file, the key, the value, and the values that are allowed.
 
 mod bodies;
 mod check;
+mod error;
 mod robot;
 mod setting;
 mod suggestion;
 mod urdf;
 
 pub use check::validate;
+pub use error::SceneError;
 pub use robot::{read, with_robot};
 
 use crate::scene::Scene;
-use thiserror::Error;
 
-/// Longest line of a file that an error repeats, in characters.
-const LONGEST: usize = 200;
-
-/// A scene that comes with the program: its name and its TOML text.
+/// A scene that is part of the program: its name and its TOML text.
 pub type BuiltIn = (&'static str, &'static str);
 
-/// Why a scene was refused.
-#[derive(Debug, Error)]
-pub enum SceneError {
-    /// Neither a built-in name nor a file.
-    #[error("there is no scene or file `{name}`{}; the built-in scenes are {known}", suggestion::suggest(name, known.split(", ")))]
-    Unknown {
-        /// As it was asked for.
-        name: String,
-        /// The built-in names.
-        known: String,
-    },
-    /// The file exists but cannot be read.
-    #[error("{path} cannot be read: {reason}")]
-    Unreadable {
-        /// The file.
-        path: String,
-        /// The system's words.
-        reason: std::io::Error,
-    },
-    /// Not TOML, an unknown key, or a value of the wrong type; the reason shows line and caret.
-    #[error("{origin}: {}{}", short(reason), suggestion::suggest_from_error(reason.message()))]
-    Malformed {
-        /// File or built-in scene.
-        origin: String,
-        /// Line, caret and the valid names.
-        reason: Box<toml::de::Error>,
-    },
-    /// An override that the scene cannot take.
-    #[error("--set {setting}: {reason}")]
-    Override {
-        /// The override as given.
-        setting: String,
-        /// What is wrong with it.
-        reason: String,
-    },
-    /// A robot that cannot take part.
-    #[error("{origin}: {reason}")]
-    Robot {
-        /// Its file, or the scene that it is put into.
-        origin: String,
-        /// What keeps it from that.
-        reason: String,
-    },
-    /// A value out of range.
-    #[error("{origin}: {key} = {value}, but {rule}")]
-    Invalid {
-        /// File or built-in scene, with its overrides.
-        origin: String,
-        /// Dotted key.
-        key: String,
-        /// Value found.
-        value: String,
-        /// What would be right.
-        rule: String,
-    },
-}
-
-/// Loads a built-in scene, or a file by its path, applies overrides `key=value` in order and checks the result.
+/// Loads a built-in scene, or the file at a path. Then applies the overrides `key=value` in order and checks the result.
 ///
-/// Keys are dotted (`plant.dt`, `bodies.trunk.mass`, `initial.joints.1`); a value is TOML, or else a bare string. The key
-/// `robot` puts the robot of a file into the scene, which is fitted to it: see [`with_robot`].
+/// Keys are dotted: `plant.dt`, `bodies.trunk.mass`, `initial.joints.1`. A value is TOML, or otherwise a bare string. The key `robot`
+/// replaces the robot of the scene by that of a file and scales the scene: see [`with_robot`].
 ///
 /// # Errors
-/// One sentence on whatever is wrong: see [`SceneError`].
+/// See [`SceneError`].
 pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Scene, SceneError> {
     let (mut origin, text) = match built_in.iter().find(|(known, _)| *known == name) {
         Some((_, text)) => (format!("scene {name}"), text.to_string()),
@@ -92,7 +33,7 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
     };
     let parsed = parse(&text, &origin).map_err(|error| match read(name.as_ref()) {
         Ok(_) => {
-            let reason = format!("this is a robot, which a scene takes by --robot {name}");
+            let reason = format!("this is a robot, not a scene: give it to a scene by --robot {name}");
             SceneError::Robot { origin: name.into(), reason }
         }
         Err(_) => error,
@@ -110,16 +51,6 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
     Ok(scene)
 }
 
-/// An error that shows no line of a file in full that nobody would read; such a line stands behind its number and a bar.
-fn short(error: &toml::de::Error) -> String {
-    let is_quoted = |line: &str| line.trim_start_matches(|c: char| c == ' ' || c.is_ascii_digit()).starts_with('|');
-    let cut = |line: &str| match line.char_indices().nth(LONGEST).filter(|_| is_quoted(line)) {
-        Some((end, _)) => format!("{}…\n", &line[..end]),
-        None => format!("{line}\n"),
-    };
-    error.to_string().lines().map(cut).collect::<String>().trim_end().to_string()
-}
-
 fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
     crate::file::text(path.as_ref()).map_err(|reason| match reason.kind() {
         std::io::ErrorKind::NotFound => {
@@ -130,9 +61,9 @@ fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
     })
 }
 
-/// Reads a scene from TOML text, unchecked; `origin` names the text in errors.
+/// Parses a scene from TOML text without checking its values. Errors name the text by `origin`.
 ///
-/// Joints of a scene's own bodies that no controller drives have no drive inertia unless it says so.
+/// If a scene has bodies of its own, no controller and no `drive_inertia`, its drive inertia is 0.
 ///
 /// # Errors
 /// [`SceneError::Malformed`] with line, caret and the valid names.
@@ -140,19 +71,19 @@ pub fn parse(text: &str, origin: &str) -> Result<Scene, SceneError> {
     let malformed = |reason| SceneError::Malformed { origin: origin.into(), reason: Box::new(reason) };
     let mut scene: Scene = toml::from_str(text).map_err(malformed)?;
     let given: toml::Table = text.parse().map_err(malformed)?;
-    let says = given.get("plant").is_some_and(|plant| plant.get("drive_inertia").is_some());
-    if given.contains_key("bodies") && scene.controller.is_none() && !says {
+    let has_drive_inertia = given.get("plant").is_some_and(|plant| plant.get("drive_inertia").is_some());
+    if given.contains_key("bodies") && scene.controller.is_none() && !has_drive_inertia {
         scene.plant.drive_inertia = 0.0;
     }
     Ok(scene)
 }
 
-/// The scene as TOML, complete with every default: another run of it, file for file.
+/// The scene as TOML, with every default written out. Loading that text gives the same scene.
 pub fn text(scene: &Scene) -> String {
     toml::to_string(scene).unwrap_or_else(|error| format!("# this scene cannot be written as TOML: {error}\n"))
 }
 
-/// The JSON schema of scenes, made of the fields' own comments.
+/// JSON schema of scenes. Its descriptions are the comments of the fields.
 pub fn schema() -> schemars::Schema {
     schemars::schema_for!(Scene)
 }
@@ -201,14 +132,14 @@ mod tests {
     }
 
     #[test]
-    fn an_override_creates_the_controller_that_a_scene_lacks() {
+    fn an_override_adds_a_controller_to_a_scene_without_one() {
         let settings = ["controller.speed=0.1".to_string()];
         let scene = load("bare", &settings, &[("bare", "")]).expect("a scene with a controller");
         assert_eq!(scene.controller, Some(ControllerScene { speed: 0.1, ..ControllerScene::default() }));
     }
 
     #[test]
-    fn a_perfect_link_is_not_written_and_any_other_is_read_back() {
+    fn a_perfect_link_is_not_written_and_another_one_survives_writing() {
         assert!(!text(&with(&[]).expect("the plain scene")).contains("[link]"));
         let late = with(&["link.delay_ms=2", "link.jitter=burst", "link.seed=7"]).expect("a late link");
         assert_eq!((late.link.delay_ms, late.link.jitter), (2.0, crate::scene::Jitter::Burst));

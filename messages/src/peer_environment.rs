@@ -1,8 +1,8 @@
-//! What a program that takes part in a session finds in its environment: written by whoever starts it, read by whoever is
-//! started. docs/WIRE.md lists the variables.
+//! The environment variables by which a launcher tells a plant or controller which session to join. docs/WIRE.md lists them.
 
+use crate::error::PortError;
 use crate::load::text;
-use crate::port::{Contract, PortError};
+use crate::port::Contract;
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::wire::SCHEMA_HASH;
@@ -15,38 +15,38 @@ const PATIENCE: Duration = Duration::from_secs(10);
 /// Time between two looks for it.
 const POLL: Duration = Duration::from_millis(5);
 
-/// Where the session is, and what is to be done in it.
+/// The session that a process joins, and its task there.
 #[derive(Clone, Debug)]
 pub struct PeerEnvironment {
     /// The session.
     pub session: Session,
-    /// What its topics carry.
+    /// Contract of the session.
     pub contract: Contract,
     /// How long to wait for the other side.
     pub patience: Duration,
-    /// The whole scene.
+    /// The scene.
     pub scene: Scene,
-    /// Whether somebody is in the place, which will be free in time.
+    /// Whether the process replaces another one, for whose end it has to wait.
     pub takes_over: bool,
 }
 
-/// Why the environment invites nobody.
+/// Why the environment does not describe a session.
 #[derive(Debug, thiserror::Error)]
 pub enum PeerEnvironmentError {
-    /// A variable is missing or cannot be read.
+    /// A variable is missing or cannot be parsed.
     #[error("{0}")]
     Malformed(String),
-    /// The session's name is none, or it speaks another wire schema.
+    /// The name of the session is not allowed, or its wire schema differs.
     #[error(transparent)]
     Port(#[from] PortError),
 }
 
 impl PeerEnvironment {
-    /// As environment variables.
+    /// The environment variables.
     pub fn environment(&self) -> Vec<(&'static str, String)> {
         let mut environment = self.contract.environment(&self.session);
         environment.push(("BIPED_PATIENCE", self.patience.as_secs_f64().to_string()));
-        // numbers and names: nothing in a scene is without a form in JSON
+        // A scene holds numbers and names only, so writing it as JSON cannot fail.
         environment.push(("BIPED_SCENE", serde_json::to_string(&self.scene).unwrap_or_default()));
         environment.extend(self.takes_over.then(|| ("BIPED_SUCCEEDS", "1".into())));
         environment
@@ -108,14 +108,15 @@ impl PeerEnvironment {
             variable(name).ok_or_else(|| {
                 malformed(format!(
                     "{name} is not set: set BIPED_SESSION to the name of a running session, \
-                     or start this by biped run SCENE --controller COMMAND, or --plant COMMAND"
+                     or start this program by biped run SCENE --controller COMMAND, or --plant COMMAND"
                 ))
             })
         };
         let session = Session::named(&needed("BIPED_SESSION")?)?;
         let contract = needed("BIPED_CONTRACT")?;
-        let contract = Contract::parse(&contract)
-            .ok_or_else(|| malformed(format!("BIPED_CONTRACT has not the lines of docs/WIRE.md: {contract:?}")))?;
+        let contract = Contract::parse(&contract).ok_or_else(|| {
+            malformed(format!("BIPED_CONTRACT does not have the lines that docs/WIRE.md lists: {contract:?}"))
+        })?;
         if contract.schema != SCHEMA_HASH {
             let [theirs, ours] = [contract.schema, SCHEMA_HASH].map(|hash| format!("{hash:016x}"));
             let session = session.name().into();
@@ -123,7 +124,7 @@ impl PeerEnvironment {
         }
         let patience = patience(&needed("BIPED_PATIENCE")?)?;
         let scene = serde_json::from_str(&needed("BIPED_SCENE")?)
-            .map_err(|error| malformed(format!("BIPED_SCENE is no scene: {error}")))?;
+            .map_err(|error| malformed(format!("BIPED_SCENE is not a scene: {error}")))?;
         Ok(PeerEnvironment { session, contract, patience, scene, takes_over: variable("BIPED_SUCCEEDS").is_some() })
     }
 }
@@ -134,5 +135,5 @@ fn malformed(sentence: impl ToString) -> PeerEnvironmentError {
 
 fn patience(seconds: &str) -> Result<Duration, PeerEnvironmentError> {
     let patience = seconds.parse().ok().and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    patience.ok_or_else(|| malformed("BIPED_PATIENCE is no number of seconds"))
+    patience.ok_or_else(|| malformed("BIPED_PATIENCE is not a number of seconds"))
 }

@@ -1,44 +1,45 @@
-//! Whether this processor has the instructions that this was built for: `.cargo/config.toml` builds for the processor that builds.
+//! Check that the processor has the instructions for which this program was built. `.cargo/config.toml` builds for the processor of the
+//! build machine.
 //!
-//! Any function of this build may use them, also one that would say what is missing. So this one is written in instructions that
-//! every x86-64 processor has. It runs before `main`, or when a library with this in it is loaded.
-#![allow(unsafe_code, reason = "assembly alone is sure of its instructions")]
+//! The compiler may use these instructions in any function. The check is therefore written in assembly, with instructions that every
+//! x86-64 processor has. It runs before `main`, or when a library that contains it is loaded.
+#![allow(unsafe_code, reason = "only assembly controls which instructions are used")]
 
 use std::arch::naked_asm;
 
-/// ShmUsage for a sentence [bytes].
-const ROOM: usize = 256;
+/// Size of the buffer of a sentence [bytes].
+const SENTENCE_SIZE: usize = 256;
 
-/// A feature that was built for, and what CPUID must say of it.
+/// A processor feature, and the CPUID bits that report it.
 #[repr(C)]
 struct Feature {
     leaf: u32,
     ebx: u32,
     ecx: u32,
     edx: u32,
-    /// Of the sentence; 0 if it was not built for.
+    /// Length of the sentence; 0 if the program was not built for this feature.
     length: usize,
-    sentence: [u8; ROOM],
+    sentence: [u8; SENTENCE_SIZE],
 }
 
 impl Feature {
     const fn built_for(sentence: &str, is: bool, leaf: u32, bits: [u32; 3]) -> Feature {
-        let mut room = [0; ROOM];
-        room.split_at_mut(sentence.len()).0.copy_from_slice(sentence.as_bytes());
+        let mut buffer = [0; SENTENCE_SIZE];
+        buffer.split_at_mut(sentence.len()).0.copy_from_slice(sentence.as_bytes());
         let [ebx, ecx, edx] = bits;
-        Feature { leaf, ebx, ecx, edx, length: if is { sentence.len() } else { 0 }, sentence: room }
+        Feature { leaf, ebx, ecx, edx, length: if is { sentence.len() } else { 0 }, sentence: buffer }
     }
 }
 
-/// Name, leaf of CPUID, and a bit of the register that it puts it in.
+/// Name, CPUID leaf, register and bit of each feature.
 macro_rules! features {
     (@ ebx $bit:literal) => { [1 << $bit, 0, 0] };
     (@ ecx $bit:literal) => { [0, 1 << $bit, 0] };
     (@ edx $bit:literal) => { [0, 0, 1 << $bit] };
     ($($name:literal, $leaf:literal, $register:ident $bit:literal;)*) => {
         [$(Feature::built_for(
-            concat!("error: this was built for processors with ", $name, ", which this one has not; on this machine, ",
-                "`cargo build --release` builds it for this one, with the same results to the bit\n"),
+            concat!("error: this program was built for processors with ", $name, ", but this processor lacks it; ",
+                "`cargo build --release` on this machine builds a program for it, with the same results to the bit\n"),
             cfg!(target_feature = $name),
             $leaf,
             features!(@ $register $bit),
@@ -46,7 +47,7 @@ macro_rules! features {
     };
 }
 
-/// Those that a compiler uses by itself. Older ones come first, for a processor without AVX may say anything in leaf 7.
+/// Features that the compiler uses by itself. Older ones come first, because leaf 7 is undefined on a processor without AVX.
 static FEATURES: [Feature; 31] = features! {
     "sse3", 1, ecx 0;
     "ssse3", 1, ecx 9;
@@ -55,7 +56,7 @@ static FEATURES: [Feature; 31] = features! {
     "sse4.2", 1, ecx 20;
     "popcnt", 1, ecx 23;
     "sse4a", 0x8000_0001, ecx 6;
-    "avx", 1, ecx 27; // and the system saves its registers
+    "avx", 1, ecx 27; // the operating system saves the AVX registers
     "avx", 1, ecx 28;
     "f16c", 1, ecx 29;
     "fma", 1, ecx 12;
@@ -85,11 +86,11 @@ static FEATURES: [Feature; 31] = features! {
 #[unsafe(link_section = ".init_array.00001")]
 static CHECK: extern "C" fn() = check;
 
-/// Goes through the table; at the first feature that is missing it says so and ends the process.
+/// Checks each feature of the table. At the first missing one it prints the sentence and ends the process.
 #[unsafe(naked)]
 extern "C" fn check() {
     naked_asm!(
-        "push rbx", // which CPUID overwrites, and callers want back
+        "push rbx", // CPUID overwrites it, and the caller expects it unchanged
         "lea r8, [rip + {features}]",
         "lea r9, [r8 + {size} * {count}]",
         "2:",

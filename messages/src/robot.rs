@@ -1,4 +1,4 @@
-//! Robots as data: a tree of bodies, each joined to its parent by one axis.
+//! Robots as data: a tree of bodies. Each body except the base has one joint to its parent.
 //!
 //! [`table_1`] is the robot of Fujimoto & Kawamura (1995), Table 1. All frames are parallel to the world frame W
 //! (x forward, y left, z up) when every joint angle is zero.
@@ -12,14 +12,14 @@ pub use similarity::{Scale, stance};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Motion that a joint allows, along or about its axis.
+/// Kind of a joint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]
 pub enum JointKind {
-    /// Turns about the axis; angle in rad.
+    /// Rotation about the axis [rad].
     #[default]
     Revolute,
-    /// Slides along the axis; travel in m.
+    /// Translation along the axis [m].
     Prismatic,
 }
 
@@ -27,45 +27,45 @@ pub enum JointKind {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// Name of the body that this joint moves against.
+    /// Name of the parent body.
     pub parent: String,
     /// Revolute (default) or prismatic.
     #[serde(default)]
     pub kind: JointKind,
     /// Axis of motion of this body relative to its parent, in the common frame at zero angles [-].
     pub axis: [f64; 3],
-    /// Where the joint sits in the parent's frame; the body's own origin is there at zero travel [m].
+    /// Position of the joint in the parent's frame. It is the origin of this body's frame at joint position zero [m].
     pub at: [f64; 3],
-    /// Stiffness of a spring that pulls to `rest` [N·m/rad or N/m].
+    /// Stiffness of a spring in the joint, which is unloaded at `rest` [N·m/rad or N/m].
     #[serde(default)]
     pub stiffness: f64,
-    /// Damping beside the spring, added to `plant.joint_damping` [N·m·s/rad or N·s/m].
+    /// Damping of this joint, in addition to `plant.joint_damping` [N·m·s/rad or N·s/m].
     #[serde(default)]
     pub damping: f64,
-    /// Travel at which the spring is slack [rad or m].
+    /// Joint position at which the spring is unloaded [rad or m].
     #[serde(default)]
     pub rest: f64,
 }
 
-/// A ball fixed to a body. It touches the ground with its lowest point, so it rolls.
+/// A ball fixed to a body. Its lowest point touches the ground, so it rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Sphere {
-    /// Its centre in the body's frame [m].
+    /// Centre in the body's frame [m].
     pub at: [f64; 3],
-    /// Its radius [m].
+    /// Radius [m].
     pub radius: f64,
 }
 
-/// Ground that is there only in places: tiles across x, between them holes that a swinging foot dips into.
+/// Ground that consists of tiles along x with holes between them. A swing foot may dip into a hole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Tiles {
-    /// Middle of one of them, x in W [m].
+    /// Position of the centre of one tile, x in W [m].
     pub first: f64,
-    /// Distance between their middles [m].
+    /// Distance between the centres of two tiles [m].
     pub pitch: f64,
-    /// Length of each [m].
+    /// Length of a tile [m].
     pub length: f64,
 }
 
@@ -85,7 +85,7 @@ pub struct Body {
     pub name: String,
     /// Mass [kg].
     pub mass: f64,
-    /// Depth, width and height of the box that is drawn and, unless `inertia` is given, uniformly filled [m].
+    /// Depth, width and height of the box that is drawn. Unless `inertia` is given, it has uniform density [m].
     pub size: [f64; 3],
     /// Centre of mass, also the centre of the box, in the body's frame [m].
     #[serde(default)]
@@ -93,16 +93,16 @@ pub struct Body {
     /// Principal moments of inertia about the centre of mass along the body's axes [kg·m²]; absent: uniform box.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub inertia: Option<[f64; 3]>,
-    /// Joint to the parent; exactly one body of a scene, the base, has none.
+    /// Joint to the parent. Exactly one body of a scene, the base, has none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub joint: Option<Joint>,
     /// Points that may touch the ground, in the body's frame [m].
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub contacts: Vec<[f64; 3]>,
-    /// Balls that may touch the ground; each rolls on its lowest point.
+    /// Balls that may touch the ground. Each rolls on its lowest point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub spheres: Vec<Sphere>,
-    /// Where there is ground for this body's points and balls; absent: everywhere.
+    /// Tiles on which this body's points and balls find ground; absent: ground everywhere.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub tiles: Option<Tiles>,
 }
@@ -114,28 +114,28 @@ impl Body {
         self.inertia.unwrap_or([b + c, a + c, a + b].map(|sum| self.mass * sum / 12.0))
     }
 
-    /// All that may touch the ground, in the order of the messages: the points, as balls of no radius, then the balls.
+    /// Contact points and balls in the order of the messages: first the points, as balls of radius 0, then the balls.
     pub fn contact_spheres(&self) -> impl Iterator<Item = Sphere> + '_ {
         let points = self.contacts.iter().map(|&at| Sphere { at, radius: 0.0 });
         points.chain(self.spheres.iter().copied())
     }
 }
 
-/// A robot as it stands in a file of its own: another biped in the place of Table 1.
+/// A robot in a file of its own: a biped that replaces the one of Table 1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Robot {
-    /// What it is called in results; absent: as its file.
+    /// Name in results; absent: the name of the file.
     #[serde(default)]
     pub name: String,
-    /// Its drives.
+    /// Drives.
     #[serde(default)]
     pub drives: Drives,
-    /// A trunk and two legs; without the right leg it is the left one's mirror image.
+    /// A trunk and two legs. If the right leg is absent, it is the mirror image of the left one.
     pub bodies: Vec<Body>,
 }
 
-/// The drives of a robot, all alike. What is absent is as on the robot whose place it takes, by dynamic similarity.
+/// The drives of a robot, all equal. An absent value is that of the robot that this one replaces, scaled by dynamic similarity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Drives {
@@ -155,7 +155,7 @@ pub const LEFT_FOOT: &str = "left foot";
 pub const RIGHT_FOOT: &str = "right foot";
 /// Name of the trunk in [`table_1`].
 pub const TRUNK: &str = "trunk";
-/// Names of a biped's bodies, from the left foot to the right one.
+/// Canonical names and order of a biped's bodies, from the left foot to the right foot.
 pub const BIPED: [&str; 9] = [
     LEFT_FOOT,
     "left ankle",
@@ -170,11 +170,12 @@ pub const BIPED: [&str; 9] = [
 /// Joint angles at which the robot of [`table_1`] stands with bent knees, its centre of gravity .27 m high [rad].
 pub const CROUCH: [f64; 8] = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0];
 
-/// Table 1 as read: links #0 (left foot) … #8 (right foot), so that the joints, in the order of the bodies that carry
-/// them, are left ankle roll, ankle pitch, knee, hip, right hip, knee, ankle pitch, ankle roll.
+/// The robot of Table 1: links #0 (left foot) … #8 (right foot). In the order of the bodies the joints are left ankle roll, ankle
+/// pitch, knee, hip, right hip, knee, ankle pitch, ankle roll.
 ///
-/// The joint angles count from the left foot to the right one. The tree hangs from the trunk, where H is sparsest, so
-/// the left leg's axes point backwards. The table's "total depth 0.3" fits no reading and is taken for a misprint.
+/// The paper counts joint angles along the chain from the left foot to the right foot. Here the trunk is the base of the tree, because
+/// that makes H sparsest. The axes of the left leg therefore point backwards. The "total depth 0.3" of the table contradicts its other
+/// numbers and is ignored as a misprint.
 pub fn table_1() -> Vec<Body> {
     let foot = |name, parent, axis| Body {
         contacts: sole_corners(),
@@ -203,7 +204,7 @@ fn link(name: &str, mass: f64, size: [f64; 3], com: [f64; 3], parent: &str, axis
     Body { name: name.into(), mass, size, com, joint: Some(joint), ..Body::default() }
 }
 
-/// Corners of a sole: front left, front right, back left, back right, in the foot's frame [m].
+/// Corners of a sole in the foot's frame: front left, front right, back left, back right [m].
 fn sole_corners() -> Vec<[f64; 3]> {
     vec![[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]]
 }

@@ -1,7 +1,7 @@
-//! Sine, cosine, and what they turn: every step, tick and record takes as many as there are joints.
+//! Sine, cosine and rotations. Each step, control period and record needs them for every joint.
 //!
-//! The C library's are exact to half a unit in the last place and four times as slow, for they save and set the mode of rounding;
-//! and no two libraries have the same bits.
+//! The functions of the C library are accurate to half a unit in the last place but four times slower, because they save and set the
+//! rounding mode. Also, different C libraries give different bits.
 //!
 //! # Source
 //! Reduction by Cody & Waite, *Software Manual for the Elementary Functions* (1980); polynomials of Sun Microsystems' fdlibm 5.3,
@@ -10,12 +10,12 @@
 use nalgebra::{Matrix3, Vector3};
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// π/2 in two parts.
+/// π/2 as a sum of two numbers.
 const HALF_PI_PARTS: [f64; 2] = [FRAC_PI_2, 6.123_233_995_736_766e-17];
-/// Angles beyond this are the library's [rad].
+/// Angles beyond this are left to the C library [rad].
 const MAX_REDUCED_ANGLE: f64 = 1e5;
 
-/// Coefficients of z, z²… in sin r/r − 1, z = r².
+/// Coefficients of z, z²… in sin r/r − 1, with z = r².
 const SINE: [f64; 6] = [
     -1.666_666_666_666_663_2e-1,
     8.333_333_333_322_49e-3,
@@ -34,16 +34,16 @@ const COSINE: [f64; 6] = [
     -1.135_964_755_778_819_5e-11,
 ];
 
-/// Adding it leaves the nearest whole number in the last bits of a float.
+/// 1.5·2⁵². Adding it to a number leaves the nearest whole number in the last bits.
 const ROUNDING_SHIFT: f64 = 6_755_399_441_055_744.0;
 
-/// sin x and cos x, to within a unit in the last place of 1.
+/// sin x and cos x, accurate to a unit in the last place of 1.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
     if x.abs() < MAX_REDUCED_ANGLE { reduced(x) } else { x.sin_cos() }
 }
 
-/// The same of many angles, bit for bit, several at a time.
+/// sin and cos of many angles, with the same bits as [`sin_cos`], several at a time.
 #[inline]
 pub fn sin_cos_all(angles: &[f64], out: &mut [(f64, f64)]) {
     for (x, out) in angles.iter().zip(&mut *out) {
@@ -70,13 +70,12 @@ fn reduced(x: f64) -> (f64, f64) {
     (turned(s, whole), turned(c, whole.wrapping_add(1)))
 }
 
-/// Which of a body's own axes a unit axis lies along, if any: turning about it is cheaper.
+/// The axis of the body's frame along which a unit axis lies, if there is one. A rotation about such an axis is cheaper.
 pub fn aligned_axis(axis: &Vector3<f64>) -> Option<usize> {
     (0..3).find(|&k| axis[k].abs() == 1.0)
 }
 
-/// R turned about a unit axis, given in the frame of R, by the angle with this sine and cosine; [`aligned_axis`] says which of its own
-/// that is, if any.
+/// R rotated about a unit axis in the frame of R, by the angle with this sine and cosine. `along` is the [`aligned_axis`] of the axis.
 #[inline]
 pub fn rotated(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, (s, c): (f64, f64)) -> Matrix3<f64> {
     match along {
@@ -85,11 +84,11 @@ pub fn rotated(r: &Matrix3<f64>, axis: &Vector3<f64>, along: Option<usize>, (s, 
     }
 }
 
-/// Axes of a body, the columns of R, turned about the k-th of them by the angle with this sine and cosine.
+/// R rotated about the k-th axis of its own frame by the angle with this sine and cosine.
 #[inline]
 pub fn rotated_about(r: &Matrix3<f64>, k: usize, (s, c): (f64, f64)) -> Matrix3<f64> {
     let [x, y, z] = [0, 1, 2].map(|k| r.column(k).into_owned());
-    // Each case by itself: columns picked by a number that varies go through memory, an eighth of the controller's tick.
+    // Each case is written out. Columns selected by a variable index go through memory and cost an eighth of the controller's time.
     let mixed = |u: Vector3<f64>, v: Vector3<f64>| (u * c + v * s, v * c - u * s);
     match k {
         0 => {
@@ -113,7 +112,7 @@ mod tests {
     use nalgebra::Rotation3;
 
     #[test]
-    fn sine_and_cosine_are_the_librarys_to_two_units_in_the_last_place() {
+    fn sine_and_cosine_agree_with_the_c_library_to_two_units_in_the_last_place() {
         let seed = fastrand::u64(..);
         println!("seed {seed}");
         let mut random = fastrand::Rng::with_seed(seed);
@@ -121,7 +120,7 @@ mod tests {
             let x = (random.f64() - 0.5) * 10f64.powi(random.i32(-8..=6));
             let ((s, c), (sine, cosine)) = (sin_cos(x), x.sin_cos());
             for (own, exact) in [(s, sine), (c, cosine)] {
-                let most = f64::EPSILON.min(2.0 * f64::EPSILON * exact.abs()); // a unit in the last place of 1, two of its own
+                let most = f64::EPSILON.min(2.0 * f64::EPSILON * exact.abs()); // a unit in the last place of 1, and two units in its own last place
                 assert!((own - exact).abs() <= most, "{x:e}: {own:e}, {exact:e}");
             }
             assert_eq!(sin_cos(-x), (-s, c));
@@ -131,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn many_at_once_are_the_same_bits() {
+    fn many_angles_at_once_give_the_same_bits() {
         for far in [0.0, 1e7, f64::NAN] {
             let angles: Vec<f64> = (0..11).map(|k| 1.7 * f64::from(k) - 8.0).chain([far, -0.0]).collect();
             let mut pairs = vec![(0.0, 0.0); angles.len()];
@@ -142,7 +141,7 @@ mod tests {
     }
 
     #[test]
-    fn a_body_turns_about_its_own_axis() {
+    fn a_body_rotates_about_its_own_axis() {
         let start = Rotation3::from_euler_angles(0.3, -1.1, 2.0);
         for k in 0..3 {
             let unit = Vector3::ith_axis(k);

@@ -1,39 +1,45 @@
-//! A session: one plant, one controller and whoever records, under a name of their own.
+//! A session: one plant, one controller and any number of recorders, under one name.
 //!
-//! Every file that a session makes lies in /dev/shm and begins with a prefix of its own, so that sessions live side by
-//! side and one can be cleared away without touching another. Who is in it is told by locks (`member`), and so is what
-//! nobody is in any more (`remains`). What somebody was killed amid making or removing is in `half_done`.
+//! Every file of a session lies in /dev/shm and begins with a prefix of its own. Sessions therefore do not interfere, and the files
+//! of one can be removed without touching another.
+//!
+//! | what | where |
+//! |---|---|
+//! | locks by which the members of a session know each other | `session/membership.rs` |
+//! | files of sessions that ended because all processes were killed | `session/stale_session.rs` |
+//! | incomplete files of a process that was killed while others go on | `session/stale_files.rs` |
+//! | files in shared memory that belong to this user only | `session/private_file.rs` |
+//! | free shared memory | `session/shm_usage.rs` |
+//! | the scene of a session, for observers | `session/scene.rs` |
 
 mod membership;
 mod private_file;
 mod scene;
+mod shm_usage;
 mod stale_files;
 mod stale_session;
 
-use crate::port::PortError;
-use crate::wire::{FNV_START, fnv1a};
 pub use membership::Membership;
+pub use shm_usage::{REQUIRED_FILES, SHARED_MEMORY, ShmUsage};
+pub use stale_session::StaleSession;
+
+use crate::error::PortError;
+use crate::wire::{FNV_START, fnv1a};
 use nix::errno::Errno;
 use nix::fcntl::{FallocateFlags, fallocate};
-use nix::sys::statvfs::statvfs;
-use nix::unistd::{AccessFlags, access, getuid};
-pub use stale_session::StaleSession;
+use nix::unistd::getuid;
 use std::fs::{File, read_link};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
-/// Where POSIX shared memory shows as files on Linux.
-pub const SHARED_MEMORY: &str = "/dev/shm";
-/// Files that a session needs, with room to spare: it has 24.
-pub const REQUIRED_FILES: u64 = 64;
 /// End of the name of the file on which every member holds a lock.
 const MEMBERS: &str = "members";
-/// Begin of the names that nobody gave.
+/// Beginning of the names of sessions that the user has not named.
 const UNNAMED: &str = "run-";
-/// Letters of a name.
+/// Longest name of a session [characters].
 const LONGEST_NAME: usize = 32;
 
-/// Name of a session and of everything that belongs to it.
+/// A session, by its name.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Session {
     name: String,
@@ -52,34 +58,34 @@ impl Session {
         }
     }
 
-    /// A session that nobody else has.
+    /// A session with a name that no other session has.
     pub fn unique() -> Session {
         Session { name: format!("{UNNAMED}{}-{:08x}", std::process::id(), crate::clock::random() as u32) }
     }
 
-    /// Whether somebody gave it its name.
+    /// Whether the user has given it its name.
     pub fn is_named(&self) -> bool {
         !self.name.starts_with(UNNAMED)
     }
 
-    /// Its name.
+    /// Name.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// Start of the name of every file of the session: a hash of user and name, because the paths of its sockets, which
-    /// hold it twice, must stay below 108 bytes.
+    /// Beginning of the name of every file of the session. It contains a hash of user and name instead of the name, because the paths
+    /// of sockets contain it twice and must stay below 108 bytes.
     pub fn prefix(&self) -> String {
         self.prefix_of(getuid().as_raw())
     }
 
-    /// The same of another user's.
+    /// The same prefix for another user.
     fn prefix_of(&self, user: u32) -> String {
         let owner = fnv1a(FNV_START, &user.to_le_bytes());
         format!("biped_{:08x}_", fnv1a(owner, self.name.as_bytes()) as u32)
     }
 
-    /// Another user who has a session of this name: sessions are each user's own.
+    /// Another user who has a session of this name. Each user has separate sessions.
     pub(crate) fn other_owner(&self) -> Option<String> {
         let lists = files("biped_").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
         let mut owners = lists.filter_map(|path| {
@@ -90,41 +96,34 @@ impl Session {
         owners.next()
     }
 
-    /// Takes all rights to the session's files from other users: iceoryx2 0.10 lets everybody write to one of them, which counts
-    /// nodes.
+    /// Removes the access of other users to the session's files. iceoryx2 0.10 lets everybody write to the file that counts its nodes.
     pub(crate) fn restrict_access(&self) {
         self.shm_files().iter().for_each(|path| private_file::restrict_access(path));
     }
 
-    /// Folder of the session's other files.
+    /// Folder of the session's files that are not shared memory.
     pub fn root(&self) -> PathBuf {
         Path::new(SHARED_MEMORY).join(self.prefix() + "files")
     }
 
-    /// Everything of this session that is in shared memory now.
+    /// Every file of this session that is in shared memory now.
     pub fn shm_files(&self) -> Vec<PathBuf> {
         files(&self.prefix())
     }
 
-    /// Removes everything of this session, also the empty segments that a process leaves when it is killed while making
-    /// one; unless somebody is in it.
-    pub fn remove_files(&self) {
-        StaleSession::at(&self.prefix()).remove();
-    }
-
-    /// Takes all the room that the session's segments may ever need: a page that is first touched when nothing is free any
-    /// more kills by SIGBUS.
+    /// Reserves all memory that the session's segments may need. Otherwise the first access to a page could kill the process by SIGBUS
+    /// when no memory is free.
     pub(crate) fn reserve(&self) -> Result<(), PortError> {
         for path in self.shm_files() {
-            // a folder, or gone in the meantime
+            // A folder, or a file that has been removed in the meantime, cannot be opened.
             let Ok(file) = private_file::open(&path, File::options().write(true)) else { continue };
             let lacking = || file.metadata().ok().filter(|found| 512 * found.blocks() < found.len());
             if lacking().is_none() {
-                continue; // whoever made it has taken it
+                continue; // its creator has reserved it
             }
-            let _ = file.lock(); // two that take it at once take twice as long
+            let _ = file.lock(); // two processes that reserve it at the same time take twice as long
             let Some(found) = lacking() else { continue };
-            // Where room cannot be reserved for another reason, it is as it was.
+            // Any other error leaves the memory as it was.
             let reserved = fallocate(&file, FallocateFlags::FALLOC_FL_KEEP_SIZE, 0, found.len() as i64);
             if reserved == Err(Errno::ENOSPC) {
                 return Err(PortError::SharedMemory(format!("{SHARED_MEMORY} is full")));
@@ -133,7 +132,7 @@ impl Session {
         Ok(())
     }
 
-    /// Every session of this user that somebody is in now.
+    /// Every running session of this user.
     pub fn running() -> Vec<Session> {
         let names = files("").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
         let mut names: Vec<String> =
@@ -142,12 +141,12 @@ impl Session {
         names.iter().filter_map(|name| Session::named(name).ok()).filter(Session::is_running).collect()
     }
 
-    /// Whether somebody is in it now.
+    /// Whether a process is in the session now.
     pub fn is_running(&self) -> bool {
         private_file::open(&self.lock_file(), File::options().read(true)).is_ok_and(|file| file.try_lock().is_err())
     }
 
-    /// Numbers of the processes that are in it, as far as they are this user's to see.
+    /// Numbers of the processes in the session that this user may see.
     pub fn members(&self) -> Vec<u32> {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
@@ -156,7 +155,7 @@ impl Session {
         members
     }
 
-    /// Whether the process of this number is in it, as far as that is this user's to see.
+    /// Whether the process of this number is in the session, as far as this user may see.
     fn is_member(&self, number: u32) -> bool {
         let (handles, list) = (std::fs::read_dir(format!("/proc/{number}/fd")), self.lock_file());
         let mut targets = handles.into_iter().flatten().flatten().filter_map(|handle| read_link(handle.path()).ok());
@@ -169,58 +168,11 @@ impl Session {
     }
 }
 
-/// Size of shared memory and what is free of it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct ShmUsage {
-    /// All of it [bytes].
-    pub size: u64,
-    /// What is left [bytes].
-    pub free: u64,
-    /// Files that may still be made.
-    pub files: u64,
-}
-
-impl ShmUsage {
-    /// As it is now.
-    ///
-    /// # Errors
-    /// [`PortError::SharedMemory`] if there is none, or this user may not write to it.
-    pub fn now() -> Result<ShmUsage, PortError> {
-        let unusable = |what: &str, reason: Errno| {
-            PortError::SharedMemory(format!("{SHARED_MEMORY} cannot be {what}: {}", reason.desc()))
-        };
-        let stat = statvfs(SHARED_MEMORY).map_err(|reason| unusable("examined", reason))?;
-        access(SHARED_MEMORY, AccessFlags::W_OK | AccessFlags::X_OK)
-            .map_err(|reason| unusable("written to", reason))?;
-        let unit = stat.fragment_size() as u64;
-        let files = if stat.files() == 0 { u64::MAX } else { stat.files_available() }; // of 0 there is no limit
-        Ok(ShmUsage { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit, files })
-    }
-
-    /// Full shared memory kills by SIGBUS instead of an error, so room is demanded beforehand.
-    ///
-    /// # Errors
-    /// [`PortError::SharedMemory`] if there is less.
-    pub fn require(bytes: u64) -> Result<(), PortError> {
-        let ShmUsage { free, files, .. } = ShmUsage::now()?;
-        let lack = |has: String, needed: String| {
-            let words =
-                format!("{SHARED_MEMORY} has {has} free, but {needed} are needed: remove files there, or enlarge it");
-            Err(PortError::SharedMemory(words))
-        };
-        match (free >= bytes, files >= REQUIRED_FILES) {
-            (true, true) => Ok(()),
-            (false, _) => lack(format!("{} MB", free >> 20), format!("{} MB", bytes >> 20)),
-            _ => lack(format!("room for {files} more files"), REQUIRED_FILES.to_string()),
-        }
-    }
-}
-
-/// What is in shared memory under names that begin so, in order.
+/// Files in shared memory whose names begin with `prefix`, in order.
 fn files(prefix: &str) -> Vec<PathBuf> {
     let entries = std::fs::read_dir(SHARED_MEMORY).into_iter().flatten().flatten();
-    let of_it = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(prefix));
-    let mut found: Vec<_> = of_it.map(|entry| entry.path()).collect();
+    let matching = entries.filter(|entry| entry.file_name().to_string_lossy().starts_with(prefix));
+    let mut found: Vec<_> = matching.map(|entry| entry.path()).collect();
     found.sort();
     found
 }

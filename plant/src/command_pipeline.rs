@@ -1,9 +1,9 @@
-//! What reaches the drives of what the controller says:
+//! The command pipeline: from the commands that arrive to the torques of the drives.
 //!
 //! ```text
-//!   link → injector (delay, loss, …) → validator → newest accepted command → its age → watchdog → hand-over → torques
+//!   port → injector (delay, loss, …) → validator → newest accepted command → its age → watchdog → hand-over → torques
 //! ```
-//! Pure, in simulated time: the same in one process and in two, in lockstep and in real time.
+//! It uses simulated time only. The result is therefore the same in one process and in two, in lockstep and in real time.
 
 use crate::handover::Handover;
 use crate::inject::Injector;
@@ -13,10 +13,10 @@ use messages::scene::Scene;
 use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
 use std::f64::consts::TAU;
 
-/// Damping of an abandoned joint, D [N·m·s/rad].
+/// Damping of a joint without a recent command, D [N·m·s/rad].
 const DAMPING: f64 = 2.0;
 
-/// The way to the drives, in one run.
+/// The command pipeline of one run.
 #[derive(Clone, Debug)]
 pub struct CommandPipeline {
     injector: Option<Injector>,
@@ -28,7 +28,7 @@ pub struct CommandPipeline {
     /// Control rate times radians per encoder count [rad/s].
     count_rate: f64,
     newest: Option<Command>,
-    /// Whether the newest has come since torques were last asked for.
+    /// Whether the newest command was accepted after the last torques were computed.
     fresh: bool,
     state: PlantState,
     age: u64,
@@ -37,7 +37,7 @@ pub struct CommandPipeline {
 }
 
 impl CommandPipeline {
-    /// For the run `run` of a scene.
+    /// The pipeline for the run `run` of a scene.
     pub fn new(scene: &Scene, run: u64) -> CommandPipeline {
         CommandPipeline {
             injector: (!scene.link.is_perfect()).then(|| Injector::new(&scene.link, 1.0 / scene.rate)),
@@ -55,8 +55,8 @@ impl CommandPipeline {
         }
     }
 
-    /// A command comes in control period `now`, the number of the newest sensors. Until one has been accepted, none is
-    /// held up: the robot is switched on when the first one is there.
+    /// Receives a command in control period `now`, the number of the newest sensors. Until a command has been accepted, commands are
+    /// not delayed: the run begins with the first one.
     pub fn receive(&mut self, command: &Command, now: u64) {
         match &mut self.injector {
             Some(injector) if self.newest.is_some() => injector.push(now, command),
@@ -64,7 +64,7 @@ impl CommandPipeline {
         }
     }
 
-    /// Torques for the period that begins with these sensors [N·m].
+    /// Torques for the control period that begins with these sensors [N·m].
     pub fn torques(&mut self, sensors: &Sensors) -> Torques {
         let now = sensors.stamp.seq;
         while let Some(command) = self.injector.as_mut().and_then(|injector| injector.pop(now)) {
@@ -96,7 +96,7 @@ impl CommandPipeline {
         self.watchdog.rearm();
     }
 
-    /// The validator, and what comes through it.
+    /// Validates a command, and keeps it if it is accepted.
     fn validate(&mut self, command: &Command, now: u64) {
         match self.validator.validate(command, now) {
             Ok(Acceptance { lost, takeover }) => {
@@ -111,7 +111,7 @@ impl CommandPipeline {
         }
     }
 
-    /// τ = −D q̇, the rates being encoder differences.
+    /// τ = −D q̇, with rates from encoder differences.
     fn damping(&self, now: &Encoders, before: &Encoders) -> Torques {
         let rate = |joint: usize| (now.counts[joint] - before.counts[joint]) as f64 * self.count_rate;
         let torque: [f64; JOINTS] = std::array::from_fn(|joint| -DAMPING * rate(joint));
@@ -123,33 +123,33 @@ impl CommandPipeline {
         self.newest.is_some()
     }
 
-    /// The newest accepted command; before the first, a blank one.
+    /// The newest accepted command; before the first one, a command of zeros.
     pub fn newest(&self) -> Command {
         self.newest.unwrap_or_default()
     }
 
-    /// From sending the sensors to sending of the command that answers them, if that is the newest [ns].
+    /// Time from sending the sensors to sending the command that answers them; 0 if the newest command does not answer them [ns].
     pub fn reply_ns(&self, asked: &Stamp) -> u64 {
         let answer = self.newest.as_ref().filter(|newest| newest.stamp.ack == asked.seq);
         answer.map_or(0, |answer| answer.stamp.mono_ns.saturating_sub(asked.mono_ns))
     }
 
-    /// What drove the last period.
+    /// State of the plant in the last control period.
     pub fn state(&self) -> PlantState {
         self.state
     }
 
-    /// Age of the command of the last period [control periods].
+    /// Age of the newest command in the last control period [control periods].
     pub fn age(&self) -> u64 {
         self.age
     }
 
-    /// What was met so far.
+    /// Counters so far.
     pub fn tally(&self) -> &Tally {
         &self.tally
     }
 
-    /// The same, for what only the shell sees.
+    /// Counters, for the process to add what only it can count.
     pub fn tally_mut(&mut self) -> &mut Tally {
         &mut self.tally
     }

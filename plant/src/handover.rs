@@ -1,44 +1,45 @@
-//! Handing the robot over: torques move from those of the controller before to those of its successor, in a straight line
-//! over a few control periods.
+//! Hand-over between two controllers: over a few control periods the torques change linearly from those of the old controller to those
+//! of its successor.
 //!
 //! τ = (1 − w) τ_before + w τ,  w = 1/n, 2/n, …, 1.
 //!
-//! A successor sees rates as differences of encoders, from its second reading on: its first torques count least.
+//! A successor measures joint rates by encoder differences, so only from its second reading on. Its first torques therefore have the
+//! smallest weight.
 
 use messages::wire::Torques;
 
-/// What it lasts [s].
-const BLEND: f64 = 0.005;
+/// Duration of a hand-over [s].
+const DURATION: f64 = 0.005;
 
-/// A hand-over, under way or not.
+/// A hand-over in progress, or none.
 #[derive(Clone, Copy, Debug)]
 pub struct Handover {
-    /// Control periods that it takes, n.
+    /// Number of control periods of a hand-over, n.
     periods: u32,
-    /// Of these, gone by.
-    gone: u32,
+    /// Number of those that have passed.
+    passed: u32,
     before: Torques,
 }
 
 impl Handover {
-    /// For a control rate [Hz]; none is under way.
+    /// No hand-over in progress, for this control rate [Hz].
     pub fn new(rate: f64) -> Handover {
-        let periods = ((BLEND * rate).round() as u32).max(1);
-        Handover { periods, gone: periods, before: Torques::default() }
+        let periods = ((DURATION * rate).round() as u32).max(1);
+        Handover { periods, passed: periods, before: Torques::default() }
     }
 
-    /// Begins, from these torques.
+    /// Begins a hand-over from these torques.
     pub fn begin(&mut self, before: Torques) {
-        (self.before, self.gone) = (before, 0);
+        (self.before, self.passed) = (before, 0);
     }
 
-    /// The torques of a control period, of which the successor wants these.
+    /// The torques of a control period in which the successor commands `wanted`.
     pub fn blend(&mut self, wanted: Torques) -> Torques {
-        if self.gone == self.periods {
+        if self.passed == self.periods {
             return wanted;
         }
-        self.gone += 1;
-        let w = f64::from(self.gone) / f64::from(self.periods);
+        self.passed += 1;
+        let w = f64::from(self.passed) / f64::from(self.periods);
         let mix = |joint: usize| (1.0 - w) * self.before.torque[joint] + w * wanted.torque[joint];
         Torques { torque: std::array::from_fn(mix) }
     }
@@ -49,7 +50,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn torques_move_in_a_straight_line_and_stay_what_they_are_without_a_hand_over() {
+    fn torques_change_linearly_in_a_hand_over_and_are_unchanged_without_one() {
         let all = |torque| Torques { torque: [torque; 8] };
         let mut handover = Handover::new(1000.0);
         assert_eq!(handover.blend(all(0.1)), all(0.1));
@@ -61,7 +62,7 @@ mod tests {
     }
 
     #[test]
-    fn it_takes_as_long_at_any_rate() {
+    fn the_duration_does_not_depend_on_the_control_rate() {
         for (rate, periods) in [(100.0, 1), (1000.0, 5), (4000.0, 20)] {
             assert_eq!(Handover::new(rate).periods, periods);
         }

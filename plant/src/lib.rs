@@ -15,11 +15,11 @@
 //! | the contact laws, (14)-(22) | [`contact`] |
 //! | standing feet: six equations each | [`standing`] |
 //! | drives and encoders | [`drive`] |
-//! | what reaches the drives of what is said | [`intake`], [`gate`], [`watchdog`], [`handover`] |
-//! | the record of a control period | [`truth`] |
+//! | from commands to torques of the drives | [`command_pipeline`], [`validation`], [`watchdog`], [`handover`] |
+//! | truth of a control period | [`truth`] |
 //! | delay, jitter and loss of commands | [`inject`] |
-//! | a run: plant, intake and the count of periods | [`simulation`] |
-//! | the process around it | [`process`], `link`, `desk`, `remarks` |
+//! | a run of a scene: plant, command pipeline, control periods | [`simulation`] |
+//! | the plant as a process | [`process`] |
 //! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
 

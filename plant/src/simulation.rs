@@ -1,24 +1,24 @@
-//! A run: the plant, the command pipeline before its drives, and the count of its control periods.
+//! A run of a scene: the plant, its command pipeline, and the number of the control period.
 
 use crate::command_pipeline::CommandPipeline;
 use crate::{Plant, PlantError};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
 
-/// A run of a scene. It reads no clock: the process around it sets the times in messages.
+/// A run of a scene. It uses no clock: the process fills in the times of its messages.
 pub struct Simulation {
     scene: Scene,
     plant: Plant,
     commands: CommandPipeline,
     encoders: Encoders,
-    /// Control periods of the scene.
+    /// Number of control periods of the scene.
     periods: u64,
     /// Run, epoch, sequence number and simulated time of the present sensor message.
     stamp: Stamp,
 }
 
 impl Simulation {
-    /// Run number `run` of a scene, at time zero, in the process with this `epoch`.
+    /// The run with the number `run` at time zero, in the process with the number `epoch`.
     ///
     /// # Errors
     /// As [`Plant::new`].
@@ -34,7 +34,7 @@ impl Simulation {
         })
     }
 
-    /// Restarts from the beginning as run number `run`, with a new seed if one is given.
+    /// Starts again from time zero as the run with the number `run`, with another seed if one is given.
     ///
     /// # Errors
     /// As [`Plant::new`].
@@ -47,12 +47,12 @@ impl Simulation {
         Ok(())
     }
 
-    /// The present sensor message. Its sequence number is 1 at time zero. After the last period it asks for no answer.
+    /// The sensors at this instant. At time zero they have the number 1. The last ones of a run need no answer.
     pub fn sensors(&self) -> Sensors {
         Sensors { stamp: self.stamp, encoders: self.encoders, last: u64::from(self.stamp.seq > self.periods) }
     }
 
-    /// Ground truth at the same instant.
+    /// The truth at this instant.
     pub fn truth(&self) -> Truth {
         let mut truth = self.plant.truth();
         Command { stamp: truth.command, torques: truth.asked, telemetry: truth.telemetry } = self.commands.newest();
@@ -90,12 +90,12 @@ impl Simulation {
         self.plant.push(body, impulse, duration)
     }
 
-    /// Mode that determined the torques of the last period.
+    /// State of the plant in the last control period.
     pub fn state(&self) -> PlantState {
         self.commands.state()
     }
 
-    /// The command pipeline before the drives.
+    /// The command pipeline.
     pub fn commands(&mut self) -> &mut CommandPipeline {
         &mut self.commands
     }

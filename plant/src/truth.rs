@@ -1,4 +1,4 @@
-//! What only the simulation knows: the record of a control period, gathered step by step.
+//! The truth of a control period: data that only the simulation knows, collected over its steps.
 
 use crate::contact::Report;
 use crate::kinematics::Pose;
@@ -23,12 +23,12 @@ impl Default for Record {
 }
 
 impl Record {
-    /// Forgets the period before.
+    /// Clears the data of the preceding period.
     pub fn begin_period(&mut self) {
         *self = Record { fallbacks: self.fallbacks, hash: self.hash, ..Record::default() };
     }
 
-    /// Notes how a contact problem was solved.
+    /// Adds the report of a solved contact problem.
     pub fn note(&mut self, report: &Report) {
         let worst = &mut self.worst;
         worst.natural_map = greater(report.natural_map, worst.natural_map);
@@ -39,26 +39,26 @@ impl Record {
         self.fallbacks += u64::from(report.fallback);
     }
 
-    /// Flags a step that was not solved as its method promises, if it was not.
+    /// Counts a step as a fallback if `flagged`: its method did not reach the accuracy that it guarantees.
     pub fn flag(&mut self, flagged: bool) {
         self.fallbacks += u64::from(flagged);
     }
 
-    /// Adds an impulse on contact point `id` [N·s]; points beyond the wire's room are not recorded.
+    /// Adds an impulse on contact point `id` [N·s]. Points beyond the capacity of a message are not recorded.
     pub fn push(&mut self, id: usize, impulse: [f64; 3]) {
         if let Some(sum) = self.impulse.get_mut(3 * id..3 * id + 3) {
             sum.iter_mut().zip(impulse).for_each(|(sum, part)| *sum += part);
         }
     }
 
-    /// Takes the state after a step into the hash.
+    /// Adds the state after a step to the hash.
     pub fn fold(&mut self, state: &State) {
         for number in state.x.iter().chain(&state.xdot) {
             self.hash = (self.hash ^ number.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
         }
     }
 
-    /// The truth at the end of a period that took `period` seconds. The stamp and the shell's timings stay zero.
+    /// The truth at the end of a control period of `period` [s]. Stamp and timing stay zero.
     pub fn truth(&self, model: &Model, state: &State, pose: &Pose, torques: &Torques, period: f64) -> Truth {
         let base = &pose.links[model.base_link];
         let position = pose.point(model.base_link, &Vector3::zeros());
@@ -90,7 +90,7 @@ impl Record {
     }
 }
 
-/// The greater of two numbers, or the one that is none: `f64::max` would hide it.
+/// The larger of two numbers, or NaN if one of them is NaN. `f64::max` would ignore a NaN.
 fn greater(a: f64, b: f64) -> f64 {
     if b.is_nan() || b >= a { b } else { a }
 }

@@ -1,27 +1,27 @@
-//! The accept validator: which commands may reach the drives.
+//! Validation of commands before they reach the drives.
 //!
-//! It looks in the order of [`REFUSALS`](messages::wire::REFUSALS), from whom to what: version, run, owner, check sum,
-//! number, sensors answered, torques. Each refusal has a counter; a refused command leaves no trace beside it.
+//! The checks follow the order of [`Refusal`]: version, run, sender, check sum, number, sensors answered, torques. Each reason has a
+//! counter. A refused command changes nothing else.
 
 use messages::wire::{Command, Refusal, Stamped, Torques};
 
-/// Torques beyond so many times the drives' limit are nonsense; up to it the drives clamp.
+/// Largest torque that is accepted, over the limit of the drives [-]. The drives clamp torques up to this value.
 const MAX_TORQUE_FACTOR: f64 = 4.0;
-/// From limit to limit is the farthest that an honest command moves in one control period, in limits.
+/// Largest change of a torque in one control period, over the limit of the drives [-]: from one limit to the other.
 const MAX_JUMP_FACTOR: f64 = 2.0;
-/// Replaced controllers that are remembered.
+/// Number of replaced controllers that are remembered.
 const REMEMBERED_CONTROLLERS: usize = 8;
 
-/// What an accepted command brought beside its torques.
+/// What an accepted command implies besides its torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Acceptance {
-    /// Commands before it that never came.
+    /// Number of preceding commands that never arrived.
     pub lost: u64,
-    /// Whether it is the first of another controller process.
+    /// Whether it is the first command of another controller process.
     pub takeover: bool,
 }
 
-/// The validator of one run.
+/// Validates the commands of one run.
 #[derive(Clone, Debug)]
 pub struct CommandValidator {
     run: u64,
@@ -34,7 +34,7 @@ pub struct CommandValidator {
 }
 
 impl CommandValidator {
-    /// For commands of the run `run` to drives of `limit` [N·m].
+    /// A validator for commands of the run `run` to drives with the torque limit `limit` [N·m].
     pub fn new(run: u64, limit: f64) -> CommandValidator {
         CommandValidator {
             run,
@@ -45,13 +45,13 @@ impl CommandValidator {
         }
     }
 
-    /// Lets a command pass that comes while the newest sensors sent are number `now`.
+    /// Validates a command that arrives while the newest sensors sent have the number `now`.
     ///
-    /// A controller with another epoch takes over; that it may is the port's to see to, which has one place for
-    /// controllers. What the one before left on its way then comes too late.
+    /// A controller with another epoch takes over. The port ensures that only one controller is in the session at a time. Later
+    /// commands of the replaced controller are refused.
     ///
     /// # Errors
-    /// The first reason to refuse it.
+    /// The first reason to refuse the command.
     pub fn validate(&mut self, command: &Command, now: u64) -> Result<Acceptance, Refusal> {
         let (stamp, torque) = (&command.stamp, &command.torques.torque);
         let owner = self.owner.filter(|(epoch, _)| *epoch == stamp.epoch);
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_seen_or_overtaken_is_stale_and_gaps_are_counted() {
+    fn repeated_and_overtaken_commands_are_stale_and_gaps_are_counted() {
         let mut validator = validator();
         assert_eq!(validator.validate(&command(1, 1, 1, 0.0), 1), Ok(Acceptance::default()));
         assert_eq!(validator.validate(&command(1, 1, 1, 0.0), 2), Err(Refusal::Stale));
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_replaced_controller_never_comes_back() {
+    fn commands_of_a_replaced_controller_are_refused() {
         let mut validator = validator();
         assert_eq!(validator.validate(&command(1, 9, 1, 0.0), 1), Ok(Acceptance::default()));
         assert_eq!(validator.validate(&command(2, 1, 2, 0.0), 2), Ok(Acceptance { lost: 0, takeover: true }));
@@ -159,16 +159,17 @@ mod tests {
         assert_eq!(validator.validate(&command(2, 2, 2, 0.0), 2), Ok(Acceptance::default()));
     }
 
-    /// A million commands with random flaws: what passes is finite, within four limits, of the run, and never older.
+    /// A million commands with random faults. Every accepted command is finite, within four times the limit, of this run, and newer than
+    /// the last one.
     #[test]
-    fn whatever_comes_only_sane_torques_pass() {
+    fn only_valid_torques_are_accepted_of_any_commands() {
         let seed = fastrand::u64(..);
         println!("seed {seed}");
         let mut random = fastrand::Rng::with_seed(seed);
         let (mut validator, mut newest, mut passed, mut refused) = (validator(), (0, 0), 0, [0; REFUSALS.len()]);
         let flawed = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, 200.0, -130.0];
         for now in 1..=1_000_000 {
-            // every so often a new controller takes over
+            // a new controller takes over every thousand periods
             let epoch = 1 + now / 1000;
             let mut c = command(epoch, now, now, 80.0 * random.f64() - 40.0);
             let joint = random.usize(0..8);

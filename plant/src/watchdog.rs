@@ -1,4 +1,4 @@
-//! The watchdog: what the drives do while no young command comes.
+//! The watchdog: what the drives do while no recent command arrives.
 //!
 //! | age of the newest command | drives |
 //! |---|---|
@@ -6,33 +6,34 @@
 //! | at most 100 ms | damping, τ = −D q̇ |
 //! | more | off, until re-armed |
 //!
-//! The age counts control periods from the sensors that the command answers, in simulated time, so that the rules are the
+//! The age is counted in control periods since the sensors that the command answers, so in simulated time. The rules are therefore the
 //! same in lockstep and in real time.
 
 use messages::wire::PlantState;
 
-/// The newest torques are kept for this long [s].
+/// The torques of a command are used up to this age [s].
 const HOLD: f64 = 0.01;
-/// Then the joints are damped, until this age [s].
+/// After that the joints are damped up to this age [s].
 const DAMP: f64 = 0.1;
 
 /// The watchdog of one run.
 #[derive(Clone, Copy, Debug)]
 pub struct Watchdog {
-    /// Limits of the age [control periods].
+    /// Largest age at which the torques are used [control periods].
     hold: u64,
+    /// Largest age at which the joints are damped [control periods].
     damp: u64,
     fault: bool,
 }
 
 impl Watchdog {
-    /// For a control rate [Hz].
+    /// A watchdog for this control rate [Hz].
     pub fn new(rate: f64) -> Watchdog {
         let periods = |time: f64| ((time * rate).round() as u64).max(1);
         Watchdog { hold: periods(HOLD), damp: periods(DAMP), fault: false }
     }
 
-    /// What to do with a newest command of this age; `fresh` if it came in this very period.
+    /// The state for a newest command of this age. `fresh` means that it arrived in this control period.
     pub fn update(&mut self, age: u64, fresh: bool) -> PlantState {
         self.fault |= age > self.damp;
         match age {

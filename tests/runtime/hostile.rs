@@ -65,7 +65,7 @@ fn pipes_and_links_under_the_names_of_a_session_are_told_and_neither_waited_for_
         for command in [&["run", "walk", "--quiet"][..], &["plant", "walk"], &["controller", "walk"]] {
             let (code, errors) = ends(start(&[command, &named].concat()));
             assert_eq!(code, Some(6), "{command:?}: {errors}");
-            assert!(errors.contains("is no regular file: remove it"), "{command:?}: {errors}");
+            assert!(errors.contains("is not a regular file: remove it"), "{command:?}: {errors}");
         }
         for command in [&["push", "0,1,0"][..], &["top"], &["view"]] {
             let (code, errors) = ends(start(&[command, &named].concat()));

@@ -1,18 +1,22 @@
-//! Rules for bodies: what each must be, and that they hang together as a tree.
+//! Rules for bodies: the values of each, and the tree that their joints form.
 
 use super::check::{Checked, Validator};
 use crate::robot::Body;
 use crate::wire::{CONTACTS, JOINTS};
 use std::collections::BTreeSet;
 
+/// Relative deviation of a sum or of a length that counts as rounding [-].
+const ROUNDING: f64 = 1e-9;
+
 impl Validator<'_> {
+    /// Checks the name of a body.
     pub(super) fn known_body(&self, bodies: &[Body], key: &str, name: &str) -> Checked {
         let names: Vec<_> = bodies.iter().map(|body| body.name.as_str()).collect();
         let rule = format!("it must be empty or one of {}", names.join(", "));
         self.require(name.is_empty() || names.contains(&name), key, format!("{name:?}"), rule)
     }
 
-    /// Every body, their tree, and how many joints and points there are.
+    /// Checks every body, the tree, and the numbers of joints and contact points.
     pub(super) fn bodies(&self, bodies: &[Body]) -> Checked {
         self.require(!bodies.is_empty(), "bodies", "[]", "a scene needs at least one body")?;
         let names: BTreeSet<_> = bodies.iter().map(|body| body.name.as_str()).collect();
@@ -25,16 +29,16 @@ impl Validator<'_> {
             body.size.iter().try_for_each(|&side| self.positive(&key("size"), side))?;
             body.moments().iter().try_for_each(|&moment| self.positive(&key("inertia"), moment))?;
             let [a, b, c] = body.moments();
-            let solid = 2.0 * a.max(b).max(c) <= (a + b + c) * (1.0 + 1e-9);
-            let rule = "of the moments of a body none exceeds the sum of the other two";
-            self.require(solid, &key("inertia"), format!("{:?}", [a, b, c]), rule)?;
+            let physical = 2.0 * a.max(b).max(c) <= (a + b + c) * (1.0 + ROUNDING);
+            let rule = "each moment of inertia must be at most the sum of the other two";
+            self.require(physical, &key("inertia"), format!("{:?}", [a, b, c]), rule)?;
             if let Some(joint) = &body.joint {
                 let rule = format!("it must be another body: {}", names.iter().copied().collect::<Vec<_>>().join(", "));
                 let known = names.contains(joint.parent.as_str()) && joint.parent != body.name;
                 self.require(known, &key("joint.parent"), format!("{:?}", joint.parent), rule)?;
                 let length = joint.axis.iter().map(|c| c * c).sum::<f64>().sqrt();
                 let rule = "an axis must be a unit vector";
-                self.require((length - 1.0).abs() < 1e-9, &key("joint.axis"), format!("{:?}", joint.axis), rule)?;
+                self.require((length - 1.0).abs() < ROUNDING, &key("joint.axis"), format!("{:?}", joint.axis), rule)?;
                 self.not_negative(&key("joint.stiffness"), joint.stiffness)?;
                 self.not_negative(&key("joint.damping"), joint.damping)?;
             }
@@ -48,14 +52,14 @@ impl Validator<'_> {
         }
         self.tree(bodies)?;
         let joints = bodies.iter().filter(|body| body.joint.is_some()).count();
-        let rule = format!("the messages carry at most {JOINTS} of them");
+        let rule = format!("a message holds at most {JOINTS} joints");
         self.require(joints <= JOINTS, "number of joints", joints, rule)?;
         let contacts = bodies.iter().map(|body| body.contact_spheres().count()).sum::<usize>();
-        let rule = format!("the messages carry at most {CONTACTS} of them");
+        let rule = format!("a message holds at most {CONTACTS} contact points");
         self.require(contacts <= CONTACTS, "number of contact points and balls", contacts, rule)
     }
 
-    /// One base, and every body hangs from it.
+    /// Checks that there is one base, and that the parents of every body lead to it.
     fn tree(&self, bodies: &[Body]) -> Checked {
         let bases: Vec<_> = bodies.iter().filter(|body| body.joint.is_none()).map(|body| &*body.name).collect();
         let rule = "exactly one body, the base, must be without a joint";

@@ -1,16 +1,24 @@
-//! The rules that the values of a scene must keep, each with the words for breaking it.
+//! Rules for the values of a scene or a robot. Each rule has the sentence of its error.
 
-use super::SceneError;
+use super::error::SceneError;
 use crate::robot::{Body, Drives, JointKind, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use std::f64::consts::PI;
 use toml::Value;
 
-/// Steps of a control period at most: nobody is heard within one.
-const MOST: f64 = 1e6;
-/// No number is greater: squares and cubes of it are numbers, too.
-const HUGE: f64 = 1e30;
+/// Largest number of steps in a control period. The plant answers requests only between control periods.
+const MAX_STEPS: f64 = 1e6;
+/// Largest magnitude of any number. Its square and its cube are still finite.
+const MAX_MAGNITUDE: f64 = 1e30;
+/// Relative deviation from a whole number of steps that counts as rounding [-].
+const STEP_ROUNDING: f64 = 1e-9;
+/// Longest delay between a torque command and its effect [control periods].
+const MAX_LATENCY_TICKS: u32 = 1000;
+/// Longest delay and largest jitter of a command [ms].
+const MAX_DELAY_MS: f64 = 1000.0;
+/// Shortest step of the gait [control periods].
+const LEAST_STEP_PERIODS: f64 = 10.0;
 
 /// Checks every value of a scene; `origin` names it in the error.
 ///
@@ -43,7 +51,7 @@ pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
     check.bodies(&robot.bodies)
 }
 
-/// Rules, each with the words for breaking it.
+/// Checks values; its errors name their origin.
 pub(super) struct Validator<'a> {
     origin: &'a str,
 }
@@ -71,18 +79,18 @@ impl Validator<'_> {
         self.require((8..=30).contains(&bits), key, bits, "it must be 8 to 30")
     }
 
-    /// Every number is finite and not absurd; the path to the one that is not is spelt out.
+    /// Checks that every number is finite and at most [`MAX_MAGNITUDE`]. The error names the path to the first one that is not.
     fn finite(&self, value: &Value) -> Checked {
-        match too_great(value) {
+        match first_excess(value) {
             Some((path, number)) => {
-                let rule = format!("every number must be finite, and none beyond {HUGE:e}");
+                let rule = format!("every number must be finite, and none beyond {MAX_MAGNITUDE:e}");
                 Err(self.fail(&path, format!("{number:e}"), rule))
             }
             None => Ok(()),
         }
     }
 
-    /// Names are printed as they are.
+    /// Checks names. They are printed without escaping, so they must not contain control characters.
     fn names(&self, robot: &str, bodies: &[Body]) -> Checked {
         let rule = "a name must have no control characters";
         let plain =
@@ -96,15 +104,15 @@ impl Validator<'_> {
         self.positive("rate", scene.rate)?;
         self.positive("plant.dt", scene.plant.dt)?;
         let steps = 1.0 / (scene.rate * scene.plant.dt);
-        let whole = steps.round() >= 1.0 && (steps - steps.round()).abs() < 1e-9 * steps;
+        let whole = steps.round() >= 1.0 && (steps - steps.round()).abs() < STEP_ROUNDING * steps;
         let rule = format!(
             "a whole number of steps must fit into one control period of 1/{} s, not {steps}: try {}",
             scene.rate,
             1.0 / (scene.rate * steps.round().max(1.0)),
         );
         self.require(whole, "plant.dt", scene.plant.dt, rule)?;
-        let rule = format!("at most {MOST} steps may fit into a control period of 1/{} s", scene.rate);
-        self.require(steps <= MOST, "plant.dt", scene.plant.dt, rule)?;
+        let rule = format!("at most {MAX_STEPS} steps may fit into a control period of 1/{} s", scene.rate);
+        self.require(steps <= MAX_STEPS, "plant.dt", scene.plant.dt, rule)?;
         let periods = scene.duration * scene.rate;
         let rule = format!("it must be at least one control period of 1/{} s", scene.rate);
         self.require(periods.round() >= 1.0, "duration", scene.duration, rule)
@@ -127,7 +135,8 @@ impl Validator<'_> {
         self.not_negative("plant.torque_limit", plant.torque_limit)?;
         self.encoder_bits("plant.encoder_bits", plant.encoder_bits)?;
         let ticks = plant.latency_ticks;
-        self.require(ticks <= 1000, "plant.latency_ticks", ticks, "it must be at most 1000")?;
+        let rule = format!("it must be at most {MAX_LATENCY_TICKS}");
+        self.require(ticks <= MAX_LATENCY_TICKS, "plant.latency_ticks", ticks, rule)?;
         let stale = plant.stale_probability;
         let rule = "a probability must lie between 0 and 1";
         self.require((0.0..=1.0).contains(&stale), "plant.stale_probability", stale, rule)?;
@@ -142,7 +151,8 @@ impl Validator<'_> {
 
     fn link(&self, link: &LinkScene) -> Checked {
         for (key, delay) in [("link.delay_ms", link.delay_ms), ("link.jitter_ms", link.jitter_ms)] {
-            self.require((0.0..=1000.0).contains(&delay), key, delay, "it must lie between 0 and 1000 ms")?;
+            let rule = format!("it must lie between 0 and {MAX_DELAY_MS} ms");
+            self.require((0.0..=MAX_DELAY_MS).contains(&delay), key, delay, rule)?;
         }
         for (key, share) in
             [("link.loss", link.loss), ("link.duplicate", link.duplicate), ("link.reorder", link.reorder)]
@@ -159,7 +169,7 @@ impl Validator<'_> {
             let rule = format!("it must be empty or have one value for each of the {joints} joints");
             self.require(list.is_empty() || list.len() == joints, key, format!("{list:?}"), rule)?;
         }
-        self.turns(scene)?;
+        self.initial_rotation(scene)?;
         let contacts = scene.bodies.iter().any(|body| body.contact_spheres().next().is_some());
         let clearance = scene.initial.clearance;
         let rule = "it needs a body with contact points or balls";
@@ -167,9 +177,9 @@ impl Validator<'_> {
         self.not_negative("initial.clearance", clearance.unwrap_or(0.0))
     }
 
-    /// What turns by more than half a turn within a step looks as if it turned the other way. A method that chooses its own steps
-    /// finds shorter ones.
-    fn turns(&self, scene: &Scene) -> Checked {
+    /// Checks that no body turns by more than half a turn in a step: it would appear to turn the other way. A method that chooses its
+    /// own steps makes them short enough.
+    fn initial_rotation(&self, scene: &Scene) -> Checked {
         if scene.plant.method.chooses_steps() {
             return Ok(());
         }
@@ -180,7 +190,7 @@ impl Validator<'_> {
         let whole = initial.angular_velocity.iter().map(|part| part * part).sum::<f64>().sqrt();
         for (key, rate) in [("initial.angular_velocity", whole), ("initial.joint_rates", fastest)] {
             let rule = format!(
-                "nothing may turn by more than half a turn within a step of plant.dt = {dt} s: at most {:.6e} rad/s",
+                "no body may turn by more than half a turn in a step of plant.dt = {dt} s: at most {:.6e} rad/s",
                 PI / dt
             );
             self.require(rate * dt <= PI, key, format!("{rate:e}"), rule)?;
@@ -190,7 +200,7 @@ impl Validator<'_> {
 
     fn controller(&self, scene: &Scene, controller: &ControllerScene) -> Checked {
         let joints = scene.bodies.iter().filter(|body| body.joint.is_some()).count();
-        let rule = format!("the walking controller drives the robot of Table 1 with its {JOINTS} joints");
+        let rule = format!("the walking controller needs a biped like that of Table 1, with {JOINTS} joints");
         self.require(joints == JOINTS, "number of joints", joints, rule)?;
         for (key, value) in [
             ("controller.period", controller.period),
@@ -217,24 +227,27 @@ impl Validator<'_> {
             self.not_negative(key, value)?;
         }
         let half = controller.period / 2.0;
-        let rule = format!("half of it, one step, must last at least ten control periods of 1/{} s", scene.rate);
-        self.require(half * scene.rate >= 10.0, "controller.period", controller.period, rule)
+        let rule = format!(
+            "half of it, one step, must last at least {LEAST_STEP_PERIODS} control periods of 1/{} s",
+            scene.rate
+        );
+        self.require(half * scene.rate >= LEAST_STEP_PERIODS, "controller.period", controller.period, rule)
     }
 }
 
-/// The first number that is not finite or beyond [`HUGE`], and the path to it.
-fn too_great(value: &Value) -> Option<(String, f64)> {
+/// The first number that is not finite or exceeds [`MAX_MAGNITUDE`], with the path to it.
+fn first_excess(value: &Value) -> Option<(String, f64)> {
     let below = |key: String, (path, number): (String, f64)| match path.is_empty() {
         true => (key, number),
         false => (format!("{key}.{path}"), number),
     };
     match value {
-        Value::Float(number) if number.is_nan() || number.abs() > HUGE => Some((String::new(), *number)),
+        Value::Float(number) if number.is_nan() || number.abs() > MAX_MAGNITUDE => Some((String::new(), *number)),
         Value::Table(table) => {
-            table.iter().find_map(|(key, part)| too_great(part).map(|found| below(key.clone(), found)))
+            table.iter().find_map(|(key, part)| first_excess(part).map(|found| below(key.clone(), found)))
         }
         Value::Array(items) => {
-            items.iter().enumerate().find_map(|(i, item)| too_great(item).map(|found| below(i.to_string(), found)))
+            items.iter().enumerate().find_map(|(i, item)| first_excess(item).map(|found| below(i.to_string(), found)))
         }
         _ => None,
     }

@@ -1,28 +1,30 @@
-//! Another robot in the place of a scene's own: read from a file, and the scene's numbers carried over to it.
+//! Replacing the robot of a scene: reading the new robot from a file, and scaling the numbers of the scene to it.
 //!
-//! | by dynamic similarity, see [`Scale`] | as it is |
+//! | scaled by dynamic similarity, see [`Scale`] | unchanged |
 //! |---|---|
 //! | gait: period √L, speed √L, heights L | duration, rates, steps, ground, gravity |
-//! | gains and bandwidths of planner and servos, 1/√L | gains without dimension |
-//! | drives where the robot's file says nothing: J_r M L², D M L√L, limit M L | payload, pushes, delays |
-//! | posture at the start: the centre of gravity over the same place of the soles | |
+//! | gains and bandwidths of planner and servos 1/√L | dimensionless gains |
+//! | drives, if the robot's file does not set them: J_r M L², D M L√L, torque limit M L | payload, pushes, delays |
+//! | initial posture: the centre of gravity is over the same point of the soles | |
 
-use super::{SceneError, check, urdf};
+use super::error::SceneError;
+use super::{check, urdf};
 use crate::robot::{CROUCH, Robot, Scale, canonical_biped, stance};
 use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
 use serde::Deserialize;
 use std::path::Path;
 use toml::{Table, Value};
 
-/// Reads the robot of a file: URDF where the name ends so or the text is XML, else TOML. It comes arranged and checked.
+/// Reads a robot from a file, in canonical order and checked. The file is URDF if its name ends in `.urdf` or its text is XML;
+/// otherwise it is TOML.
 ///
 /// # Errors
-/// One sentence on what keeps it from being a biped.
+/// See [`SceneError`].
 pub fn read(path: &Path) -> Result<Robot, SceneError> {
     let origin = path.display().to_string();
     let refused = |reason| SceneError::Robot { origin: origin.clone(), reason };
     let text = crate::file::text(path).map_err(|error| match error.kind() {
-        std::io::ErrorKind::NotFound => refused("there is no such file of a robot".into()),
+        std::io::ErrorKind::NotFound => refused("there is no such file".into()),
         _ => SceneError::Unreadable { path: origin.clone(), reason: error },
     })?;
     let is_urdf = path.extension().is_some_and(|end| end == "urdf") || text.trim_start().starts_with('<');
@@ -39,14 +41,14 @@ pub fn read(path: &Path) -> Result<Robot, SceneError> {
     Ok(robot)
 }
 
-/// A scene as its file means it: where that names a robot, the defaults are those of `walk` carried over to the robot.
+/// The scene of a file, complete. If the file names a robot, the defaults are those of `walk`, scaled to the robot.
 pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<Scene, SceneError> {
     let given: Table = text.parse().unwrap_or_default();
     let Some(path) = scene.robot.clone() else { return Ok(scene) };
     let refused = |reason: String| SceneError::Robot { origin: origin.into(), reason };
     if given.contains_key("bodies") {
         let is_file = [".toml", ".urdf"].iter().any(|end| path.ends_with(end));
-        let both = format!("robot = {path} is a file, but the scene has bodies of its own: leave out one of them");
+        let both = format!("robot = {path} is a file, but the scene also has bodies: leave out one of them");
         return if is_file { Err(refused(both)) } else { Ok(scene) };
     }
     let beside = Path::new(origin).parent().unwrap_or(Path::new(""));
@@ -64,34 +66,34 @@ pub(super) fn resolved(scene: Scene, text: &str, origin: &str) -> Result<Scene, 
     Ok(Scene { robot: name, ..scene })
 }
 
-/// Tables are merged, all else is replaced.
+/// Merges tables and replaces all other values.
 fn overlay(under: &mut Value, over: Value) {
     match (under, over) {
         (Value::Table(under), Value::Table(over)) => {
             over.into_iter().for_each(|(key, value)| match under.get_mut(&key) {
-                Some(place) => overlay(place, value),
+                Some(slot) => overlay(slot, value),
                 None => drop(under.insert(key, value)),
             })
         }
-        (place, value) => *place = value,
+        (slot, value) => *slot = value,
     }
 }
 
-/// The scene with another robot in the place of its own: see the table above. The same robot again changes no bit.
+/// The scene with its robot replaced, scaled as the table above shows. Replacing a robot by itself changes no bit.
 ///
 /// # Errors
-/// If the scene's own bodies are no biped, so that nothing can be compared, or the robot cannot stand as they do.
+/// If the bodies of the scene are not a biped, so that there is no scale, or if the robot cannot reach the initial posture.
 pub fn with_robot(scene: &Scene, robot: &Robot) -> Result<Scene, String> {
     let springs = scene.bodies.iter().flat_map(|body| &body.joint).any(|joint| joint.stiffness != 0.0);
     let own = canonical_biped(&scene.bodies).ok().filter(|own| *own == scene.bodies && !springs);
-    let own = own.ok_or("only a biped without springs, such as that of `walk`, can give its place to another robot")?;
+    let own = own.ok_or("only a biped without springs, such as that of `walk`, can be replaced by another robot")?;
     let scale = Scale::between(&own, &robot.bodies);
     if scale.length.is_nan() || scale.length <= 0.0 {
         return Err("its centre of gravity is not above its soles at zero angles".into());
     }
     Ok(Scene {
         plant: plant(&scene.plant, robot, scale),
-        controller: scene.controller.as_ref().map(|controller| carried(controller, scale)),
+        controller: scene.controller.as_ref().map(|controller| scaled(controller, scale)),
         initial: Initial { joints: stance(&own, &scene.initial.joints, &robot.bodies)?, ..scene.initial.clone() },
         robot: Some(robot.name.clone()),
         bodies: robot.bodies.clone(),
@@ -110,7 +112,7 @@ fn plant(plant: &PlantScene, robot: &Robot, scale: Scale) -> PlantScene {
     }
 }
 
-fn carried(from: &ControllerScene, scale: Scale) -> ControllerScene {
+fn scaled(from: &ControllerScene, scale: Scale) -> ControllerScene {
     let Scale { length, .. } = scale;
     let (time, speed) = (scale.time(), scale.speed());
     ControllerScene {
@@ -157,7 +159,7 @@ mod tests {
     }
 
     #[test]
-    fn there_and_back_again_is_where_it_began() {
+    fn scaling_to_another_robot_and_back_gives_the_same_scene() {
         let mut robot = paper();
         for body in &mut robot.bodies {
             body.mass *= 2.0;
@@ -175,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_file_says_stands_and_what_it_leaves_out_follows_from_its_robot() {
+    fn values_of_a_file_are_kept_and_missing_ones_are_scaled_to_its_robot() {
         let folder = std::env::temp_dir().join(format!("biped-robot-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
         let robot = Robot { drives: Drives { inertia: Some(0.5), ..Drives::default() }, ..paper() };

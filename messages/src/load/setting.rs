@@ -1,22 +1,22 @@
-//! `--set key=value`: one value of a scene replaced.
+//! Overrides `--set key=value`: replacing one value of a scene.
 
 use super::suggestion::suggest_from_error;
 use crate::scene::Scene;
 use serde::Deserialize;
 use toml::{Table, Value};
 
-/// The path of `robot=PATH`, bare or as a TOML string; nothing of another key.
+/// The path of an override `robot=PATH`, bare or as a TOML string; `None` for other keys.
 pub(super) fn robot(setting: &str) -> Option<&str> {
     let (key, path) = setting.split_once('=')?;
     (key.trim() == "robot").then(|| path.trim().trim_matches('"'))
 }
 
-/// The scene with one value replaced, found by walking the scene as a table: so every key exists that serde knows.
+/// The scene with one value replaced. The key is looked up in the scene as a TOML table, so every key of the scene's file works.
 pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
     let (key, text) = setting.split_once('=').ok_or("an override is key=value, for example plant.dt=0.001")?;
     let (key, text) = (key.trim(), text.trim());
     let value = format!("value = {text}").parse::<Table>().ok().and_then(|mut table| table.remove("value"));
-    // TOML wants a digit on both sides of the point; people do not
+    // TOML requires a digit on both sides of the decimal point. Here `.5` is accepted too.
     let value = value.or_else(|| text.parse().ok().map(Value::Float)).unwrap_or_else(|| Value::String(text.into()));
     let mut root = Value::try_from(scene).map_err(|error| error.to_string())?;
     *slot(&mut root, key)? = value;
@@ -27,7 +27,7 @@ pub(super) fn apply(scene: &Scene, setting: &str) -> Result<Scene, String> {
     })
 }
 
-/// The place that a dotted key names; missing tables and keys are made, serde judges their names afterwards.
+/// The value that a dotted key names. Missing tables and keys are created; serde checks their names afterwards.
 fn slot<'a>(root: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {
     let mut place = root;
     for part in key.split('.') {
@@ -41,9 +41,9 @@ fn slot<'a>(root: &'a mut Value, key: &str) -> Result<&'a mut Value, String> {
                 let last = items.len().saturating_sub(1);
                 index
                     .and_then(|index| items.get_mut(index))
-                    .ok_or_else(|| format!("there is no `{part}` in that list: an index 0..={last}{hint} is needed"))?
+                    .ok_or_else(|| format!("there is no `{part}` in that list: use an index from 0 to {last}{hint}"))?
             }
-            _ => return Err(format!("`{part}` cannot follow a plain value")),
+            _ => return Err(format!("`{part}` cannot follow a key with a single value")),
         };
     }
     Ok(place)

@@ -1,9 +1,9 @@
-//! What somebody meant who wrote a name that does not exist.
+//! Suggestions for unknown names.
 
-/// From here on two words are one with a slip of the hand: `wlak` and `walk` have .93, `walk` and `wheel` .73.
+/// Least Jaro-Winkler similarity of a suggestion. `wlak` and `walk` have .93, `walk` and `wheel` .73.
 const MIN_SIMILARITY: f64 = 0.85;
 
-/// `; did you mean ...?` if a known name is much like the unknown one, else nothing.
+/// `; did you mean ...?` if a known name is similar to the unknown one, otherwise an empty string.
 pub(super) fn suggest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let likeness = |name: &'a str| (strsim::jaro_winkler(unknown, name), name);
     let best = known.into_iter().map(likeness).max_by(|one, other| one.0.total_cmp(&other.0));
@@ -11,7 +11,7 @@ pub(super) fn suggest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str
         .map_or(String::new(), |(_, name)| format!("; did you mean `{name}`?"))
 }
 
-/// The same of what serde says of an unknown field or variant, which names it and all that would be right.
+/// A suggestion from serde's error of an unknown field or variant. That error contains the unknown name and all valid names.
 pub(super) fn suggest_from_error(error: &str) -> String {
     let mut names = error.split('`').skip(1).step_by(2);
     match names.next().filter(|_| error.contains("unknown field") || error.contains("unknown variant")) {
@@ -25,7 +25,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_slip_is_understood_and_another_word_is_not() {
+    fn a_typing_error_gets_a_suggestion_and_a_different_word_does_not() {
         let known = ["walk", "wheel", "stand", "walk-literal"];
         assert_eq!(suggest("wlak", known), "; did you mean `walk`?");
         assert_eq!(suggest("standd", known), "; did you mean `stand`?");

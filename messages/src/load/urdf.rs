@@ -1,34 +1,36 @@
-//! Robots as URDF: what `biped export urdf` writes, and other files of the same shape.
+//! Robots as URDF: the files that `biped export urdf` writes, and others of the same form.
 //!
-//! | from | becomes |
+//! | in the file | in the robot |
 //! |---|---|
-//! | `inertial`: mass, `origin`, moments | the same; products of inertia must be 0 |
-//! | box of the first `visual` | size of the drawing |
-//! | `collision` spheres; of a box its bottom corners | balls; of 1 mm, and corners: points |
+//! | `inertial`: mass, `origin`, moments of inertia | the same; products of inertia must be 0 |
+//! | box of the first `visual` | size of the box that is drawn |
+//! | `collision`: sphere | ball; contact point if its radius is 1 mm |
+//! | `collision`: box | contact points at its bottom corners |
 //! | `effort`, `drake:rotor_inertia` times `drake:gear_ratio`², `damping` | drives |
 //! | `fixed` joints of links without mass | nothing |
 //!
-//! What joints here do not have is refused: [`unsupported`].
+//! Properties of joints that this simulator does not model are refused: [`unsupported`].
 
 mod unsupported;
+mod xml;
 
 use crate::robot::{Body, Drives, Joint, JointKind, Robot, Sphere};
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
+use xml::{Parsed, attribute, child, children, linked, number, optional, vector};
 
-/// Rounding of a program that made the file: products of inertia by the greatest moment, angles in rad, that are as good as 0.
+/// Values up to this are rounding of the program that wrote the file and count as 0: products of inertia over the largest moment [-],
+/// angles [rad].
 const ROUNDING: f64 = 1e-9;
-/// Radius of the balls that stand for points [m].
-const POINT: f64 = 1e-3;
+/// Radius of the balls that represent contact points [m].
+const POINT_RADIUS: f64 = 1e-3;
 
-type Parsed<T> = Result<T, String>;
-
-/// The robot of a URDF file, neither arranged nor checked.
+/// The robot of a URDF file, not yet in canonical order and not yet checked.
 pub(super) fn parse(text: &str) -> Parsed<Robot> {
-    let document = Document::parse(text).map_err(|error| format!("no XML: {error}"))?;
+    let document = Document::parse(text).map_err(|error| format!("the file is not XML: {error}"))?;
     let root = document.root_element();
     if root.tag_name().name() != "robot" {
-        return Err(format!("a URDF file is one `robot`, not `{}`", root.tag_name().name()));
+        return Err(format!("the root element of a URDF file is `robot`, not `{}`", root.tag_name().name()));
     }
     let joints: Vec<Node> = children(root, "joint").collect();
     unsupported::refuse(&joints)?;
@@ -38,11 +40,11 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
         let carrier = joints.iter().find(|joint| linked(**joint, "child") == Some(name));
         let moved = carrier.copied().filter(|joint| joint.attribute("type") != Some("fixed"));
         if moved.is_none() && child(link, "inertial").is_none() {
-            continue; // a frame, or the world
+            continue; // a link without mass: a frame, or the world
         }
         if let Some(weld) = carrier.filter(|weld| moved.is_none() && !massless(root, linked(**weld, "parent"))) {
             return Err(format!(
-                "`{name}` is fixed by `{}` to a link with mass: make one link of both",
+                "joint `{}` fixes `{name}` to a link with mass: combine the two links into one",
                 attribute(*weld, "name")?
             ));
         }
@@ -54,7 +56,7 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
         .collect::<Parsed<_>>()?;
     let damping = common(&dampings);
     if damping.is_none() {
-        // each joint keeps its own
+        // the joints differ, so each keeps its own damping
         for (joint, own) in moving().zip(&dampings) {
             let name = linked(joint, "child");
             bodies
@@ -65,9 +67,9 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
         }
     }
     let drives = Drives {
-        inertia: alike("rotor_inertia", &rotors(root)?)?,
+        inertia: require_common("rotor_inertia", &rotors(root)?)?,
         damping: damping.or(Some(0.0)),
-        torque_limit: alike("effort", &efforts(moving())?)?,
+        torque_limit: require_common("effort", &efforts(moving())?)?,
         encoder_bits: None,
     };
     let name = root.attribute("name").unwrap_or_default();
@@ -75,8 +77,8 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
 }
 
 fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
-    let inertial =
-        child(link, "inertial").ok_or(format!("`{name}` has no inertial: every link needs mass and inertia"))?;
+    let inertial = child(link, "inertial")
+        .ok_or(format!("`{name}` has no inertial: every link that moves needs mass and inertia"))?;
     let part = |tag| child(inertial, tag).ok_or(format!("the inertial of `{name}` has no {tag}"));
     let mass = number(part("mass")?, "value")?;
     let tensor = part("inertia")?;
@@ -90,26 +92,26 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
     }
     let com = origin(inertial, name)?;
     let drawn = children(link, "visual").find_map(|visual| child(child(visual, "geometry")?, "box"));
-    // only drawn, for the moments are given
+    // the size is only drawn, because the moments of inertia are given
     let size = drawn.map_or(Ok([0.05; 3]), |shape| vector(shape, "size"))?;
     let mut body = Body { name: name.into(), mass, size, com, ..Body::default() };
     if body.moments() != moments {
         body.inertia = Some(moments);
     }
     for collision in children(link, "collision") {
-        touch(&mut body, collision)?;
+        add_contacts(&mut body, collision)?;
     }
-    body.joint = joint.map(|node| hinge(node)).transpose()?;
+    body.joint = joint.map(|node| joint_of(node)).transpose()?;
     Ok(body)
 }
 
-/// What a collision shape touches the ground with; shapes that never do are left out: cylinders, meshes.
-fn touch(body: &mut Body, collision: Node) -> Parsed<()> {
+/// Adds the contact points and balls of a collision shape. Cylinders and meshes are ignored.
+fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
     let Some(geometry) = child(collision, "geometry") else { return Ok(()) };
     let at = origin(collision, &body.name)?;
     if let Some(ball) = child(geometry, "sphere") {
         let radius = number(ball, "radius")?;
-        match radius == POINT {
+        match radius == POINT_RADIUS {
             true => body.contacts.push([at[0], at[1], below(at[2])]),
             false => body.spheres.push(Sphere { at, radius }),
         }
@@ -123,18 +125,23 @@ fn touch(body: &mut Body, collision: Node) -> Parsed<()> {
     Ok(())
 }
 
-/// The point under a ball of [`POINT`] as it was written: the shortest number that the ball's height comes from.
+/// Height of a contact point below the centre of its ball. It is rounded to nanometres if that gives the same centre, so that an
+/// exported robot is read back exactly.
 fn below(height: f64) -> f64 {
-    let short = ((height - POINT) * 1e9).round() / 1e9;
-    if short + POINT == height { short } else { height - POINT }
+    let short = ((height - POINT_RADIUS) * 1e9).round() / 1e9;
+    if short + POINT_RADIUS == height { short } else { height - POINT_RADIUS }
 }
 
-fn hinge(node: Node) -> Parsed<Joint> {
+fn joint_of(node: Node) -> Parsed<Joint> {
     let name = attribute(node, "name")?;
     let kind = match attribute(node, "type")? {
         "revolute" | "continuous" => JointKind::Revolute,
         "prismatic" => JointKind::Prismatic,
-        other => return Err(format!("joint `{name}` is {other}, but it must turn or slide")),
+        other => {
+            return Err(format!(
+                "joint `{name}` has the type {other}, but it must be revolute, continuous or prismatic"
+            ));
+        }
     };
     let axis = child(node, "axis").map_or(Ok([1.0, 0.0, 0.0]), |axis| vector(axis, "xyz"))?;
     let length = axis.iter().map(|c| c * c).sum::<f64>().sqrt();
@@ -151,7 +158,7 @@ fn hinge(node: Node) -> Parsed<Joint> {
     })
 }
 
-/// Reflected inertia of each drive that says one: rotor inertia times the square of the gear's ratio.
+/// Reflected inertia of each drive for which the file gives one: rotor inertia times the square of the gear ratio.
 fn rotors(root: Node) -> Parsed<Vec<f64>> {
     let actuators = children(root, "transmission").flat_map(|transmission| children(transmission, "actuator"));
     let reflected = actuators.filter_map(|actuator| {
@@ -166,63 +173,29 @@ fn efforts<'a>(joints: impl Iterator<Item = Node<'a, 'a>>) -> Parsed<Vec<f64>> {
     joints.filter_map(|joint| child(joint, "limit")).map(|limit| number(limit, "effort")).collect()
 }
 
-/// The one value of all, if they are alike.
+/// The common value, if all values are equal.
 fn common(values: &[f64]) -> Option<f64> {
     values.first().copied().filter(|first| values.iter().all(|value| value == first))
 }
 
-/// The same, of what must be alike.
-fn alike(what: &str, values: &[f64]) -> Parsed<Option<f64>> {
+/// The common value of a quantity that must be equal for all drives.
+fn require_common(what: &str, values: &[f64]) -> Parsed<Option<f64>> {
     let kinds: BTreeSet<String> = values.iter().map(f64::to_string).collect();
     match kinds.len() {
         0 | 1 => Ok(common(values)),
-        _ => Err(format!("{what} differs from joint to joint ({kinds:?}), but the drives must be alike")),
+        _ => Err(format!("{what} differs between joints ({kinds:?}), but all drives must be equal")),
     }
 }
 
-/// Where something is; nothing may be turned, for all frames are parallel at zero angles.
+/// Position of an origin. It must not be rotated, because all frames are parallel at zero angles.
 fn origin(node: Node, of: &str) -> Parsed<[f64; 3]> {
     let Some(origin) = child(node, "origin") else { return Ok([0.0; 3]) };
     if origin.attribute("rpy").is_some() && !vector(origin, "rpy")?.iter().all(|angle| angle.abs() <= ROUNDING) {
-        return Err(format!(
-            "`{of}` has an origin that is turned (rpy), but all frames must be parallel at zero angles"
-        ));
+        return Err(format!("`{of}` has a rotated origin (rpy), but all frames must be parallel at zero angles"));
     }
     origin.attribute("xyz").map_or(Ok([0.0; 3]), |_| vector(origin, "xyz"))
 }
 
 fn massless(root: Node, name: Option<&str>) -> bool {
     children(root, "link").any(|link| link.attribute("name") == name && child(link, "inertial").is_none())
-}
-
-fn children<'a>(node: Node<'a, 'a>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
-    node.children().filter(move |child| child.tag_name().name() == tag)
-}
-
-fn child<'a>(node: Node<'a, 'a>, tag: &'static str) -> Option<Node<'a, 'a>> {
-    children(node, tag).next()
-}
-
-fn linked<'a>(joint: Node<'a, 'a>, end: &'static str) -> Option<&'a str> {
-    child(joint, end)?.attribute("link")
-}
-
-fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Parsed<&'a str> {
-    node.attribute(key).ok_or_else(|| format!("a {} has no {key}", node.tag_name().name()))
-}
-
-fn number(node: Node, key: &str) -> Parsed<f64> {
-    let text = attribute(node, key)?;
-    text.trim().parse().map_err(|_| format!("{key}=\"{text}\" of {} is no number", node.tag_name().name()))
-}
-
-fn optional(node: Node, key: &str, otherwise: f64) -> Parsed<f64> {
-    node.attribute(key).map_or(Ok(otherwise), |_| number(node, key))
-}
-
-fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
-    let text = attribute(node, key)?;
-    let parts: Option<Vec<f64>> = text.split_whitespace().map(|part| part.parse().ok()).collect();
-    let parts = parts.and_then(|parts| parts.try_into().ok());
-    parts.ok_or_else(|| format!("{key}=\"{text}\" of {} is not three numbers", node.tag_name().name()))
 }

@@ -1,16 +1,15 @@
-//! iceoryx2 alone, as its own examples use it: what our messages cost without seal, check, stamp and wake-up. For measuring.
+//! A connection by iceoryx2 alone, without seal, check, stamp and wake-up. It serves as the reference in latency measurements.
 
 use super::contract::Contract;
-use super::error::{PortError, broken};
-use super::link::TopicReader;
-use super::node::SessionNode;
-use super::{COMMAND, SENSORS};
+use super::node::{COMMAND, SENSORS, SessionNode};
+use super::receiver::TopicReader;
+use crate::error::PortError;
 use crate::session::Session;
 use crate::wire::{Command, Sensors, Stamped};
 use iceoryx2::port::publisher::Publisher;
 use iceoryx2::prelude::*;
 
-/// One end of a link that adds nothing to iceoryx2.
+/// One end of a connection that adds nothing to iceoryx2.
 #[derive(Debug)]
 pub struct BarePort<Out: Stamped, In: Stamped> {
     writer: Publisher<ipc::Service, Out, ()>,
@@ -42,23 +41,24 @@ impl<Out: Stamped, In: Stamped> BarePort<Out, In> {
     fn open(session: &Session, contract: &Contract, [out, back]: [&str; 2]) -> Result<Self, PortError> {
         let node = SessionNode::open(session, contract)?;
         let topic = node.link::<Out>(out)?;
-        let writer = topic.publisher_builder().max_loaned_samples(1).create().map_err(|e| broken("writing", e))?;
+        let writer =
+            topic.publisher_builder().max_loaned_samples(1).create().map_err(|e| PortError::failed("writing", e))?;
         let reader = TopicReader::open(&node.link::<In>(back)?, 1)?;
         Ok(BarePort { writer, reader, _node: node })
     }
 
-    /// Loan, copy, send.
+    /// Loans shared memory, copies the message there, and sends it.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, message: Out) -> Result<(), PortError> {
-        let sample = self.writer.loan_uninit().map_err(|e| broken("writing", e))?;
-        sample.write_payload(message).send().map_err(|e| broken("writing", e))?;
+        let sample = self.writer.loan_uninit().map_err(|e| PortError::failed("writing", e))?;
+        sample.write_payload(message).send().map_err(|e| PortError::failed("writing", e))?;
         Ok(())
     }
 
-    /// One look: a copy of the newest message, if there is one.
+    /// Polls once: a copy of the newest message, if there is one.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].

@@ -1,19 +1,21 @@
-//! What plant and controller must agree on before they speak.
+//! What plant and controller must agree on before they exchange messages.
 
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::wire::{FNV_START, SCHEMA_HASH, fnv1a};
 
-/// Who sets the pace.
+/// What determines the pace of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
-    /// The plant waits for each answer: as fast as possible, and every run the same.
+    /// The plant waits for each answer. The run is as fast as possible, and every run gives the same result.
     Lockstep,
-    /// The clock does: each control period takes as long as in reality.
+    /// Each control period takes as long as in reality.
     RealTime,
 }
 
 impl Pace {
+    const ALL: [Pace; 2] = [Pace::Lockstep, Pace::RealTime];
+
     fn name(self) -> &'static str {
         match self {
             Pace::Lockstep => "lockstep",
@@ -22,7 +24,7 @@ impl Pace {
     }
 }
 
-/// What both sides must agree on before they speak.
+/// What plant and controller must agree on before they exchange messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contract {
     /// Hash of the wire format, [`SCHEMA_HASH`].
@@ -35,15 +37,15 @@ pub struct Contract {
     pub dt: f64,
     /// Lockstep or real time.
     pub pace: Pace,
-    /// Whether there is room for a tunnel to another machine, which reads and writes the topics too. A second plant is still
-    /// refused, for there is one service. Not agreed upon: whoever comes first decides.
+    /// Whether the topics have room for a tunnel to another machine, which reads and writes them too. A second plant is still refused,
+    /// because there is only one control service. This is not compared: the first process decides.
     pub tunnel: bool,
 }
 
 impl Contract {
     /// The contract of a scene.
     pub fn of(scene: &Scene, pace: Pace) -> Contract {
-        // Debug prints every field, and floats so that they read back exactly.
+        // `Debug` prints every field, and prints floats exactly.
         let text = format!("{:?}{:?}", scene.plant, scene.bodies);
         Contract {
             schema: SCHEMA_HASH,
@@ -55,12 +57,12 @@ impl Contract {
         }
     }
 
-    /// The same with room for a tunnel, or without.
+    /// The same contract with room for a tunnel, or without it.
     pub fn with_tunnel(self, tunnel: bool) -> Contract {
         Contract { tunnel, ..self }
     }
 
-    /// The parts by name, as text.
+    /// The parts with their names, as text.
     pub(super) fn attributes(&self) -> [(&'static str, String); 5] {
         [
             ("wire schema", format!("{:016x}", self.schema)),
@@ -71,8 +73,7 @@ impl Contract {
         ]
     }
 
-    /// What a program in another language needs to find a session and to be let in, as environment variables: see
-    /// docs/WIRE.md.
+    /// Environment variables by which a program in another language finds and joins a session: see docs/WIRE.md.
     pub fn environment(&self, session: &Session) -> Vec<(&'static str, String)> {
         let contract = self.attributes().map(|(key, value)| format!("{key}={value}\n")).concat();
         vec![
@@ -83,7 +84,7 @@ impl Contract {
         ]
     }
 
-    /// Reads `BIPED_CONTRACT` back, if it is one.
+    /// Parses `BIPED_CONTRACT`; `None` if a part is missing or wrong.
     pub fn parse(text: &str) -> Option<Contract> {
         let part = |name: &str| text.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
         let hash = |name: &str| u64::from_str_radix(part(name)?, 16).ok();
@@ -93,7 +94,7 @@ impl Contract {
             model: hash("model")?,
             rate: number("rate", " Hz")?,
             dt: number("dt", " s")?,
-            pace: [Pace::Lockstep, Pace::RealTime].into_iter().find(|pace| part("pace") == Some(pace.name()))?,
+            pace: Pace::ALL.into_iter().find(|pace| part("pace") == Some(pace.name()))?,
             tunnel: false,
         })
     }
@@ -105,7 +106,7 @@ mod tests {
 
     #[test]
     fn a_contract_reads_back_from_the_environment() {
-        for pace in [Pace::Lockstep, Pace::RealTime] {
+        for pace in Pace::ALL {
             let contract = Contract { schema: SCHEMA_HASH, model: 7, rate: 1e3, dt: 1.0 / 3e3, pace, tunnel: false };
             let (_, text) = contract.environment(&Session::unique()).remove(3);
             assert_eq!(Contract::parse(&text), Some(contract));

@@ -1,9 +1,11 @@
-//! One process's node in a session: its node, and the topics as the contract wants them.
+//! The node of a process in a session: it opens the topics and services as the contract requires.
 
 use super::contract::Contract;
-use super::error::{PortError, broken};
+use crate::error::PortError;
 use crate::session::{Membership, Session, ShmUsage};
 use crate::wire::{Reply, Request, SCHEMA_HASH, Served, Stamped, Truth};
+use iceoryx2::port::listener::Listener;
+use iceoryx2::port::notifier::Notifier;
 use iceoryx2::prelude::*;
 use iceoryx2::service::attribute::{AttributeKey, AttributeValue};
 use iceoryx2::service::builder::publish_subscribe::{
@@ -13,76 +15,83 @@ use iceoryx2::service::builder::request_response::RequestResponseOpenError;
 use iceoryx2::service::port_factory::{event, publish_subscribe, request_response};
 use std::time::{Duration, Instant};
 
-/// Readers of truth: the recorder, a page and a terminal.
-const RECORDERS: usize = 3;
-/// Readers of a link: its other end, and room for onlookers.
-const LINK_READERS: usize = 4;
-/// Messages of truth that a recorder may lag behind. All their room is taken at the start: four times as many take 6 ms.
-pub(super) const TRUTH_BUFFER: usize = 1024;
-/// Shared memory that must be free before a session begins [bytes]: four times what its largest topic takes.
-pub const REQUIRED_SHM: u64 = (4 * RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
-/// Others whose last messages a reader still hears after they have ended. Every look of iceoryx2 passes over the places for
-/// all of them, by default 128.
-const EXPIRED_CONNECTIONS: usize = 2;
-/// Time to keep trying while another process is just making or removing the same topic.
-const OPEN_TIMEOUT: Duration = Duration::from_secs(2);
-
-/// Writers of what was served: plant and controller, and whoever takes the node of one that has just been killed.
-const SERVED_WRITERS: usize = 4;
-/// Requests that a recorder may lag behind: more in a few milliseconds than people ask.
-pub(super) const SERVED_BUFFER: usize = 64;
-
-/// The topic of requests that were answered.
-const SERVED: &str = "biped/served";
-/// The topic of the truth, and the notifier by which a recorder says that it reads.
+/// Topic of the sensors.
+pub(super) const SENSORS: &str = "biped/sensors";
+/// Topic of the commands.
+pub(super) const COMMAND: &str = "biped/command";
+/// Topic of the truth, and the event by which a recorder announces that it reads.
 pub(super) const TRUTH: &str = "biped/truth";
+/// Topic of the answered requests.
+const SERVED: &str = "biped/served";
+
+/// Largest number of readers of the truth: the recorder, a web page and a terminal.
+const RECORDERS: usize = 3;
+/// Largest number of readers of sensors or commands: the other side, and some observers.
+const LINK_READERS: usize = 4;
+/// Number of messages of truth by which a recorder may lag behind. The memory for all of them is allocated at the start: four times
+/// as many would take 6 ms.
+pub(super) const TRUTH_BUFFER: usize = 1024;
+/// Shared memory that must be free when a session begins: four times what its largest topic needs [bytes].
+pub const REQUIRED_SHM: u64 = (4 * RECORDERS * TRUTH_BUFFER * (size_of::<Truth>() + 128)) as u64;
+/// Number of ended processes whose last messages a reader can still receive. iceoryx2 examines all of these connections at each
+/// poll. Its default is 128.
+const EXPIRED_CONNECTIONS: usize = 2;
+/// While another process creates or removes the same topic, opening it is retried for this long.
+const OPEN_TIMEOUT: Duration = Duration::from_secs(2);
+/// Interval of these attempts.
+const OPEN_RETRY: Duration = Duration::from_millis(2);
+/// Largest number of writers of answered requests: plant and controller, and the successors of processes that were just killed.
+const SERVED_WRITERS: usize = 4;
+/// Number of answered requests by which a recorder may lag behind: more than people send in a few milliseconds.
+pub(super) const SERVED_BUFFER: usize = 64;
 
 pub(super) type Topic<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
 type ServiceFactory = request_response::PortFactory<ipc::Service, Request, (), Reply, ()>;
 
-/// One process's node in a session: the node, and what it may open.
+/// The node of a process in a session.
 #[derive(Debug)]
 pub(super) struct SessionNode {
-    // Before the membership, whose end clears away what the node leaves: fields are dropped in order.
+    // Rust drops fields in their order. The node must go first, because the end of the membership removes its files.
     node: Node<ipc::Service>,
-    /// Visitors have none.
+    /// A process that attaches to a running session has none.
     contract: Option<Contract>,
     membership: Membership,
 }
 
 impl SessionNode {
-    /// A node as one of the session's makers.
+    /// Joins a session as one of the processes that create it.
     pub fn open(session: &Session, contract: &Contract) -> Result<SessionNode, PortError> {
         ShmUsage::require(REQUIRED_SHM)?;
-        SessionNode::enter(session, Some(*contract))
+        SessionNode::join(session, Some(*contract))
     }
 
-    /// A node in a session that others have made.
+    /// Joins a session that other processes have created.
     pub fn attach(session: &Session) -> Result<SessionNode, PortError> {
         if !session.is_running() {
             return Err(PortError::NoSession { session: session.name().into(), other: session.other_owner() });
         }
-        SessionNode::enter(session, None)
+        SessionNode::join(session, None)
     }
 
-    fn enter(session: &Session, contract: Option<Contract>) -> Result<SessionNode, PortError> {
-        // What goes wrong is told in our own words; IOX2_LOG_LEVEL shows iceoryx2's as well.
+    fn join(session: &Session, contract: Option<Contract>) -> Result<SessionNode, PortError> {
+        // Errors are reported by this program. IOX2_LOG_LEVEL also shows the messages of iceoryx2.
         set_log_level_from_env_or(LogLevel::Fatal);
         let membership = session.join()?;
         let mut config = Config::default();
         let root = session.root().into_os_string().into_encoded_bytes();
-        config.global.prefix = FileName::new(session.prefix().as_bytes()).map_err(|e| broken("naming", e))?;
-        config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| broken("naming", e))?);
-        // New nodes clear away what dead ones left; at its end a node need not, for the last one out does.
+        config.global.prefix =
+            FileName::new(session.prefix().as_bytes()).map_err(|e| PortError::failed("naming", e))?;
+        config.global.set_root_path(&iceoryx2::prelude::Path::new(&root).map_err(|e| PortError::failed("naming", e))?);
+        // A new node removes the files of dead nodes. A node need not do so at its end: the last process of the session does.
         config.global.node.cleanup_dead_nodes_on_destruction = false;
         config.defaults.publish_subscribe.subscriber_expired_connection_buffer = EXPIRED_CONNECTIONS;
         config.defaults.request_response.server_expired_connection_buffer = EXPIRED_CONNECTIONS;
         session.remove_incomplete_files();
-        // The default handler would swallow Ctrl-C; the program has its own.
+        // The default signal handler would swallow Ctrl-C. The program has its own.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
-        let node = builder.create().map_err(|e| broken("joining the session", e))?;
+        let node = builder.create().map_err(|e| PortError::failed("joining the session", e))?;
         session.restrict_access();
-        session.remove_unused_services(); // the new node has removed those of the dead
+        session.remove_unused_services(); // the new node has already removed those of dead nodes
         Ok(SessionNode { node, contract, membership })
     }
 
@@ -100,7 +109,7 @@ impl SessionNode {
                 .enable_safe_overflow(shape.overwrite);
             match self.contract {
                 Some(_) => builder.open_or_create_with_attributes(&required),
-                // A visitor makes nothing: it would lack the contract.
+                // A process without a contract must not create topics.
                 None => builder.open().map_err(Into::into),
             }
         };
@@ -118,10 +127,11 @@ impl SessionNode {
             _ if error == Open::DoesNotExist.into() => {
                 Err(PortError::Absent { session: self.session().into(), role: "plant" })
             }
-            _ => Err(broken("opening a topic", error)),
+            _ => Err(PortError::failed("opening a topic", error)),
         }
     }
 
+    /// Topic of the truth.
     pub fn truth(&self) -> Result<Topic<Truth>, PortError> {
         self.topic(
             TRUTH,
@@ -129,6 +139,7 @@ impl SessionNode {
         )
     }
 
+    /// Topic of the answered requests.
     pub fn served(&self) -> Result<Topic<Served>, PortError> {
         let shape = TopicSettings {
             writers: SERVED_WRITERS,
@@ -140,35 +151,46 @@ impl SessionNode {
         self.topic(SERVED, shape)
     }
 
+    /// Topic of sensors or commands.
     pub fn link<M: Stamped>(&self, name: &str) -> Result<Topic<M>, PortError> {
         self.topic(name, TopicSettings { writers: 1, readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
     }
 
-    pub fn event(&self, name: &str) -> Result<event::PortFactory<ipc::Service>, PortError> {
-        let service = service_name(name)?;
-        with_retries(|| self.node.service_builder(&service).event().open_or_create(), |_| false)
-            .map_err(|e| broken("the wake-up", e))
+    /// Writing end of an event.
+    pub fn notifier(&self, name: &str) -> Result<Notifier<ipc::Service>, PortError> {
+        self.event(name)?.notifier_builder().create().map_err(|e| PortError::failed("the wake-up", e))
     }
 
-    /// A service of one's own.
+    /// Reading end of an event.
+    pub fn listener(&self, name: &str) -> Result<Listener<ipc::Service>, PortError> {
+        self.event(name)?.listener_builder().create().map_err(|e| PortError::failed("the wake-up", e))
+    }
+
+    fn event(&self, name: &str) -> Result<event::PortFactory<ipc::Service>, PortError> {
+        let service = service_name(name)?;
+        with_retries(|| self.node.service_builder(&service).event().open_or_create(), |_| false)
+            .map_err(|e| PortError::failed("the wake-up", e))
+    }
+
+    /// Creates a control service.
     pub fn service(&self, name: &str) -> Result<ServiceFactory, PortError> {
         let service = service_name(name)?;
         let service = || self.node.service_builder(&service).request_response::<Request, Reply>().max_servers(1);
         let schema = self.schema()?;
         with_retries(|| service().open_or_create_with_attributes(&schema), |_| false)
-            .map_err(|e| broken("opening a desk", e))
+            .map_err(|e| PortError::failed("opening a desk", e))
     }
 
-    /// Somebody else's service, if there is one.
+    /// Opens the control service of another process, if it exists.
     pub fn existing_service(&self, name: &str) -> Result<Option<ServiceFactory>, PortError> {
         let service = self.node.service_builder(&service_name(name)?).request_response::<Request, Reply>();
         match service.open_with_attributes(&self.schema()?) {
             Ok(service) => Ok(Some(service)),
             Err(RequestResponseOpenError::DoesNotExist) => Ok(None),
             Err(RequestResponseOpenError::IncompatibleAttributes) => {
-                Err(PortError::Foreign { session: self.session().into(), reason: "its wire schema is another".into() })
+                Err(PortError::Foreign { session: self.session().into(), reason: "its wire schema differs".into() })
             }
-            Err(error) => Err(broken("coming to a desk", error)),
+            Err(error) => Err(PortError::failed("coming to a desk", error)),
         }
     }
 
@@ -189,17 +211,17 @@ impl SessionNode {
         self.membership.session().name()
     }
 
-    /// Whether there is room for a tunnel to another machine.
+    /// Whether the session has room for a tunnel to another machine.
     pub fn has_tunnel(&self) -> bool {
         self.contract.is_some_and(|contract| contract.tunnel)
     }
 
-    /// To be called when every topic is open: takes the room that they need.
+    /// To be called when all topics are open: reserves the shared memory that they need.
     pub fn reserve(&self) -> Result<(), PortError> {
         self.membership.session().reserve()
     }
 
-    /// The first part of the contract that the session's makers have otherwise.
+    /// The first part of the contract in which the session differs.
     fn contract_difference(&self, found: &AttributeSet) -> PortError {
         let session = self.session().to_string();
         for (what, ours) in self.attributes() {
@@ -226,29 +248,31 @@ struct TopicSettings {
 fn verifier(attributes: &[(&str, String)]) -> Result<AttributeVerifier, PortError> {
     attributes.iter().try_fold(AttributeVerifier::new(), |verifier, (key, value)| {
         let (key, value) = (AttributeKey::try_from(*key), AttributeValue::try_from(value.as_str()));
-        let (key, value) = (key.map_err(|e| broken("naming", e))?, value.map_err(|e| broken("naming", e))?);
-        verifier.require(&key, &value).map_err(|e| broken("naming", e))
+        let (key, value) =
+            (key.map_err(|e| PortError::failed("naming", e))?, value.map_err(|e| PortError::failed("naming", e))?);
+        verifier.require(&key, &value).map_err(|e| PortError::failed("naming", e))
     })
 }
 
 fn service_name(name: &str) -> Result<ServiceName, PortError> {
-    name.try_into().map_err(|e| broken("naming", e))
+    name.try_into().map_err(|e| PortError::failed("naming", e))
 }
 
-/// Whether an existing topic is of another make, which waiting does not change.
+/// Whether an existing topic is incompatible. Waiting does not change that.
 fn incompatible(error: &PublishSubscribeOpenOrCreateError) -> bool {
     use Open::*;
     let kinds = [IncompatibleAttributes, IncompatibleTypes, VersionMismatch, IncompatibleOverflowBehavior];
     kinds.iter().any(|&kind| *error == kind.into())
 }
 
-/// Retries for a while what is not final: another process may be making or removing the same thing at this moment.
+/// Retries an operation until it succeeds, its error is final or the time is over. Another process may be creating or removing the
+/// same topic at this moment.
 fn with_retries<T, E>(mut open: impl FnMut() -> Result<T, E>, is_final: impl Fn(&E) -> bool) -> Result<T, E> {
     let start = Instant::now();
     loop {
         match open() {
             Err(error) if !is_final(&error) && start.elapsed() < OPEN_TIMEOUT => {
-                std::thread::sleep(Duration::from_millis(2));
+                std::thread::sleep(OPEN_RETRY);
             }
             result => return result,
         }

@@ -1,8 +1,8 @@
-//! Request and response: a service at the plant and one at the controller, and whoever comes to it.
+//! The control services: requests to the plant and to the controller, and their replies.
 
-use super::error::{PortError, broken};
 use super::node::SessionNode;
 use crate::action::Action;
+use crate::error::PortError;
 use crate::session::Session;
 use crate::wire::{Reply, Request, Served, Stamped};
 use iceoryx2::active_request::ActiveRequest;
@@ -12,12 +12,16 @@ use iceoryx2::prelude::*;
 use iceoryx2::service::port_factory::server::ServerCreateError;
 use std::time::{Duration, Instant};
 
+/// Name of the plant's control service.
 pub(super) const PLANT: &str = "biped/plant/desk";
+/// Name of the controller's control service.
 pub(super) const CONTROLLER: &str = "biped/controller/desk";
-/// A reply comes within a control period, or a slice of waiting.
-const PATIENCE: Duration = Duration::from_secs(2);
+/// Longest wait for a reply. A process checks for requests once each control period, or every 10 ms while it waits.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(2);
+/// Interval at which a client checks for the reply.
+const REPLY_POLL: Duration = Duration::from_micros(200);
 
-/// Where requests come in.
+/// The server of a control service.
 #[derive(Debug)]
 pub(super) struct ControlService {
     server: Server<ipc::Service, Request, (), Reply, ()>,
@@ -25,41 +29,45 @@ pub(super) struct ControlService {
 }
 
 impl ControlService {
-    /// The service of a role, which has one node.
+    /// Opens the control service of a role. Only one process can do so.
     pub fn open(node: &SessionNode, name: &str, role: &'static str) -> Result<ControlService, PortError> {
         match node.service(name)?.server_builder().create() {
             Ok(server) => {
-                let served = node.served()?.publisher_builder().create().map_err(|e| broken("opening a desk", e))?;
+                let served = node
+                    .served()?
+                    .publisher_builder()
+                    .create()
+                    .map_err(|e| PortError::failed("opening a control service", e))?;
                 Ok(ControlService { server, served })
             }
             Err(ServerCreateError::ExceedsMaxSupportedServers) => {
                 Err(PortError::Taken { session: node.session().into(), role })
             }
-            Err(error) => Err(broken("opening a desk", error)),
+            Err(error) => Err(PortError::failed("opening a control service", error)),
         }
     }
 
     /// The next request, if there is one.
     pub fn next(&self) -> Result<Option<PendingRequest>, PortError> {
-        let active = self.server.receive().map_err(|e| broken("reading a request", e))?;
+        let active = self.server.receive().map_err(|e| PortError::failed("reading a request", e))?;
         Ok(active.map(|active| PendingRequest { request: *active, active }))
     }
 
-    /// Seals and sends the answer, and tells whoever records; somebody who has gone is no error.
+    /// Seals and sends the reply, and reports it to the recorders. It is no error if the client has gone.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn answer(&self, asked: PendingRequest, reply: Reply) -> Result<(), PortError> {
-        let served = Served { stamp: reply.stamp, request: asked.request, verdict: reply.verdict };
-        self.served.send_copy(served.sealed()).map_err(|e| broken("telling of a request", e))?;
-        if asked.active.is_connected() {
-            asked.active.send_copy(reply.sealed()).map_err(|e| broken("answering a request", e))?;
+    pub fn answer(&self, pending: PendingRequest, reply: Reply) -> Result<(), PortError> {
+        let served = Served { stamp: reply.stamp, request: pending.request, verdict: reply.verdict };
+        self.served.send_copy(served.sealed()).map_err(|e| PortError::failed("recording a request", e))?;
+        if pending.active.is_connected() {
+            pending.active.send_copy(reply.sealed()).map_err(|e| PortError::failed("answering a request", e))?;
         }
         Ok(())
     }
 }
 
-/// A request that waits for its answer.
+/// A request that has not been answered yet.
 #[derive(Debug)]
 pub struct PendingRequest {
     /// The request.
@@ -67,30 +75,31 @@ pub struct PendingRequest {
     active: ActiveRequest<ipc::Service, Request, (), Reply, ()>,
 }
 
-/// Asks the plant or the controller of a running session, and waits for the answer.
+/// Sends a request to the plant or the controller of a running session, and waits for the reply.
 ///
 /// # Errors
-/// [`PortError::NoSession`] if there is no such session, [`PortError::Absent`] if there is nobody at the service.
+/// [`PortError::NoSession`] if the session is not running, [`PortError::Absent`] if the control service does not answer.
 pub fn ask(session: &Session, what: Action) -> Result<Reply, PortError> {
     let (name, role) = if what.is_for_controller() { (CONTROLLER, "controller") } else { (PLANT, "plant") };
-    let absent = || PortError::Absent { session: session.name().into(), role };
+    let no_answer = || PortError::Absent { session: session.name().into(), role };
     let node = SessionNode::attach(session)?;
-    let client = node.existing_service(name)?.ok_or_else(absent)?;
-    let client = client.client_builder().create().map_err(|e| broken("coming to a desk", e))?;
+    let client = node.existing_service(name)?.ok_or_else(no_answer)?;
+    let client =
+        client.client_builder().create().map_err(|e| PortError::failed("connecting to a control service", e))?;
     let start = Instant::now();
     let request = what.encode().sealed();
-    let mut pending = client.send_copy(request).map_err(|e| broken("asking", e))?;
-    while start.elapsed() < PATIENCE {
-        if let Some(reply) = pending.receive().map_err(|e| broken("reading an answer", e))? {
+    let mut pending = client.send_copy(request).map_err(|e| PortError::failed("sending a request", e))?;
+    while start.elapsed() < REPLY_TIMEOUT {
+        if let Some(reply) = pending.receive().map_err(|e| PortError::failed("reading a reply", e))? {
             return Ok(*reply);
         }
-        std::thread::sleep(Duration::from_micros(200));
-        // a service is there a little before who sits at it
+        std::thread::sleep(REPLY_POLL);
+        // The service exists a short time before its server. Then the request must be sent again.
         if pending.number_of_server_connections() == 0 {
-            pending = client.send_copy(request).map_err(|e| broken("asking", e))?;
+            pending = client.send_copy(request).map_err(|e| PortError::failed("sending a request", e))?;
         }
     }
-    Err(absent())
+    Err(no_answer())
 }
 
 #[cfg(test)]
@@ -100,22 +109,22 @@ mod tests {
     use crate::scene::Scene;
 
     #[test]
-    fn a_request_that_comes_before_who_sits_at_the_desk_is_heard_once() {
+    fn a_request_sent_before_the_server_exists_is_served_exactly_once() {
         let session = Session::unique();
         let node = SessionNode::open(&session, &Contract::of(&Scene::default(), Pace::Lockstep)).unwrap();
         let early = node.service(PLANT).unwrap();
-        let asker = std::thread::spawn(move || ask(&session, Action::Step { periods: 3 }));
+        let client = std::thread::spawn(move || ask(&session, Action::Step { periods: 3 }));
         std::thread::sleep(Duration::from_millis(100));
         let service = ControlService::open(&node, PLANT, "plant").unwrap();
-        let (mut heard, start) = (0, Instant::now());
-        while start.elapsed() < PATIENCE && !asker.is_finished() {
-            for asked in std::iter::from_fn(|| service.next().unwrap()) {
-                heard += asked.request.count;
-                service.answer(asked, Reply::default()).unwrap();
+        let (mut served_periods, start) = (0, Instant::now());
+        while start.elapsed() < REPLY_TIMEOUT && !client.is_finished() {
+            for pending in std::iter::from_fn(|| service.next().unwrap()) {
+                served_periods += pending.request.count;
+                service.answer(pending, Reply::default()).unwrap();
             }
         }
-        assert!(asker.join().unwrap().is_ok());
-        assert_eq!(heard, 3);
+        assert!(client.join().unwrap().is_ok());
+        assert_eq!(served_periods, 3);
         drop(early);
     }
 }

@@ -1,8 +1,8 @@
-//! The topic that recorders listen to: in lockstep nothing is lost, in real time the plant never waits.
+//! The topic of the truth, for recorders. In lockstep no message is lost; in real time the plant never waits.
 
 use super::contract::Pace;
-use super::error::{PortError, broken};
 use super::node::{SessionNode, TRUTH, TRUTH_BUFFER, Topic};
+use crate::error::PortError;
 use crate::log;
 use crate::wire::{Stamped, Truth};
 use iceoryx2::port::listener::Listener;
@@ -14,16 +14,16 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Timeout with a recorder whose buffer is full, or that has not begun to read when all is said.
-const RECORDER_PATIENCE: Duration = Duration::from_secs(3);
+/// Longest wait for a recorder whose buffer is full, or that has not begun to read at the end of a run.
+const RECORDER_TIMEOUT: Duration = Duration::from_secs(3);
 
-/// Writing end of the truth.
+/// The writing end of the topic.
 #[derive(Debug)]
 pub(super) struct TruthSender {
     topic: Topic<Truth>,
     writer: Publisher<ipc::Service, Truth, ()>,
-    /// A recorder rings once it has read something.
-    notifier: Listener<ipc::Service>,
+    /// A recorder notifies the plant when it begins to read.
+    listener: Listener<ipc::Service>,
     lost: Arc<AtomicU64>,
     pace: Pace,
     sent: Cell<usize>,
@@ -34,49 +34,49 @@ pub(super) struct TruthSender {
 impl TruthSender {
     pub fn open(node: &SessionNode, pace: Pace) -> Result<TruthSender, PortError> {
         let lost = Arc::new(AtomicU64::new(0));
-        let (counter, gave_up) = (lost.clone(), AtomicBool::new(false));
-        // Called while a recorder's buffer is full. One that has once been given up is not waited for again.
+        let (lost_counter, timed_out) = (lost.clone(), AtomicBool::new(false));
+        // Called while the buffer of a recorder is full. After one timeout the plant never waits again.
         let when_full = move |full: &BackpressureInfo| {
-            if pace == Pace::Lockstep && full.elapsed_time < RECORDER_PATIENCE && !gave_up.load(Relaxed) {
+            if pace == Pace::Lockstep && full.elapsed_time < RECORDER_TIMEOUT && !timed_out.load(Relaxed) {
                 return BackpressureAction::Retry;
             }
-            if pace == Pace::Lockstep && !gave_up.swap(true, Relaxed) {
+            if pace == Pace::Lockstep && !timed_out.swap(true, Relaxed) {
                 log(format_args!(
-                    "the recorder has not read for {} s: going on without it",
-                    RECORDER_PATIENCE.as_secs()
+                    "the recorder has not read for {} s: the run continues without it",
+                    RECORDER_TIMEOUT.as_secs()
                 ));
             }
-            counter.fetch_add(1, Relaxed);
+            lost_counter.fetch_add(1, Relaxed);
             BackpressureAction::DiscardData
         };
         let topic = node.truth()?;
         let builder = topic.publisher_builder().max_loaned_samples(1).set_backpressure_handler(when_full);
-        let writer = builder.create().map_err(|e| broken("writing", e))?;
-        let notifier = node.event(TRUTH)?.listener_builder().create().map_err(|e| broken("the wake-up", e))?;
-        Ok(TruthSender { topic, writer, notifier, lost, pace, sent: Cell::new(0), is_read: Cell::new(false) })
+        let writer = builder.create().map_err(|e| PortError::failed("writing", e))?;
+        let listener = node.listener(TRUTH)?;
+        Ok(TruthSender { topic, writer, listener, lost, pace, sent: Cell::new(0), is_read: Cell::new(false) })
     }
 
-    /// Messages that a recorder did not get.
+    /// Number of messages that a recorder did not receive.
     pub fn lost(&self) -> u64 {
         self.lost.load(Relaxed)
     }
 
     pub fn send(&self, truth: Truth) -> Result<(), PortError> {
-        // One that has not begun to read does not count as connected: what no longer fits would be dropped in silence.
+        // iceoryx2 counts a recorder as connected only when it has begun to read. Until then it would drop messages silently.
         if self.pace == Pace::Lockstep && self.sent.replace(self.sent.get() + 1) == TRUTH_BUFFER {
             self.wait_for_recorder();
         }
-        let room = self.writer.loan_uninit().map_err(|e| broken("writing", e))?;
-        let mut sample = room.write_payload(truth);
+        let loan = self.writer.loan_uninit().map_err(|e| PortError::failed("writing", e))?;
+        let mut sample = loan.write_payload(truth);
         sample.payload_mut().seal();
-        sample.send().map_err(|e| broken("writing", e))?;
+        sample.send().map_err(|e| PortError::failed("writing", e))?;
         Ok(())
     }
 
-    /// Waits until a recorder has begun to read: it then reads the rest also after the plant has gone.
+    /// Waits until a recorder has begun to read. From then on it can read all messages, even after the plant has ended.
     pub fn wait_for_recorder(&self) {
         if !self.is_read.get() && self.topic.dynamic_config().number_of_subscribers() > 0 {
-            self.is_read.set(self.notifier.timed_wait(|_| (), RECORDER_PATIENCE).is_ok_and(|rings| rings > 0));
+            self.is_read.set(self.listener.timed_wait(|_| (), RECORDER_TIMEOUT).is_ok_and(|events| events > 0));
         }
     }
 }

@@ -1,22 +1,23 @@
-//! Which robots the controller walks: a trunk and two legs that are mirror images, each of hip pitch, knee pitch, ankle
-//! pitch and ankle roll. They come in the order, with the names and with the senses of rotation of [`table_1`](super::table_1).
+//! The bipeds that the controller can drive: a trunk and two legs that are mirror images of each other. Each leg has hip pitch, knee
+//! pitch, ankle pitch and ankle roll. The canonical form has the order, the names and the directions of rotation of
+//! [`table_1`](super::table_1).
 
 use super::{BIPED, Body, JointKind, TRUNK};
 
-/// Bodies of one leg.
+/// Number of bodies of one leg.
 const LEG: usize = 4;
-/// Differences of lengths, masses and inertias below this share are rounding [-].
+/// Relative difference of lengths, masses and inertias that counts as rounding [-].
 const ROUNDING: f64 = 1e-9;
 
-/// The bodies of a biped in the order and with the names of [`BIPED`], whatever theirs were. A right leg that is not there
-/// is made as the mirror image of the left one.
+/// The bodies of a biped in canonical form: order and names are those of [`BIPED`]. An absent right leg is made as the mirror image of
+/// the left one.
 ///
 /// # Errors
-/// What keeps them from being a biped.
+/// Why the bodies are not a biped.
 pub fn canonical_biped(bodies: &[Body]) -> Result<Vec<Body>, String> {
     let bases: Vec<&Body> = bodies.iter().filter(|body| body.joint.is_none()).collect();
     let [trunk] = bases[..] else {
-        return Err(format!("{} bodies have no joint, but one, the trunk, must be without", bases.len()));
+        return Err(format!("{} bodies have no joint, but exactly one, the trunk, must have none", bases.len()));
     };
     let mut hips = children_of(bodies, trunk);
     hips.sort_by(|a, b| lateral_position(b).total_cmp(&lateral_position(a)));
@@ -29,7 +30,7 @@ pub fn canonical_biped(bodies: &[Body]) -> Result<Vec<Body>, String> {
         return Err(format!("`{}` carries {} legs, but a biped has two", trunk.name, legs.len()));
     };
     if count != 1 + hips.len() * LEG {
-        return Err(format!("{} bodies are no part of the trunk or a leg", count - 1 - hips.len() * LEG));
+        return Err(format!("{} bodies are part of neither the trunk nor a leg", count - 1 - hips.len() * LEG));
     }
     if lateral_position(&left[0]) <= 0.0 {
         return Err(format!("the hip of `{}` must lie to the left, at y > 0", left[0].name));
@@ -51,13 +52,13 @@ fn lateral_position(body: &Body) -> f64 {
     body.joint.as_ref().map_or(0.0, |joint| joint.at[1])
 }
 
-/// Thigh, shank, ankle and foot.
+/// The bodies of a leg: thigh, shank, ankle and foot.
 fn leg(bodies: &[Body], hip: &Body) -> Result<Vec<Body>, String> {
     let mut leg = vec![hip.clone()];
     while let [next, others @ ..] = &children_of(bodies, &leg[leg.len() - 1])[..] {
         if !others.is_empty() || leg.len() > bodies.len() {
             return Err(format!(
-                "`{}` carries {} bodies, but a leg is a chain",
+                "`{}` carries {} bodies, but each body of a leg carries at most one",
                 leg[leg.len() - 1].name,
                 1 + others.len()
             ));
@@ -88,7 +89,7 @@ fn leg(bodies: &[Body], hip: &Body) -> Result<Vec<Body>, String> {
     Ok(leg)
 }
 
-/// Reflected in the plane y = 0; points from front to back and from left to right, as in Table 1.
+/// The mirror image in the plane y = 0. The contact points are sorted from front to back and from left to right, as in Table 1.
 fn mirrored(body: &Body) -> Body {
     let flip = |[x, y, z]: [f64; 3]| [x, 0.0 - y, z];
     let mut image = Body { com: flip(body.com), ..body.clone() };
@@ -105,7 +106,7 @@ fn sorted(mut points: Vec<[f64; 3]>) -> Vec<[f64; 3]> {
     points
 }
 
-/// Whether one leg's body is the mirror image of the other's.
+/// Checks that a body of the right leg is the mirror image of that of the left leg.
 fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
     let image = mirrored(left);
     let at = |body: &Body| body.joint.as_ref().map_or([0.0; 3], |joint| joint.at).to_vec();
@@ -123,34 +124,34 @@ fn require_mirror_image(left: &Body, right: &Body) -> Result<(), String> {
     match pairs.iter().find(|(_, image, right)| !close(image, right)) {
         None => Ok(()),
         Some((what, image, other)) => Err(format!(
-            "`{}` must be the mirror image of `{}`, whose {what} gives {image:?} and not {other:?}",
+            "`{}` must be the mirror image of `{}`, whose {what} requires {image:?}, not {other:?}",
             right.name, left.name
         )),
     }
 }
 
-/// A foot touches the ground with the corners of a flat sole.
+/// Checks that a foot has a flat sole.
 fn require_flat_sole(foot: &Body) -> Result<(), String> {
     let spread = |k: usize| {
         let values = || foot.contacts.iter().map(|point| point[k]);
         values().fold(f64::MIN, f64::max) - values().fold(f64::MAX, f64::min)
     };
     let flat = foot.contacts.len() >= 3 && spread(0) > 0.0 && spread(1) > 0.0 && spread(2) < ROUNDING;
-    let what = "needs the corners of a flat sole: three contact points or more of one height, not in a line";
+    let what = "needs the corners of a flat sole: at least three contact points at the same height, not on one line";
     if flat { Ok(()) } else { Err(format!("`{}` {what}", foot.name)) }
 }
 
-/// With name, parent and sense of rotation of the body at this place.
-fn with_canonical_name(body: &Body, place: usize) -> Body {
-    let mut body = Body { name: BIPED[place].into(), ..body.clone() };
+/// The body with the canonical name, parent and direction of rotation of the position `index`.
+fn with_canonical_name(body: &Body, index: usize) -> Body {
+    let mut body = Body { name: BIPED[index].into(), ..body.clone() };
     if let Some(joint) = &mut body.joint {
-        let toward_trunk = if body.name.starts_with("left") { place + 1 } else { place - 1 };
+        let toward_trunk = if body.name.starts_with("left") { index + 1 } else { index - 1 };
         joint.parent = BIPED[toward_trunk].into();
-        let sense = if place < BIPED.len() / 2 { -1.0 } else { 1.0 };
+        let sense = if index < BIPED.len() / 2 { -1.0 } else { 1.0 };
         if joint.axis.iter().sum::<f64>() * sense < 0.0 {
             joint.rest = 0.0 - joint.rest;
         }
-        let rolls = place == 0 || place == BIPED.len() - 1;
+        let rolls = index == 0 || index == BIPED.len() - 1;
         joint.axis = if rolls { [sense, 0.0, 0.0] } else { [0.0, sense, 0.0] };
     }
     debug_assert_eq!(BIPED[LEG], TRUNK);
@@ -163,13 +164,13 @@ mod tests {
     use crate::robot::table_1;
 
     #[test]
-    fn table_1_is_arranged_already_and_its_left_half_says_all() {
+    fn table_1_is_canonical_and_its_left_half_determines_it() {
         assert_eq!(canonical_biped(&table_1()), Ok(table_1()));
         assert_eq!(canonical_biped(&table_1()[..5]), Ok(table_1()));
     }
 
     #[test]
-    fn order_names_and_senses_do_not_matter() {
+    fn order_names_and_directions_of_rotation_do_not_matter() {
         let mut other = table_1();
         other.reverse();
         for body in &mut other {
@@ -183,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_biped_says_why() {
+    fn other_robots_are_refused_with_a_reason() {
         let refused = |change: &dyn Fn(&mut Vec<Body>), words: &str| {
             let mut bodies = table_1();
             change(&mut bodies);

@@ -1,67 +1,75 @@
-//! How one biped compares with another, and how another stands as the first does.
+//! Dynamic similarity of two bipeds, and the posture of one that corresponds to that of the other.
 //!
-//! Robots of one shape move alike if lengths go with L, masses with M and, gravity being what it is, times with √(L/g): then
-//! their Froude numbers v²/gL agree. L is the height of the centre of gravity, which is the length of the pendulum of (31),
-//! (32).
+//! Robots of the same shape move in the same way if lengths are proportional to L, masses to M and times to √(L/g). Then their Froude
+//! numbers v²/gL are equal. L is the height of the centre of gravity, which is the length of the pendulum of (31), (32).
 
 use super::{BIPED, Body};
 use nalgebra::{Matrix2, Vector2};
 
-/// Ratios of one biped's length and mass to another's; exactly 1 between equals.
+/// Pitch of a foot that counts as rounding [rad].
+const PITCH_ROUNDING: f64 = 1e-9;
+/// Accuracy of the centre of gravity, over the scale of lengths [m].
+const COM_TOLERANCE: f64 = 1e-12;
+/// Iterations of Newton's method. The limit only ends a search that has no solution.
+const MAX_ITERATIONS: usize = 50;
+/// Largest step of an iteration [rad].
+const MAX_STEP: f64 = 0.5;
+
+/// Ratios of one biped's length and mass to another's. They are exactly 1 for equal robots.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scale {
-    /// Heights of the centres of gravity, standing upright.
+    /// Ratio of the heights of the centres of gravity with straight legs [-].
     pub length: f64,
-    /// Masses.
+    /// Ratio of the masses [-].
     pub mass: f64,
 }
 
 impl Scale {
-    /// From one biped to another, both arranged as [`BIPED`].
+    /// The scale from one biped to another, both in the order of [`BIPED`].
     pub fn between(from: &[Body], to: &[Body]) -> Scale {
         let height = |bodies: &[Body]| Stance::of(bodies).com([0.0; 2]).y;
         let mass = |bodies: &[Body]| bodies.iter().map(|body| body.mass).sum::<f64>();
         Scale { length: height(to) / height(from), mass: mass(to) / mass(from) }
     }
 
-    /// Times, √L.
+    /// Ratio of times, √L [-].
     pub fn time(self) -> f64 {
         self.length.sqrt()
     }
 
-    /// Speeds, L/T.
+    /// Ratio of speeds, L/√L [-].
     pub fn speed(self) -> f64 {
         self.length / self.time()
     }
 
-    /// Torques, M L.
+    /// Ratio of torques, M L [-].
     pub fn torque(self) -> f64 {
         self.mass * self.length
     }
 
-    /// Moments of inertia, M L².
+    /// Ratio of moments of inertia, M L² [-].
     pub fn inertia(self) -> f64 {
         self.mass * self.length * self.length
     }
 }
 
-/// Angles at which `to` stands as `from` does at `joints`: feet flat, trunk upright, and the centre of gravity over the same
-/// place of the sole, its height by the scale. Joints that are no such stance stay as they are.
+/// Joint angles at which `to` stands as `from` does at `joints`: feet flat, trunk upright, centre of gravity over the corresponding
+/// point of the soles, its height scaled. If `joints` is not such a stance, it is returned unchanged.
 ///
 /// # Errors
-/// If no bend of the knees brings the centre of gravity there.
+/// If no knee angle brings the centre of gravity to that point.
 pub fn stance(from: &[Body], joints: &[f64], to: &[Body]) -> Result<Vec<f64>, String> {
     let [roll, ankle, knee, hip, right @ ..] = joints else { return Ok(joints.to_vec()) };
-    let stands = *roll == 0.0 && (ankle + knee + hip).abs() < 1e-9 && *right == [-hip, -knee, -ankle, 0.0];
+    let stands = *roll == 0.0 && (ankle + knee + hip).abs() < PITCH_ROUNDING && *right == [-hip, -knee, -ankle, 0.0];
     if !stands {
         return Ok(joints.to_vec());
     }
     let before = [-hip, -hip - knee];
     let scale = Scale::between(from, to).length;
     let target = scale * Stance::of(from).com(before);
-    let lean = Stance::of(to).lean(target, before, 1e-12 * scale).ok_or_else(|| {
-        format!("no bend of the knees brings its centre of gravity to {:.3} m above the soles", target.y)
-    })?;
+    let lean = Stance::of(to)
+        .lean(target, before, COM_TOLERANCE * scale)
+        .ok_or_else(|| format!("no knee angle brings its centre of gravity to {:.3} m above the soles", target.y))?;
     if lean == before {
         return Ok(joints.to_vec());
     }
@@ -70,8 +78,8 @@ pub fn stance(from: &[Body], joints: &[f64], to: &[Body]) -> Result<Vec<f64>, St
     Ok(vec![0.0, ankle, knee, hip, -hip, -knee, -ankle, 0.0])
 }
 
-/// The centre of gravity over the soles' centre as two rods show it, of thigh and shank: c = w + R(θ_t) u + R(θ_s) v, in the
-/// plane of x and z, for both legs alike and the trunk upright [m].
+/// Position of the centre of gravity over the centre of the soles as a function of the leans of thigh and shank, in the plane of x and
+/// z: c = w + R(θ_t) u + R(θ_s) v. The trunk is upright and both legs have the same angles [m].
 struct Stance {
     fixed: Vector2<f64>,
     thigh: Vector2<f64>,
@@ -79,7 +87,7 @@ struct Stance {
 }
 
 impl Stance {
-    /// Of bodies arranged as [`BIPED`]; others give a number without meaning.
+    /// The function for bodies in the order of [`BIPED`]. For other bodies the result has no meaning.
     fn of(bodies: &[Body]) -> Stance {
         let flat = |[x, _, z]: [f64; 3]| Vector2::new(x, z);
         let body = |k: usize| bodies.get(k).filter(|_| bodies.len() == BIPED.len());
@@ -101,29 +109,31 @@ impl Stance {
 
     /// The centre of gravity for these leans of thigh and shank about y [rad].
     fn com(&self, [thigh, shank]: [f64; 2]) -> Vector2<f64> {
-        self.fixed + turned(self.thigh, thigh) + turned(self.shank, shank)
+        self.fixed + rotated(self.thigh, thigh) + rotated(self.shank, shank)
     }
 
-    /// Leans for a centre of gravity within `tolerance` [m] of the target, by Newton's method.
+    /// Leans that bring the centre of gravity to within `tolerance` [m] of the target, by Newton's method.
     fn lean(&self, target: Vector2<f64>, guess: [f64; 2], tolerance: f64) -> Option<[f64; 2]> {
         let mut lean = guess;
-        for _ in 0..50 {
+        for _ in 0..MAX_ITERATIONS {
             let miss = target - self.com(lean);
             if miss.amax() <= tolerance {
-                return (lean[0] < lean[1]).then_some(lean); // knees forward
+                return (lean[0] < lean[1]).then_some(lean); // the knees must point forward
             }
             let quarter = std::f64::consts::FRAC_PI_2;
-            let slope =
-                Matrix2::from_columns(&[turned(self.thigh, lean[0] + quarter), turned(self.shank, lean[1] + quarter)]);
+            let slope = Matrix2::from_columns(&[
+                rotated(self.thigh, lean[0] + quarter),
+                rotated(self.shank, lean[1] + quarter),
+            ]);
             let step = slope.lu().solve(&miss)?;
-            lean = [lean[0] + step.x.clamp(-0.5, 0.5), lean[1] + step.y.clamp(-0.5, 0.5)];
+            lean = [lean[0] + step.x.clamp(-MAX_STEP, MAX_STEP), lean[1] + step.y.clamp(-MAX_STEP, MAX_STEP)];
         }
         None
     }
 }
 
-/// A vector of the plane of x and z, turned about y.
-fn turned(v: Vector2<f64>, angle: f64) -> Vector2<f64> {
+/// A vector in the plane of x and z, rotated about y.
+fn rotated(v: Vector2<f64>, angle: f64) -> Vector2<f64> {
     let (sin, cos) = angle.sin_cos();
     Vector2::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin)
 }
@@ -134,7 +144,7 @@ mod tests {
     use crate::robot::{CROUCH, table_1};
 
     #[test]
-    fn the_centre_of_gravity_of_table_1_is_where_it_is_known_to_be() {
+    fn the_centre_of_gravity_of_table_1_has_the_known_height() {
         let stance = Stance::of(&table_1());
         assert!((stance.com([0.0; 2]).y - 0.3196).abs() < 5e-5);
         let crouched = stance.com([-CROUCH[3], -CROUCH[3] - CROUCH[2]]);
@@ -142,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn equals_are_equal_to_the_bit_and_a_similar_robot_stands_at_the_same_angles() {
+    fn the_scale_of_equal_robots_is_exactly_1_and_a_similar_robot_stands_at_the_same_angles() {
         let (robot, mut big) = (table_1(), table_1());
         assert_eq!(Scale::between(&robot, &robot), Scale { length: 1.0, mass: 1.0 });
         assert_eq!(stance(&robot, &CROUCH, &robot), Ok(CROUCH.to_vec()));

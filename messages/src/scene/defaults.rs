@@ -1,4 +1,4 @@
-//! What a scene is where it says nothing.
+//! Default values of a scene.
 
 use super::{Base, ControllerScene, Gait, Initial, Law, LinkScene, Method, PlantScene, Sagittal, Scene, Switching};
 use crate::robot;
@@ -20,7 +20,7 @@ impl Default for Scene {
 }
 
 impl Scene {
-    /// What its robot is called.
+    /// Name of the robot.
     pub fn robot_name(&self) -> &str {
         let own = if self.bodies == robot::table_1() { "Table 1" } else { "bodies of the scene" };
         self.robot.as_deref().unwrap_or(own)

@@ -1,22 +1,22 @@
-//! Who is in a session: every member holds a shared lock on one file, which the system gives back even for the killed.
+//! Membership of a session: every member holds a shared lock on one file. The system releases the lock of a process that is killed.
 
-use super::{Session, StaleSession, private_file};
-use crate::port::PortError;
+use super::private_file::{self, is_current, remove};
+use super::{Session, StaleSession};
+use crate::error::PortError;
 use nix::fcntl::{FcntlArg, fcntl};
 use nix::libc::{F_WRLCK, SEEK_SET, flock};
-use std::fs::{File, Metadata};
-use std::os::unix::fs::{FileExt, MetadataExt};
+use std::fs::File;
+use std::os::unix::fs::FileExt;
 use std::os::unix::process::parent_id;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Timeout of the last one out with the locks of a parent that has just been killed.
+/// Longest wait of a leaving process for the lock of its parent, if that has just been killed.
 const ORPHANED_LOCK_TIMEOUT: Duration = Duration::from_millis(500);
-/// And with somebody who only looks whether the session is running, which takes microseconds.
+/// Longest wait for a process that only checks whether the session is running, which takes microseconds.
 const STATUS_CHECK_TIME: Duration = Duration::from_millis(2);
 
 impl Session {
-    /// Enters the session. The first one in sweeps what killed processes left, here and in sessions that are dead.
+    /// Joins the session. The first member removes the files of killed processes, in this session and in stale ones.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
@@ -33,10 +33,10 @@ impl Session {
                 StaleSession::all().iter().for_each(|dead| _ = dead.remove());
             }
             file.lock_shared().map_err(fail)?;
-            // The last one out may have removed the file just before it was locked here.
+            // The last member may have removed the file just before this process locked it.
             if is_current(&file, &path) {
                 private_file::folder(&self.root()).map_err(fail)?;
-                // told to whoever looks for running sessions
+                // `Session::running` reads the name from here.
                 file.write_all_at(self.name.as_bytes(), 0).map_err(fail)?;
                 return Ok(Membership { session: self.clone(), file, parent: parent_id() });
             }
@@ -44,18 +44,7 @@ impl Session {
     }
 }
 
-/// Whether this is the file that is there now, not one that has been removed.
-pub(super) fn is_current(file: &File, path: &Path) -> bool {
-    let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
-    std::fs::metadata(path).is_ok_and(same)
-}
-
-/// Removes a file or folder; what somebody else has just removed is gone as well.
-pub(super) fn remove(path: &Path) {
-    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
-}
-
-/// One process's part in a session. The last one out sweeps.
+/// Membership of one process. The last member that leaves removes the session's files.
 #[derive(Debug)]
 pub struct Membership {
     session: Session,
@@ -64,31 +53,31 @@ pub struct Membership {
 }
 
 impl Membership {
-    /// Whether the parent has ended, or its first thread, which the system takes for it, has.
+    /// Whether the parent has ended, or its first thread, by which the system reports the state of a process.
     fn is_orphaned(&self) -> bool {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.parent)).unwrap_or_default();
         let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
         parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
     }
 
-    /// How long to go on asking for the lock that is somebody else's.
-    fn patience(&self) -> Duration {
+    /// How long to wait for a lock that another process holds.
+    fn lock_timeout(&self) -> Duration {
         match self.is_orphaned() {
-            // A parent that was killed, and whose death ends us, gives its lock back a moment later: with its last thread.
+            // The parent was killed, and this process ends because of that. The parent's lock is released with its last thread.
             true => ORPHANED_LOCK_TIMEOUT,
-            // One that lives and is in the session is the last one out.
+            // The parent is alive and in the session, so it leaves after this process.
             false if self.session.is_member(self.parent) => Duration::ZERO,
             false => STATUS_CHECK_TIME,
         }
     }
 
-    /// Whether the session's files are still there. Somebody may have removed them, as logind does (RemoveIPC) when a user's last login
-    /// ends: who is in the session goes on, but nobody can join any more.
+    /// Whether the session's files still exist. Another program may have removed them, as logind does (RemoveIPC) when the last login
+    /// of a user ends. The members can go on, but no process can join any more.
     pub fn can_be_joined(&self) -> bool {
         is_current(&self.file, &self.session.lock_file())
     }
 
-    /// Takes the lead, which one member has at a time, as long as it is in the session: says whether it got it.
+    /// Tries to become the leader. Only one member is the leader, until it leaves. Returns whether this process is the leader now.
     pub fn try_lead(&self) -> bool {
         let first_byte = flock { l_type: F_WRLCK as _, l_whence: SEEK_SET as _, l_start: 0, l_len: 1, l_pid: 0 };
         fcntl(&self.file, FcntlArg::F_OFD_SETLK(&first_byte)).is_ok()
@@ -103,7 +92,7 @@ impl Drop for Membership {
     fn drop(&mut self) {
         let start = Instant::now();
         let mut last = self.file.try_lock().is_ok();
-        while !last && start.elapsed() < self.patience() {
+        while !last && start.elapsed() < self.lock_timeout() {
             std::thread::sleep(Duration::from_millis(1));
             last = self.file.try_lock().is_ok();
         }
@@ -119,18 +108,18 @@ mod tests {
     use std::sync::Barrier;
 
     #[test]
-    fn of_those_who_enter_at_once_one_has_the_lead() {
+    fn of_processes_that_join_at_the_same_time_one_becomes_the_leader() {
         for _ in 0..50 {
-            let (session, gate) = (Session::unique(), Barrier::new(4));
-            let enters = || {
-                gate.wait();
+            let (session, barrier) = (Session::unique(), Barrier::new(4));
+            let join = || {
+                barrier.wait();
                 let member = session.join().expect("shared memory");
                 let leads = member.try_lead();
-                gate.wait(); // nobody leaves before all have asked
+                barrier.wait(); // no member leaves before all have tried
                 leads
             };
             let leaders = std::thread::scope(|scope| {
-                let all: Vec<_> = (0..4).map(|_| scope.spawn(enters)).collect();
+                let all: Vec<_> = (0..4).map(|_| scope.spawn(join)).collect();
                 all.into_iter().filter_map(|one| one.join().ok()).filter(|leads| *leads).count()
             });
             assert_eq!(leaders, 1);
@@ -139,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn the_lead_is_free_again_once_its_holder_has_left() {
+    fn another_member_can_lead_after_the_leader_has_left() {
         let session = Session::unique();
         let [first, second] = [0, 1].map(|_| session.join().expect("shared memory"));
         assert!(first.try_lead() && !second.try_lead());

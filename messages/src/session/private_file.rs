@@ -1,5 +1,7 @@
-//! Files in shared memory that are this user's own. Everybody may write to /dev/shm: what lies there under one of our names may be
-//! somebody else's, a link or a pipe. So nothing is followed, nothing is waited for, and no more is read than belongs there.
+//! Files in shared memory that belong to this user.
+//!
+//! Every user may write to /dev/shm. A file under the name of one of ours may belong to another user, or be a link or a pipe.
+//! Therefore these functions follow no links, never block on a pipe, and limit how much they read.
 
 use nix::fcntl::OFlag;
 use nix::unistd::{Uid, User, getuid};
@@ -8,31 +10,31 @@ use std::io::{self, ErrorKind, Read};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt, OpenOptionsExt, PermissionsExt};
 use std::path::Path;
 
-/// What group and others may do with a file.
+/// Permissions of group and others.
 const OTHERS: u32 = 0o077;
-/// Writing by them.
+/// Write permission of group and others.
 const WRITTEN_BY_OTHERS: u32 = 0o022;
 
-/// Opens a regular file of this user; one that is made is for this user alone.
+/// Opens a regular file of this user. A new file is accessible to this user only.
 pub(super) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     let file = options.mode(0o600).custom_flags((OFlag::O_NOFOLLOW | OFlag::O_NONBLOCK).bits()).open(path);
-    // where it cannot be opened, for a link, a pipe that nobody reads, or somebody else's: say which
+    // If the file cannot be opened, its metadata show why: a link, a pipe without a reader, or a file of another user.
     let found = file.as_ref().map_or_else(|_| path.symlink_metadata(), File::metadata);
     match found.map(|found| (flaw(&found), found.is_file())) {
         Ok((Some(flaw), _)) => Err(foreign(path, &flaw)),
-        Ok((None, false)) => Err(foreign(path, "is no regular file")),
+        Ok((None, false)) => Err(foreign(path, "is not a regular file")),
         _ => file,
     }
 }
 
-/// Reads text, but no more bytes than so many.
+/// Reads text, at most `limit` bytes.
 pub(super) fn read(path: &Path, limit: u64) -> io::Result<String> {
     let mut text = String::new();
     open(path, OpenOptions::new().read(true))?.take(limit).read_to_string(&mut text)?;
     Ok(text)
 }
 
-/// Makes a folder for this user alone; one that is there must be this user's, and nobody else may write to it.
+/// Creates a folder for this user only. An existing folder must belong to this user, and no other user may write to it.
 pub(super) fn folder(path: &Path) -> io::Result<()> {
     match DirBuilder::new().mode(0o700).create(path) {
         Err(error) if error.kind() == ErrorKind::AlreadyExists => (),
@@ -41,29 +43,40 @@ pub(super) fn folder(path: &Path) -> io::Result<()> {
     let found = path.symlink_metadata()?;
     match flaw(&found) {
         Some(flaw) => Err(foreign(path, &flaw)),
-        None if !found.is_dir() => Err(foreign(path, "is no folder")),
-        None if found.mode() & WRITTEN_BY_OTHERS != 0 => Err(foreign(path, "may be written to by others")),
+        None if !found.is_dir() => Err(foreign(path, "is not a folder")),
+        None if found.mode() & WRITTEN_BY_OTHERS != 0 => Err(foreign(path, "is writable by other users")),
         None => Ok(()),
     }
 }
 
-/// Takes all rights from group and others.
+/// Removes all permissions of group and others.
 pub(super) fn restrict_access(path: &Path) {
     let open = |found: Metadata| found.is_file() && found.mode() & OTHERS != 0;
     if path.symlink_metadata().is_ok_and(open)
         && let Ok(file) = self::open(path, OpenOptions::new().read(true))
     {
-        let _ = file.set_permissions(Permissions::from_mode(0o600)); // it may just have been removed
+        let _ = file.set_permissions(Permissions::from_mode(0o600)); // the file may just have been removed
     }
 }
 
-/// Whose it is.
+/// Whether `file` is the file that exists at this path now, and not one that has been removed.
+pub(super) fn is_current(file: &File, path: &Path) -> bool {
+    let same = |found: Metadata| file.metadata().is_ok_and(|mine| mine.ino() == found.ino());
+    std::fs::metadata(path).is_ok_and(same)
+}
+
+/// Removes a file or folder. It is no error if another process has just removed it.
+pub(super) fn remove(path: &Path) {
+    let _ = if path.is_dir() { std::fs::remove_dir_all(path) } else { std::fs::remove_file(path) };
+}
+
+/// Name of a user, or the number if the user has no name.
 pub(super) fn owner(number: u32) -> String {
     let user = User::from_uid(Uid::from_raw(number)).ok().flatten();
     user.map_or_else(|| number.to_string(), |user| user.name)
 }
 
-/// What is wrong with the owner.
+/// Why the owner of a file is wrong; `None` if it is right.
 fn flaw(found: &Metadata) -> Option<String> {
     let ours = found.uid() == getuid().as_raw();
     (!ours).then(|| format!("belongs to user {}", owner(found.uid())))
@@ -83,7 +96,7 @@ mod tests {
     use nix::unistd::mkfifo;
     use std::os::unix::fs::symlink;
 
-    /// A folder of its own, gone at the end.
+    /// A temporary folder that is removed at the end.
     struct Scratch(std::path::PathBuf);
 
     impl Scratch {
@@ -101,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn pipes_links_and_folders_are_neither_waited_for_nor_followed() {
+    fn pipes_links_and_folders_are_refused_without_blocking() {
         let scratch = Scratch::new("kinds");
         let [pipe, link, folder, good] = ["pipe", "link", "folder", "good"].map(|name| scratch.0.join(name));
         mkfifo(&pipe, Mode::S_IRWXU).expect("a pipe");
@@ -111,7 +124,7 @@ mod tests {
         for bad in [&pipe, &link, &folder] {
             for options in [OpenOptions::new().read(true), OpenOptions::new().read(true).write(true).create(true)] {
                 let words = open(bad, options).expect_err("refused").to_string();
-                assert!(words.contains("is no regular file"), "{words}");
+                assert!(words.contains("is not a regular file"), "{words}");
             }
         }
         assert_eq!(read(&good, 3).expect("text"), "wor");
@@ -120,14 +133,14 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_to_which_others_may_write_is_refused_and_a_file_is_closed_to_them() {
+    fn a_folder_writable_by_others_is_refused_and_a_file_is_closed_to_them() {
         let scratch = Scratch::new("rights");
         let (folder, file) = (scratch.0.join("root"), scratch.0.join("file"));
         super::folder(&folder).expect("made");
         super::folder(&folder).expect("it is ours");
         std::fs::set_permissions(&folder, Permissions::from_mode(0o777)).expect("ours");
         let words = super::folder(&folder).expect_err("refused").to_string();
-        assert!(words.contains("may be written to by others"), "{words}");
+        assert!(words.contains("is writable by other users"), "{words}");
         std::fs::write(&file, "").expect("a file");
         std::fs::set_permissions(&file, Permissions::from_mode(0o666)).expect("ours");
         restrict_access(&file);

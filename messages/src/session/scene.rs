@@ -1,43 +1,43 @@
-//! What a session publishes beside its topics, as files that go with it: its scene, and what a peer has to know to take part.
+//! Files that a session stores for those who join it: its scene, and the environment of peers.
 
 use super::{SHARED_MEMORY, Session, private_file};
-use crate::port::PortError;
+use crate::error::PortError;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Greatest size of such a file [bytes]: the longest built-in scene takes six thousand.
+/// Largest size of such a file [bytes]. The longest built-in scene has 6000.
 const LONGEST: u64 = 1 << 24;
 
 impl Session {
-    /// Publishes the scene, as TOML.
+    /// Stores the scene as TOML. The file is removed with the other files of the session.
     ///
     /// # Errors
-    /// [`PortError::SharedMemory`] if there is no room for it.
+    /// [`PortError::SharedMemory`] if the file cannot be written.
     pub fn publish_scene(&self, text: &str) -> Result<(), PortError> {
         self.write("scene", text)
     }
 
-    /// Publishes the environment of peers, as JSON.
+    /// Stores the environment of peers as JSON.
     ///
     /// # Errors
-    /// [`PortError::SharedMemory`] if there is no room for it.
+    /// [`PortError::SharedMemory`] if the file cannot be written.
     pub(crate) fn publish_environment(&self, text: &str) -> Result<(), PortError> {
         self.write("environment", text)
     }
 
-    /// The scene as TOML, if it has been published.
+    /// The scene as TOML, if it has been stored.
     pub fn scene(&self) -> Option<String> {
         private_file::read(&self.file("scene"), LONGEST).ok()
     }
 
-    /// The environment of peers as JSON, if it has been published.
+    /// The environment of peers as JSON, if it has been stored.
     pub fn environment(&self) -> Option<String> {
         private_file::read(&self.file("environment"), LONGEST).ok()
     }
 
     fn write(&self, name: &str, text: &str) -> Result<(), PortError> {
-        // a draft of one's own: launcher and plant publish at the same time
+        // Launcher and plant store it at the same time, so each writes a draft of its own first.
         let (draft, path) = (self.file(&format!("draft_{}", std::process::id())), self.file(name));
         let write = || {
             let mut file = private_file::open(&draft, File::options().write(true).create(true).truncate(true))?;

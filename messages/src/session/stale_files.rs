@@ -1,5 +1,5 @@
-//! What a process left half made or half removed in a session that others are in, because it was killed amid that; it
-//! would be in the way of whoever takes its place (iceoryx2 0.10).
+//! Incomplete files of a process that was killed while it created or removed them, in a session that other processes are still in.
+//! They would block its successor (iceoryx2 0.10).
 
 use super::Session;
 use std::ffi::OsString;
@@ -8,29 +8,29 @@ use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What is half done for so long is never finished: the living take microseconds.
+/// A file that is incomplete for this long belongs to a process that was killed. A live process takes microseconds.
 const STALE_AFTER: Duration = Duration::from_millis(100);
-/// It is looked at this often, so that the living are not waited for any longer.
-const LOOK: Duration = Duration::from_millis(1);
+/// Interval of the checks for incomplete files.
+const CHECK_INTERVAL: Duration = Duration::from_millis(1);
 
 impl Session {
-    /// Removes what was left half made: segments without a size, for which whoever opens one as root waits for ever, and
-    /// services of which not all was written.
+    /// Removes files that were not created completely: segments without a size, at which a process of root waits for ever when it opens
+    /// one, and service files that were not written completely.
     pub(crate) fn remove_incomplete_files(&self) {
         clear(|| {
-            let all = self.shm_files().into_iter().chain(within(&self.services()));
+            let all = self.shm_files().into_iter().chain(files_in(&self.services()));
             all.filter(|path| is_incomplete(path)).collect()
         });
     }
 
-    /// Removes services that nobody uses: who was the last to use one was killed amid removing it. A process that makes,
-    /// uses or removes a service has a tag of it among the files of its node; those of the dead must have been removed.
+    /// Removes service files that no process uses: the last user was killed while it removed the file. A process that creates, uses or
+    /// removes a service keeps a tag of it in the folder of its node. The tags of dead nodes must already have been removed.
     pub(crate) fn remove_unused_services(&self) {
         clear(|| {
-            // the services first: one that is made meanwhile has its tag before
-            let services: Vec<PathBuf> = within(&self.services()).collect();
-            let tags: Vec<OsString> = within(&self.root().join("nodes"))
-                .flat_map(|node| within(&node))
+            // The services are listed first, because a service that is created meanwhile has its tag before its file.
+            let services: Vec<PathBuf> = files_in(&self.services()).collect();
+            let tags: Vec<OsString> = files_in(&self.root().join("nodes"))
+                .flat_map(|node| files_in(&node))
                 .filter(|path| path.extension().is_some_and(|end| end == "service_tag"))
                 .filter_map(|path| path.file_stem().map(Into::into))
                 .collect();
@@ -44,30 +44,30 @@ impl Session {
     }
 }
 
-/// Removes the files that `find` finds again and again.
+/// Removes the files that `find` returns each time until [`STALE_AFTER`] is over.
 fn clear(find: impl Fn() -> Vec<PathBuf>) {
     let (start, mut found) = (Instant::now(), find());
     while !found.is_empty() && start.elapsed() < STALE_AFTER {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(CHECK_INTERVAL);
         let still = find();
         found.retain(|path| still.contains(path));
     }
     found.iter().for_each(|path| _ = std::fs::remove_file(path));
 }
 
-/// What is in a folder; nothing if there is none.
-fn within(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
+/// Content of a folder; empty if the folder does not exist.
+fn files_in(folder: &Path) -> impl Iterator<Item = PathBuf> + use<> {
     read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path())
 }
 
-/// A segment may be read only when it is finished, a service only then no longer be written.
+/// Whether a file is incomplete. iceoryx2 makes a segment readable, and a service file read-only, when it is complete.
 fn is_incomplete(path: &Path) -> bool {
     let is_service = path.extension().is_some_and(|end| end == "service");
-    let is_it = |file: Metadata| match is_service {
+    let incomplete = |file: Metadata| match is_service {
         true => file.mode() & 0o200 != 0,
         false => file.is_file() && file.len() == 0 && file.mode() & 0o777 == 0o200,
     };
-    path.symlink_metadata().is_ok_and(is_it)
+    path.symlink_metadata().is_ok_and(incomplete)
 }
 
 #[cfg(test)]
@@ -76,9 +76,9 @@ mod tests {
     use std::cell::Cell;
 
     #[test]
-    fn what_is_finished_meanwhile_is_not_waited_for() {
+    fn files_that_become_complete_are_kept_without_a_long_wait() {
         let session = Session::unique();
-        let _member = session.join().expect("shared memory"); // or whoever enters a session sweeps this one
+        let _member = session.join().expect("shared memory"); // otherwise a process that joins another session would remove the files of this one
         let file = session.root().with_extension("half");
         let clearing = |finds: u32| {
             let (start, left) = (Instant::now(), Cell::new(finds));
@@ -96,9 +96,9 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_uses_goes_and_what_somebody_uses_stays() {
+    fn unused_services_are_removed_and_used_ones_stay() {
         let session = Session::unique();
-        let member = session.join().expect("shared memory"); // or whoever enters a session sweeps this one
+        let member = session.join().expect("shared memory"); // otherwise a process that joins another session would remove the files of this one
         let node = session.root().join("nodes/1");
         let services: [PathBuf; 2] = ["used", "unused"].map(|name| session.services().join(format!("{name}.service")));
         std::fs::create_dir_all(&node).expect("a folder");

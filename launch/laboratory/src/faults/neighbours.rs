@@ -45,7 +45,7 @@ pub fn laid(random: &mut fastrand::Rng) -> Trial {
     let took = start.elapsed();
     let _ = std::fs::remove_file(&list).or_else(|_| std::fs::remove_dir(&list));
     match ended? {
-        (status, words) if is(status, Exit::SharedMemory) && words.contains("is no regular file") => {
+        (status, words) if is(status, Exit::SharedMemory) && words.contains("is not a regular file") => {
             cleared(&session, took.into())
         }
         (status, words) => Err(format!("{status}: {words}")),

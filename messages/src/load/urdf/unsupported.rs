@@ -1,43 +1,46 @@
-//! What a URDF file may say that joints here do not have. It changes how the robot moves, so it is refused, never dropped.
+//! Properties of URDF joints that this simulator does not model. They would change the motion of the robot, so a file that uses them is
+//! refused.
 //!
-//! | from | is accepted if |
+//! | property | accepted if |
 //! |---|---|
 //! | `type` | `revolute`, `continuous`, `prismatic`, `fixed` |
-//! | `mimic`, `safety_controller` | there is none |
-//! | `lower`, `upper` | the joint never gets there: [`TURN`], [`FAR`] |
-//! | `velocity` | no drive is so fast: [`FAST`] |
-//! | `friction` | it is 0 |
+//! | `mimic`, `safety_controller` | absent |
+//! | `lower`, `upper` | out of reach: [`FREE_ANGLE`], [`FREE_TRAVEL`] |
+//! | `velocity` | out of reach: [`FREE_SPEED`] |
+//! | `friction` | 0 |
 
-use super::{Node, Parsed, attribute, child, optional};
+use super::xml::{Parsed, attribute, child, optional};
+use roxmltree::Node;
 use std::f64::consts::TAU;
 
-/// A stop beyond a whole turn is none for a leg [rad].
-const TURN: f64 = TAU;
-/// Nor is one beyond this for a slide [m].
-const FAR: f64 = 10.0;
-/// A limit of the speed that no leg reaches [rad/s or m/s]: the fastest drives of robots have 30 to 50.
-const FAST: f64 = 100.0;
+/// A leg cannot reach a stop beyond a whole turn [rad].
+const FREE_ANGLE: f64 = TAU;
+/// A prismatic joint cannot reach a stop beyond this [m].
+const FREE_TRAVEL: f64 = 10.0;
+/// No leg reaches this speed [rad/s or m/s]. The fastest drives of robots reach 30 to 50.
+const FREE_SPEED: f64 = 100.0;
 
-/// Refuses it, all joints of the first kind that is found in one sentence; what no edit of numbers can mend is first.
+/// Refuses the file if a joint has such a property. One sentence names all joints with the first property found. Properties that no
+/// change of numbers can correct come first.
 pub(super) fn refuse(joints: &[Node]) -> Parsed<()> {
     let kinds: [(&str, JointTest); 6] = [
         (
-            "neither revolute, continuous, prismatic nor fixed, but joints here turn or slide about one axis",
+            "neither revolute, continuous, prismatic nor fixed, but a joint must have one axis of rotation or translation",
             is_of_another_type,
         ),
-        ("coupled (mimic), but joints here move by themselves: leave out `mimic`, or fix the joint", |joint| {
+        ("coupled (mimic), but joints move independently here: remove `mimic`, or make the joint fixed", |joint| {
             Ok(child(joint, "mimic").is_some())
         }),
         (
-            "limited by a safety_controller, which is not modelled: leave it out, or make it part of the controller",
+            "limited by a safety_controller, which is not modelled: remove it, or make it part of the controller",
             |joint| Ok(child(joint, "safety_controller").is_some()),
         ),
-        ("subject to dry friction, but joints here have damping alone: set `friction` to 0", has_friction),
+        ("subject to dry friction, but joints have only damping here: set `friction` to 0", has_friction),
         (
-            "limited by stops (lower, upper), but joints here have none: make them `continuous`, or a slide's limits 10 m and more",
+            "limited by stops (lower, upper), but joints have no stops here: use the type `continuous`, or limits of 10 m and more for a prismatic joint",
             has_stops,
         ),
-        ("limited in speed (velocity), but drives here are limited in torque alone: set `velocity` to 1000", is_slow),
+        ("limited in speed (velocity), but drives have only a torque limit here: set `velocity` to 1000", is_slow),
     ];
     for (what, check) in kinds {
         let mut found = vec![];
@@ -67,24 +70,24 @@ fn has_friction(joint: Node) -> Parsed<bool> {
 fn has_stops(joint: Node) -> Parsed<bool> {
     let Some(limit) = child(joint, "limit") else { return Ok(false) };
     let far = match attribute(joint, "type")? {
-        "revolute" => TURN,
-        "prismatic" => FAR,
-        _ => return Ok(false), // a continuous joint has none, whatever is written
+        "revolute" => FREE_ANGLE,
+        "prismatic" => FREE_TRAVEL,
+        _ => return Ok(false), // a continuous joint has no stops, whatever the file says
     };
-    // without a number a stop is at 0, as the format says; but where both are missing none is meant
-    let meant = ["lower", "upper"].iter().any(|key| limit.attribute(*key).is_some());
-    Ok(meant && (optional(limit, "lower", 0.0)? > -far || optional(limit, "upper", 0.0)? < far))
+    // By the format a missing limit is 0. If both are missing, the joint has no stops.
+    let has_limits = ["lower", "upper"].iter().any(|key| limit.attribute(*key).is_some());
+    Ok(has_limits && (optional(limit, "lower", 0.0)? > -far || optional(limit, "upper", 0.0)? < far))
 }
 
 fn is_slow(joint: Node) -> Parsed<bool> {
-    child(joint, "limit").map_or(Ok(false), |limit| Ok(optional(limit, "velocity", f64::INFINITY)? < FAST))
+    child(joint, "limit").map_or(Ok(false), |limit| Ok(optional(limit, "velocity", f64::INFINITY)? < FREE_SPEED))
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::parse;
 
-    /// A robot of two links, whose joint is of this type and has this within.
+    /// A robot of two links whose joint has this type and these child elements.
     fn robot(kind: &str, within: &str) -> String {
         let link = |name| {
             format!(
@@ -100,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn what_joints_do_not_have_is_refused_and_what_they_never_meet_is_not() {
+    fn unsupported_properties_are_refused_unless_they_are_out_of_reach() {
         for (kind, within, words) in [
             ("floating", "", "neither revolute"),
             ("revolute", "<mimic joint='k'/>", "mimic"),
@@ -120,18 +123,18 @@ mod tests {
             ("continuous", "<limit lower='0' upper='0' effort='1'/>"),
             ("prismatic", "<limit lower='-10' upper='10' effort='1'/>"),
         ] {
-            parse(&robot(kind, within)).expect("a robot, for all the rounding in it");
+            parse(&robot(kind, within)).expect("a robot with rounding errors");
         }
     }
 
     #[test]
-    fn what_no_number_mends_is_named_first() {
+    fn properties_that_no_number_can_correct_are_named_first() {
         let both = "<mimic joint='k'/><dynamics friction='1'/><limit lower='0' upper='1' effort='1'/>";
         assert!(parse(&robot("revolute", both)).expect_err("coupled").contains("mimic"));
     }
 
     #[test]
-    fn turned_frames_and_products_of_inertia_beyond_rounding_are_refused() {
+    fn rotated_frames_and_products_of_inertia_beyond_rounding_are_refused() {
         let good = robot("continuous", "");
         for (from, to, words) in [("1e-18", "1e-3", "ixy"), ("-1e-17", "1e-3", "rpy")] {
             let refused = parse(&good.replace(from, to)).expect_err(words);

@@ -1,42 +1,42 @@
-//! Why a link could not be made or broke.
+//! Errors of the connection between the processes of a session.
 
 use std::fmt::Debug;
 use thiserror::Error;
 
-/// Why a link could not be made or broke.
+/// Why a connection could not be opened, or why it failed.
 #[derive(Debug, Error)]
 pub enum PortError {
-    /// A name that cannot be part of a file name.
+    /// The name of a session is not allowed.
     #[error("`{name}` cannot name a session: use 1 to 32 letters, digits or hyphens")]
     SessionName {
-        /// As given.
+        /// Name as given.
         name: String,
     },
-    /// The other side brings another contract.
+    /// The other side has another contract.
     #[error(
-        "session `{session}` speaks {what} {theirs}, this process {ours}: start both with the same program, scene and options"
+        "session `{session}` has {what} {theirs}, but this process has {ours}: start both with the same program, scene and options"
     )]
     Incompatible {
         /// Name of the session.
         session: String,
-        /// Which part of the contract.
+        /// Part of the contract that differs.
         what: &'static str,
-        /// Value already there.
+        /// Value of the session.
         theirs: String,
-        /// Value brought.
+        /// Value of this process.
         ours: String,
     },
-    /// The topic was made by something else.
+    /// The topic was created by a different program.
     #[error(
         "session `{session}` was made by another version of this program ({reason}): end that one, or use another --session"
     )]
     Foreign {
         /// Name of the session.
         session: String,
-        /// As iceoryx2 says it.
+        /// Reason as iceoryx2 reports it.
         reason: String,
     },
-    /// There may be only one.
+    /// The session already has a process of this role, and only one is allowed.
     #[error("session `{session}` already has a {role}: end that one, or use another --session")]
     Taken {
         /// Name of the session.
@@ -44,15 +44,15 @@ pub enum PortError {
         /// Plant or controller.
         role: &'static str,
     },
-    /// Nobody has made it, or nobody is left.
+    /// No process is in the session.
     #[error("no session `{session}` is running: {}", advice(.other.as_deref()))]
     NoSession {
         /// Name of the session.
         session: String,
-        /// Another user who has one of that name.
+        /// Another user who has a session of that name.
         other: Option<String>,
     },
-    /// Nobody answers at a service.
+    /// The control service does not answer.
     #[error("session `{session}` has no {role} that answers")]
     Absent {
         /// Name of the session.
@@ -65,13 +65,15 @@ pub enum PortError {
     SharedMemory(String),
 }
 
-/// Where to look for a session.
-fn advice(other: Option<&str>) -> String {
-    let of_other = |user| format!("that of user {user} is theirs alone, as sessions are each user's own");
-    other.map_or_else(|| "`biped doctor` lists those that are".into(), of_other)
+impl PortError {
+    /// An operation of iceoryx2 failed for this reason.
+    pub(crate) fn failed(what: &str, reason: impl Debug) -> PortError {
+        PortError::SharedMemory(format!("{what} failed: {reason:?}"))
+    }
 }
 
-/// What iceoryx2 said of a step that failed.
-pub(super) fn broken(what: &str, reason: impl Debug) -> PortError {
-    PortError::SharedMemory(format!("{what} failed: {reason:?}"))
+/// How to find the right session.
+fn advice(other: Option<&str>) -> String {
+    let of_other = |user| format!("the session of that name belongs to user {user}, and only that user can join it");
+    other.map_or_else(|| "`biped doctor` lists the running sessions".into(), of_other)
 }

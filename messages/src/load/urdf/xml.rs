@@ -1,0 +1,45 @@
+//! Reading elements and attributes of a URDF file.
+
+use roxmltree::Node;
+
+/// Result of reading a part of the file. An error is one sentence.
+pub type Parsed<T> = Result<T, String>;
+
+/// Children of a node with this tag.
+pub fn children<'a>(node: Node<'a, 'a>, tag: &'static str) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children().filter(move |child| child.tag_name().name() == tag)
+}
+
+/// First child of a node with this tag.
+pub fn child<'a>(node: Node<'a, 'a>, tag: &'static str) -> Option<Node<'a, 'a>> {
+    children(node, tag).next()
+}
+
+/// Name of the link at an end of a joint: `parent` or `child`.
+pub fn linked<'a>(joint: Node<'a, 'a>, end: &'static str) -> Option<&'a str> {
+    child(joint, end)?.attribute("link")
+}
+
+/// Attribute of a node.
+pub fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Parsed<&'a str> {
+    node.attribute(key).ok_or_else(|| format!("a {} has no {key}", node.tag_name().name()))
+}
+
+/// Attribute of a node as a number.
+pub fn number(node: Node, key: &str) -> Parsed<f64> {
+    let text = attribute(node, key)?;
+    text.trim().parse().map_err(|_| format!("{key}=\"{text}\" of {} is not a number", node.tag_name().name()))
+}
+
+/// Attribute of a node as a number, or `otherwise` if it is absent.
+pub fn optional(node: Node, key: &str, otherwise: f64) -> Parsed<f64> {
+    node.attribute(key).map_or(Ok(otherwise), |_| number(node, key))
+}
+
+/// Attribute of a node as three numbers.
+pub fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
+    let text = attribute(node, key)?;
+    let parts: Option<Vec<f64>> = text.split_whitespace().map(|part| part.parse().ok()).collect();
+    let parts = parts.and_then(|parts| parts.try_into().ok());
+    parts.ok_or_else(|| format!("{key}=\"{text}\" of {} is not three numbers", node.tag_name().name()))
+}

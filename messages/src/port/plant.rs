@@ -1,0 +1,131 @@
+//! The plant's end of the connection.
+
+use super::contract::Contract;
+use super::node::{COMMAND, SENSORS, SessionNode};
+use super::receiver::Receiver;
+use super::sender::Sender;
+use super::service::{self, ControlService, PendingRequest};
+use super::truth::TruthSender;
+use super::waiting::Waiting;
+use crate::error::PortError;
+use crate::session::Session;
+use crate::wire::{Command, Reply, Sensors, Truth};
+use std::time::Duration;
+
+/// A tunnel looks for messages at least this often.
+const TUNNEL_POLL: Duration = Duration::from_millis(200);
+
+/// The plant's end of the connection.
+#[derive(Debug)]
+pub struct PlantPort {
+    sensors: Sender<Sensors>,
+    command: Receiver<Command>,
+    truth: TruthSender,
+    service: ControlService,
+    node: SessionNode,
+}
+
+impl PlantPort {
+    /// Joins a session as its plant.
+    ///
+    /// # Errors
+    /// See [`PortError`].
+    pub fn open(session: &Session, contract: &Contract) -> Result<PlantPort, PortError> {
+        let node = SessionNode::open(session, contract)?;
+        let sensors = Sender::open(&node, SENSORS, "plant", || false)?;
+        let (command, truth) =
+            (Receiver::open(&node, COMMAND, contract.pace)?, TruthSender::open(&node, contract.pace)?);
+        let service = ControlService::open(&node, service::PLANT, "plant")?;
+        node.reserve()?;
+        Ok(PlantPort { sensors, command, truth, service, node })
+    }
+
+    /// The same port with this way of waiting instead of [`Waiting::Hybrid`].
+    pub fn waiting(mut self, waiting: Waiting) -> PlantPort {
+        (self.sensors.waiting, self.command.waiting) = (waiting, waiting);
+        self
+    }
+
+    /// Seals and sends sensors, and wakes the controller.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    #[inline]
+    pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
+        self.sensors.send(sensors, self.command.peer_sent_ns)
+    }
+
+    /// Sends sensors without sealing them. Tests use this for damaged messages.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn send_raw(&self, sensors: Sensors) -> Result<(), PortError> {
+        self.sensors.write(sensors, |_| (), self.command.peer_sent_ns)
+    }
+
+    /// Seals the truth and sends it to the recorders.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn record(&self, truth: Truth) -> Result<(), PortError> {
+        self.truth.send(truth)
+    }
+
+    /// The next command that has arrived, not yet validated.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    #[inline]
+    pub fn try_receive(&mut self) -> Result<Option<Command>, PortError> {
+        self.command.next()
+    }
+
+    /// The next request, if there is one.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn next_request(&self) -> Result<Option<PendingRequest>, PortError> {
+        self.service.next()
+    }
+
+    /// Seals and sends the reply to a request, and reports both to the recorders. It is no error if the client has gone.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn answer(&self, pending: PendingRequest, reply: Reply) -> Result<(), PortError> {
+        self.service.answer(pending, reply)
+    }
+
+    /// Waits up to 10 ms for a command. A caller can therefore notice a stop request between two calls. A controller that has just
+    /// joined gets the last sensors.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    #[inline]
+    pub fn wait(&mut self) -> Result<Option<Command>, PortError> {
+        self.sensors.prepare()?;
+        let command = self.command.wait()?;
+        if command.is_none() {
+            self.sensors.catch_up()?;
+        }
+        Ok(command)
+    }
+
+    /// To be called after the last message of a run: waits a short time for a recorder that has not begun to read.
+    pub fn finish(&self) {
+        self.truth.wait_for_recorder();
+        self.wait_for_tunnel();
+    }
+
+    /// To be called after the last message of a process. A tunnel polls, so the port must stay open until it has read that message.
+    pub fn wait_for_tunnel(&self) {
+        if self.node.has_tunnel() {
+            std::thread::sleep(TUNNEL_POLL);
+        }
+    }
+
+    /// Number of messages of truth that a recorder did not receive.
+    pub fn unrecorded(&self) -> u64 {
+        self.truth.lost()
+    }
+}
