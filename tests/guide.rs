@@ -59,7 +59,10 @@ fn the_steps_of_the_guide_print_what_it_shows() {
         let code = mark.strip_prefix("checked: exit ").map_or(0, |code| code.parse().expect("an exit code"));
         let printed = printed(body, code, &folder);
         for shown in block(rest).0.lines() {
-            assert!(printed.lines().any(|line| shows(line, shown)), "`{shown}` is not in what\n{body}prints:\n{printed}");
+            assert!(
+                printed.lines().any(|line| shows(line, shown)),
+                "`{shown}` is not in what\n{body}prints:\n{printed}"
+            );
         }
         steps += 1;
     }
