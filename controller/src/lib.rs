@@ -1,5 +1,27 @@
 //! The walking controller: it computes joint torques from encoder counts at a fixed rate.
 //!
+//! [`Controller`] is the walking controller of Fujimoto & Kawamura (1995). Once per control period it estimates joint angles and rates, plans the
+//! motion of the centre of gravity as that of two pendulums, places the swing foot, resolves both into joint rates, and drives the joints by a
+//! sliding-mode servo with disturbance observer. It sees encoders alone. Its gains follow from the robot by dynamic similarity, so a robot of
+//! another size needs no tuning; a controller that is started in mid-step finds the phase from two readings and continues.
+//!
+//! At the first tick the robot stands with bent knees, and the servo has to carry its weight:
+//!
+//! ```
+//! use controller::Controller;
+//! use messages::{load, wire::Encoders};
+//! use std::f64::consts::TAU;
+//!
+//! let posture = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0]; // [rad], from the left foot to the right one
+//! let scene = load::parse("controller = { gait = \"stand\" }", "stand")?;
+//! let mut controller = Controller::new(&scene)?;
+//! let count = |angle: f64| (angle / TAU * 2f64.powi(scene.plant.encoder_bits as i32)).round() as i64;
+//! let torques = controller.tick(&Encoders { counts: posture.map(count) })?.torque; // [N·m]
+//! assert!(torques[2].abs() > 1.0, "the left knee");
+//! assert!(torques.iter().all(|torque| torque.abs() <= scene.plant.torque_limit));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! | level of the paper | what | where |
 //! |---|---|---|
 //! | all | one control period: read, observe, plan, resolve, drive | [`tick`] |

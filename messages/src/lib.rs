@@ -1,5 +1,24 @@
 //! What plant and controller share: the messages between them, and the scene that both read.
 //!
+//! Everything that both processes must agree on is here: the messages with their layout, check sum and schema hash; scenes and robots as data,
+//! read from TOML and URDF and checked; sessions, which are sets of files in shared memory; and ports, the ends of the topics of a session. The
+//! crate computes nothing about the robot. A foreign program needs no Rust: [`describe`] prints the same messages for C and Python.
+//!
+//! A scene is plain data. What a text leaves out has its default, and a wrong key gets a sentence that says where and what would be right:
+//!
+//! ```
+//! use messages::{load, scene::Method};
+//!
+//! let scene = load::parse("duration = 2.0\nplant = { friction = 0.3 }", "my scene")?;
+//! assert_eq!((scene.plant.friction, scene.plant.method), (0.3, Method::MidpointContact));
+//! assert_eq!(scene.bodies.len(), 9); // the robot of the paper's Table 1
+//! assert_eq!(load::parse(&load::text(&scene), "written and read back")?, scene);
+//!
+//! let error = load::parse("plant = { fricton = 0.3 }", "my scene").unwrap_err().to_string();
+//! assert!(error.starts_with("my scene: ") && error.contains("unknown field `fricton`"));
+//! # Ok::<(), load::SceneError>(())
+//! ```
+//!
 //! | what | where |
 //! |---|---|
 //! | messages, schema hash | [`wire`] |

@@ -1,5 +1,34 @@
 //! The plant: a tree of rigid bodies in contact with the ground, after Fujimoto & Kawamura (1995).
 //!
+//! [`Plant`] is the robot with its ground and drives: torques in, encoder counts out, one control period at a time. Each step assembles the
+//! equations of motion (1), finds the contact points that may touch, and solves for the impulse that makes the velocity after the step obey
+//! Coulomb's law; [`step`] lists the stages and the ten integration methods. A step allocates nothing, reads no clock, and repeats to the bit.
+//! [`Simulation`] adds what stands between a controller and the drives: delay, validation, watchdog. [`process`] is the process around it.
+//!
+//! A brick slides on level ground until friction stops it, after v²/(2 μ g):
+//!
+//! ```
+//! use messages::load;
+//! use plant::Plant;
+//!
+//! let scene = load::parse(r#"
+//!     plant = { friction = 0.5 }
+//!     initial = { clearance = 0.0, velocity = [2.0, 0.0, 0.0] }
+//!     [[bodies]]
+//!     name = "brick"
+//!     mass = 1.0
+//!     size = [0.2, 0.1, 0.06]
+//!     contacts = [[0.1, 0.05, -0.03], [0.1, -0.05, -0.03], [-0.1, 0.05, -0.03], [-0.1, -0.05, -0.03]]
+//! "#, "brick")?;
+//! let mut plant = Plant::new(&scene)?;
+//! for _period in 0..500 {
+//!     plant.advance(&Default::default())?; // no motors: the torques are zero
+//! }
+//! let exact = 2.0 * 2.0 / (2.0 * 0.5 * 9.81);
+//! assert!((plant.truth().base_position[0] - exact).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! | what | where |
 //! |---|---|
 //! | links, joints and base as a tree | [`model`] |
