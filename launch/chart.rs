@@ -50,8 +50,8 @@ pub struct ChartArgs {
     /// Coarse steps and few of them: everything is drawn, within a minute
     #[arg(long)]
     quick: bool,
-    /// Measure other engines too, installed into a virtual environment of Python; or take the rows of a table of them
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    /// Measure other engines too, installed into a virtual environment of Python; or take a table of them, or a folder of their runs
+    #[arg(long, value_name = "PATH", num_args = 0..=1, require_equals = true)]
     peers: Option<Option<PathBuf>>,
     /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
     #[arg(long)]
@@ -102,7 +102,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         None => vec![alone],
         Some(None) => {
             write(&rows, &[alone]).map_err(failed)?; // what follows takes minutes, and may fail
-            let (found, left_out) = peers::rows(&args.out, &args.scenes, args.quick, &watch)?;
+            let (found, left_out) = peers::rows(&args.out, &chosen, args.quick, &watch)?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()
         }

@@ -16,7 +16,7 @@ pub type Metric = (&'static str, f64);
 
 /// Every metric of a run, those that the scene is about first.
 pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
-    let mut list: Vec<_> = question.metrics().iter().copied().zip(own(question, scene, log)).collect();
+    let mut list: Vec<_> = question.metrics().iter().copied().zip(errors(question, scene, log)).collect();
     match question {
         Question::Flight => return [list, vec![("angular momentum", momentum_drift(&log.sights))]].concat(),
         Question::Wheel => list.push(("ratio", spin_ratio(scene, &log.sights))),
@@ -44,7 +44,7 @@ pub const PENETRATION: &str = "penetration_m";
 pub const SIGNORINI: &str = "signorini";
 
 /// The errors that the scene is about, in the order of [`Question::metrics`].
-fn own(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
+pub fn errors(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
     let sights = &log.sights;
     match question {
         Question::Flight => {
