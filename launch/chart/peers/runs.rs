@@ -3,7 +3,7 @@
 use super::resolved;
 use crate::chart::cases::{self, Case, LAW, METHOD, Question, Way};
 use crate::chart::csv::{Row, View};
-use crate::chart::metrics;
+use crate::chart::metrics::{self, Metric};
 use crate::chart::trial::{Log, Sight};
 use crate::exit::{Exit, Failure};
 use messages::scene::Scene;
@@ -46,8 +46,7 @@ pub fn rows(folder: &Path) -> Result<Vec<Row>, Failure> {
     for (number, line) in text.lines().enumerate() {
         let bad = |reason: String| fault(format!("line {}: {reason}", number + 1));
         let run: Run = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
-        let view = View::ALL.into_iter().find(|view| view.name() == run.view);
-        let view = view.ok_or_else(|| bad(format!("there is no view `{}`", run.view)))?;
+        let view = View::named(&run.view).ok_or_else(|| bad(format!("there is no view `{}`", run.view)))?;
         let row = |metric: &str, error: f64| Row {
             view,
             scene: run.scene.clone(),
@@ -65,13 +64,13 @@ pub fn rows(folder: &Path) -> Result<Vec<Row>, Failure> {
         };
         let [case] = cases::chosen(std::slice::from_ref(&run.scene))?[..] else { continue };
         let errors = errors(case, &folder.join(trace), run.dt * run.stride as f64).map_err(bad)?;
-        rows.extend(case.question.metrics().iter().zip(errors).map(|(metric, error)| row(metric, error)));
+        rows.extend(errors.into_iter().map(|(metric, error)| row(metric, error)));
     }
     Ok(rows)
 }
 
-/// The errors of a run, in the order of [`Question::metrics`]; infinite where it blew up.
-fn errors(case: Case, file: &Path, period: f64) -> Result<[f64; 2], String> {
+/// The errors of a run; infinite where it blew up.
+fn errors(case: Case, file: &Path, period: f64) -> Result<Vec<Metric>, String> {
     let bytes = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
     let (values, rest) = bytes.as_chunks::<8>();
     let trace: Vec<f64> = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
@@ -82,12 +81,13 @@ fn errors(case: Case, file: &Path, period: f64) -> Result<[f64; 2], String> {
         return Err(format!("{} is no trace of rows of {width} numbers", file.display()));
     }
     if trace.iter().any(|value| !value.is_finite()) {
-        return Ok([f64::INFINITY; 2]);
+        return Ok(case.question.metrics().iter().map(|&metric| (metric, f64::INFINITY)).collect());
     }
     let scene = cases::scene(case.name, Way { law: LAW, method: METHOD }, 1e-3, &[]).map_err(refused)?;
     let errors =
         metrics::errors(case.question, &scene, &log(case.question, &resolved, trace.chunks_exact(width), period));
-    Ok(errors.map(|error| if error < BLOWN_UP { error } else { f64::INFINITY }))
+    let finite = |error: f64| if error < BLOWN_UP { error } else { f64::INFINITY };
+    Ok(errors.into_iter().map(|(metric, error)| (metric, finite(error))).collect())
 }
 
 /// Numbers in a row of a trace.
@@ -194,10 +194,14 @@ mod tests {
                 vec![f64::NAN; trace.len()].iter().flat_map(|nan| nan.to_le_bytes()).collect::<Vec<_>>(),
             )
             .expect("a file");
-            assert_eq!(errors(case, &file, 1e-3).expect("errors"), [f64::INFINITY; 2]);
+            assert!(
+                errors(case, &file, 1e-3).expect("errors").iter().all(|metric| metric.1 == f64::INFINITY),
+                "{}",
+                case.name
+            );
             std::fs::remove_file(&file).expect("our own file");
             let own = metrics::errors(case.question, &given, &log);
-            for (metric, (found, own)) in case.question.metrics().iter().zip(found.iter().zip(own)) {
+            for ((metric, found), (_, own)) in found.into_iter().zip(own) {
                 assert!((found - own).abs() < 1e-9 + 1e-6 * own, "{} {metric}: {found:e}, watched {own:e}", case.name);
             }
         }

@@ -2,6 +2,7 @@
 
 use super::{Family, LAWS};
 use plant::contact::{PROMISED, Problem, Report};
+use strum::VariantArray;
 
 /// What was found about one law on one family.
 #[derive(Clone, Debug, Default)]
@@ -71,7 +72,7 @@ pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
         "µs",
     ];
     let mut rows = vec![columns.map(String::from).to_vec()];
-    for (family, tallies) in Family::ALL.iter().zip(results) {
+    for (family, tallies) in Family::VARIANTS.iter().zip(results) {
         for (law, tally) in LAWS.iter().zip(tallies) {
             let last = tally.pivots.len().saturating_sub(1) as f64;
             let at = |share: f64| (share * last) as usize;
