@@ -277,3 +277,49 @@ fn how_far_another_robot_may_be_from_table_1() {
     }
     assert!(wrong.is_empty(), "{wrong:#?}");
 }
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split_whitespace().map(|word| word.parse().expect("a number")).collect()
+}
+
+/// The robots of `cargo bench -- --peers` are the paper's: each number agrees to rounding, only the left joints turn the other way.
+#[test]
+fn the_robots_of_the_benchmark_are_that_of_table_1() {
+    let given = table_1();
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/bench/peers/biped8");
+    let read = scene("free", &[&format!("robot={folder}.urdf")]);
+    let near = |(a, b): (&f64, &f64)| (a - b).abs() <= 1e-15 * a.abs();
+    let same = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(near);
+    assert_eq!((read.bodies.len(), read.plant.drive_inertia), (given.len(), 0.0));
+    for (read, given) in read.bodies.iter().zip(&given) {
+        let plain = |body: &Body| Body { inertia: None, ..body.clone() };
+        assert_eq!(plain(read), plain(given));
+        assert!(same(&read.moments(), &given.moments()), "{}: {:?} {:?}", given.name, read.moments(), given.moments());
+    }
+    let text = std::fs::read_to_string(format!("{folder}.xml")).expect("MJCF");
+    let document = roxmltree::Document::parse(&text).expect("XML");
+    let mut count = 0;
+    for node in document.descendants().filter(|node| node.has_tag_name("body")) {
+        count += 1;
+        let name = node.attribute("name").expect("a name").replace("l_", "left ").replace("r_", "right ");
+        let name = if name == "body" { "trunk".into() } else { name };
+        let given = given.iter().find(|body| body.name == name).expect("a body of Table 1");
+        let child = |tag: &str| node.children().find(|child| child.has_tag_name(tag));
+        let list = |node: roxmltree::Node, key: &str| numbers(node.attribute(key).unwrap_or_default());
+        let inertial = child("inertial").expect("an inertial");
+        assert!(same(&[given.mass], &list(inertial, "mass")) && same(&given.com, &list(inertial, "pos")), "{name}");
+        assert!(same(&given.moments(), &list(inertial, "diaginertia")), "{name}: {inertial:?}");
+        if let Some(joint) = &given.joint {
+            let axis = joint.axis.map(f64::abs);
+            assert!(
+                same(&joint.at, &list(node, "pos")) && same(&axis, &list(child("joint").expect("a joint"), "axis")),
+                "{name}"
+            );
+        }
+        let sole: Vec<f64> = child("geom").map(|geom| list(geom, "size")).unwrap_or_default();
+        let half: Vec<f64> =
+            if given.contacts.is_empty() { vec![] } else { given.size.map(|side| 0.5 * side).to_vec() };
+        assert!(same(&half, &sole), "{name}: {sole:?}");
+    }
+    assert_eq!(count, given.len());
+}

@@ -35,7 +35,7 @@ pub fn print() {
     std::fs::write(&states, given::states(&recordings)).expect("a file");
     std::fs::write(&programs, given::programs(&recordings)).expect("a file");
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let robot = |name: &str| here.join("launch/laboratory/peers").join(name);
+    let robot = |name: &str| here.join("tests/bench/peers").join(name);
     let engines = [
         ("MuJoCo", mujoco(&folder, &packages).map(|program| [program, robot("biped8.xml"), states.clone()])),
         ("Pinocchio", pinocchio(&folder, &packages).map(|program| [program, robot("biped8.urdf"), states.clone()])),

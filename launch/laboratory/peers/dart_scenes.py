@@ -6,7 +6,6 @@ Time is CPU time of a Python loop over `World.step`, some tenths of a microsecon
 import dartpy as dart
 import numpy as np
 
-import scenes as s
 from simulation import Traced
 
 ENGINE = "DART"
@@ -37,14 +36,13 @@ class Simulation(Traced):
         base.setTransform(place)
         base.setLinearVelocity(scene.velocity)
         base.setAngularVelocity(scene.spin)
-        if scene.body is None:
-            for name, angle, rate in zip(s.JOINTS, scene.joints, scene.rates):
-                joint = body.getJoint(name)
-                joint.setPosition(0, angle)
-                joint.setVelocity(0, rate)
-                joint.setRestPosition(0, angle)
-                joint.setSpringStiffness(0, scene.stiffness)
-                joint.setDampingCoefficient(0, scene.damping)
+        for hinge in scene.joints:
+            joint = body.getJoint(hinge.name)
+            joint.setPosition(0, hinge.angle)
+            joint.setVelocity(0, hinge.rate)
+            joint.setRestPosition(0, hinge.rest)
+            joint.setSpringStiffness(0, hinge.stiffness)
+            joint.setDampingCoefficient(0, hinge.damping)
         self.world, self.body = dart.simulation.World(), body
         self.world.setTimeStep(self.dt)
         self.world.setGravity(scene.gravity_vector)
@@ -66,14 +64,13 @@ class Simulation(Traced):
             self.world.step()
 
     def row(self):
-        """State as `metrics` wants it."""
+        """State, as simulation.py has it."""
         if not self.scene.contact:
             return [self.body.computeKineticEnergy()]
-        if self.scene.body is None:
-            return np.concatenate([self.body.getBodyNode(foot).getWorldTransform().translation() for foot in s.FEET])
-        pose = self.body.getBodyNode(0).getWorldTransform()
-        turn = dart.math.Quaternion(pose.rotation())
-        return [*np.ravel(pose.translation()), turn.w(), turn.x(), turn.y(), turn.z()]
+        poses = [self.body.getBodyNode(body.name).getWorldTransform() for body in self.scene.touching]
+        turns = [dart.math.Quaternion(pose.rotation()) for pose in poses]
+        states = [[*np.ravel(pose.translation()), turn.w(), turn.x(), turn.y(), turn.z()] for pose, turn in zip(poses, turns)]
+        return np.concatenate(states)
 
 
 def _ground():

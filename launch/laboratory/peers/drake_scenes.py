@@ -40,19 +40,16 @@ class Simulation(Traced):
         plant.set_discrete_contact_approximation(METHODS[method])
         Parser(plant).AddModelsFromString(re.sub("<collision>.*?</collision>", "", scene.urdf), "urdf")
         plant.mutable_gravity_field().set_gravity_vector(scene.gravity_vector)
-        if scene.body is None:
-            for name, rest in zip(s.JOINTS, scene.joints):
-                joint = plant.GetJointByName(name)
-                joint.set_default_damping(scene.damping)
-                if scene.stiffness:
-                    plant.AddForceElement(RevoluteSpring(joint, rest, scene.stiffness))
-            self.feet = [plant.GetBodyByName(foot) for foot in s.FEET]
-            touching = [(foot, point) for foot in self.feet for point in s.SOLE]
-        else:
-            touching = [(plant.GetBodyByName("body"), point) for point in scene.body.points]
+        for hinge in scene.joints:
+            joint = plant.GetJointByName(hinge.name)
+            joint.set_default_damping(hinge.damping)
+            if hinge.stiffness:
+                plant.AddForceElement(RevoluteSpring(joint, hinge.rest, hinge.stiffness))
+        self.watched = [plant.GetBodyByName(body.name) for body in scene.touching]
+        touching = [(body, point) for body, given in zip(self.watched, scene.touching) for point in given.points]
         friction = CoulombFriction(scene.friction, scene.friction)
         if scene.contact:
-            ground, radius = plant.world_body(), (scene.body and scene.body.radius) or s.TIP
+            ground, radius = plant.world_body(), scene.touching[0].radius or s.TIP
             plant.RegisterCollisionGeometry(ground, RigidTransform(), HalfSpace(), "ground", friction)
             for i, (body, point) in enumerate(touching):
                 plant.RegisterCollisionGeometry(body, RigidTransform(point), Sphere(radius), f"corner {i}", friction)
@@ -68,10 +65,9 @@ class Simulation(Traced):
         q, v = np.zeros(plant.num_positions()), np.zeros(plant.num_velocities())
         q[:7] = [*scene.quaternion, *scene.position]
         v[:6] = [*scene.spin, *scene.velocity]
-        if scene.body is None:
-            for name, angle, rate in zip(s.JOINTS, scene.joints, scene.rates):
-                joint = plant.GetJointByName(name)
-                q[joint.position_start()], v[joint.velocity_start()] = angle, rate
+        for hinge in scene.joints:
+            joint = plant.GetJointByName(hinge.name)
+            q[joint.position_start()], v[joint.velocity_start()] = hinge.angle, hinge.rate
         self.root.SetTime(0)
         plant.SetPositions(self.context, q)
         plant.SetVelocities(self.context, v)
@@ -84,10 +80,11 @@ class Simulation(Traced):
         self.simulator.AdvanceTo(self.steps * self.dt)
 
     def row(self):
-        """State as `metrics` wants it."""
+        """State, as simulation.py has it."""
         if not self.scene.contact:
             return [self.plant.CalcKineticEnergy(self.context)]
-        if self.scene.body is None:
-            return np.concatenate([foot.EvalPoseInWorld(self.context).translation() for foot in self.feet])
-        q = self.plant.GetPositions(self.context)
-        return [*q[4:7], *q[:4]]
+        if len(self.watched) == 1:  # the base, whose coordinates are its pose
+            q = self.plant.GetPositions(self.context)
+            return [*q[4:7], *q[:4]]
+        poses = [body.EvalPoseInWorld(self.context) for body in self.watched]
+        return np.concatenate([[*pose.translation(), *pose.rotation().ToQuaternion().wxyz()] for pose in poses])

@@ -32,7 +32,7 @@ class Simulation:
     def __init__(self, scene, method, dt):
         settings = dict(METHODS[method])
         solref = settings.pop("solref", None)
-        spec = _biped(scene) if scene.body is None else _body(scene)
+        spec = _spec(scene)
         for geom in spec.geoms:
             geom.friction[0] = scene.friction
             if solref:
@@ -57,15 +57,14 @@ class Simulation:
         rotation = np.zeros(9)
         mujoco.mju_quat2Mat(rotation, data.qpos[3:7])
         data.qvel[:6] = [*scene.velocity, *rotation.reshape(3, 3).T @ scene.spin]  # spin is in the body's frame
-        if scene.body is None:
-            data.qpos[7:], data.qvel[6:] = scene.joints, scene.rates
+        data.qpos[7:], data.qvel[6:] = [[getattr(joint, key) for joint in scene.joints] for key in ("angle", "rate")]
 
     def run(self, steps):
         """Advances, recording nothing."""
         mujoco.mj_step(self.model, self.data, steps)
 
     def trace(self, steps, stride):
-        """Rows as `metrics` wants them, from the start of the scene on."""
+        """Rows as simulation.py has them, from the start of the scene on."""
         self.reset()
         self.model.opt.disableflags &= ~SENSOR
         start = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
@@ -77,34 +76,42 @@ class Simulation:
         return sensors[0, ::stride] * (np.nan if blown_up else 1)
 
 
-def _biped(scene):
-    spec = mujoco.MjSpec.from_file(str(s.BIPED_MJCF))
-    for joint, rest in zip(s.JOINTS, scene.joints):
-        joint = spec.joint(joint)
-        joint.stiffness[0], joint.damping[0], joint.springref = scene.stiffness, scene.damping, rest  # linear terms
+def _spec(scene):
+    """The scene's bodies on a plane; what is recorded are sensors."""
+    spec = mujoco.MjSpec()
+    spec.compiler.degree = False  # rest angles of springs
+    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=2, conaffinity=1, condim=3)
+    nodes = []
+    for body in scene.bodies:
+        joint = body.joint
+        parent, place = (nodes[joint.parent], joint.anchor) if joint else (spec.worldbody, [0, 0, 0])
+        inertia = dict(mass=body.mass, ipos=body.com, inertia=body.inertia, explicitinertial=True)
+        node = parent.add_body(name=body.name, pos=place, **inertia)
+        nodes.append(node)
+        if joint:
+            hinge = node.add_joint(type=mujoco.mjtJoint.mjJNT_HINGE, axis=joint.axis)
+            hinge.stiffness[0], hinge.damping[0], hinge.springref = joint.stiffness, joint.damping, joint.rest  # linear terms
+        else:
+            node.add_freejoint()
+        _touch(node, body)
     if not scene.contact:
         spec.option.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONSTRAINT)
         _sensor(spec, mujoco.mjtSensor.mjSENS_E_KINETIC)
-    else:
-        for foot in s.FEET:
-            _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEPOS, foot)
+        return spec
+    for body in scene.touching:
+        _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEPOS, body.name)
+        _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEQUAT, body.name)
     return spec
 
 
-def _body(scene):
-    spec = mujoco.MjSpec()
-    floor = {"contype": 2, "conaffinity": 1, "condim": 3}
-    spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], **floor)
-    body = spec.worldbody.add_body(name="body", mass=scene.body.mass, inertia=scene.body.inertia, explicitinertial=True)
-    body.add_freejoint()
+def _touch(node, body):
+    """Adds the shapes that may touch the plane."""
     touching = {"contype": 1, "conaffinity": 2, "condim": 3}
-    if scene.body.box:
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, size=[a / 2 for a in scene.body.box], **touching)
-    for tip in scene.body.tips:
-        body.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[scene.body.radius or s.TIP, 0, 0], pos=tip, **touching)
-    _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEPOS, "body")
-    _sensor(spec, mujoco.mjtSensor.mjSENS_FRAMEQUAT, "body")
-    return spec
+    if body.box:
+        node.add_geom(type=mujoco.mjtGeom.mjGEOM_BOX, pos=body.com, size=[a / 2 for a in body.box], **touching)
+        return
+    for point in body.points:
+        node.add_geom(type=mujoco.mjtGeom.mjGEOM_SPHERE, size=[body.radius or s.TIP, 0, 0], pos=point, **touching)
 
 
 def _sensor(spec, kind, body=None):

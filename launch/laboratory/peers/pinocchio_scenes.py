@@ -13,7 +13,6 @@ import time
 import numpy as np
 import pinocchio as pin
 
-import scenes as s
 from simulation import Timed
 
 ENGINE = "Pinocchio"
@@ -29,12 +28,14 @@ class Simulation(Timed):
     def __init__(self, scene, method, dt):
         self.scene, self.dt = scene, dt
         self.model = pin.buildModelFromXML(scene.urdf, pin.JointModelFreeFlyer())
-        if scene.body is None:
-            joints = [self.model.getJointId(f"{side}_ankle_roll") for side in "lr"]
-            points = [(joint, corner) for joint in joints for corner in s.SOLE]
-            self.model.armature[6:] = dt * scene.damping + dt**2 * scene.stiffness
-        else:
-            points = [(1, point) for point in scene.body.points]
+        self.stiffness, self.damping, self.rest, angles, rates = np.array(
+            [(joint.stiffness, joint.damping, joint.rest, joint.angle, joint.rate) for joint in scene.joints]
+        ).reshape(-1, 5).T  # in the model's order, which is that of the bodies
+        self.model.armature[6:] = dt * self.damping + dt**2 * self.stiffness
+        self.start = angles, rates
+        self.watched = [self.model.getJointId(body.joint.name) if body.joint else 1 for body in scene.touching]
+        self.radius = scene.touching[0].radius
+        points = [(joint, point) for joint, body in zip(self.watched, scene.touching) for point in body.points]
         self.model.gravity.linear = scene.gravity_vector
         self.data = self.model.createData()
         self.points = [(joint, np.array(point)) for joint, point in points] if scene.contact else []
@@ -55,26 +56,24 @@ class Simulation(Timed):
         scene = self.scene
         w, x, y, z = scene.quaternion
         turn = pin.Quaternion(w, x, y, z).matrix()
-        joints, rates = (scene.joints, scene.rates) if scene.body is None else ((), ())
-        self.q = np.array([*scene.position, x, y, z, w, *joints])
+        angles, rates = self.start
+        self.q = np.array([*scene.position, x, y, z, w, *angles])
         self.v = np.array([*turn.T @ scene.velocity, *turn.T @ scene.spin, *rates])
-        self.rest = np.array(joints)
         self.active = None
 
     def step(self):
         """One step; the seconds it took in Pinocchio."""
         model, data, dt, q, v, clock = self.model, self.data, self.dt, self.q, self.v, time.perf_counter_ns
-        scene = self.scene
         torque = np.zeros(model.nv)
-        torque[6:] = scene.stiffness * (self.rest - q[7:] - dt * v[6:]) - scene.damping * v[6:]
+        torque[6:] = self.stiffness * (self.rest - q[7:] - dt * v[6:]) - self.damping * v[6:]
         start = clock()
         free = v + dt * pin.aba(model, data, q, v, torque, pin.Convention.WORLD)
         places = data.oMi
         native = clock() - start
         free[:3] += dt * np.cross(v[3:6], v[:3])  # of the base's origin in W, in axes of the base as they are now
-        if radius := scene.body.radius if scene.body else 0.0:
-            self._follow_balls(places, radius)
-        gaps = [places[joint].act(point)[2] - radius for joint, point in self.points]
+        if self.radius:
+            self._follow_balls(places)
+        gaps = [places[joint].act(point)[2] - self.radius for joint, point in self.points]
         active = tuple(i for i, gap in enumerate(gaps) if gap <= NEAR)
         if active:
             constraints, values, cholesky, solver, result = self._solver(active)
@@ -101,9 +100,9 @@ class Simulation(Timed):
         self.v[:3] = pin.Quaternion(self.q[3:7]).matrix().T @ way
         return native * 1e-9
 
-    def _follow_balls(self, places, radius):
-        """Contacts at the lowest points of balls, wherever on the balls these are now."""
-        down = np.array((0.0, 0.0, -radius))
+    def _follow_balls(self, places):
+        """Moves the contacts to the points of the balls that are lowest now."""
+        down = np.array((0.0, 0.0, -self.radius))
         touching = [(joint, point + places[joint].rotation.T @ down) for joint, point in self.points]
         self.ground = [_contact(self.model, joint, point, self.scene.friction) for joint, point in touching]
         self.solvers.clear()
@@ -125,13 +124,14 @@ class Simulation(Timed):
         return self.solvers[active]
 
     def row(self):
-        """State as `metrics` wants it."""
+        """State, as simulation.py has it."""
         if not self.scene.contact:
             return [pin.computeKineticEnergy(self.model, self.data, self.q, self.v)]
-        if self.scene.body:
+        if self.watched == [1]:  # the base, whose coordinates are its pose
             return [*self.q[:3], self.q[6], *self.q[3:6]]
         pin.forwardKinematics(self.model, self.data, self.q)
-        return np.concatenate([self.data.oMi[self.points[i][0]].translation for i in (0, 4)])
+        poses = [pin.SE3ToXYZQUAT(self.data.oMi[joint]) for joint in self.watched]
+        return np.concatenate([[*pose[:3], pose[6], *pose[3:6]] for pose in poses])
 
 
 def _contact(model, joint, point, friction):

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pybullet as p
 
-import scenes as s
 from simulation import Timed
 
 ENGINE = "PyBullet"
@@ -54,20 +53,21 @@ class Simulation(Timed):
             p.changeDynamics(self.body, link, lateralFriction=scene.friction, **dict.fromkeys(none, 0))
             if not scene.contact:
                 p.setCollisionFilterGroupMask(self.body, link, 0, 0)
-        if scene.body is None:
-            names = [p.getJointInfo(self.body, joint)[1].decode() for joint in links[1:]]
-            self.joints = [names.index(name) for name in s.JOINTS]
-            for joint, angle, rate in zip(self.joints, scene.joints, scene.rates):
-                p.resetJointState(self.body, joint, angle, rate)
-            p.setJointMotorControlArray(self.body, self.joints, p.VELOCITY_CONTROL, forces=[0] * 8)
+        names = [p.getJointInfo(self.body, joint)[1].decode() for joint in links[1:]]
+        self.joints = [names.index(hinge.name) for hinge in scene.joints]
+        for joint, hinge in zip(self.joints, scene.joints):
+            p.resetJointState(self.body, joint, hinge.angle, hinge.rate)
+        if self.joints:
+            p.setJointMotorControlArray(self.body, self.joints, p.VELOCITY_CONTROL, forces=[0] * len(self.joints))
+        self.watched = [names.index(body.joint.name) if body.joint else -1 for body in scene.touching]
 
     def step(self):
         """One step; the seconds it took in Bullet."""
         scene = self.scene
-        if scene.stiffness:
+        if any(hinge.stiffness for hinge in scene.joints):
             torques = [
-                scene.stiffness * (rest - state[0]) - scene.damping * state[1]
-                for rest, state in zip(scene.joints, p.getJointStates(self.body, self.joints))
+                hinge.stiffness * (hinge.rest - state[0]) - hinge.damping * state[1]
+                for hinge, state in zip(scene.joints, p.getJointStates(self.body, self.joints))
             ]
             p.setJointMotorControlArray(self.body, self.joints, p.TORQUE_CONTROL, forces=torques)
         start = time.perf_counter()
@@ -75,14 +75,18 @@ class Simulation(Timed):
         return time.perf_counter() - start
 
     def row(self):
-        """State as `metrics` wants it."""
-        if self.scene.body:
+        """State, as simulation.py has it."""
+        if not self.scene.contact:
+            return [self.kinetic_energy()]
+        return np.concatenate([self.pose(link) for link in self.watched])
+
+    def pose(self, link):
+        """Of a link's frame; -1 is the base."""
+        if link < 0:
             position, (x, y, z, w) = p.getBasePositionAndOrientation(self.body)
-            return [*position, w, x, y, z]
-        if self.scene.contact:
-            feet = [self.joints[s.JOINTS.index(f"{side}_ankle_roll")] for side in "lr"]
-            return np.concatenate([p.getLinkState(self.body, foot, computeForwardKinematics=True)[4] for foot in feet])
-        return [self.kinetic_energy()]
+        else:
+            position, (x, y, z, w) = p.getLinkState(self.body, link, computeForwardKinematics=True)[4:6]
+        return [*position, w, x, y, z]
 
     def kinetic_energy(self):
         """Of all links, from their velocities."""

@@ -7,7 +7,6 @@ import json
 import os
 import subprocess
 from pathlib import Path
-from xml.etree import ElementTree
 
 import numpy as np
 
@@ -25,14 +24,13 @@ class Simulation:
 
     def __init__(self, scene, method, dt):
         self.dt = dt
-        links = _biped(scene) if scene.body is None else [_body(scene)]
-        feet = [i for i, link in enumerate(links) if link.pop("name", "") in s.FEET]
-        watch = [0] if scene.body else feet if scene.contact else []
-        keys = ("friction", "contact", "stiffness", "damping")
-        problem = {key: getattr(scene, key) for key in keys}
-        problem |= {"gravity": list(scene.gravity_vector), "tip": (scene.body and scene.body.radius) or s.TIP}
-        self.problem = json.dumps(problem | {"links": links, "watch": watch})
-        self.places = slice(None) if len(watch) < 2 else [0, 1, 2, 7, 8, 9]
+        self.problem = json.dumps({
+            "friction": scene.friction,
+            "contact": scene.contact,
+            "gravity": list(scene.gravity_vector),
+            "links": _links(scene),
+            "watch": [i for i, body in enumerate(scene.bodies) if body.points and scene.contact],
+        })
 
     def reset(self):
         """Nothing: every run begins at the start."""
@@ -42,9 +40,8 @@ class Simulation:
         return float(self._run("time", steps, 1))
 
     def trace(self, steps, stride):
-        """Rows as `metrics` wants them."""
-        rows = np.array([line.split() for line in self._run("trace", steps, stride).splitlines()], dtype=float)
-        return rows[:, self.places]
+        """Rows as simulation.py has them."""
+        return np.array([line.split() for line in self._run("trace", steps, stride).splitlines()], dtype=float)
 
     def _run(self, mode, steps, stride):
         command = [PROGRAM, mode, repr(self.dt), str(steps), str(stride)]
@@ -54,60 +51,43 @@ class Simulation:
         return result.stdout
 
 
-def _link(mass, inertia, position, quaternion, velocity, spin, **more):
-    own = dict(mass=mass, inertia=inertia, position=position, quaternion=quaternion, velocity=velocity, spin=spin)
-    return dict(com=(0, 0, 0), joint=None, box_at=(0, 0, 0), box_size=None, tips=()) | own | more
-
-
-def _body(scene):
-    body, (x, y, z) = scene.body, scene.position
-    if body.tips and not body.radius:
-        z += s.TIP  # a sphere with its middle in the plane would be pushed down
-    state = ((x, y, z), scene.quaternion, scene.velocity, scene.spin)
-    return _link(body.mass, body.inertia, *state, box_size=body.box or None, tips=body.tips)
-
-
-def _biped(scene):
-    """Links with their poses and velocities, from the joint angles and rates."""
-    urdf = ElementTree.parse(s.BIPED_URDF)
-    joints = {joint.find("child").get("link"): joint for joint in urdf.iter("joint")}
-    names = [link.get("name") for link in urdf.iter("link")]
-    motion = {names[0]: (np.eye(3), np.array(scene.position), np.array(scene.velocity), np.array(scene.spin))}
-    links = []
-    for link in urdf.iter("link"):
-        name, inertial, collision = link.get("name"), link.find("inertial"), link.find("collision")
-        com = _numbers(inertial.find("origin").get("xyz"))
-        more = {"name": name, "com": com.tolist()}
-        if name in joints:
-            joint = joints[name]
-            parent = joint.find("parent").get("link")
-            anchor, axis = _numbers(joint.find("origin").get("xyz")), _numbers(joint.find("axis").get("xyz"))
-            i = s.JOINTS.index(joint.get("name"))
-            turn, place, velocity, spin = motion[parent]
-            arm = turn @ anchor
-            rotated = turn @ _rotation(axis, scene.joints[i])
-            motion[name] = (
-                rotated,
-                place + arm,
-                velocity + np.cross(spin, arm),
-                spin + turn @ axis * scene.rates[i],
-            )
-            hinge = {"parent": names.index(parent), "anchor": anchor.tolist(), "axis": axis.tolist()}
-            more["joint"] = hinge | {"angle": scene.joints[i], "rate": scene.rates[i]}
-        turn, place, velocity, spin = motion[name]
-        if collision is not None:
-            more["box_at"] = _numbers(collision.find("origin").get("xyz")).tolist()
-            more["box_size"] = _numbers(collision.find("geometry/box").get("size")).tolist()
-        inertia = [float(inertial.find("inertia").get(key)) for key in ("ixx", "iyy", "izz")]
-        velocity = velocity + np.cross(spin, turn @ com)
-        state = (place.tolist(), _quaternion(turn), velocity.tolist(), spin.tolist())
-        links.append(_link(float(inertial.find("mass").get("value")), inertia, *state, **more))
+def _links(scene):
+    """Bodies with their poses and velocities, from the joint angles and rates."""
+    x, y, z = scene.position
+    if not scene.bodies[0].box and len(scene.bodies) == 1 and not scene.bodies[0].radius:
+        z += s.TIP  # a sphere whose centre lies in the plane would be pushed down
+    w, *turn = scene.quaternion
+    base = (_attitude(w, np.array(turn)), np.array((x, y, z)), np.array(scene.velocity), np.array(scene.spin))
+    motion, links = [], []
+    for body in scene.bodies:
+        joint = body.joint
+        if joint:
+            turn, place, velocity, spin = motion[joint.parent]
+            axis, arm = np.array(joint.axis), turn @ np.array(joint.anchor)
+            turned = turn @ _rotation(axis, joint.angle)
+            motion.append((turned, place + arm, velocity + np.cross(spin, arm), spin + turn @ axis * joint.rate))
+        else:
+            motion.append(base)
+        turn, place, velocity, spin = motion[-1]
+        links.append({
+            "mass": body.mass,
+            "com": body.com,
+            "inertia": body.inertia,
+            "position": place.tolist(),
+            "quaternion": _quaternion(turn) if joint else scene.quaternion,
+            "velocity": (velocity + np.cross(spin, turn @ np.array(body.com))).tolist(),
+            "spin": spin.tolist(),
+            "joint": joint and vars(joint),
+            "box_size": body.box or None,
+            "tips": [] if body.box else body.points,
+            "tip": body.radius or s.TIP,
+        })
     return links
 
 
-def _numbers(text):
-    """A vector as URDF writes it."""
-    return np.array(text.split(), dtype=float)
+def _attitude(w, axis):
+    cross = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
+    return np.eye(3) + 2 * w * cross + 2 * cross @ cross
 
 
 def _rotation(axis, angle):

@@ -1,14 +1,16 @@
 #!/usr/bin/env python3
-"""Runs other engines on the twelve comparison scenes and writes what they err by and what they cost.
+"""Runs other engines on the scenes that `biped chart --peers` wrote, and writes what they did and what it cost.
 
-    python3 run.py --out FILE [--quick] [--scenes slide rock] [--engines mujoco drake] [--dated] [--venv FOLDER]
+    python3 run.py FOLDER [--quick] [--engines mujoco drake] [--venv FOLDER]
 
-Engines are installed by name, with the versions below, into a virtual environment of their own. One that does not
-install, or crashes, is named with its reason and left out; the others go on.
+FOLDER holds `scenes.toml`. It gets `runs.jsonl`, a line for each run (see measure.py), the traces that these lines name, and
+`origin.txt` with day, machine and versions. `biped chart --peers=FOLDER` computes errors from them.
+
+Engines are installed by name, with the versions below, into a virtual environment of their own. An engine that does not install, or
+crashes, is named with the reason and left out; the others go on.
 """
 
 import argparse
-import csv
 import os
 import platform
 import queue
@@ -30,46 +32,46 @@ PACKAGES = {
     "rapier": [],  # a crate, built by cargo
     "siconos": [],  # a Debian package, used if it is there
 }
-COLUMNS = ["view", "scene", "engine", "method", "dt", "metric", "error", "cpu_s_per_sim_s", "us_per_step"]
 NUMPY = "numpy==2.4.6"
 DEBIAN = Path("/usr/bin/python3")
 VERSIONS = []  # of the engines that ran
-CORES = queue.SimpleQueue()  # those that no engine is held on
+CORES = queue.SimpleQueue()  # cores that are free
 ONE_INSTALLS = threading.Lock()
-CRASHES = 5  # an engine that crashed this often is left alone
+CRASHES = 5  # an engine that crashed this often is left out
 
 
 def main():
-    """Installs, measures, writes, prints a table."""
+    """Installs, measures, writes."""
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     cache = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    arguments.add_argument("--out", type=Path, required=True, help="CSV to write")
-    arguments.add_argument("--quick", action="store_true", help="mujoco only, 3 scenes, 2 step lengths")
-    arguments.add_argument("--scenes", nargs="+", metavar="NAME", default=[], help="those whose errors count; default: all")
-    arguments.add_argument("--dated", action="store_true", help="begin FILE with `#` lines: day, machine, versions")
+    arguments.add_argument("folder", type=Path, help="where scenes.toml is")
+    arguments.add_argument("--quick", action="store_true", help="mujoco only, 2 step lengths")
     arguments.add_argument("--engines", nargs="+", choices=PACKAGES, default=list(PACKAGES), help="default: all")
     arguments.add_argument("--venv", type=Path, default=cache / "biped-peers", help="default: %(default)s")
     arguments = arguments.parse_args()
-    wishes = [*(["--scenes", *arguments.scenes] if arguments.scenes else []), *(["--quick"] if arguments.quick else [])]
     engines = ["mujoco"] if arguments.quick else arguments.engines
+    folder = arguments.folder.resolve()
+    if not (folder / "scenes.toml").exists():
+        sys.exit(f"{folder / 'scenes.toml'} does not exist; `biped chart --peers` writes it")
     python = environment(arguments.venv.absolute())
     if python is None:
         sys.exit("nothing can be installed, nothing is measured")
     cores = sorted(os.sched_getaffinity(0))[:2]
     for core in cores:
         CORES.put(core)
-    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(len(cores)) as pool:
-        parts = list(pool.map(lambda engine: measure(python, engine, Path(folder), wishes), engines))
-        rows = [row for part in parts if part.exists() for row in csv.reader(part.open())]
-    if not rows:
+    for old in [*folder.glob("*.jsonl"), *folder.glob("*.f64")]:
+        old.unlink()
+    with ThreadPoolExecutor(len(cores)) as pool:
+        parts = list(pool.map(lambda engine: measure(python, engine, folder, arguments.quick), engines))
+    runs = "".join(part.read_text() for part in parts if part.exists())
+    if not runs:
         sys.exit("no engine could be measured")
-    arguments.out.parent.mkdir(parents=True, exist_ok=True)
-    with arguments.out.open("w", newline="") as file:
-        if arguments.dated:
-            file.write(f"# {time.strftime('%Y-%m-%d')}, {machine()}, one thread\n# {', '.join(dict.fromkeys(VERSIONS))}\n")
-        csv.writer(file, lineterminator="\n").writerows([COLUMNS, *rows])
-    print_tables(rows)
-    print(f"{len(rows)} rows in {arguments.out}")
+    (folder / "runs.jsonl").write_text(runs)
+    for part in parts:
+        part.unlink(missing_ok=True)
+    origin = f"{time.strftime('%Y-%m-%d')}, {machine()}, one thread\n{', '.join(dict.fromkeys(VERSIONS))}\n"
+    (folder / "origin.txt").write_text(origin)
+    print(f"{runs.count(chr(10))} runs in {folder / 'runs.jsonl'}")
 
 
 def environment(folder):
@@ -84,14 +86,14 @@ def environment(folder):
     return python
 
 
-def measure(python, engine, folder, wishes):
-    """Installs and runs one engine; the file of its rows."""
-    part = folder / f"{engine}.csv"
+def measure(python, engine, folder, quick):
+    """Installs and runs one engine; returns the file of its runs."""
+    part = folder / f"{engine}.jsonl"
     if engine == "siconos":
         python = DEBIAN
     if installed(python, engine):
         core = CORES.get()
-        run(python, engine, part, core, wishes)
+        run(python, engine, part, core, quick)
         CORES.put(core)
     return part
 
@@ -134,17 +136,19 @@ def built(folder):
     return result.returncode == 0
 
 
-def run(python, engine, part, core, wishes):
+def run(python, engine, part, core, quick):
     """Measures one engine in a process of its own, past crashes."""
     job, crashes = -1, 0
+    logs = tempfile.TemporaryDirectory()  # engines leave logs where they run
     settings = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "PYTHONDONTWRITEBYTECODE")
     while True:
-        command = [python, "-u", HERE / "measure.py", f"{engine}_scenes", part, "--core", str(core), "--from", str(job + 1)]
+        files = [part.with_name("scenes.toml"), part]
+        command = [python, "-u", HERE / "measure.py", f"{engine}_scenes", *files, "--core", str(core), "--from", str(job + 1)]
         complaints = tempfile.TemporaryFile("w+")
         process = subprocess.Popen(
-            [*command, *wishes],
+            [*command, *(["--quick"] if quick else [])],
             env=os.environ | dict.fromkeys(settings, "1"),
-            cwd=part.parent,  # engines leave logs where they run
+            cwd=logs.name,
             stdout=subprocess.PIPE,
             stderr=complaints,
             text=True,
@@ -169,28 +173,6 @@ def run(python, engine, part, core, wishes):
         crashes += 1
         if job < 0 or crashes == CRASHES:
             return
-
-
-def print_tables(rows):
-    """Errors at 1 ms, and time per step."""
-    rows = [dict(zip(COLUMNS, row)) for row in rows]
-    errors = {}
-    for row in rows:
-        if row["view"] == "precision" and float(row["dt"]) == 1e-3:
-            errors.setdefault((row["engine"], row["method"]), {})[row["scene"], row["metric"]] = float(row["error"])
-    columns = list(dict.fromkeys(key for line in errors.values() for key in line))
-    print(f"\n{'errors at 1 ms':32}" + "".join(f"{scene:>10}" for scene, _ in columns))
-    print(" " * 32 + "".join(f"{metric[:9]:>10}" for _, metric in columns))
-    for (engine, method), line in errors.items():
-        print(f"{engine + ' ' + method:32}" + "".join(f"{line.get(key, float('nan')):10.1e}" for key in columns))
-    times = {}
-    for row in rows:
-        if row["view"] == "step":
-            times.setdefault((row["engine"], row["method"]), {})[row["scene"]] = float(row["us_per_step"])
-    print(f"\n{'us per step at 1 ms':32}{'free':>10}{'slide':>10}{'stand0':>10}")
-    for (engine, method), line in times.items():
-        cells = (line.get(scene, float("nan")) for scene in ("free", "slide", "stand0"))
-        print(f"{engine + ' ' + method:32}" + "".join(f"{us:10.2f}" for us in cells))
 
 
 def machine():

@@ -1,159 +1,178 @@
-"""The twelve comparison scenes: bodies, initial states and exact answers, the same for every engine.
+"""The comparison scenes as `biped chart --peers` writes them into `scenes.toml`, read for the engines' files.
 
-World frame: x forward (downhill), y left, z up; the ground is the plane z = 0 and a slope is a tilt of gravity. Nothing
-is in flight or in the ground at the start, except the foot that drops. Units are SI. The biped is `biped8.xml` or
-`biped8.urdf`: Table 1 of Fujimoto & Kawamura (1995), joints from hip to foot, left leg first.
+World frame W: x forward (downhill), y left, z up. The ground is the plane z = 0; a slope is a tilt of gravity. Units are SI. The program
+has resolved each scene: every default is written out, the origin of the base is its centre of mass, and joint axes point along
+positive axes.
 """
 
+import tomllib
 from dataclasses import dataclass
-from functools import cached_property
-from math import atan, cos, pi, radians, sin, sqrt
+from math import cos, radians, sin
 from pathlib import Path
 
 import numpy as np
 
-import motion
+TIP = 1e-5  # radius of the sphere that stands for a contact point [m]; rolling over it moves the answers by less than 1e-5
 
-HERE = Path(__file__).parent
-BIPED_MJCF = HERE / "biped8.xml"
-BIPED_URDF = HERE / "biped8.urdf"
-JOINTS = [f"{side}_{joint}" for side in "lr" for joint in ("hip_pitch", "knee_pitch", "ankle_pitch", "ankle_roll")]
-FEET = ["l_foot", "r_foot"]
-SOLE = [(x, y, -0.05) for x in (0.1, -0.1) for y in (0.05, -0.05)]  # corners of a sole in its foot's frame
-G = 9.81
+
+@dataclass(frozen=True)
+class Joint:
+    """A hinge, with its state at the start."""
+
+    name: str
+    parent: int  # index of a body
+    anchor: list  # in the parent's frame
+    axis: list
+    stiffness: float  # torque = stiffness (rest - angle) - damping rate
+    damping: float
+    rest: float
+    angle: float
+    rate: float
 
 
 @dataclass(frozen=True)
 class Body:
-    """A free body with its centre of mass at its origin: a box, point tips, or balls about them."""
+    """A rigid body; its frame sits in its joint."""
 
+    name: str
     mass: float
-    inertia: tuple  # principal moments about the centre of mass
-    box: tuple = ()  # side lengths
-    tips: tuple = ()  # points that may touch; spheres of radius TIP in engines that know no points
-    radius: float = 0.0  # of balls about the tips
+    com: list
+    inertia: list  # principal moments about the centre of mass
+    points: list  # that may touch the ground; of a ball its centre
+    radius: float  # of balls about the points; 0: they are points
+    box: list  # side lengths, about the centre of mass, if the points are its corners; otherwise empty
+    joint: Joint | None
 
-    @property
-    def points(self):
-        """Points of the body, or middles of its balls, that may touch the ground."""
-        return list(self.tips) or [tuple(s * a / 2 for s, a in zip(signs, self.box)) for signs in CORNERS]
-
-    def urdf(self):
-        """The body as a one-link URDF."""
-        sphere = '<collision><origin xyz="{} {} {}"/><geometry><sphere radius="%r"/></geometry></collision>'
-        sphere %= self.radius or TIP
-        collisions = "".join(sphere.format(*tip) for tip in self.tips)
-        if self.box:
-            size = "{} {} {}".format(*self.box)
-            collisions = f'<collision><geometry><box size="{size}"/></geometry></collision>'
+    def urdf(self, bodies):
+        """Its link and joint."""
         xx, yy, zz = self.inertia
         moments = f'ixx="{xx!r}" iyy="{yy!r}" izz="{zz!r}" ixy="0" ixz="0" iyz="0"'
-        inertial = f'<inertial><mass value="{self.mass!r}"/><inertia {moments}/></inertial>'
-        return f'<robot name="body"><link name="body">{inertial}{collisions}</link></robot>'
-
-
-CORNERS = [(x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)]
-TIP = 1e-5  # small enough that rolling over it moves the answers by less than 1e-5
+        text = f'<link name="{self.name}"><inertial><origin xyz="{_numbers(self.com)}"/><mass value="{self.mass!r}"/>'
+        text += f"<inertia {moments}/></inertial>"
+        collision = '<collision><origin xyz="{}"/><geometry>{}</geometry></collision>'
+        if self.box:
+            text += collision.format(_numbers(self.com), f'<box size="{_numbers(self.box)}"/>')
+        else:
+            ball = f'<sphere radius="{self.radius or TIP!r}"/>'
+            text += "".join(collision.format(_numbers(point), ball) for point in self.points)
+        text += "</link>"
+        if joint := self.joint:
+            text += f'<joint name="{joint.name}" type="revolute"><parent link="{bodies[joint.parent].name}"/>'
+            text += f'<child link="{self.name}"/><origin xyz="{_numbers(joint.anchor)}"/><axis xyz="{_numbers(joint.axis)}"/>'
+            text += '<limit lower="-100" upper="100" effort="1e9" velocity="1e9"/></joint>'
+        return text
 
 
 @dataclass(frozen=True)
 class Scene:
-    """One scene; `body` None means the biped."""
+    """One scene."""
 
     name: str
     duration: float
-    body: Body | None = None
-    position: tuple = (0.0, 0.0, 0.0)  # of the body's origin
-    pitch: float = 0.0  # about y, of the body
-    velocity: tuple = (0.0, 0.0, 0.0)  # of the body's origin, in W
-    spin: tuple = (0.0, 0.0, 0.0)  # angular velocity, in W
-    friction: float = 0.5
-    slope: float = 0.0
-    gravity: float = G
-    contact: bool = True
-    joints: tuple = (0.0,) * 8
-    rates: tuple = (0.0,) * 8
-    stiffness: float = 0.0  # torque = stiffness (joints at start - q) - damping qd
-    damping: float = 0.0
+    bodies: list  # parents before children; the first is the base
+    position: list  # of the base's origin
+    quaternion: tuple  # attitude of the base, w first
+    velocity: list  # of the base's origin, in W
+    spin: list  # angular velocity of the base, in W
+    friction: float
+    gravity_vector: np.ndarray  # in W
+    contact: bool  # False: weightless, in flight
+    samples: int  # rows of a trace after the first; 0: one for each step
+    timed_steps: int  # at 1 ms, whose time is the cost of a step; 0: not timed for itself
+    errors: bool  # whether its errors are measured
 
-    @cached_property
-    def gravity_vector(self):
-        """Gravity in W: a slope, downhill along x."""
-        return self.gravity * np.array([sin(self.slope), 0.0, -cos(self.slope)])
+    @property
+    def joints(self):
+        """All joints."""
+        return [body.joint for body in self.bodies if body.joint]
+
+    @property
+    def touching(self):
+        """Bodies that may touch the ground, whose poses make a row of a trace."""
+        return [body for body in self.bodies if body.points]
 
     @property
     def urdf(self):
-        """The body, or the biped, as a URDF."""
-        return self.body.urdf() if self.body else BIPED_URDF.read_text()
-
-    @property
-    def quaternion(self):
-        """Attitude of the body, w first."""
-        return (cos(self.pitch / 2), 0.0, sin(self.pitch / 2), 0.0)
+        """The robot as URDF."""
+        return f'<robot name="robot">{"".join(body.urdf(self.bodies) for body in self.bodies)}</robot>'
 
     def steps(self, dt):
         """Number of steps of the whole scene."""
         return round(self.duration / dt)
 
+    def stride(self, dt):
+        """Steps between two rows of a trace."""
+        return max(self.steps(dt) // self.samples, 1) if self.samples else 1
 
-def _box(mass, sides):
-    a, b, c = (side**2 for side in sides)
-    return Body(mass, tuple(mass / 12 * sum for sum in (b + c, a + c, a + b)), box=tuple(sides))
+
+def read(file):
+    """The scenes of a `scenes.toml`, by name."""
+    scenes = tomllib.loads(Path(file).read_text())["scenes"]
+    return {scene["name"]: _scene(scene, **scene["scene"]) for scene in scenes}
 
 
-CUBE = _box(1.0, (0.1, 0.1, 0.1))
-FOOT = _box(1.0, (0.2, 0.1, 0.05))
-BLOCK = _box(1.0, (0.1, 0.1, 0.4))
-SPOKE, SPOKES, SPOKE_ANGLE = 0.3, 8, pi / 4
-_EIGHTHS = [SPOKE_ANGLE * (i + 0.5) for i in range(SPOKES)]
-WHEEL = Body(10.0, (0.1,) * 3, tips=tuple((SPOKE * sin(a), y, SPOKE * cos(a)) for a in _EIGHTHS for y in (0.1, -0.1)))
-PUCK = Body(1.0, (0.005, 0.005, 0.01), tips=((0.1, 0, 0), (-0.05, 0.0075**0.5, 0), (-0.05, -(0.0075**0.5), 0)))
-BALL = Body(1.0, (0.002,) * 3, tips=((0, 0, 0.04),), radius=0.1)
+def _scene(given, plant, initial, bodies, duration, **_):
+    slope = radians(plant["incline_deg"])
+    return Scene(
+        name=given["name"],
+        duration=duration,
+        bodies=_tree(bodies, initial),
+        position=initial["position"],
+        quaternion=_quaternion(*map(radians, initial["orientation_deg"])),
+        velocity=initial["velocity"],
+        spin=initial["angular_velocity"],
+        friction=plant["friction"],
+        gravity_vector=plant["gravity"] * np.array([sin(slope), 0.0, -cos(slope)]),
+        contact=plant["gravity"] != 0.0,
+        **{key: given[key] for key in ("samples", "timed_steps", "errors")},
+    )
 
-# Rocking block: Housner's ratio of spins at the impact, and how far it then rises on its other edge.
-TIPPING = atan(0.1 / 0.4)
-ROCK_RATIO = 1 - 1.5 * sin(TIPPING) ** 2
-ROCK_APEX = TIPPING - np.arccos(cos(TIPPING) + ROCK_RATIO**2 * (cos(TIPPING / 2) - cos(TIPPING)))
 
-# Rimless wheel: ratio of spins at the impact, spins before and after it on the limit cycle, and mean speed.
-WHEEL_SLOPE = radians(8)
-_RHO2 = WHEEL.inertia[1] / (WHEEL.mass * SPOKE**2)
-WHEEL_RATIO = (_RHO2 + cos(SPOKE_ANGLE)) / (1 + _RHO2)
-WHEEL_PULL = G / (SPOKE * (1 + _RHO2))  # d(spin^2 / 2) = WHEEL_PULL d(-cos(angle from gravity))
-_BEFORE = sqrt(4 * WHEEL_PULL * sin(SPOKE_ANGLE / 2) * sin(WHEEL_SLOPE) / (1 - WHEEL_RATIO**2))
-WHEEL_SPIN = WHEEL_RATIO * _BEFORE
-_HALVES = np.linspace(-1, 1, 20001)[1::2] * SPOKE_ANGLE / 2 + WHEEL_SLOPE  # midpoints of the swing, from gravity
-_RATES = np.sqrt(WHEEL_SPIN**2 + 2 * WHEEL_PULL * (cos(WHEEL_SLOPE - SPOKE_ANGLE / 2) - np.cos(_HALVES)))
-_PERIOD = SPOKE_ANGLE * np.mean(1 / _RATES)
-WHEEL_SPEED = 2 * SPOKE * sin(SPOKE_ANGLE / 2) / _PERIOD  # .784571 m/s
+def _tree(bodies, initial):
+    """Bodies in depth-first order, with the states of their joints, which `initial` has in the order of the file."""
+    order, carried = [], [body["name"] for body in bodies if "joint" in body]
+    states = {name: [initial[key][i] if initial[key] else 0.0 for key in ("joints", "joint_rates")] for i, name in enumerate(carried)}
 
-_HIP = 0.2 * cos(0.2) * 2 + 0.25  # trunk above the soles with the knees bent by .4
-_STAND = dict(position=(0, 0, _HIP), joints=(-0.2, 0.4, -0.2, 0.0) * 2, stiffness=400.0, damping=3.0, duration=10.0)
-_WHEEL_TOP = SPOKE * cos(SPOKE_ANGLE / 2)
-_WHEEL_ARM = (-SPOKE * sin(SPOKE_ANGLE / 2), _WHEEL_TOP)  # from the front tip to the axle
+    def add(body, parent):
+        joint = body.get("joint")
+        hinge = joint and Joint(
+            body["name"].replace(" ", "_") + "_joint",
+            parent,
+            joint["at"],
+            joint["axis"],
+            *(joint[key] for key in ("stiffness", "damping", "rest")),
+            *states[body["name"]],
+        )
+        index = len(order)
+        order.append(_body(body, hinge))
+        for child in bodies:
+            if child.get("joint", {}).get("parent") == body["name"]:
+                add(child, index)
 
-SCENES = {
-    scene.name: scene
-    for scene in [
-        Scene("free", 5.0, position=(0, 0, 0.65), spin=(0.6, -0.8, 1.0), gravity=0.0, contact=False,
-              rates=(0.8, -0.9, 1.0, -1.1, 1.2, -1.3, 1.4, -1.5)),
-        Scene("slide", 1.0, CUBE, (0, 0, 0.05), velocity=(2, 0, 0)),
-        Scene("slide30", 1.0, CUBE, (0, 0, 0.05), velocity=(2 * cos(pi / 6), 2 * sin(pi / 6), 0)),
-        Scene("incline", 2.0, CUBE, (0, 0, 0.05), slope=radians(20), friction=0.3),
-        Scene("stick", 5.0, CUBE, (0, 0, 0.05), slope=radians(26)),
-        Scene("drop", 0.5, FOOT, (0, 0, 0.125)),
-        Scene("stand0", **_STAND),
-        Scene("stand10", **_STAND, slope=radians(10)),
-        Scene("rock", 1.0, BLOCK, pitch=TIPPING / 2,
-              position=(0, 0, 0.05 * sin(TIPPING / 2) + 0.2 * cos(TIPPING / 2))),
-        Scene("wheel", 4.0, WHEEL, (0, 0, _WHEEL_TOP), slope=WHEEL_SLOPE, friction=1.0, spin=(0, WHEEL_SPIN, 0),
-              velocity=(WHEEL_SPIN * _WHEEL_ARM[1], 0, -WHEEL_SPIN * _WHEEL_ARM[0])),
-        Scene("turn", 0.5, PUCK, velocity=(2, 0, 0), spin=(0, 0, 1), friction=0.2),
-        Scene("ball", 1.75, BALL, (0.04 * sin(1.2), 0, 0.1 - 0.04 * cos(1.2)), pitch=-1.2),
-    ]
-}  # fmt: skip
+    add(next(body for body in bodies if "joint" not in body), None)
+    return order
 
-STOP = 2.0**2 / (2 * 0.5 * G)  # v^2 / (2 mu g) = .407747 m
-INCLINE = G * (sin(radians(20)) - 0.3 * cos(radians(20))) * 2.0**2 / 2  # 1.179404 m
-*TURN_WAY, TURN_YAW = motion.puck(SCENES["turn"], G)  # .754942 m, .431227 rad
-BALL_WAY, BALL_ANGLE = motion.ball(SCENES["ball"], G)  # at its lowest place all but -.070268 rad
+
+def _body(given, joint):
+    points, spheres = given.get("contacts", []), given.get("spheres", [])
+    corners = [np.abs(np.subtract(point, given["com"])) - np.divide(given["size"], 2) for point in points]
+    return Body(
+        name=given["name"].replace(" ", "_"),
+        mass=given["mass"],
+        com=given["com"],
+        inertia=given["inertia"],
+        points=points + [ball["at"] for ball in spheres],
+        radius=spheres[0]["radius"] if spheres else 0.0,
+        box=given["size"] if points and np.abs(corners).max() < 1e-12 else [],
+        joint=joint,
+    )
+
+
+def _quaternion(roll, pitch, yaw):
+    """Attitude after yaw, then pitch, then roll, w first."""
+    (a, b), (c, d), (e, f) = ((cos(angle / 2), sin(angle / 2)) for angle in (roll, pitch, yaw))
+    return (a * c * e + b * d * f, b * c * e - a * d * f, a * d * e + b * c * f, a * c * f - b * d * e)
+
+
+def _numbers(values):
+    return " ".join(map(repr, values))

@@ -13,15 +13,14 @@ import time
 import numpy as np
 from siconos import numerics
 
-import scenes as s
 from simulation import Timed
 
 ENGINE = "Siconos"
 VERSION = "4.4"  # as Debian has it
 DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
-SCENES = [name for name, scene in s.SCENES.items() if scene.body]
 METHODS = {"NSGS (solver time alone)": numerics.SICONOS_FRICTION_3D_NSGS}
 TOLERANCE = 1e-12
+SINGLE_BODIES = True  # has no stepper for joints
 NEAR = 1e-9  # what is no higher above the ground touches [m]
 
 
@@ -30,8 +29,9 @@ class Simulation(Timed):
 
     def __init__(self, scene, method, dt):
         self.scene, self.dt = scene, dt
-        self.points, self.radius = np.array(scene.body.points), scene.body.radius
-        self.inertia = np.array(scene.body.inertia)
+        [self.body] = scene.bodies
+        self.points, self.radius = np.array(self.body.points), self.body.radius
+        self.inertia = np.array(self.body.inertia)
         self.options = numerics.SolverOptions(METHODS[method])
         self.options.iparam[numerics.SICONOS_IPARAM_MAX_ITER] = 1000
         self.options.dparam[numerics.SICONOS_DPARAM_TOL] = TOLERANCE
@@ -57,7 +57,7 @@ class Simulation(Timed):
             # Velocity of a point of the body, or of the lowest of a ball: v + (turn spin) x arm; rows are normal, then tangents.
             arms = [-_cross(turn @ point - (0, 0, self.radius)) @ turn for point in self.points[touching]]
             jacobian = np.concatenate([np.hstack([np.eye(3), arm])[[2, 0, 1]] for arm in arms])
-            inverse = np.concatenate([np.full(3, 1 / self.scene.body.mass), 1 / inertia])
+            inverse = np.concatenate([np.full(3, 1 / self.body.mass), 1 / inertia])
             delassus = (jacobian * inverse) @ jacobian.T
             free = jacobian @ np.concatenate([velocity, gyroscopic])
             frictions = np.full(touching.size, self.scene.friction)
@@ -75,7 +75,7 @@ class Simulation(Timed):
         return seconds
 
     def row(self):
-        """State as `metrics` wants it."""
+        """State, as simulation.py has it."""
         return [*self.place, *self.attitude]
 
 

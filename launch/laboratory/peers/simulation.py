@@ -1,4 +1,8 @@
-"""What the engines' files share. An engine's `Simulation` has `reset`, `run(steps)`, and `row`, the state as `metrics` wants it."""
+"""What the engines' files share.
+
+An engine's `Simulation` has `reset`, `run(steps)` and `row`. A row is the pose `x y z qw qx qy qz` of each body that may touch the
+ground; in flight it is the kinetic energy alone. Errors are computed from these rows by `biped chart`, alike for every engine.
+"""
 
 import statistics
 
@@ -6,7 +10,7 @@ import numpy as np
 
 
 class Traced:
-    """Watches the whole scene."""
+    """Records the whole scene."""
 
     def trace(self, steps, stride):
         """Rows from the start of the scene on."""
@@ -19,7 +23,7 @@ class Traced:
 
 
 class Timed(Traced):
-    """One whose `step` returns the seconds that it took in the engine, nothing of ours counted; 0 if it was not needed."""
+    """An engine whose `step` returns the seconds spent in the engine, without the Python around it; 0 if it was not called."""
 
     def run(self, steps):
         """Advances, recording nothing."""

@@ -75,7 +75,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         None => vec![alone],
         Some(None) => {
             write(&rows, &[alone]).map_err(failed)?; // what follows takes minutes, and may fail
-            let (found, left_out) = peers::rows(&args.out, &args.scenes, args.quick, &watch)?;
+            let (found, left_out) = peers::rows(&args.out, &chosen, args.quick, &watch)?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()
         }

@@ -12,8 +12,8 @@ pub struct ChartArgs {
     /// Coarse steps and few of them: everything is drawn, within a minute
     #[arg(long)]
     pub(super) quick: bool,
-    /// Measure other engines too, installed into a virtual environment of Python; or take the rows of a table of them
-    #[arg(long, value_name = "FILE", num_args = 0..=1, require_equals = true)]
+    /// Measure other engines too, installed into a virtual environment of Python; or take a table of them, or a folder of their runs
+    #[arg(long, value_name = "PATH", num_args = 0..=1, require_equals = true)]
     pub(super) peers: Option<Option<PathBuf>>,
     /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
     #[arg(long)]

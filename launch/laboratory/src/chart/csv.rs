@@ -1,14 +1,15 @@
 //! `chart.csv`: everything that is drawn, one measurement a row.
 
 use shared::csv;
+use strum::VariantArray;
 
 /// The first line.
 pub const HEADER: &str = "view,scene,engine,method,dt,metric,error,cpu_s_per_sim_s,us_per_step";
 /// The engine of this project.
 pub const OURS: &str = "biped";
 
-/// What a row is drawn in.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// The chart that a row is drawn in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum View {
     /// Error against cost, the step swept.
     Precision,
@@ -21,8 +22,10 @@ pub enum View {
 }
 
 impl View {
-    /// Every view, in the order of the page.
-    pub const ALL: [View; 4] = [View::Precision, View::Steps, View::Failures, View::Models];
+    /// The view that the table calls so.
+    pub fn named(name: &str) -> Option<View> {
+        View::VARIANTS.iter().copied().find(|view| view.name() == name)
+    }
 
     /// As the table has it.
     pub fn name(self) -> &'static str {
@@ -90,7 +93,7 @@ fn row(cells: &[String]) -> Option<Row> {
         <[String; 9]>::try_from(cells.to_vec()).ok()?;
     let value = |cell: String| if cell.is_empty() { Some(f64::NAN) } else { cell.parse().ok() };
     Some(Row {
-        view: View::ALL.into_iter().find(|known| known.name() == view)?,
+        view: View::named(&view)?,
         scene,
         engine,
         method,

@@ -10,6 +10,7 @@ use messages::scene::Method;
 use plant::PlantError;
 use rayon::prelude::*;
 use shared::exit::Failure;
+use strum::VariantArray;
 
 /// The step [s]; where a way has not run with it, the nearest.
 const H: f64 = 1e-3;
@@ -17,7 +18,7 @@ const H: f64 = 1e-3;
 pub const ZENO: &str = "zeno";
 
 /// Why a method fails.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Cause {
     /// The state grows without bound.
     BlowUp,
@@ -38,18 +39,6 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// All of them, the gravest first.
-    pub const ALL: [Cause; 8] = [
-        Cause::BlowUp,
-        Cause::NoSolution,
-        Cause::Zeno,
-        Cause::Hop,
-        Cause::Tunnelling,
-        Cause::Creep,
-        Cause::Drift,
-        Cause::Order,
-    ];
-
     /// In the table, the first letter being that of the map.
     pub fn name(self) -> &'static str {
         match self {

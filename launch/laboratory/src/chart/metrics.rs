@@ -16,7 +16,7 @@ pub type Metric = (&'static str, f64);
 
 /// Every metric of a run, those that the scene is about first.
 pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
-    let mut list: Vec<_> = question.metrics().iter().copied().zip(own(question, scene, log)).collect();
+    let mut list = errors(question, scene, log);
     match question {
         Question::Flight => return [list, vec![("angular momentum", momentum_drift(&log.sights))]].concat(),
         Question::Wheel => list.push(("ratio", spin_ratio(scene, &log.sights))),
@@ -39,8 +39,13 @@ pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
 /// Residual of (19).
 pub const SIGNORINI: &str = "signorini";
 
-/// The errors that the scene is about, in the order of [`Question::metrics`].
-fn own(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
+/// The errors that the scene is about. Every engine's runs are judged by them.
+pub fn errors(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
+    question.metrics().iter().copied().zip(values(question, scene, log)).collect()
+}
+
+/// Values of [`Question::metrics`], the second one 0 where there is one.
+fn values(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
     let sights = &log.sights;
     match question {
         Question::Flight => {

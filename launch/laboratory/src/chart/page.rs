@@ -13,6 +13,7 @@ use shared::output::write_whole;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
+use strum::VariantArray;
 
 /// Draws all views and writes them, alone as SVG and together as `chart.html`, into the folder.
 ///
@@ -74,7 +75,7 @@ fn bounds(chosen: &[Case], rows: &[Row]) -> String {
 
 /// The letters of the map.
 fn causes() -> String {
-    Cause::ALL.into_iter().fold(String::new(), |mut text, cause| {
+    Cause::VARIANTS.iter().fold(String::new(), |mut text, cause| {
         let (letter, name) = cause.name().split_at(1);
         let _ = write!(text, "<li><b>{letter}</b>{name}: {}</li>", cause.rule());
         text

@@ -1,9 +1,13 @@
 //! Other simulators on the same scenes, by scripts of their own, in the same session on the same machine.
 
-use super::csv::{Row, parse};
+mod resolved;
+mod runs;
+
+use super::cases::Case;
+use super::csv::{Row, parse, table};
 use super::watch::Watch;
 use shared::exit::{Exit, Failure, unless};
-use shared::output::replaces;
+use shared::output::{folder as make, write_whole};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -11,23 +15,27 @@ use std::process::{Command, Stdio};
 /// The script, in the folder that this was built from.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/run.py");
 
-/// What to know of them besides.
+/// The first line of a table of theirs.
+const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
+
+/// A remark for the page.
 pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \
     bodies only, and for the time of its solver alone.";
 
-/// Runs the script and reads the rows that it left in `folder`; also a sentence for each engine that is missing.
+/// Runs the script in the folder `peers` below `folder`, and computes errors; also a sentence for each engine that is missing.
+///
+/// `peers.csv` gets the rows, below day, machine and versions, for [`read`].
 ///
 /// # Errors
 /// Ctrl-C, no Python, a script that fails, or a table that is none.
-pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
-    let table = folder.join("peers.csv");
+pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
+    let files = folder.join("peers");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
-    replaces(&table, b"view,scene,engine").map_err(|error| fault(format!("{}: {error}", table.display())))?;
+    make(&files)?;
+    let scenes = resolved::text(chosen, quick)?;
+    write_whole(&files.join("scenes.toml"), &scenes).map_err(|error| fault(error.to_string()))?;
     let mut command = Command::new("python3");
-    command.arg(SCRIPT).arg("--out").arg(&table).args(quick.then_some("--quick")).stdout(Stdio::piped());
-    if !scenes.is_empty() {
-        command.arg("--scenes").args(scenes);
-    }
+    command.arg(SCRIPT).arg(&files).args(quick.then_some("--quick")).stdout(Stdio::piped());
     let mut script = command.spawn().map_err(|error| fault(format!("python3 does not start: {error}")))?;
     let mut left_out = Vec::new();
     for line in script.stdout.take().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
@@ -44,14 +52,22 @@ pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Res
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }
-    Ok((read(&table)?, left_out))
+    let rows = runs::rows(&files)?;
+    let origin = messages::file::text(&files.join("origin.txt")).map_err(|error| fault(error.to_string()))?;
+    let origin: String = origin.lines().map(|line| format!("# {line}\n")).collect();
+    let text = format!("{HEAD}{origin}{}", table(&rows));
+    write_whole(&folder.join("peers.csv"), &text).map_err(|error| fault(error.to_string()))?;
+    Ok((rows, left_out))
 }
 
-/// The rows of a table that was measured before.
+/// The rows of a table that was measured before, or of a folder in which the script ran.
 ///
 /// # Errors
 /// A file that cannot be read, or is no such table.
 pub fn read(table: &Path) -> Result<Vec<Row>, Failure> {
+    if table.is_dir() {
+        return runs::rows(table);
+    }
     let named = |error: String| Failure::new(Exit::Usage, format!("--peers: {}: {error}", table.display()));
     let text = messages::file::text(table).map_err(|error| named(error.to_string()))?;
     parse(&text).map_err(named)

@@ -17,7 +17,7 @@ pub const LOADS: [(&str, &str, f64); 4] = [
     ("walk", "a biped walks", 2.5),
 ];
 /// The step [s].
-const H: f64 = 1e-3;
+pub const H: f64 = 1e-3;
 /// What half of all steps do not exceed, in the table.
 pub const MEDIAN: &str = "median";
 /// What 99 of 100 steps do not exceed.

@@ -8,6 +8,7 @@ use messages::scene::Scene;
 use messages::wire::{Command, REFUSALS, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
 use std::time::{Duration, Instant};
+use strum::VariantArray;
 
 /// Bad commands that come before each good one.
 const BEFORE: usize = 8;
@@ -18,7 +19,7 @@ const READ: Duration = Duration::from_micros(10);
 const LONGEST: Duration = Duration::from_secs(1800);
 
 /// How a command is bad.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Flaw {
     /// A torque is not a number.
     NotANumber,
@@ -39,18 +40,6 @@ pub enum Flaw {
 }
 
 impl Flaw {
-    /// All of them.
-    pub const ALL: [Flaw; 8] = [
-        Flaw::NotANumber,
-        Flaw::Infinite,
-        Flaw::Huge,
-        Flaw::Duplicated,
-        Flaw::Stale,
-        Flaw::Flipped,
-        Flaw::WrongRun,
-        Flaw::Early,
-    ];
-
     /// The bad brother of a good command, whose predecessor is `sent`.
     fn spoil(self, good: Command, sent: &Command, random: &mut fastrand::Rng) -> Command {
         let (mut bad, joint) = (good, random.usize(0..good.torques.torque.len()));
@@ -164,7 +153,7 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
         let good = rogue.answer(&sensors)?;
         // none before the first: nothing is older yet, or a duplicate
         for _ in 0..if rogue.sent.stamp.ack > 0 { BEFORE } else { 0 } {
-            let flaw = Flaw::ALL[random.usize(0..Flaw::ALL.len())];
+            let flaw = Flaw::VARIANTS[random.usize(0..Flaw::VARIANTS.len())];
             // It claims to answer the sensors before these, so that the plant goes on waiting for the good one.
             let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
             rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;

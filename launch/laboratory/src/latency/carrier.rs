@@ -31,36 +31,24 @@ pub enum Carrier {
 }
 
 impl Carrier {
-    /// In the order of the tables; what is compared stands side by side, so that it is measured side by side.
-    pub const ALL: [Carrier; 11] = [
-        Carrier::Lines(Wake::Spin),
-        Carrier::Bare { ours: false },
-        Carrier::Bare { ours: true },
-        Carrier::Port(Waiting::Spin),
-        Carrier::Port(Waiting::Hybrid),
-        Carrier::Unix { spins: true },
-        Carrier::Udp { spins: true },
-        Carrier::Lines(Wake::Futex),
-        Carrier::Port(Waiting::Event),
-        Carrier::Unix { spins: false },
-        Carrier::Udp { spins: false },
+    /// Each with its name in tables. Carriers that are compared stand side by side, so that they are measured side by side.
+    pub const ALL: [(Carrier, &str); 11] = [
+        (Carrier::Lines(Wake::Spin), "raw shared memory, spin"),
+        (Carrier::Bare { ours: false }, "iceoryx2 alone, spin"),
+        (Carrier::Bare { ours: true }, "pub/sub unsealed, spin"),
+        (Carrier::Port(Waiting::Spin), "pub/sub, spin"),
+        (Carrier::Port(Waiting::Hybrid), "pub/sub, hybrid"),
+        (Carrier::Unix { spins: true }, "Unix socket, spin"),
+        (Carrier::Udp { spins: true }, "UDP, spin"),
+        (Carrier::Lines(Wake::Futex), "futex hand-over"),
+        (Carrier::Port(Waiting::Event), "pub/sub, event"),
+        (Carrier::Unix { spins: false }, "Unix socket, blocking"),
+        (Carrier::Udp { spins: false }, "UDP, blocking"),
     ];
 
-    /// As the tables call it.
+    /// The name in tables.
     pub fn name(self) -> &'static str {
-        match self {
-            Carrier::Lines(Wake::Spin) => "raw shared memory, spin",
-            Carrier::Lines(Wake::Futex) => "futex hand-over",
-            Carrier::Bare { ours: false } => "iceoryx2 alone, spin",
-            Carrier::Bare { ours: true } => "pub/sub unsealed, spin",
-            Carrier::Port(Waiting::Spin) => "pub/sub, spin",
-            Carrier::Port(Waiting::Hybrid) => "pub/sub, hybrid",
-            Carrier::Port(Waiting::Event) => "pub/sub, event",
-            Carrier::Unix { spins: true } => "Unix socket, spin",
-            Carrier::Unix { spins: false } => "Unix socket, blocking",
-            Carrier::Udp { spins: true } => "UDP, spin",
-            Carrier::Udp { spins: false } => "UDP, blocking",
-        }
+        Self::ALL.into_iter().find(|(carrier, _)| *carrier == self).map_or("unknown", |(_, name)| name)
     }
 
     /// Whether it sleeps in every wait.
@@ -78,8 +66,8 @@ impl Carrier {
 pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> {
     bench.tell("round trips without a plant");
     for _ in 0..bench.plan.rounds {
-        for carrier in Carrier::ALL {
-            bench.step(carrier.name())?;
+        for (carrier, name) in Carrier::ALL {
+            bench.step(name)?;
             let count = bench.plan.trips[usize::from(carrier.sleeps())];
             turn(bench, results, carrier, count)?;
         }

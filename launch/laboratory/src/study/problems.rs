@@ -19,6 +19,7 @@ use rayon::prelude::*;
 use shared::exit::{Failure, unless};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
+use strum::VariantArray;
 
 /// Episodes of a family at least.
 const EPISODES: usize = 20;
@@ -83,9 +84,9 @@ fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result
 /// # Errors
 /// As [`episode`].
 pub fn solve(count: usize, stop: &AtomicBool, told: impl Fn(u64) + Sync) -> Result<Vec<[Tally; 2]>, Failure> {
-    let each = count.div_ceil(Family::ALL.len());
+    let each = count.div_ceil(Family::VARIANTS.len());
     let length = (each / EPISODES).clamp(EPISODE.0, EPISODE.1);
-    Family::ALL
+    Family::VARIANTS
         .iter()
         .map(|&family| {
             let sum = |[a, b]: [Tally; 2], [c, d]: [Tally; 2]| [a.merge(c), b.merge(d)];

@@ -13,9 +13,6 @@ struct Scene {
     gravity: [f64; 3],
     friction: f64,
     contact: bool,
-    stiffness: f64,
-    damping: f64,
-    tip: f64,
     links: Vec<Link>,
     watch: Vec<usize>,
 }
@@ -30,9 +27,9 @@ struct Link {
     velocity: [f64; 3], // of the centre of mass
     spin: [f64; 3],
     joint: Option<Hinge>,
-    box_at: [f64; 3],
-    box_size: Option<[f64; 3]>,
-    tips: Vec<[f64; 3]>,
+    box_size: Option<[f64; 3]>, // about the centre of mass
+    tips: Vec<[f64; 3]>,        // centres of spheres
+    tip: f64,                   // radius of these spheres
 }
 
 #[derive(Deserialize)]
@@ -40,8 +37,11 @@ struct Hinge {
     parent: usize,
     anchor: [f64; 3],
     axis: [f64; 3],
-    angle: f64,
+    angle: f64, // at the start
     rate: f64,
+    stiffness: f64,
+    damping: f64,
+    rest: f64,
 }
 
 struct World {
@@ -109,10 +109,10 @@ impl World {
             self.colliders.insert_with_parent(collider, handle, &mut self.bodies);
         };
         if let Some([x, y, z]) = link.box_size {
-            touch(ColliderBuilder::cuboid(0.5 * x, 0.5 * y, 0.5 * z), link.box_at);
+            touch(ColliderBuilder::cuboid(0.5 * x, 0.5 * y, 0.5 * z), link.com);
         }
         for &tip in &link.tips {
-            touch(ColliderBuilder::ball(scene.tip), tip);
+            touch(ColliderBuilder::ball(link.tip), tip);
         }
     }
 
@@ -134,10 +134,13 @@ impl World {
         let (multibody, _) = self.multibody_joints.get_mut(joint).ok_or("no multibody")?;
         multibody.set_self_contacts_enabled(false);
         multibody.damping_mut().rows_mut(0, 6).fill(0.0);
-        multibody.damping_mut().rows_mut(6, scene.links.len() - 1).fill(scene.damping);
-        multibody.links_mut().skip(1).for_each(|link| link.joint.set_spring(3, scene.stiffness, 0.0));
+        let hinges = || scene.links.iter().filter_map(|link| link.joint.as_ref());
+        for (hinge, link) in hinges().zip(multibody.links_mut().skip(1)) {
+            link.joint.set_spring(3, hinge.stiffness, hinge.rest - hinge.angle);
+        }
+        hinges().enumerate().for_each(|(i, hinge)| multibody.damping_mut()[6 + i] = hinge.damping);
         let base = &scene.links[0];
-        let rates = scene.links.iter().filter_map(|link| link.joint.as_ref()).map(|hinge| hinge.rate);
+        let rates = hinges().map(|hinge| hinge.rate);
         let velocities = base.velocity.into_iter().chain(base.spin).chain(rates);
         multibody.generalized_velocity_mut().iter_mut().zip(velocities).for_each(|(slot, velocity)| *slot = velocity);
         Ok(())

@@ -6,6 +6,7 @@ use crate::chart::failures::{Cause, REFUSED, SOUND};
 use plotters::style::RGBColor;
 use records::report::draw::plot;
 use records::report::plot::{Axis, COM, Frame, GREEN, GREY, Mark, RIGHT, ZMP};
+use strum::VariantArray;
 
 /// Width of the names, in columns of the map.
 const NAMES: f64 = 3.6;
@@ -53,7 +54,7 @@ pub fn failures(columns: &[&str], rows: &[Row]) -> Option<String> {
 
 /// Colour and strength of a cell.
 fn colour(metric: &str) -> (RGBColor, f64) {
-    match Cause::ALL.into_iter().find(|cause| cause.name() == metric) {
+    match Cause::VARIANTS.iter().copied().find(|cause| cause.name() == metric) {
         Some(Cause::BlowUp | Cause::NoSolution | Cause::Zeno) => (ZMP, 0.6),
         Some(Cause::Hop | Cause::Tunnelling) => (RIGHT, 0.5),
         Some(Cause::Creep | Cause::Drift) => (RIGHT, 0.25),

@@ -6,9 +6,10 @@ use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Initial, Method, PlantScene, Scene};
 use shared::exit::Failure;
 use shared::list::SCENES;
+use strum::VariantArray;
 
 /// Where problems come from.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Family {
     /// The robot stands on both feet: eight corners, rank eleven at most.
     Standing,
@@ -44,24 +45,6 @@ pub enum Family {
 const STICKS: f64 = 1e6;
 
 impl Family {
-    /// All of them.
-    pub const ALL: [Family; 14] = [
-        Family::Standing,
-        Family::Swaying,
-        Family::Walking,
-        Family::Pushed,
-        Family::Falling,
-        Family::Tumbling,
-        Family::Corners,
-        Family::IllScaled,
-        Family::Jams,
-        Family::Chains,
-        Family::Conditioned,
-        Family::Wedged,
-        Family::Duplicated,
-        Family::Rough,
-    ];
-
     /// A scene of this family, and the time at which its problems begin to count.
     pub(super) fn scene(self, random: &mut Rng) -> Result<(Scene, f64), Failure> {
         let mut between = |low: f64, high: f64| low + (high - low) * random.f64();

@@ -3,6 +3,7 @@
 use super::families::Family;
 use messages::scene::Law;
 use plant::contact::{PROMISED, Problem, Report};
+use strum::VariantArray;
 
 /// Laws that are asked.
 pub const LAWS: [Law; 2] = [Law::Cone, Law::Aligned];
@@ -75,7 +76,7 @@ pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
         "µs",
     ];
     let mut rows = vec![columns.map(String::from).to_vec()];
-    for (family, tallies) in Family::ALL.iter().zip(results) {
+    for (family, tallies) in Family::VARIANTS.iter().zip(results) {
         for (law, tally) in LAWS.iter().zip(tallies) {
             let last = tally.pivots.len().saturating_sub(1) as f64;
             let at = |share: f64| (share * last) as usize;

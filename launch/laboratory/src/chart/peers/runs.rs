@@ -1,0 +1,210 @@
+//! What other simulators did: traces of poses, from which errors follow as they do from our own runs.
+
+use super::resolved;
+use crate::chart::cases::{self, Case, LAW, METHOD, Question, Way};
+use crate::chart::csv::{Row, View};
+use crate::chart::metrics::{self, Metric};
+use crate::chart::trial::{Log, Sight};
+use messages::scene::Scene;
+use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
+use serde::Deserialize;
+use shared::exit::{Exit, Failure};
+use std::path::Path;
+
+/// The file of all runs, a line of JSON for each.
+const RUNS: &str = "runs.jsonl";
+/// An error from which on a run counts as blown up.
+const BLOWN_UP: f64 = 1e6;
+
+/// A line of that file.
+#[derive(Deserialize)]
+struct Run {
+    view: String,
+    scene: String,
+    engine: String,
+    method: String,
+    /// Step [s].
+    dt: f64,
+    us_per_step: f64,
+    /// Steps between two rows of the trace, if there is one.
+    #[serde(default)]
+    stride: usize,
+    /// File of the trace, 64-bit floats: by row the poses `x y z qw qx qy qz` of the bodies that may touch the ground, in flight the
+    /// kinetic energy.
+    trace: Option<String>,
+}
+
+/// The rows of every run in a folder.
+///
+/// # Errors
+/// A file that cannot be read, or holds no such runs.
+pub fn rows(folder: &Path) -> Result<Vec<Row>, Failure> {
+    let file = folder.join(RUNS);
+    let fault = |reason: String| Failure::new(Exit::Usage, format!("--peers: {}: {reason}", file.display()));
+    let text = messages::file::text(&file).map_err(|error| fault(error.to_string()))?;
+    let mut rows = Vec::new();
+    for (number, line) in text.lines().enumerate() {
+        let bad = |reason: String| fault(format!("line {}: {reason}", number + 1));
+        let run: Run = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
+        let view = View::named(&run.view).ok_or_else(|| bad(format!("there is no view `{}`", run.view)))?;
+        let row = |metric: &str, error: f64| Row {
+            view,
+            scene: run.scene.clone(),
+            engine: run.engine.clone(),
+            method: run.method.clone(),
+            dt: run.dt,
+            metric: metric.into(),
+            error,
+            cost: 1e-6 * run.us_per_step / run.dt,
+            us_per_step: run.us_per_step,
+        };
+        let Some(trace) = &run.trace else {
+            rows.push(row("", f64::NAN));
+            continue;
+        };
+        let [case] = cases::chosen(std::slice::from_ref(&run.scene))?[..] else { continue };
+        let errors = errors(case, &folder.join(trace), run.dt * run.stride as f64).map_err(bad)?;
+        rows.extend(errors.into_iter().map(|(metric, error)| row(metric, error)));
+    }
+    Ok(rows)
+}
+
+/// The errors of a run; infinite where it blew up.
+fn errors(case: Case, file: &Path, period: f64) -> Result<Vec<Metric>, String> {
+    let bytes = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
+    let (values, rest) = bytes.as_chunks::<8>();
+    let trace: Vec<f64> = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
+    let refused = |failure: Failure| failure.message;
+    let resolved = resolved::scene(case.name).map_err(refused)?;
+    let width = width(case.question, &resolved);
+    if trace.len() < 2 * width || !trace.len().is_multiple_of(width) || !rest.is_empty() {
+        return Err(format!("{} is no trace of rows of {width} numbers", file.display()));
+    }
+    if trace.iter().any(|value| !value.is_finite()) {
+        return Ok(case.question.metrics().iter().map(|&metric| (metric, f64::INFINITY)).collect());
+    }
+    let scene = cases::scene(case.name, Way { law: LAW, method: METHOD }, 1e-3, &[]).map_err(refused)?;
+    let errors =
+        metrics::errors(case.question, &scene, &log(case.question, &resolved, trace.chunks_exact(width), period));
+    let finite = |error: f64| if error < BLOWN_UP { error } else { f64::INFINITY };
+    Ok(errors.into_iter().map(|(metric, error)| (metric, finite(error))).collect())
+}
+
+/// Numbers in a row of a trace.
+fn width(question: Question, scene: &Scene) -> usize {
+    match question {
+        Question::Flight => 1,
+        _ => 7 * scene.bodies.iter().filter(|body| body.contact_spheres().next().is_some()).count(),
+    }
+}
+
+/// A trace as our own runs are recorded, as far as errors need it.
+fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item = &'a [f64]>, period: f64) -> Log {
+    let (mut log, last) = (Log::default(), rows.len() - 1);
+    for (i, row) in rows.enumerate() {
+        let mut sight = Sight { time: i as f64 * period, ..Sight::default() };
+        if question == Question::Flight {
+            sight.totals.kinetic = row[0];
+        } else {
+            let points = see(scene, row, &mut sight);
+            if i == last / 2 {
+                log.halves[0] = points;
+            } else if i == last {
+                log.halves[1] = points;
+            }
+        }
+        log.sights.push(sight);
+    }
+    log
+}
+
+/// Enters the poses of the bodies that may touch the ground; returns their contact points, of a ball its lowest point [m].
+fn see(scene: &Scene, row: &[f64], sight: &mut Sight) -> Vec<Vector3<f64>> {
+    let touching = || scene.bodies.iter().filter(|body| body.contact_spheres().next().is_some());
+    let poses = row.chunks_exact(7).map(|pose| {
+        let turn = UnitQuaternion::new_normalize(Quaternion::new(pose[3], pose[4], pose[5], pose[6]));
+        Translation3::new(pose[0], pose[1], pose[2]) * turn
+    });
+    let mut points = Vec::new();
+    (sight.low, sight.high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (first, (body, pose)) in touching().zip(poses).enumerate() {
+        if first == 0 {
+            let (ahead, axis) = (pose * Vector3::x(), pose * Vector3::z());
+            sight.totals.com = pose.translation.vector; // of a single body, whose origin it is
+            (sight.tilt, sight.yaw) = (axis.x.atan2(axis.z), ahead.y.atan2(ahead.x));
+        }
+        for ball in body.contact_spheres() {
+            let point = (pose * Point3::from(ball.at)).coords - Vector3::z() * ball.radius;
+            if point.z < sight.low {
+                (sight.low, sight.ahead) = (point.z, point.x - sight.totals.com.x);
+            }
+            sight.high = sight.high.max(point.z);
+            points.push(point);
+        }
+    }
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chart::cases::CASES;
+    use crate::chart::trial::{Outcome, watch};
+    use plant::Plant;
+    use plant::kinematics::{self, Pose};
+
+    /// Poses of the bodies that may touch the ground, or the kinetic energy, as an engine's script leaves them.
+    fn row(plant: &Plant, scene: &Scene, question: Question) -> Vec<f64> {
+        let (model, mut pose) = (plant.model(), Pose::new(plant.model()));
+        kinematics::pose(model, plant.state(), &mut pose);
+        if question == Question::Flight {
+            return vec![kinematics::totals(model, plant.state(), &pose).kinetic];
+        }
+        let bodies =
+            scene.bodies.iter().zip(&model.body_link).filter(|(body, _)| body.contact_spheres().next().is_some());
+        bodies
+            .flat_map(|(_, &link)| {
+                [pose.point(link, &Vector3::zeros()).as_slice(), &pose.orientation(link)[..]].concat()
+            })
+            .collect()
+    }
+
+    /// A run of ours that is written as a trace has the errors that it has as it was watched.
+    #[test]
+    fn a_trace_is_judged_as_our_own_run_is() {
+        for case in CASES {
+            let way = Way { law: LAW, method: METHOD };
+            let (given, mut scene) =
+                (cases::scene(case.name, way, 1e-3, &[]).expect("it"), resolved::scene(case.name).expect("it"));
+            scene.duration = given.duration;
+            let Outcome::Done(log) = watch(&given, &[]) else { panic!("{} breaks off", case.name) };
+            let mut plant = Plant::new(&scene).expect("a plant");
+            let mut trace = row(&plant, &scene, case.question);
+            for _ in 1..log.sights.len() {
+                plant.advance(&messages::wire::Torques::default()).expect("a step");
+                trace.extend(row(&plant, &scene, case.question));
+            }
+            let file = std::env::temp_dir().join(format!("biped-trace-{}-{}", std::process::id(), case.name));
+            std::fs::write(&file, trace.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>())
+                .expect("a file");
+            let found = errors(case, &file, 1e-3).expect("errors");
+            std::fs::write(&file, [0; 12]).expect("a file");
+            assert!(errors(case, &file, 1e-3).expect_err("twelve bytes").contains("no trace"), "{}", case.name);
+            std::fs::write(
+                &file,
+                vec![f64::NAN; trace.len()].iter().flat_map(|nan| nan.to_le_bytes()).collect::<Vec<_>>(),
+            )
+            .expect("a file");
+            assert!(
+                errors(case, &file, 1e-3).expect("errors").iter().all(|metric| metric.1 == f64::INFINITY),
+                "{}",
+                case.name
+            );
+            std::fs::remove_file(&file).expect("our own file");
+            let own = metrics::errors(case.question, &given, &log);
+            for ((metric, found), (_, own)) in found.into_iter().zip(own) {
+                assert!((found - own).abs() < 1e-9 + 1e-6 * own, "{} {metric}: {found:e}, watched {own:e}", case.name);
+            }
+        }
+    }
+}
