@@ -7,7 +7,7 @@ use messages::port::{Ask, Contract, Pace, RecorderPort, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
-use records::recording::{End, RecordArgs, Tape};
+use records::recording::{McapRecorder, RecordArgs, RecordingEnd};
 use shared::csv;
 use shared::exit::{Exit, Failure, unless};
 use shared::output::{folder, say, tell, unwritten, write_whole};
@@ -70,7 +70,7 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
     let (_, scene) = walk(&["duration=1000000"]).map_err(fault)?;
-    let tape = args.record.tape(&scene)?;
+    let tape = args.record.recorder(&scene)?;
     let time = Duration::from_secs_f64(args.minutes * 60.0);
     let Soaked { samples, simulated, falls, end } = soak(&scene, tape, pace, time, stop).map_err(fault)?;
     if let Some(folder) = &args.out {
@@ -107,7 +107,7 @@ struct Soaked {
     /// How often it fell.
     falls: u32,
     /// Why the recording ended before the walk.
-    end: Option<End>,
+    end: Option<RecordingEnd>,
 }
 
 fn table(samples: &[Sample]) -> String {
@@ -121,7 +121,7 @@ fn table(samples: &[Sample]) -> String {
 /// Walks for a time.
 fn soak(
     scene: &Scene,
-    mut tape: Option<Tape>,
+    mut tape: Option<McapRecorder>,
     pace: Pace,
     time: Duration,
     stop: &AtomicBool,
@@ -173,7 +173,7 @@ fn soak(
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    let end = tape.map(Tape::finish).and_then(Result::err).or(end);
+    let end = tape.map(McapRecorder::finish).and_then(Result::err).or(end);
     Ok(Soaked { samples, simulated: walked + seconds(&truth), falls, end })
 }
 

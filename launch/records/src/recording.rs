@@ -12,20 +12,20 @@
 //! so the states of two recordings of one run are equal, and so is the hash that `biped info` prints of them. Messages are Protocol Buffers ([`protobuf`]), those of Foxglove JSON. All times are
 //! simulated times; after a reset the clock of the file goes on.
 
-mod drawing;
+mod chunk_sink;
+pub mod convert;
 mod events;
-mod file;
+mod foxglove_scene;
 pub mod info;
+mod mcap_file;
 mod protobuf;
 mod reader;
-mod records;
+mod record_stream;
+mod recorder;
+mod reindex;
 pub mod replay;
-mod rewrite;
-mod sink;
-pub mod table;
-mod tape;
 mod topic;
 mod writer;
 
-pub use reader::{Content, Reader};
-pub use tape::{End, RecordArgs, Tape};
+pub use reader::{Payload, RecordingReader};
+pub use recorder::{McapRecorder, RecordArgs, RecordingEnd};

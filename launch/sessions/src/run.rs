@@ -11,7 +11,7 @@ use messages::scene::Scene;
 use nix::time::ClockId;
 use plant::Plant;
 use plant::smallest::smallest;
-use records::recording::Tape;
+use records::recording::McapRecorder;
 use records::report;
 use records::summary::Summary;
 use shared::exit::{Exit, Failure};
@@ -57,13 +57,13 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
     }
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
-    watch.tape = args.record.tape(scene)?;
+    watch.tape = args.record.recorder(scene)?;
     let outcome = match args.in_process {
         true => one_process::run(scene, &mut watch, stop),
         false => two_processes::run(args, scene, &mut watch, stop),
     };
     watch.progress.finish();
-    if let Some(Err(end)) = watch.tape.take().map(Tape::finish) {
+    if let Some(Err(end)) = watch.tape.take().map(McapRecorder::finish) {
         tell(format_args!("{}", end.words));
         watch.end = Some(end);
     }

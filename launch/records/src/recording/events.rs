@@ -6,8 +6,8 @@ use serde::Serialize;
 
 /// `foxglove.Log`.
 #[derive(Serialize, JsonSchema)]
-pub(super) struct Log {
-    timestamp: Time,
+pub(super) struct LogMessage {
+    timestamp: FoxgloveTime,
     level: u8,
     message: String,
     name: &'static str,
@@ -15,28 +15,28 @@ pub(super) struct Log {
     line: u32,
 }
 
-impl Log {
-    fn new(time: u64, level: u8, message: String) -> Log {
-        Log { timestamp: Time::new(time), level, message, name: "biped", file: "", line: 0 }
+impl LogMessage {
+    fn new(time: u64, level: u8, message: String) -> LogMessage {
+        LogMessage { timestamp: FoxgloveTime::new(time), level, message, name: "biped", file: "", line: 0 }
     }
 
     /// Something that is not of the run itself.
-    pub fn warning(time: u64, message: String) -> Log {
-        Log::new(time, WARNING, message)
+    pub fn warning(time: u64, message: String) -> LogMessage {
+        LogMessage::new(time, WARNING, message)
     }
 }
 
 /// A time of Foxglove's messages.
 #[derive(Clone, Copy, Serialize, JsonSchema)]
-pub(super) struct Time {
+pub(super) struct FoxgloveTime {
     sec: u64,
     nsec: u32,
 }
 
-impl Time {
+impl FoxgloveTime {
     /// Of nanoseconds.
-    pub fn new(ns: u64) -> Time {
-        Time { sec: ns / 1_000_000_000, nsec: (ns % 1_000_000_000) as u32 }
+    pub fn new(ns: u64) -> FoxgloveTime {
+        FoxgloveTime { sec: ns / 1_000_000_000, nsec: (ns % 1_000_000_000) as u32 }
     }
 }
 
@@ -45,14 +45,14 @@ const WARNING: u8 = 3;
 
 /// What was known before.
 #[derive(Default)]
-pub(super) struct Events {
+pub(super) struct EventDetector {
     before: Option<Truth>,
 }
 
-impl Events {
+impl EventDetector {
     /// What this truth tells that the one before did not.
-    pub fn of(&mut self, truth: &Truth, time: u64) -> Vec<Log> {
-        let log = |level, message| Log::new(time, level, message);
+    pub fn of(&mut self, truth: &Truth, time: u64) -> Vec<LogMessage> {
+        let log = |level, message| LogMessage::new(time, level, message);
         let Some(before) = self.before.replace(*truth) else {
             return vec![log(INFO, format!("run {:016x} begins", truth.stamp.run))];
         };

@@ -1,6 +1,6 @@
 //! `biped info`: what a recording has.
 
-use super::reader::{Content, Reader};
+use super::reader::{Payload, RecordingReader};
 use clap::Args;
 use shared::exit::{Failure, unless};
 use shared::output::say;
@@ -22,9 +22,9 @@ pub struct InfoArgs {
 /// Prints it.
 ///
 /// # Errors
-/// See [`Reader::open`].
+/// See [`RecordingReader::open`].
 pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut reader = Reader::open(&args.file)?;
+    let mut reader = RecordingReader::open(&args.file)?;
     if args.scene {
         say(reader.word("scene"));
         return Ok(());
@@ -35,7 +35,7 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
         unless(stop)?;
         *counts.entry(item.topic).or_default() += 1;
         end = item.time;
-        if let Content::Truth(truth) = item.content {
+        if let Payload::Truth(truth) = item.content {
             hash = Some(truth.hash);
         }
     }

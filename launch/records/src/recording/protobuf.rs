@@ -48,13 +48,13 @@ fn message(message: &Message) -> DescriptorProto {
 /// How messages of one kind are coded: worked out once, for a recording has millions.
 pub struct Codec {
     /// By number, but for those that are left out.
-    slots: Vec<Option<Slot>>,
+    slots: Vec<Option<FieldCodec>>,
     /// Of a message that is coded, which is that of any [bytes].
     length: usize,
 }
 
 /// A field: where it is in memory, and what it is made of if that is a message.
-struct Slot {
+struct FieldCodec {
     place: Range<usize>,
     wire_type: WireType,
     inner: Option<Codec>,
@@ -62,13 +62,13 @@ struct Slot {
 
 impl Codec {
     /// Of a message, but for some of its fields.
-    pub fn new(message: &Message, without: &[&str]) -> Codec {
-        let slot = |field: &Field| Slot {
+    pub fn new(message: &Message, omitted: &[&str]) -> Codec {
+        let slot = |field: &Field| FieldCodec {
             place: field.offset..field.offset + field.size(),
             wire_type: wire_type(field),
             inner: field.message().map(|message| Codec::new(message, &[])),
         };
-        let slots = message.fields.iter().map(|field| (!without.contains(&field.name)).then(|| slot(field)));
+        let slots = message.fields.iter().map(|field| (!omitted.contains(&field.name)).then(|| slot(field)));
         let (mut codec, mut coded) = (Codec { slots: slots.collect(), length: 0 }, vec![]);
         codec.encode(&vec![0; message.size], &mut coded);
         codec.length = coded.len();
@@ -78,7 +78,7 @@ impl Codec {
     /// Appends a message, given as its bytes in memory.
     pub fn encode(&self, bytes: &[u8], out: &mut Vec<u8>) {
         for (slot, number) in self.slots.iter().zip(1..) {
-            let Some(Slot { place, wire_type, inner }) = slot else { continue };
+            let Some(FieldCodec { place, wire_type, inner }) = slot else { continue };
             encode_key(number, *wire_type, out);
             if *wire_type == WireType::LengthDelimited {
                 encode_varint(inner.as_ref().map_or(place.len(), |inner| inner.length) as u64, out);

@@ -1,8 +1,8 @@
 //! A recording, read message by message in constant memory; one that was cut short, up to its last good chunk.
 
 use super::protobuf::Codec;
-use super::records::Records;
-use super::topic::{METADATA, Topic};
+use super::record_stream::RecordStream;
+use super::topic::{METADATA, RecordingTopic};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
 use messages::file;
@@ -16,34 +16,34 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A recording that is being read.
-pub struct Reader {
-    records: Records,
+pub struct RecordingReader {
+    records: RecordStream,
     channels: HashMap<u16, Channel>,
-    codecs: [Codec; Topic::ALL.len()],
+    codecs: [Codec; RecordingTopic::ALL.len()],
     /// Of the metadata record: scene, schema, version and when it began.
     about: BTreeMap<String, String>,
     scene: Scene,
-    /// Requests that were answered, and that nobody has taken out yet.
+    /// RequestLog that were answered, and that nobody has taken out yet.
     served: VecDeque<Served>,
     /// Why the file ends before its end, once that is known.
     pub cut: Option<String>,
 }
 
 /// What its messages are, and what it is called.
-type Channel = (Option<Topic>, Arc<str>);
+type Channel = (Option<RecordingTopic>, Arc<str>);
 
 /// A message.
-pub struct Item {
+pub struct RecordedMessage {
     /// Name of its topic.
     pub topic: Arc<str>,
     /// By the clock of the file [ns].
     pub time: u64,
     /// What of it we know.
-    pub content: Content,
+    pub content: Payload,
 }
 
 /// What a message has; what other topics have of it is zero.
-pub enum Content {
+pub enum Payload {
     /// `/sensors`.
     Sensors(Sensors),
     /// `/command`.
@@ -58,21 +58,28 @@ pub enum Content {
     Other,
 }
 
-impl Reader {
+impl RecordingReader {
     /// Opens a file and reads as far as it says of what run it is; the scene is checked like any other.
     ///
     /// # Errors
     /// If it is not there, no MCAP file, no recording of ours, of another wire format, or of a scene that cannot be run.
-    pub fn open(path: &Path) -> Result<Reader, Failure> {
+    pub fn open(path: &Path) -> Result<RecordingReader, Failure> {
         let refuse = |why: String| Err(Failure::new(Exit::Usage, format!("{}: {why}", path.display())));
         let file = match file::open(path) {
             Ok(file) => file,
             Err(error) => return refuse(format!("cannot be opened: {error}")),
         };
-        let (records, codecs) = (Records::of(file), Topic::ALL.map(Topic::codec));
+        let (records, codecs) = (RecordStream::of(file), RecordingTopic::ALL.map(RecordingTopic::codec));
         let (channels, about) = (HashMap::new(), BTreeMap::new());
-        let mut reader =
-            Reader { records, channels, codecs, about, scene: Scene::default(), served: VecDeque::new(), cut: None };
+        let mut reader = RecordingReader {
+            records,
+            channels,
+            codecs,
+            about,
+            scene: Scene::default(),
+            served: VecDeque::new(),
+            cut: None,
+        };
         while reader.about.is_empty() {
             // what is ours says so before its first message
             if reader.record().is_none_or(|message| message.is_some()) {
@@ -102,7 +109,7 @@ impl Reader {
     }
 
     /// The next message; none at the end, or where the file is cut short.
-    pub fn next(&mut self) -> Option<Item> {
+    pub fn next(&mut self) -> Option<RecordedMessage> {
         loop {
             if let Some(item) = self.record()? {
                 return Some(item);
@@ -113,25 +120,25 @@ impl Reader {
     /// The next truth, put together from all its topics; the messages between come with it. Its time by the clock of the file [ns].
     pub fn next_truth(&mut self, latest: &mut Truth) -> Option<u64> {
         loop {
-            let Item { time, content, .. } = self.next()?;
+            let RecordedMessage { time, content, .. } = self.next()?;
             match content {
-                Content::Sensors(sensors) => latest.encoders = sensors.encoders,
-                Content::Command(command) => (latest.command, latest.asked) = (command.stamp, command.torques),
-                Content::Telemetry(telemetry) => latest.telemetry = telemetry,
-                Content::Truth(truth) => {
+                Payload::Sensors(sensors) => latest.encoders = sensors.encoders,
+                Payload::Command(command) => (latest.command, latest.asked) = (command.stamp, command.torques),
+                Payload::Telemetry(telemetry) => latest.telemetry = telemetry,
+                Payload::Truth(truth) => {
                     let Truth { command, asked, telemetry, encoders, .. } = *latest;
                     *latest = Truth { command, asked, telemetry, encoders, ..*truth };
                     return Some(time);
                 }
-                Content::Served(served) => self.served.push_back(*served),
-                Content::Other => (),
+                Payload::Served(served) => self.served.push_back(*served),
+                Payload::Other => (),
             }
         }
     }
 
     /// Whether it has a topic of requests, as recordings of earlier versions have not.
     pub fn tells_requests(&self) -> bool {
-        self.channels.values().any(|(topic, _)| *topic == Some(Topic::Served))
+        self.channels.values().any(|(topic, _)| *topic == Some(RecordingTopic::Served))
     }
 
     /// Takes out the requests that were granted and took effect by now, as `is_due` sees it.
@@ -154,18 +161,20 @@ impl Reader {
     }
 
     /// The next record: a message, something else, or the end.
-    fn record(&mut self) -> Option<Option<Item>> {
+    fn record(&mut self) -> Option<Option<RecordedMessage>> {
         let record = self.records.next()?.and_then(|(opcode, data)| mcap::parse_record(opcode, data));
         match record {
             Ok(Record::Metadata(metadata)) if metadata.name == METADATA => self.about = metadata.metadata,
             Ok(Record::Channel(channel)) => {
-                let topic = Topic::ALL.into_iter().find(|known| known.name() == channel.topic);
+                let topic = RecordingTopic::ALL.into_iter().find(|known| known.name() == channel.topic);
                 self.channels.insert(channel.id, (topic, channel.topic.into()));
             }
             Ok(Record::Message { header, data }) => {
                 let (topic, name) = self.channels.get(&header.channel_id).cloned().unwrap_or_default();
-                match topic.map_or(Some(Content::Other), |topic| content(topic, &self.codecs[topic as usize], &data)) {
-                    Some(content) => return Some(Some(Item { topic: name, time: header.log_time, content })),
+                match topic.map_or(Some(Payload::Other), |topic| content(topic, &self.codecs[topic as usize], &data)) {
+                    Some(content) => {
+                        return Some(Some(RecordedMessage { topic: name, time: header.log_time, content }));
+                    }
                     None => self.cut = Some(format!("a message of {name} is damaged")),
                 }
             }
@@ -180,32 +189,32 @@ impl Reader {
 }
 
 /// What a message of a topic has; none if it is damaged.
-fn content(topic: Topic, codec: &Codec, data: &[u8]) -> Option<Content> {
+fn content(topic: RecordingTopic, codec: &Codec, data: &[u8]) -> Option<Payload> {
     Some(match topic {
-        Topic::Sensors => {
+        RecordingTopic::Sensors => {
             let mut sensors = Sensors::default();
             codec.decode(data, bytes_of_mut(&mut sensors))?;
-            Content::Sensors(sensors)
+            Payload::Sensors(sensors)
         }
-        Topic::Command => {
+        RecordingTopic::Command => {
             let mut command = Command::default();
             codec.decode(data, bytes_of_mut(&mut command))?;
-            Content::Command(command)
+            Payload::Command(command)
         }
-        Topic::Telemetry => {
+        RecordingTopic::Telemetry => {
             let mut telemetry = Telemetry::default();
             codec.decode(data, bytes_of_mut(&mut telemetry))?;
-            Content::Telemetry(telemetry)
+            Payload::Telemetry(telemetry)
         }
-        Topic::Truth => {
+        RecordingTopic::Truth => {
             let mut truth = Box::<Truth>::default();
             codec.decode(data, bytes_of_mut(&mut *truth))?;
-            Content::Truth(truth)
+            Payload::Truth(truth)
         }
-        Topic::Served => {
+        RecordingTopic::Served => {
             let mut served = Box::<Served>::default();
             codec.decode(data, bytes_of_mut(&mut *served))?;
-            Content::Served(served)
+            Payload::Served(served)
         }
     })
 }

@@ -1,7 +1,7 @@
 //! `biped replay`: recorded sensors into a controller, or recorded torques into a plant; what comes out must be what was
 //! recorded, bit for bit.
 
-use super::reader::Reader;
+use super::reader::RecordingReader;
 use clap::Args;
 use controller::Controller;
 use controller::process::ProcessError;
@@ -45,7 +45,7 @@ struct Comparison {
     remark: Option<String>,
     /// Whether the plant answered a request that is not recorded, such as one by another program.
     is_asked: bool,
-    /// Requests that were done here as they were there.
+    /// RequestLog that were done here as they were there.
     done: u64,
 }
 
@@ -64,9 +64,9 @@ impl Comparison {
 /// Replays it.
 ///
 /// # Errors
-/// If anything differs; see also [`Reader::open`].
+/// If anything differs; see also [`RecordingReader::open`].
 pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut reader = Reader::open(&args.file)?;
+    let mut reader = RecordingReader::open(&args.file)?;
     let found = if args.plant { plant(&mut reader, stop)? } else { controller(&mut reader, stop)? };
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
     let Comparison { count, differ, greatest, first, beginnings, remark, is_asked, done } = found;
@@ -95,7 +95,7 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Recorded sensors to a controller: each of its commands beside the recorded one that answers the same sensors.
-fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
+fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     let scene = reader.scene().clone();
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
@@ -153,7 +153,7 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
 }
 
 /// Recorded torques to a plant: each of its states beside the recorded one.
-fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> {
+fn plant(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Comparison, Failure> {
     // What the link did to the commands is in the record already.
     let mut scene = Scene { link: LinkScene::default(), ..reader.scene().clone() };
     let (mut found, mut truth) = (Comparison::default(), Truth::default());

@@ -1,11 +1,11 @@
 //! A run, written while it goes on: whatever stops it, the file is readable up to its last chunk.
 
-use super::drawing::Drawing;
-use super::events::{Events, Log};
-use super::file::{CHUNK, Mcap, create, header, json_channel, json_message};
+use super::events::{EventDetector, LogMessage};
+use super::foxglove_scene::FoxgloveScene;
+use super::mcap_file::{CHUNK, McapWriter, create, header, json_channel, json_message};
 use super::protobuf::{self, Codec};
-use super::topic::{METADATA, Topic};
-use crate::record::Answered;
+use super::topic::{METADATA, RecordingTopic};
+use crate::analysis::RequestRecord;
 use mcap::McapResult;
 use mcap::records::Metadata;
 use messages::load;
@@ -21,13 +21,13 @@ const FLUSH: Duration = Duration::from_millis(500);
 const PICTURE_NS: u64 = 20_000_000;
 
 /// Writes a recording.
-pub struct Writer {
-    file: Mcap,
-    topics: [u16; Topic::ALL.len()],
-    codecs: [Codec; Topic::ALL.len()],
+pub struct RecordingWriter {
+    file: McapWriter,
+    topics: [u16; RecordingTopic::ALL.len()],
+    codecs: [Codec; RecordingTopic::ALL.len()],
     events: u16,
-    drawing: Drawing,
-    noticed: Events,
+    drawing: FoxgloveScene,
+    noticed: EventDetector,
     before: Option<Truth>,
     /// What the clock of the file is ahead of simulated time: the length of earlier runs [ns].
     ahead_ns: u64,
@@ -37,12 +37,12 @@ pub struct Writer {
     encoded: Vec<u8>,
 }
 
-impl Writer {
+impl RecordingWriter {
     /// Begins an empty file.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn begin(file: File, scene: &Scene) -> McapResult<Writer> {
+    pub fn begin(file: File, scene: &Scene) -> McapResult<RecordingWriter> {
         let mut file = create(file)?;
         let about = [
             ("scene", load::text(scene)),
@@ -54,19 +54,19 @@ impl Writer {
         let metadata = about.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
         file.write_metadata(&Metadata { name: METADATA.into(), metadata })?;
         let descriptors = protobuf::descriptors();
-        let mut topics = [0; Topic::ALL.len()];
-        for (id, topic) in topics.iter_mut().zip(Topic::ALL) {
+        let mut topics = [0; RecordingTopic::ALL.len()];
+        for (id, topic) in topics.iter_mut().zip(RecordingTopic::ALL) {
             let schema = file.add_schema(&format!("biped.{}", topic.message().name), "protobuf", &descriptors)?;
             *id = file.add_channel(schema, topic.name(), "protobuf", &BTreeMap::new())?;
         }
-        let events = json_channel::<super::events::Log>(&mut file, "/events", "foxglove.Log")?;
-        Ok(Writer {
-            drawing: Drawing::begin(&mut file, scene)?,
+        let events = json_channel::<super::events::LogMessage>(&mut file, "/events", "foxglove.Log")?;
+        Ok(RecordingWriter {
+            drawing: FoxgloveScene::begin(&mut file, scene)?,
             file,
             topics,
-            codecs: Topic::ALL.map(Topic::codec),
+            codecs: RecordingTopic::ALL.map(RecordingTopic::codec),
             events,
-            noticed: Events::default(),
+            noticed: EventDetector::default(),
             before: None,
             ahead_ns: 0,
             flushed: Instant::now(),
@@ -83,7 +83,7 @@ impl Writer {
         let before = self.before.replace(*truth);
         if let Some(before) = before.filter(|before| before.stamp.run != truth.stamp.run) {
             self.ahead_ns = self.ahead_ns.saturating_add(before.stamp.sim_ns).saturating_add(PICTURE_NS);
-            self.noticed = Events::default();
+            self.noticed = EventDetector::default();
         }
         let before = before.filter(|before| before.stamp.run == truth.stamp.run);
         let time = self.ahead_ns.saturating_add(truth.stamp.sim_ns);
@@ -92,12 +92,12 @@ impl Writer {
             before.is_none_or(|before| before.command.seq != command.seq || before.command.epoch != command.epoch);
         if command != Stamp::default() && is_new {
             let command = Command { stamp: command, torques, telemetry };
-            self.put(Topic::Command, time, command.stamp.seq, bytemuck::bytes_of(&command))?;
-            self.put(Topic::Telemetry, time, command.stamp.seq, bytemuck::bytes_of(&telemetry))?;
+            self.put(RecordingTopic::Command, time, command.stamp.seq, bytemuck::bytes_of(&command))?;
+            self.put(RecordingTopic::Telemetry, time, command.stamp.seq, bytemuck::bytes_of(&telemetry))?;
         }
         let sensors = Sensors { stamp, encoders, last: 0 }.sealed();
-        self.put(Topic::Sensors, time, stamp.seq, bytemuck::bytes_of(&sensors))?;
-        self.put(Topic::Truth, time, stamp.seq, bytemuck::bytes_of(truth))?;
+        self.put(RecordingTopic::Sensors, time, stamp.seq, bytemuck::bytes_of(&sensors))?;
+        self.put(RecordingTopic::Truth, time, stamp.seq, bytemuck::bytes_of(truth))?;
         for log in self.noticed.of(truth, time) {
             json_message(&mut self.file, self.events, time, &log)?;
         }
@@ -115,17 +115,17 @@ impl Writer {
     /// Takes a request that was answered.
     ///
     /// # Errors
-    /// As [`Writer::push`].
+    /// As [`RecordingWriter::push`].
     pub fn served(&mut self, served: &Served) -> McapResult<()> {
         let before = self.before.as_ref().map(|before| before.stamp);
         // that of another run, which a reset has begun, is told at the end of this one
         let sim_ns = before.filter(|before| before.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
         let time = self.ahead_ns.saturating_add(sim_ns);
-        self.put(Topic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
-        json_message(&mut self.file, self.events, time, &Log::warning(time, Answered::of(served).words()))
+        self.put(RecordingTopic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
+        json_message(&mut self.file, self.events, time, &LogMessage::warning(time, RequestRecord::of(served).words()))
     }
 
-    fn put(&mut self, topic: Topic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
+    fn put(&mut self, topic: RecordingTopic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
         self.encoded.clear();
         self.codecs[topic as usize].encode(bytes, &mut self.encoded);
         self.waiting += self.encoded.len();

@@ -13,8 +13,8 @@ const BATCH: usize = 1 << 18;
 /// Batches that may wait.
 const AHEAD: usize = 4;
 
-/// Records in their order.
-pub(super) struct Records {
+/// RecordStream in their order.
+pub(super) struct RecordStream {
     batches: Receiver<Result<Batch, McapError>>,
     batch: Batch,
     next: usize,
@@ -30,16 +30,16 @@ struct Batch {
     read: u64,
 }
 
-impl Records {
+impl RecordStream {
     /// Begins to read.
-    pub fn of(file: File) -> Records {
+    pub fn of(file: File) -> RecordStream {
         let (to, batches) = sync_channel(AHEAD);
         std::thread::spawn(move || {
             if let Err(error) = read(file, &to) {
                 let _ = to.send(Err(error));
             }
         });
-        Records { batches, batch: Batch::default(), next: 0 }
+        RecordStream { batches, batch: Batch::default(), next: 0 }
     }
 
     /// The next record, opcode and content; none at the end.

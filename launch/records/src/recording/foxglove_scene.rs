@@ -1,8 +1,8 @@
 //! The robot for 3-D panels: a frame for each body, boxes fixed to the frames, and an arrow for each force of the ground.
 
-use super::events::Time;
-use super::file::{Mcap, json_channel, json_message};
-use crate::record::Robot;
+use super::events::FoxgloveTime;
+use super::mcap_file::{McapWriter, json_channel, json_message};
+use crate::analysis::KinematicTree;
 use mcap::McapResult;
 use messages::scene::Scene;
 use messages::wire::Truth;
@@ -16,19 +16,19 @@ const METRES_PER_NEWTON: f64 = 2e-3;
 const WORLD: &str = "world";
 
 /// The robot, and where its pictures go.
-pub(super) struct Drawing {
-    robot: Robot,
+pub(super) struct FoxgloveScene {
+    robot: KinematicTree,
     frames: u16,
     forces: u16,
     boxes: u16,
     is_there: bool,
 }
 
-impl Drawing {
+impl FoxgloveScene {
     /// Makes the channels.
-    pub fn begin(file: &mut Mcap, scene: &Scene) -> McapResult<Drawing> {
-        Ok(Drawing {
-            robot: Robot::new(scene),
+    pub fn begin(file: &mut McapWriter, scene: &Scene) -> McapResult<FoxgloveScene> {
+        Ok(FoxgloveScene {
+            robot: KinematicTree::new(scene),
             frames: json_channel::<FrameTransforms>(file, "/tf", "foxglove.FrameTransforms")?,
             boxes: json_channel::<SceneUpdate>(file, "/robot", "foxglove.SceneUpdate")?,
             forces: json_channel::<SceneUpdate>(file, "/forces", "foxglove.SceneUpdate")?,
@@ -37,9 +37,9 @@ impl Drawing {
     }
 
     /// Draws one instant.
-    pub fn draw(&mut self, file: &mut Mcap, truth: &Truth, time: u64) -> McapResult<()> {
-        let timestamp = Time::new(time);
-        let placed = self.robot.place(truth);
+    pub fn draw(&mut self, file: &mut McapWriter, truth: &Truth, time: u64) -> McapResult<()> {
+        let timestamp = FoxgloveTime::new(time);
+        let placed = self.robot.body_states(truth);
         if !std::mem::replace(&mut self.is_there, true) {
             json_message(file, self.boxes, time, &self.boxes(timestamp))?;
         }
@@ -61,11 +61,11 @@ impl Drawing {
         json_message(file, self.forces, time, &SceneUpdate { deletions: vec![], entities: vec![entity] })
     }
 
-    fn boxes(&self, timestamp: Time) -> SceneUpdate {
+    fn boxes(&self, timestamp: FoxgloveTime) -> SceneUpdate {
         let entities = self.robot.bodies.iter().map(|body| {
             let [x, y, z] = body.size;
             let pose = Isometry3::from_parts(body.com.into(), UnitQuaternion::identity()).into();
-            let cube = Cube { pose, size: Vector { x, y, z }, color: BODY };
+            let cube = Cube { pose, size: FoxgloveVector { x, y, z }, color: BODY };
             Entity { cubes: vec![cube], frame_locked: true, ..Entity::new(timestamp, &body.name, &body.name) }
         });
         SceneUpdate { deletions: vec![], entities: entities.collect() }
@@ -79,11 +79,11 @@ struct FrameTransforms {
 
 #[derive(Serialize, JsonSchema)]
 struct FrameTransform {
-    timestamp: Time,
+    timestamp: FoxgloveTime,
     parent_frame_id: &'static str,
     child_frame_id: String,
-    translation: Vector,
-    rotation: Turn,
+    translation: FoxgloveVector,
+    rotation: FoxgloveQuaternion,
 }
 
 #[derive(Serialize, JsonSchema)]
@@ -94,43 +94,43 @@ struct SceneUpdate {
 
 #[derive(Serialize, JsonSchema)]
 struct Deletion {
-    timestamp: Time,
+    timestamp: FoxgloveTime,
     r#type: u8,
     id: String,
 }
 
 #[derive(Serialize, JsonSchema)]
 struct Entity {
-    timestamp: Time,
+    timestamp: FoxgloveTime,
     frame_id: String,
     id: String,
-    lifetime: Time,
+    lifetime: FoxgloveTime,
     frame_locked: bool,
     arrows: Vec<Arrow>,
     cubes: Vec<Cube>,
     #[serde(flatten)]
-    rest: Rest,
+    unused: UnusedFields,
 }
 
 /// What else an entity may have, and readers want to find.
 #[derive(Default, Serialize, JsonSchema)]
-struct Rest {
-    metadata: [Nothing; 0],
-    spheres: [Nothing; 0],
-    cylinders: [Nothing; 0],
-    lines: [Nothing; 0],
-    triangles: [Nothing; 0],
-    texts: [Nothing; 0],
-    models: [Nothing; 0],
+struct UnusedFields {
+    metadata: [NoEntries; 0],
+    spheres: [NoEntries; 0],
+    cylinders: [NoEntries; 0],
+    lines: [NoEntries; 0],
+    triangles: [NoEntries; 0],
+    texts: [NoEntries; 0],
+    models: [NoEntries; 0],
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Nothing {}
+struct NoEntries {}
 
 impl Entity {
     /// Nothing yet, for as long as nobody replaces it.
-    fn new(timestamp: Time, frame: &str, id: &str) -> Entity {
-        let lifetime = Time::new(0);
+    fn new(timestamp: FoxgloveTime, frame: &str, id: &str) -> Entity {
+        let lifetime = FoxgloveTime::new(0);
         Entity {
             timestamp,
             frame_id: frame.into(),
@@ -139,14 +139,14 @@ impl Entity {
             frame_locked: false,
             arrows: vec![],
             cubes: vec![],
-            rest: Rest::default(),
+            unused: UnusedFields::default(),
         }
     }
 }
 
 #[derive(Serialize, JsonSchema)]
 struct Arrow {
-    pose: Pose,
+    pose: FoxglovePose,
     shaft_length: f64,
     shaft_diameter: f64,
     head_length: f64,
@@ -172,47 +172,47 @@ impl Arrow {
 
 #[derive(Serialize, JsonSchema)]
 struct Cube {
-    pose: Pose,
-    size: Vector,
+    pose: FoxglovePose,
+    size: FoxgloveVector,
     color: Colour,
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Pose {
-    position: Vector,
-    orientation: Turn,
+struct FoxglovePose {
+    position: FoxgloveVector,
+    orientation: FoxgloveQuaternion,
 }
 
-impl From<Isometry3<f64>> for Pose {
-    fn from(pose: Isometry3<f64>) -> Pose {
-        Pose { position: pose.translation.vector.into(), orientation: pose.rotation.into() }
+impl From<Isometry3<f64>> for FoxglovePose {
+    fn from(pose: Isometry3<f64>) -> FoxglovePose {
+        FoxglovePose { position: pose.translation.vector.into(), orientation: pose.rotation.into() }
     }
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Vector {
+struct FoxgloveVector {
     x: f64,
     y: f64,
     z: f64,
 }
 
-impl From<Vector3<f64>> for Vector {
-    fn from(vector: Vector3<f64>) -> Vector {
-        Vector { x: vector.x, y: vector.y, z: vector.z }
+impl From<Vector3<f64>> for FoxgloveVector {
+    fn from(vector: Vector3<f64>) -> FoxgloveVector {
+        FoxgloveVector { x: vector.x, y: vector.y, z: vector.z }
     }
 }
 
 #[derive(Serialize, JsonSchema)]
-struct Turn {
+struct FoxgloveQuaternion {
     x: f64,
     y: f64,
     z: f64,
     w: f64,
 }
 
-impl From<UnitQuaternion<f64>> for Turn {
-    fn from(turn: UnitQuaternion<f64>) -> Turn {
-        Turn { x: turn.i, y: turn.j, z: turn.k, w: turn.w }
+impl From<UnitQuaternion<f64>> for FoxgloveQuaternion {
+    fn from(turn: UnitQuaternion<f64>) -> FoxgloveQuaternion {
+        FoxgloveQuaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w }
     }
 }
 

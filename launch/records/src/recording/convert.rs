@@ -1,8 +1,8 @@
 //! `biped convert`: a recording as tables, one for each topic of numbers, or one of all of them; or as a whole MCAP file.
 
-use super::reader::{Content, Reader};
-use super::rewrite;
-use super::topic::Topic;
+use super::reader::{Payload, RecordingReader};
+use super::reindex;
+use super::topic::RecordingTopic;
 use ::csv::Writer;
 use bytemuck::bytes_of;
 use clap::Args;
@@ -24,13 +24,13 @@ pub struct ConvertArgs {
     /// The recording
     file: PathBuf,
     #[command(flatten)]
-    to: To,
+    to: ConvertTarget,
 }
 
 /// What it is made into.
 #[derive(Args)]
 #[group(required = true, multiple = false)]
-struct To {
+struct ConvertTarget {
     /// Write sensors.csv, command.csv, telemetry.csv, truth.csv and, of what was asked at the desks, served.csv into this folder
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
@@ -45,12 +45,12 @@ struct To {
 /// Converts it.
 ///
 /// # Errors
-/// See [`Reader::open`]; or if the folder cannot be written.
+/// See [`RecordingReader::open`]; or if the folder cannot be written.
 pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(file) = &args.to.mcap {
-        return rewrite::run(&args.file, file, stop);
+        return reindex::run(&args.file, file, stop);
     }
-    let mut reader = Reader::open(&args.file)?;
+    let mut reader = RecordingReader::open(&args.file)?;
     let tables = match (&args.to.csv, &args.to.table) {
         (Some(folder), _) => each(&mut reader, folder, stop)?,
         (_, Some(file)) => all(&mut reader, file, stop)?,
@@ -60,7 +60,7 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let words = format!("{}: there is nothing in it to make tables of", args.file.display());
         return Err(Failure::new(Exit::Usage, words));
     }
-    tables.into_iter().try_for_each(Table::finish)?;
+    tables.into_iter().try_for_each(CsvTable::finish)?;
     if let Some(why) = reader.cut {
         tell(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
     }
@@ -68,22 +68,22 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// All there is, in the table of its topic.
-fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
+fn each(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     folder(into)?;
     let mut tables = BTreeMap::new();
     while let Some(item) = reader.next() {
         unless(stop)?;
         let (topic, bytes) = match &item.content {
-            Content::Sensors(sensors) => (Topic::Sensors, bytes_of(sensors)),
-            Content::Command(command) => (Topic::Command, bytes_of(command)),
-            Content::Telemetry(telemetry) => (Topic::Telemetry, bytes_of(telemetry)),
-            Content::Truth(truth) => (Topic::Truth, bytes_of(&**truth)),
-            Content::Served(served) => (Topic::Served, bytes_of(&**served)),
-            Content::Other => continue,
+            Payload::Sensors(sensors) => (RecordingTopic::Sensors, bytes_of(sensors)),
+            Payload::Command(command) => (RecordingTopic::Command, bytes_of(command)),
+            Payload::Telemetry(telemetry) => (RecordingTopic::Telemetry, bytes_of(telemetry)),
+            Payload::Truth(truth) => (RecordingTopic::Truth, bytes_of(&**truth)),
+            Payload::Served(served) => (RecordingTopic::Served, bytes_of(&**served)),
+            Payload::Other => continue,
         };
         if !tables.contains_key(topic.name()) {
             let path = into.join(format!("{}.csv", &topic.name()[1..]));
-            tables.insert(topic.name(), Table::create(path, topic, topic.without())?);
+            tables.insert(topic.name(), CsvTable::create(path, topic, topic.omitted())?);
         }
         if let Some(table) = tables.get_mut(topic.name()) {
             table.row(item.time, bytes)?;
@@ -93,13 +93,13 @@ fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table
 }
 
 /// A table of whole truths.
-fn all(reader: &mut Reader, path: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
+fn all(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     let (mut table, mut truth) = (None, Truth::default());
     while let Some(time) = reader.next_truth(&mut truth) {
         unless(stop)?;
         let table = match &mut table {
             Some(table) => table,
-            none => none.insert(Table::create(path.into(), Topic::Truth, &[])?),
+            none => none.insert(CsvTable::create(path.into(), RecordingTopic::Truth, &[])?),
         };
         table.row(time, bytes_of(&truth))?;
     }
@@ -107,31 +107,31 @@ fn all(reader: &mut Reader, path: &Path, stop: &AtomicBool) -> Result<Vec<Table>
 }
 
 /// A table that is being written; half of one is none.
-struct Table {
+struct CsvTable {
     path: PathBuf,
     draft: Draft,
     file: Writer<File>,
     message: &'static Message,
-    without: &'static [&'static str],
+    omitted: &'static [&'static str],
     rows: u64,
 }
 
-impl Table {
-    fn create(path: PathBuf, topic: Topic, without: &'static [&'static str]) -> Result<Table, Failure> {
+impl CsvTable {
+    fn create(path: PathBuf, topic: RecordingTopic, omitted: &'static [&'static str]) -> Result<CsvTable, Failure> {
         let failed = |error| unwritten(&path, &error);
         let draft = Draft::of(&path, HEAD).map_err(failed)?;
         let file = csv::writer(draft.file.try_clone().map_err(failed)?);
         let message = topic.message();
-        let mut table = Table { path, draft, file, message, without, rows: 0 };
+        let mut table = CsvTable { path, draft, file, message, omitted, rows: 0 };
         let mut names = vec!["time_s".to_string()];
-        columns(message, without, "", &mut names);
+        columns(message, omitted, "", &mut names);
         table.line(&names)?;
         Ok(table)
     }
 
     fn row(&mut self, time: u64, bytes: &[u8]) -> Result<(), Failure> {
         let mut cells = vec![format!("{}.{:09}", time / 1_000_000_000, time % 1_000_000_000)];
-        values(self.message, self.without, bytes, &mut cells);
+        values(self.message, self.omitted, bytes, &mut cells);
         self.rows += 1;
         self.line(&cells)
     }
@@ -148,8 +148,8 @@ impl Table {
 }
 
 /// Names of the columns: `stamp.seq`, `angle[3]`.
-fn columns(message: &Message, without: &[&str], prefix: &str, names: &mut Vec<String>) {
-    for field in message.fields.iter().filter(|field| !without.contains(&field.name)) {
+fn columns(message: &Message, omitted: &[&str], prefix: &str, names: &mut Vec<String>) {
+    for field in message.fields.iter().filter(|field| !omitted.contains(&field.name)) {
         let name = format!("{prefix}{}", field.name);
         match (field.message(), field.shape().1) {
             (Some(inner), _) => columns(inner, &[], &format!("{name}."), names),
@@ -160,8 +160,8 @@ fn columns(message: &Message, without: &[&str], prefix: &str, names: &mut Vec<St
 }
 
 /// Their values; a number reads back exactly.
-fn values(message: &Message, without: &[&str], bytes: &[u8], cells: &mut Vec<String>) {
-    for field in message.fields.iter().filter(|field| !without.contains(&field.name)) {
+fn values(message: &Message, omitted: &[&str], bytes: &[u8], cells: &mut Vec<String>) {
+    for field in message.fields.iter().filter(|field| !omitted.contains(&field.name)) {
         let value = &bytes[field.offset..field.offset + field.size()];
         if let Some(inner) = field.message() {
             values(inner, &[], value, cells);

@@ -4,7 +4,7 @@ use messages::wire::{JOINTS, Truth};
 
 /// The greatest values over the records since the row before.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Worst {
+pub struct Peaks {
     /// Torque of each drive, the greatest either way [N·m].
     pub torque: [f64; JOINTS],
     /// Natural-map residual, relative.
@@ -19,15 +19,15 @@ pub struct Worst {
     pub late_ns: u64,
 }
 
-impl Worst {
+impl Peaks {
     /// Of one record.
-    pub fn of(truth: &Truth) -> Worst {
+    pub fn of(truth: &Truth) -> Peaks {
         let &Truth { torque, natural_map, signorini, age, reply_ns, late_ns, .. } = truth;
-        Worst { torque, natural_map, signorini, age, reply_ns, late_ns }
+        Peaks { torque, natural_map, signorini, age, reply_ns, late_ns }
     }
 
     /// The worse of both.
-    pub fn and(mut self, other: &Worst) -> Worst {
+    pub fn and(mut self, other: &Peaks) -> Peaks {
         for (mine, theirs) in self.torque.iter_mut().zip(other.torque) {
             *mine = if mine.abs() < theirs.abs() { theirs } else { *mine };
         }

@@ -23,7 +23,7 @@ const TAIL: [u8; 50] = {
 };
 
 /// Gathers until it is flushed.
-pub(super) struct Sink {
+pub(super) struct ChunkSink {
     file: File,
     gathered: Vec<u8>,
     /// Of the file, without its tail [bytes].
@@ -32,14 +32,14 @@ pub(super) struct Sink {
     has_failed: bool,
 }
 
-impl Sink {
+impl ChunkSink {
     /// Into an empty file.
-    pub fn new(file: File) -> Sink {
-        Sink { file, gathered: vec![], length: 0, has_failed: false }
+    pub fn new(file: File) -> ChunkSink {
+        ChunkSink { file, gathered: vec![], length: 0, has_failed: false }
     }
 }
 
-impl Sink {
+impl ChunkSink {
     fn commit(&self) -> io::Result<()> {
         let (over, behind) = self.gathered.split_at(self.gathered.len().min(TAIL.len()));
         if !self.gathered.ends_with(MAGIC) {
@@ -51,7 +51,7 @@ impl Sink {
     }
 }
 
-impl Write for Sink {
+impl Write for ChunkSink {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.gathered.extend_from_slice(bytes);
         Ok(bytes.len())
@@ -89,7 +89,7 @@ mod tests {
         let path = std::env::temp_dir().join(format!("biped-sink-{}", std::process::id()));
         let file = File::options().read(true).write(true).create_new(true).open(&path).unwrap();
         let options = mcap::WriteOptions::new().chunk_size(None).disable_seeking(true);
-        let mut writer = options.create(NoSeek::new(Sink::new(file.try_clone().unwrap()))).unwrap();
+        let mut writer = options.create(NoSeek::new(ChunkSink::new(file.try_clone().unwrap()))).unwrap();
         let channel = writer.add_channel(0, "/a", "json", &Default::default()).unwrap();
         for sequence in 0..3 {
             let header = mcap::records::MessageHeader { channel_id: channel, sequence, log_time: 0, publish_time: 0 };
@@ -113,7 +113,8 @@ mod tests {
         }
         let before = std::fs::read(&path).unwrap();
         // a descriptor that cannot be written stands for a full disk
-        let mut sink = Sink { file: File::open(&path).unwrap(), gathered: vec![1; 9], length: 20, has_failed: false };
+        let mut sink =
+            ChunkSink { file: File::open(&path).unwrap(), gathered: vec![1; 9], length: 20, has_failed: false };
         assert!(sink.flush().is_err() && sink.write(&[2]).is_ok() && sink.flush().is_err());
         assert!(std::fs::read(&path).unwrap() == before);
         std::fs::remove_file(path).unwrap();

@@ -1,8 +1,8 @@
 //! `biped convert --mcap`: a recording as a whole MCAP file with its index, whatever cut it short.
 
-use super::file::{CHUNK, Mcap, create};
-use super::reader::Reader;
-use super::records::Records;
+use super::mcap_file::{CHUNK, McapWriter, create};
+use super::reader::RecordingReader;
+use super::record_stream::RecordStream;
 use mcap::records::Record;
 use mcap::{MAGIC, McapError, McapResult};
 use shared::exit::{Exit, Failure, unless};
@@ -13,12 +13,12 @@ use std::sync::atomic::AtomicBool;
 /// Rewrites it.
 ///
 /// # Errors
-/// See [`Reader::open`]; or if the new file cannot be written.
+/// See [`RecordingReader::open`]; or if the new file cannot be written.
 pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     keeps(from, to)?;
-    Reader::open(from)?; // refuses what is not ours
+    RecordingReader::open(from)?; // refuses what is not ours
     let mut records = messages::file::open(from)
-        .map(Records::of)
+        .map(RecordStream::of)
         .map_err(|error| Failure::new(Exit::Usage, format!("{}: cannot be opened: {error}", from.display())))?;
     let draft = Draft::of(to, MAGIC).map_err(|error| unwritten(to, &error))?;
     let mut file = draft.file.try_clone().map_err(McapError::from).and_then(create).map_err(|e| unwritten(to, &e))?;
@@ -56,7 +56,7 @@ pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Copies a record; at the end of the old file, whether that was ended in order.
-fn copy(file: &mut Mcap, record: &Record) -> McapResult<Option<bool>> {
+fn copy(file: &mut McapWriter, record: &Record) -> McapResult<Option<bool>> {
     match record {
         Record::Metadata(metadata) => file.write_metadata(metadata)?,
         Record::Schema { header, data } => {

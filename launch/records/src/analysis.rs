@@ -1,64 +1,64 @@
-//! The recorder: a stream of [`Truth`] in, everything that summary, CSV and report need out.
+//! The analysis: a stream of [`Truth`] in, everything that summary, CSV and report need out.
 //!
-//! Steps, extremes and histograms see every record; rows are kept at 200 Hz at most and thinned out in long runs, so
+//! Steps, extrema and histograms see every record; rows are kept at 200 Hz at most and thinned out in long runs, so
 //! that memory stays bounded.
 
-mod energy;
-mod extremes;
-#[cfg(test)]
-pub mod fake;
+mod derived;
+mod energy_balance;
+mod extrema;
 mod gait;
 mod histogram;
-mod requests;
-mod robot;
-mod sample;
-mod worst;
+mod kinematic_tree;
+mod peaks;
+mod request_log;
+#[cfg(test)]
+pub mod synthetic;
 
-pub use energy::Energy;
-pub use extremes::Extremes;
-pub use gait::{Gait, Lateral};
+pub use derived::{DerivedState, normal_forces};
+pub use energy_balance::EnergyBalance;
+pub use extrema::Extrema;
+pub use gait::{LateralState, StepDetector};
 pub use histogram::Histogram;
-pub use requests::{Answered, Requests};
-pub use robot::{Foot, Placed, Robot};
-pub use sample::{Sample, normal_forces};
-pub use worst::Worst;
+pub use kinematic_tree::{BodyState, FootGeometry, KinematicTree};
+pub use peaks::Peaks;
+pub use request_log::{RequestLog, RequestRecord};
 
 use messages::scene::Scene;
 use messages::wire::Truth;
 
 /// A record and what it means.
 #[derive(Clone)]
-pub struct Row {
+pub struct TrajectoryRow {
     /// As it came over the wire.
     pub truth: Truth,
     /// Derived quantities.
-    pub sample: Sample,
+    pub derived: DerivedState,
     /// What came in peaks since the row before.
-    pub worst: Worst,
+    pub peaks: Peaks,
 }
 
 /// Listens to a run.
-pub struct Recorder {
+pub struct RunAnalysis {
     /// The scene's robot.
-    pub robot: Robot,
+    pub robot: KinematicTree,
     /// Evenly spaced rows, oldest first, if they are kept.
-    pub rows: Vec<Row>,
+    pub rows: Vec<TrajectoryRow>,
     /// Time and x of the centre of mass at the same times, in any case [s, m].
     pub track: Vec<[f64; 2]>,
     /// First record.
-    pub first: Option<Row>,
+    pub first: Option<TrajectoryRow>,
     /// Latest record.
-    pub last: Option<Row>,
+    pub last: Option<TrajectoryRow>,
     /// Steps.
-    pub gait: Gait,
-    /// Extremes.
-    pub extremes: Extremes,
+    pub gait: StepDetector,
+    /// Extrema.
+    pub extrema: Extrema,
     /// Where its energy goes.
-    pub energy: Energy,
+    pub energy: EnergyBalance,
     /// Histograms of every record.
-    pub spread: Spread,
+    pub distributions: Distributions,
     /// What was asked of it.
-    pub requests: Requests,
+    pub requests: RequestLog,
     /// Records left out because their pose is not finite.
     pub dropped: u64,
     /// Integration steps in one control period.
@@ -68,13 +68,13 @@ pub struct Recorder {
     last_row_ns: Option<u64>,
     keeps_rows: bool,
     /// Peaks since the last row.
-    worst: Worst,
+    peaks: Peaks,
     /// Where the bodies are in the record at hand.
-    placed: Vec<Placed>,
+    placed: Vec<BodyState>,
 }
 
 /// Histograms of quantities that are looked at by order of magnitude.
-pub struct Spread {
+pub struct Distributions {
     /// Natural-map residuals, relative.
     pub natural_map: Histogram,
     /// Signorini residuals, relative.
@@ -96,69 +96,69 @@ const AFTERMATH: f64 = 1.0;
 /// More rows than these are thinned out by half.
 const MAX_ROWS: usize = 24_000;
 
-impl Recorder {
+impl RunAnalysis {
     /// Prepares to listen to a run of the scene.
     pub fn new(scene: &Scene) -> Self {
-        Recorder {
-            robot: Robot::new(scene),
+        RunAnalysis {
+            robot: KinematicTree::new(scene),
             rows: Vec::new(),
             track: Vec::new(),
             first: None,
             last: None,
-            gait: Gait::default(),
-            extremes: Extremes::default(),
-            energy: Energy::new(scene),
-            spread: Spread::new(),
-            requests: Requests::default(),
+            gait: StepDetector::default(),
+            extrema: Extrema::default(),
+            energy: EnergyBalance::new(scene),
+            distributions: Distributions::new(),
+            requests: RequestLog::default(),
             dropped: 0,
             steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
             row_ns: ROW_NS,
             last_row_ns: None,
             keeps_rows: true,
-            worst: Worst::default(),
+            peaks: Peaks::default(),
             placed: Vec::new(),
         }
     }
 
     /// The same without rows, which only tables and drawings need: they are most of the memory that a run takes.
     pub fn without_rows(scene: &Scene) -> Self {
-        Recorder { keeps_rows: false, ..Recorder::new(scene) }
+        RunAnalysis { keeps_rows: false, ..RunAnalysis::new(scene) }
     }
 
     /// The time of the fall [s], once it has been seen to its end: nothing is recorded any more.
-    pub fn is_over(&self) -> Option<f64> {
-        let time = self.last.as_ref().map_or(0.0, |last| last.sample.time);
-        self.extremes.fall.filter(|fall| time >= fall + AFTERMATH)
+    pub fn time_of_completed_fall(&self) -> Option<f64> {
+        let time = self.last.as_ref().map_or(0.0, |last| last.derived.time);
+        self.extrema.fall.filter(|fall| time >= fall + AFTERMATH)
     }
 
     /// Takes the next record. One whose pose is not finite is counted and left out.
     pub fn push(&mut self, truth: &Truth) {
-        if self.is_over().is_some() {
+        if self.time_of_completed_fall().is_some() {
             return;
         }
-        self.spread.push(truth);
-        self.robot.place_in(truth, &mut self.placed);
-        let sample = Sample::new(&self.robot, truth, &self.placed);
-        if !is_placed(truth) || sample.com.iter().chain(&sample.com_velocity).any(|value| value.is_nan()) {
+        self.distributions.push(truth);
+        self.robot.body_states_into(truth, &mut self.placed);
+        let derived = DerivedState::new(&self.robot, truth, &self.placed);
+        if !is_placed(truth) || derived.com.iter().chain(&derived.com_velocity).any(|value| value.is_nan()) {
             self.dropped += 1;
             return;
         }
-        self.extremes.push(&self.robot, truth, &sample);
-        self.energy.push(&self.robot, truth, &self.placed, &sample);
-        if self.extremes.fall.is_none() {
-            self.gait.push(&sample);
+        self.extrema.push(&self.robot, truth, &derived);
+        self.energy.push(&self.robot, truth, &self.placed, &derived);
+        if self.extrema.fall.is_none() {
+            self.gait.push(&derived);
         }
         if self.keeps_rows {
-            self.worst = self.worst.and(&Worst::of(truth));
+            self.peaks = self.peaks.and(&Peaks::of(truth));
         }
         let row = match &mut self.last {
             Some(row) => {
                 row.truth = *truth; // in its place, for a record is large
-                row.sample = sample;
-                row.worst = self.worst;
+                row.derived = derived;
+                row.peaks = self.peaks;
                 row
             }
-            none => none.insert(Row { truth: *truth, sample, worst: self.worst }),
+            none => none.insert(TrajectoryRow { truth: *truth, derived, peaks: self.peaks }),
         };
         self.first.get_or_insert_with(|| row.clone());
         let (now, slot) = (truth.stamp.sim_ns, |time: u64| time / self.row_ns);
@@ -166,10 +166,10 @@ impl Recorder {
             return;
         }
         self.last_row_ns = Some(now);
-        self.track.push([row.sample.time, row.sample.com.x]);
+        self.track.push([row.derived.time, row.derived.com.x]);
         if self.keeps_rows {
             self.rows.push(row.clone());
-            self.worst = Worst::default();
+            self.peaks = Peaks::default();
         }
         if self.track.len() > MAX_ROWS {
             self.thin_out();
@@ -178,12 +178,12 @@ impl Recorder {
 
     /// Leaves out every second row.
     fn thin_out(&mut self) {
-        let (mut even, mut gone) = (false, Worst::default());
+        let (mut even, mut gone) = (false, Peaks::default());
         self.rows.retain_mut(|row| {
             even = !even;
             match even {
-                true => row.worst = row.worst.and(&gone),
-                false => gone = row.worst,
+                true => row.peaks = row.peaks.and(&gone),
+                false => gone = row.peaks,
             }
             even
         });
@@ -202,9 +202,9 @@ fn is_placed(truth: &Truth) -> bool {
     numbers.copied().all(f64::is_finite) && truth.base_orientation.iter().any(|part| *part != 0.0)
 }
 
-impl Spread {
+impl Distributions {
     fn new() -> Self {
-        Spread {
+        Distributions {
             natural_map: Histogram::new(-20, 2),
             signorini: Histogram::new(-20, 2),
             energy_gain: Histogram::new(-20, 4),
@@ -227,37 +227,37 @@ impl Spread {
 
 #[cfg(test)]
 mod tests {
-    use super::fake::FakeWalk;
+    use super::synthetic::SyntheticWalk;
     use super::*;
 
     #[test]
     fn rows_stay_bounded_and_evenly_spaced_however_long_the_run() {
-        let mut recorder = Recorder::new(&Scene::default());
-        let mut truth = FakeWalk::new(0.0).truth(0, 0.0);
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
         for tick in 0..200_000_u64 {
             truth.stamp.sim_ns = tick * 1_000_000;
-            recorder.push(&truth);
+            analysis.push(&truth);
         }
-        assert!(recorder.rows.len() <= MAX_ROWS && recorder.rows.len() > MAX_ROWS / 3, "{}", recorder.rows.len());
-        let gaps = recorder.rows.windows(2).map(|w| w[1].truth.stamp.sim_ns - w[0].truth.stamp.sim_ns);
-        assert!(gaps.into_iter().all(|gap| gap == recorder.row_ns));
+        assert!(analysis.rows.len() <= MAX_ROWS && analysis.rows.len() > MAX_ROWS / 3, "{}", analysis.rows.len());
+        let gaps = analysis.rows.windows(2).map(|w| w[1].truth.stamp.sim_ns - w[0].truth.stamp.sim_ns);
+        assert!(gaps.into_iter().all(|gap| gap == analysis.row_ns));
     }
 
     #[test]
     fn no_peak_is_lost_between_rows_however_thin_they_are() {
-        let mut recorder = Recorder::new(&Scene::default());
-        let mut truth = FakeWalk::new(0.0).truth(0, 0.0);
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
         for tick in 0..200_000_u64 {
             truth.stamp.sim_ns = tick * 1_000_000;
             truth.late_ns = if tick == 77_777 { 5 } else { 0 };
             truth.torque[3] = if tick == 123_456 { -9.0 } else { 1.0 };
-            recorder.push(&truth);
+            analysis.push(&truth);
         }
         let at =
-            |is: fn(&Worst) -> bool| recorder.rows.iter().filter(move |row| is(&row.worst)).map(|row| row.sample.time);
-        for (times, peak) in [(at(|worst| worst.late_ns == 5), 77.777), (at(|worst| worst.torque[3] == -9.0), 123.456)]
+            |is: fn(&Peaks) -> bool| analysis.rows.iter().filter(move |row| is(&row.peaks)).map(|row| row.derived.time);
+        for (times, peak) in [(at(|peaks| peaks.late_ns == 5), 77.777), (at(|peaks| peaks.torque[3] == -9.0), 123.456)]
         {
-            let (times, period) = (times.collect::<Vec<_>>(), recorder.row_ns as f64 * 1e-9);
+            let (times, period) = (times.collect::<Vec<_>>(), analysis.row_ns as f64 * 1e-9);
             assert!(matches!(times[..], [time] if (0.0..=period).contains(&(time - peak))), "{times:?} for {peak}");
         }
     }
@@ -270,14 +270,14 @@ mod tests {
         loose.bodies.retain(|body| body.name != messages::robot::TRUNK);
         let nothing = Scene { bodies: vec![], ..Scene::default() };
         for scene in [slider, loose, nothing] {
-            let mut recorder = Recorder::new(&scene);
-            recorder.push(&Truth::default());
-            recorder.push(&FakeWalk::new(0.06).truth(1, 3.0));
-            let mut broken = FakeWalk::new(0.06).truth(2, 3.001);
+            let mut analysis = RunAnalysis::new(&scene);
+            analysis.push(&Truth::default());
+            analysis.push(&SyntheticWalk::new(0.06).truth(1, 3.0));
+            let mut broken = SyntheticWalk::new(0.06).truth(2, 3.001);
             broken.angle[3] = f64::NAN;
-            recorder.push(&broken);
-            assert!(recorder.dropped >= 2);
-            assert_eq!(recorder.extremes.fall, None);
+            analysis.push(&broken);
+            assert!(analysis.dropped >= 2);
+            assert_eq!(analysis.extrema.fall, None);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! A made-up walk for tests: the robot of Table 1 on an exact lateral limit cycle of (32), without dynamics.
 
-use super::robot::Robot;
+use super::kinematic_tree::KinematicTree;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Telemetry, Truth};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -17,12 +17,12 @@ const HALF_WIDTH: f64 = 0.05;
 const TRUNK_ABOVE_ROLL: f64 = 0.40 + 0.15;
 
 /// A walk with steps of this length [m].
-pub struct FakeWalk {
-    robot: Robot,
+pub struct SyntheticWalk {
+    robot: KinematicTree,
     step_length: f64,
 }
 
-struct Plan {
+struct PlannedState {
     support: usize,
     stance: f64,
     swing: f64,
@@ -31,10 +31,10 @@ struct Plan {
     x2: f64,
 }
 
-impl FakeWalk {
+impl SyntheticWalk {
     /// Steps on the spot when the length is zero.
     pub fn new(step_length: f64) -> Self {
-        FakeWalk { robot: Robot::new(&Scene::default()), step_length }
+        SyntheticWalk { robot: KinematicTree::new(&Scene::default()), step_length }
     }
 
     /// Least lateral distance of the centre of mass from the support foot [m].
@@ -68,7 +68,7 @@ impl FakeWalk {
         truth
     }
 
-    fn plan(&self, time: f64) -> Plan {
+    fn plan(&self, time: f64) -> PlannedState {
         let place = |k: i64| self.step_length * (1..=k).map(|i| (i as f64 / 4.0).min(1.0)).sum::<f64>();
         let walked = time - RELEASE + STEP / 2.0;
         if time < RELEASE {
@@ -76,7 +76,7 @@ impl FakeWalk {
             let smooth = share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share);
             let x2 = HALF_WIDTH + smooth * (Self::x2_min() - HALF_WIDTH);
             let lift = if time > 1.3 { 0.01 * ((time - 1.3) / STEP).min(1.0) } else { 0.0 };
-            return Plan { support: 0, stance: 0.0, swing: 0.0, lift, com: [0.0, HALF_WIDTH - x2], x2 };
+            return PlannedState { support: 0, stance: 0.0, swing: 0.0, lift, com: [0.0, HALF_WIDTH - x2], x2 };
         }
         let k = (walked / STEP).floor();
         let (tau, k) = (walked - k * STEP, k as i64);
@@ -90,7 +90,7 @@ impl FakeWalk {
         let swing = from + (to - from) * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
         let lift = 0.01 * (std::f64::consts::PI * s).sin().powi(2);
         let com = [stance + x1, side * (HALF_WIDTH - x2)];
-        Plan { support: (k % 2) as usize, stance, swing, lift, com, x2 }
+        PlannedState { support: (k % 2) as usize, stance, swing, lift, com, x2 }
     }
 
     /// Leans and shifts the trunk until the centre of mass is where the plan wants it.
@@ -99,7 +99,7 @@ impl FakeWalk {
         let (mut roll, mut shift, mut truth) = (0.0, 0.0, Truth::default());
         for _ in 0..40 {
             truth = crouch(&plan, roll, shift);
-            let (com, _) = self.robot.com(&self.robot.place(&truth));
+            let (com, _) = self.robot.com(&self.robot.body_states(&truth));
             roll -= (plan.com[1] - com.y) / 0.27;
             shift += plan.com[0] - com.x;
         }
@@ -107,7 +107,7 @@ impl FakeWalk {
     }
 
     /// Puts the weight on the support foot, or on both while standing, a little off the sole's centre.
-    fn load(&self, truth: &mut Truth, plan: &Plan, time: f64) {
+    fn load(&self, truth: &mut Truth, plan: &PlannedState, time: f64) {
         let share = if time < 1.3 {
             (HALF_WIDTH + plan.x2 - 2.0 * Self::x2_min()) / (4.0 * (HALF_WIDTH - Self::x2_min()))
         } else {
@@ -124,7 +124,7 @@ impl FakeWalk {
         }
     }
 
-    fn telemetry(&self, plan: &Plan, time: f64) -> Telemetry {
+    fn telemetry(&self, plan: &PlannedState, time: f64) -> Telemetry {
         let energy = -0.5 * (OMEGA * Self::x2_min()).powi(2);
         let velocity = OMEGA * (plan.x2.powi(2) - Self::x2_min().powi(2)).max(0.0).sqrt();
         Telemetry {
@@ -148,7 +148,7 @@ impl FakeWalk {
 }
 
 /// The pose with flat soles, the trunk rolled and shifted forward over the support ankle.
-fn crouch(plan: &Plan, roll: f64, shift: f64) -> Truth {
+fn crouch(plan: &PlannedState, roll: f64, shift: f64) -> Truth {
     let side = [1.0, -1.0][plan.support];
     let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll);
     let ankle = Vector3::new(plan.stance, side * HALF_WIDTH, 0.05);

@@ -1,7 +1,7 @@
 //! A recording that is to be: its file is reserved, but nothing in it is touched before there is something to record, so that a run
 //! that is refused costs no recording. Whatever ends the recording does not end the run.
 
-use super::writer::Writer;
+use super::writer::RecordingWriter;
 use clap::Args;
 use mcap::{MAGIC, McapError, McapResult};
 use messages::scene::Scene;
@@ -41,9 +41,9 @@ impl RecordArgs {
     /// Reserves it.
     ///
     /// # Errors
-    /// See [`Tape::reserve`].
-    pub fn tape(&self, scene: &Scene) -> Result<Option<Tape>, Failure> {
-        self.path().map(|path| Tape::reserve(path, scene, self.record_limit)).transpose()
+    /// See [`McapRecorder::reserve`].
+    pub fn recorder(&self, scene: &Scene) -> Result<Option<McapRecorder>, Failure> {
+        self.path().map(|path| McapRecorder::reserve(path, scene, self.record_limit)).transpose()
     }
 }
 
@@ -63,7 +63,7 @@ fn size(text: &str) -> Result<u64, String> {
 }
 
 /// The file of a run.
-pub struct Tape {
+pub struct McapRecorder {
     path: PathBuf,
     /// Locked for as long as it is open.
     file: File,
@@ -72,23 +72,23 @@ pub struct Tape {
     limit: Option<u64>,
     scene: Scene,
     /// From the first record on.
-    writer: Option<Writer>,
+    writer: Option<RecordingWriter>,
 }
 
 /// Why a recording ended before its run.
-pub struct End {
+pub struct RecordingEnd {
     /// In a sentence.
     pub words: String,
     /// What that makes of the run: a limit that was asked for is no failure.
     pub exit: Exit,
 }
 
-impl Tape {
+impl McapRecorder {
     /// Reserves the file; a recording of that name will be replaced, anything else is kept. Says so if there is too little room.
     ///
     /// # Errors
     /// If it cannot be written, is no recording, or somebody else is writing it.
-    fn reserve(path: &Path, scene: &Scene, limit: Option<u64>) -> Result<Tape, Failure> {
+    fn reserve(path: &Path, scene: &Scene, limit: Option<u64>) -> Result<McapRecorder, Failure> {
         let refuse = |why: &str| Err(Failure::new(Exit::Usage, format!("{} {why}", path.display())));
         let is_new = !path.exists();
         if path.metadata().is_ok_and(|about| about.file_type().is_fifo()) {
@@ -105,7 +105,7 @@ impl Tape {
             }
         }
         alone(&file, || format!("another run is recording into {}: name another file", path.display()))?;
-        let tape = Tape { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
+        let tape = McapRecorder { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
         if let Some(free) = tape.free() {
             let (free, all) = (free + about.len(), scene.duration * scene.rate * PERIOD);
             if free < LEAVE + NEXT {
@@ -129,7 +129,7 @@ impl Tape {
     ///
     /// # Errors
     /// If that ends the recording.
-    pub fn push(&mut self, truth: &Truth) -> Result<(), End> {
+    pub fn push(&mut self, truth: &Truth) -> Result<(), RecordingEnd> {
         let has_grown = self.write(truth).map_err(|error| self.failed(&error, truth))?;
         let full = if has_grown { self.full() } else { None };
         match (full, self.writer.take()) {
@@ -147,18 +147,18 @@ impl Tape {
     /// Takes a request that was answered.
     ///
     /// # Errors
-    /// As [`Tape::push`].
-    pub fn served(&mut self, served: &Served) -> Result<(), End> {
+    /// As [`McapRecorder::push`].
+    pub fn served(&mut self, served: &Served) -> Result<(), RecordingEnd> {
         let written = self.writer().and_then(|writer| writer.served(served));
         written.map_err(|error| self.end(Exit::Unrecorded, &words(&error), &served.stamp))
     }
 
-    fn writer(&mut self) -> McapResult<&mut Writer> {
+    fn writer(&mut self) -> McapResult<&mut RecordingWriter> {
         match &mut self.writer {
             Some(writer) => Ok(writer),
             none => {
                 let _ = self.file.set_len(0); // what is no file has no length
-                Ok(none.insert(Writer::begin(self.file.try_clone()?, &self.scene)?))
+                Ok(none.insert(RecordingWriter::begin(self.file.try_clone()?, &self.scene)?))
             }
         }
     }
@@ -192,22 +192,25 @@ impl Tape {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn finish(mut self) -> Result<(), End> {
+    pub fn finish(mut self) -> Result<(), RecordingEnd> {
         let ended = match self.writer.take() {
             Some(writer) => writer.finish(),
             None if self.is_new => std::fs::remove_file(&self.path).map_err(Into::into),
             None => Ok(()),
         };
-        ended.map_err(|error| End { words: unwritten(&self.path, &words(&error)).message, exit: Exit::Unrecorded })
+        ended.map_err(|error| RecordingEnd {
+            words: unwritten(&self.path, &words(&error)).message,
+            exit: Exit::Unrecorded,
+        })
     }
 
-    fn failed(&self, error: &McapError, truth: &Truth) -> End {
+    fn failed(&self, error: &McapError, truth: &Truth) -> RecordingEnd {
         self.end(Exit::Unrecorded, &words(error), &truth.stamp)
     }
 
-    fn end(&self, exit: Exit, why: &str, stamp: &Stamp) -> End {
+    fn end(&self, exit: Exit, why: &str, stamp: &Stamp) -> RecordingEnd {
         let time = stamp.sim_ns as f64 * 1e-9;
-        End { words: format!("the recording {} ends at {time:.3} s: {why}", self.path.display()), exit }
+        RecordingEnd { words: format!("the recording {} ends at {time:.3} s: {why}", self.path.display()), exit }
     }
 }
 

@@ -8,8 +8,8 @@
 //! were asked for on the way, of which a record says nothing. And as long as nothing touches and no joint is
 //! damped, whatever it falls by was lost. (What a strong damper takes within a period cannot be told from the ends of the period.)
 
-use super::robot::{Placed, Robot};
-use super::sample::Sample;
+use super::derived::DerivedState;
+use super::kinematic_tree::{BodyState, KinematicTree};
 use messages::scene::{Law, Scene};
 use messages::wire::{JOINTS, Truth};
 use nalgebra::Vector3;
@@ -18,15 +18,15 @@ use nalgebra::Vector3;
 const ROUNDING: f64 = 1e-12;
 
 /// The balance of a run so far.
-pub struct Energy {
+pub struct EnergyBalance {
     gravity: Vector3<f64>,
     drive_inertia: f64,
     /// Stiffness and rest of each joint's spring, in wire order.
     springs: Vec<[f64; 2]>,
     /// Of the law `SpringDamper`, else zero [N/m].
     ground: f64,
-    push: Push,
-    last: Option<Last>,
+    push: ScenePush,
+    last: Option<PreviousRecord>,
     /// Work of drives and push so far [J].
     given: f64,
     /// Least balance so far [J].
@@ -46,33 +46,33 @@ pub struct Energy {
 }
 
 /// The scene's push: its force, when it acts, on which body [N, s].
-struct Push {
+struct ScenePush {
     force: Vector3<f64>,
     span: [f64; 2],
     body: usize,
 }
 
 /// What the record before said.
-struct Last {
+struct PreviousRecord {
     angle: [f64; JOINTS],
     pushed: Vector3<f64>,
 }
 
-impl Energy {
+impl EnergyBalance {
     /// Before the first record of a scene.
-    pub fn new(scene: &Scene) -> Energy {
+    pub fn new(scene: &Scene) -> EnergyBalance {
         let plant = &scene.plant;
         let tilt = plant.incline_deg.to_radians();
         let joints = scene.bodies.iter().filter_map(|body| body.joint.as_ref());
         let base = || scene.bodies.iter().position(|body| body.joint.is_none());
         let body = scene.bodies.iter().position(|body| body.name == plant.push_body).or_else(base).unwrap_or(0);
         let duration = (plant.push_duration / plant.dt).round().max(1.0) * plant.dt;
-        Energy {
+        EnergyBalance {
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * plant.gravity,
             drive_inertia: plant.drive_inertia,
             springs: joints.clone().map(|joint| [joint.stiffness, joint.rest]).collect(),
             ground: if plant.law == Law::SpringDamper { plant.contact_stiffness } else { 0.0 },
-            push: Push {
+            push: ScenePush {
                 force: Vector3::from(plant.push_impulse) / duration,
                 span: [plant.push_time, plant.push_time + duration],
                 body,
@@ -95,12 +95,12 @@ impl Energy {
     }
 
     /// Takes the next record.
-    pub fn push(&mut self, robot: &Robot, truth: &Truth, placed: &[Placed], sample: &Sample) {
+    pub fn push(&mut self, robot: &KinematicTree, truth: &Truth, placed: &[BodyState], derived: &DerivedState) {
         let joints = self.springs.len().min(JOINTS);
         let drives: f64 = truth.rate[..joints].iter().map(|rate| 0.5 * self.drive_inertia * rate * rate).sum();
         let kinetic = robot.kinetic(placed) + drives;
         let pulled = self.springs.iter().zip(truth.angle).map(|([k, rest], q)| 0.5 * k * (q - rest).powi(2));
-        let mut stored = pulled.sum::<f64>() - robot.mass * self.gravity.dot(&sample.com);
+        let mut stored = pulled.sum::<f64>() - robot.mass * self.gravity.dot(&derived.com);
         if self.ground > 0.0 {
             let depths = robot.contacts.iter().map(|(body, ball)| robot.height(placed, *body, ball).min(0.0));
             stored += depths.map(|depth| 0.5 * self.ground * depth * depth).sum::<f64>();
@@ -111,15 +111,15 @@ impl Energy {
             self.given += truth.torque[..joints].iter().zip(turned).map(|(torque, turn)| torque * turn).sum::<f64>();
             // the records of the periods in which it acts: a period's record comes at its end
             let [from, to] = self.push.span;
-            if sample.time > from + 1e-9 && sample.time <= to + 1e-9 {
+            if derived.time > from + 1e-9 && derived.time <= to + 1e-9 {
                 self.given += self.push.force.dot(&(pushed - last.pushed));
             }
         }
-        self.last = Some(Last { angle: truth.angle, pushed });
+        self.last = Some(PreviousRecord { angle: truth.angle, pushed });
         let balance = kinetic + stored - self.given;
         self.least = self.least.min(balance);
         self.made = self.made.max(balance - self.least);
-        self.taken |= sample.load > 0.0;
+        self.taken |= derived.load > 0.0;
         if !self.taken {
             self.most = self.most.max(balance);
             self.lost = self.lost.max(self.most - balance);
@@ -131,7 +131,7 @@ impl Energy {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Recorder;
+    use super::super::RunAnalysis;
     use messages::load::parse;
     use messages::scene::{Method, Scene};
     use messages::wire::Torques;
@@ -142,15 +142,15 @@ mod tests {
         let mut scene = scene.clone();
         (scene.plant.method, scene.plant.dt, scene.rate) = (method, 1e-3, 1e3);
         let mut plant = Plant::new(&scene).unwrap_or_else(|error| panic!("{error}"));
-        let mut recorder = Recorder::without_rows(&scene);
+        let mut analysis = RunAnalysis::without_rows(&scene);
         for period in 0..=400_u64 {
             let mut truth = plant.truth();
             truth.stamp.sim_ns = period * 1_000_000;
-            recorder.push(&truth);
+            analysis.push(&truth);
             let torque = Torques { torque: [0.2 * (period as f64 * 0.01).sin(); 8] };
             plant.advance(&torque).unwrap_or_else(|error| panic!("{error}"));
         }
-        let energy = &recorder.energy;
+        let energy = &analysis.energy;
         [energy.made, energy.lost, energy.kinetic]
     }
 

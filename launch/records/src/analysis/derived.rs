@@ -1,12 +1,12 @@
 //! What one [`Truth`] says about the whole robot: centre of mass, soles, loads, zero-moment point.
 
-use super::robot::{Foot, Placed, Robot};
+use super::kinematic_tree::{BodyState, FootGeometry, KinematicTree};
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Point3, Vector2, Vector3};
 
-/// Everything derived from one sample; world frame W.
+/// Everything derived from one derived; world frame W.
 #[derive(Clone, Debug)]
-pub struct Sample {
+pub struct DerivedState {
     /// Simulated time [s].
     pub time: f64,
     /// Centre of mass [m].
@@ -14,7 +14,7 @@ pub struct Sample {
     /// Its velocity [m/s].
     pub com_velocity: Vector3<f64>,
     /// Soles of the left and right foot.
-    pub soles: Option<[Sole; 2]>,
+    pub soles: Option<[SoleState; 2]>,
     /// Zero-moment point on the ground, x and y [m]; NaN while nothing carries the robot.
     pub zmp: Vector2<f64>,
     /// Normal force on all contact points together [N].
@@ -29,7 +29,7 @@ pub struct Sample {
 
 /// The sole of one foot.
 #[derive(Clone, Copy, Debug)]
-pub struct Sole {
+pub struct SoleState {
     /// Its centre [m].
     pub centre: Vector3<f64>,
     /// Heading of the foot on the ground, a unit vector.
@@ -42,9 +42,9 @@ pub struct Sole {
     pub zmp_margin: f64,
 }
 
-impl Sample {
-    /// Derives everything from one record; `placed` as [`Robot::place`] gives it for the same record.
-    pub fn new(robot: &Robot, truth: &Truth, placed: &[Placed]) -> Self {
+impl DerivedState {
+    /// Derives everything from one record; `placed` as [`KinematicTree::body_states`] gives it for the same record.
+    pub fn new(robot: &KinematicTree, truth: &Truth, placed: &[BodyState]) -> Self {
         let (com, com_velocity) = robot.com(placed);
         let (mut load, mut moment, mut clearance) = (0.0, Vector2::zeros(), f64::INFINITY);
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
@@ -55,7 +55,7 @@ impl Sample {
         }
         let zmp = if load > 0.0 { moment / load } else { Vector2::repeat(f64::NAN) };
         let trunk = robot.bodies.get(robot.trunk).map(|body| (placed[robot.trunk].pose, body));
-        Sample {
+        DerivedState {
             time: truth.stamp.sim_ns as f64 * 1e-9,
             com,
             com_velocity,
@@ -75,7 +75,7 @@ impl Sample {
     }
 
     /// The only foot that carries, if it carries everything.
-    pub fn single_support(&self) -> Option<&Sole> {
+    pub fn single_support(&self) -> Option<&SoleState> {
         match self.soles.as_ref()? {
             [left, right] if right.load == 0.0 && left.load > 0.0 => Some(left),
             [left, right] if left.load == 0.0 && right.load > 0.0 => Some(right),
@@ -89,7 +89,13 @@ pub fn normal_forces(truth: &Truth) -> [f64; CONTACTS] {
     std::array::from_fn(|i| truth.contact_force[3 * i + 2])
 }
 
-fn sole(robot: &Robot, truth: &Truth, placed: &[Placed], foot: &Foot, zmp: Vector2<f64>) -> Sole {
+fn sole(
+    robot: &KinematicTree,
+    truth: &Truth,
+    placed: &[BodyState],
+    foot: &FootGeometry,
+    zmp: Vector2<f64>,
+) -> SoleState {
     let pose = placed[foot.body].pose;
     let centre = (pose * foot.sole).coords;
     let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
@@ -98,13 +104,13 @@ fn sole(robot: &Robot, truth: &Truth, placed: &[Placed], foot: &Foot, zmp: Vecto
         .map(|(_, force)| force)
         .sum();
     let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
-    let mut sole = Sole { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
+    let mut sole = SoleState { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
     let arm = sole.arm(zmp);
     sole.zmp_margin = (foot.half[0] - arm.x.abs()).min(foot.half[1] - arm.y.abs());
     sole
 }
 
-impl Sole {
+impl SoleState {
     /// Heading of the foot [rad].
     pub fn yaw(&self) -> f64 {
         self.heading.y.atan2(self.heading.x)

@@ -10,16 +10,16 @@ const LISTED: usize = 1000;
 
 /// The requests of a run, in the order in which they were answered.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Requests {
+pub struct RequestLog {
     /// The first of them.
-    pub list: Vec<Answered>,
+    pub list: Vec<RequestRecord>,
     /// All.
     pub count: u64,
 }
 
 /// A request that was answered: its values are those of its kind alone.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answered {
+pub struct RequestRecord {
     /// Simulated time at which it took effect [s].
     pub time_s: f64,
     /// As the wire names it.
@@ -49,10 +49,10 @@ pub struct Answered {
     pub speed_mps: Option<f64>,
 }
 
-impl Answered {
+impl RequestRecord {
     /// As it came over the wire.
-    pub fn of(served: &Served) -> Answered {
-        let mut asked = Answered {
+    pub fn of(served: &Served) -> RequestRecord {
+        let mut asked = RequestRecord {
             time_s: served.stamp.sim_ns as f64 * 1e-9,
             kind: REQUESTS.get(served.request.kind as usize).copied().unwrap_or("unknown"),
             answer: Verdict::words(served.verdict),
@@ -78,7 +78,7 @@ impl Answered {
 
     /// In a few words, for a line.
     pub fn words(&self) -> String {
-        let Answered { kind, answer, time_s, .. } = self;
+        let RequestRecord { kind, answer, time_s, .. } = self;
         let values = [
             self.impulse_ns.map(|[x, y, z]| format!("{x},{y},{z} N·s")),
             self.body.map(|body| format!("body {body}")),
@@ -96,19 +96,19 @@ impl Answered {
     }
 }
 
-impl Requests {
+impl RequestLog {
     /// One more.
     pub fn push(&mut self, served: &Served) {
         self.count += 1;
         if self.list.len() < LISTED {
-            self.list.push(Answered::of(served));
+            self.list.push(RequestRecord::of(served));
         }
     }
 
     /// The first few in words; nothing if there were none.
     pub fn words(&self) -> String {
         const SHOWN: usize = 5;
-        let mut words: Vec<String> = self.list.iter().take(SHOWN).map(Answered::words).collect();
+        let mut words: Vec<String> = self.list.iter().take(SHOWN).map(RequestRecord::words).collect();
         if self.count > SHOWN as u64 {
             words.push(format!("{} more", self.count - SHOWN as u64));
         }
@@ -129,18 +129,19 @@ mod tests {
     #[test]
     fn a_request_is_told_with_its_values_and_its_answer() {
         let push = Ask::Push { body: 4, impulse: [0.0, 3.0, 0.0], duration: 0.05 };
-        let asked = Answered::of(&served(push, Verdict::Done));
+        let asked = RequestRecord::of(&served(push, Verdict::Done));
         assert_eq!(asked.words(), "push 0,3,0 N·s body 4 at 1.500 s");
         let json = serde_json::to_value(&asked).unwrap();
         let keys = json.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys, ["answer", "body", "impulse_ns", "kind", "over_s", "time_s"]);
-        let refused = Answered::of(&served(Ask::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
+        let refused =
+            RequestRecord::of(&served(Ask::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
         assert_eq!(refused, "set speed 99 m/s at 1.500 s (refused: a number is out of range)");
     }
 
     #[test]
     fn however_many_there_are_the_list_is_bounded_and_the_count_true() {
-        let mut requests = Requests::default();
+        let mut requests = RequestLog::default();
         assert_eq!(requests.words(), "");
         (0..5000).for_each(|_| requests.push(&served(Ask::Pause, Verdict::Done)));
         assert_eq!((requests.list.len(), requests.count), (LISTED, 5000));

@@ -1,14 +1,14 @@
 //! Greatest and least values over a run, and whether the robot fell; every record counts.
 
-use super::robot::Robot;
-use super::sample::Sample;
+use super::derived::DerivedState;
+use super::kinematic_tree::KinematicTree;
 use messages::wire::{JOINTS, Truth};
 
 /// Time in which a landing foot comes to rest on its whole sole [s].
 const LANDED: f64 = 0.04;
 
-/// Extremes so far. A NaN among the inputs makes the extreme NaN: a broken residual is never hidden.
-pub struct Extremes {
+/// Extrema so far. A NaN among the inputs makes the extreme NaN: a broken residual is never hidden.
+pub struct Extrema {
     /// Time of the fall [s].
     pub fall: Option<f64>,
     /// Greatest torque of each drive [N·m].
@@ -42,16 +42,16 @@ pub struct Extremes {
     touched: bool,
 }
 
-/// The first sample, as far as falling and drifting are measured from it.
+/// The first derived, as far as falling and drifting are measured from it.
 struct Upright {
     y: f64,
     trunk_height: f64,
     com_height: f64,
 }
 
-impl Default for Extremes {
+impl Default for Extrema {
     fn default() -> Self {
-        Extremes {
+        Extrema {
             fall: None,
             torque: [0.0; JOINTS],
             power: [0.0; JOINTS],
@@ -72,9 +72,9 @@ impl Default for Extremes {
     }
 }
 
-impl Extremes {
+impl Extrema {
     /// Takes the next record.
-    pub fn push(&mut self, robot: &Robot, truth: &Truth, sample: &Sample) {
+    pub fn push(&mut self, robot: &KinematicTree, truth: &Truth, derived: &DerivedState) {
         for i in 0..JOINTS {
             raise(&mut self.torque[i], truth.torque[i].abs());
             raise(&mut self.power[i], (truth.torque[i] * truth.rate[i]).abs());
@@ -84,42 +84,42 @@ impl Extremes {
         raise(&mut self.energy_gain, truth.energy_gain);
         raise(&mut self.slip_misalignment, truth.slip_misalignment);
         raise(&mut self.penetration, truth.penetration);
-        raise(&mut self.force, sample.load);
-        if let Some((foot, soles)) = sample.loaded_foot().zip(sample.soles) {
+        raise(&mut self.force, derived.load);
+        if let Some((foot, soles)) = derived.loaded_foot().zip(derived.soles) {
             raise(&mut self.foot_tilt, soles[foot].tilt);
         }
-        match sample.single_support() {
+        match derived.single_support() {
             Some(sole) => {
-                let since = *self.alone_since.get_or_insert(sample.time);
-                if sample.time - since >= LANDED {
+                let since = *self.alone_since.get_or_insert(derived.time);
+                if derived.time - since >= LANDED {
                     self.zmp_margin = self.zmp_margin.min(sole.zmp_margin);
                 }
             }
             None => self.alone_since = None,
         }
-        self.touched |= sample.load > 0.0;
+        self.touched |= derived.load > 0.0;
         if self.touched {
-            raise(&mut self.hop, sample.clearance);
+            raise(&mut self.hop, derived.clearance);
         }
-        let start = self.upright.get_or_insert_with(|| Upright::new(sample));
-        raise(&mut self.drift, (sample.com.y - start.y).abs());
-        if robot.feet.is_some() && self.fall.is_none() && start.has_fallen(sample) {
-            self.fall = Some(sample.time);
+        let start = self.upright.get_or_insert_with(|| Upright::new(derived));
+        raise(&mut self.drift, (derived.com.y - start.y).abs());
+        if robot.feet.is_some() && self.fall.is_none() && start.has_fallen(derived) {
+            self.fall = Some(derived.time);
         }
     }
 }
 
 impl Upright {
-    fn new(sample: &Sample) -> Self {
-        let ground = if sample.clearance.is_finite() { sample.clearance } else { 0.0 };
-        Upright { y: sample.com.y, trunk_height: sample.trunk_height - ground, com_height: sample.com.z - ground }
+    fn new(derived: &DerivedState) -> Self {
+        let ground = if derived.clearance.is_finite() { derived.clearance } else { 0.0 };
+        Upright { y: derived.com.y, trunk_height: derived.trunk_height - ground, com_height: derived.com.z - ground }
     }
 
     /// Trunk below 60 % of the height it stood at above its feet, or tilted by 45°, or centre of mass below half.
-    fn has_fallen(&self, sample: &Sample) -> bool {
-        sample.trunk_height < 0.6 * self.trunk_height
-            || sample.trunk_tilt > 45f64.to_radians()
-            || sample.com.z < 0.5 * self.com_height
+    fn has_fallen(&self, derived: &DerivedState) -> bool {
+        derived.trunk_height < 0.6 * self.trunk_height
+            || derived.trunk_tilt > 45f64.to_radians()
+            || derived.com.z < 0.5 * self.com_height
     }
 }
 
@@ -132,57 +132,57 @@ fn raise(greatest: &mut f64, value: f64) {
 
 #[cfg(test)]
 mod tests {
-    use crate::record::fake::FakeWalk;
-    use crate::record::{AFTERMATH, Recorder};
+    use crate::analysis::synthetic::SyntheticWalk;
+    use crate::analysis::{AFTERMATH, RunAnalysis};
     use messages::scene::Scene;
     use messages::wire::Truth;
 
     #[test]
     fn a_fall_is_seen_when_it_happens_and_ends_the_counting_of_steps() {
-        let (fake, mut recorder) = (FakeWalk::new(0.06), Recorder::new(&Scene::default()));
+        let (fake, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&Scene::default()));
         for seq in 0..6000 {
             let time = seq as f64 * 1e-3;
             let mut truth = fake.truth(seq, time);
             // Tips over backwards about the ground from 4 s on, at 1 rad/s.
             let tilt = (time - 4.0).max(0.0);
             truth.base_orientation = [(tilt / 2.0).cos(), 0.0, -(tilt / 2.0).sin(), 0.0];
-            recorder.push(&truth);
+            analysis.push(&truth);
         }
-        let fall = recorder.extremes.fall.expect("45 degrees is a fall");
+        let fall = analysis.extrema.fall.expect("45 degrees is a fall");
         assert!((fall - 4.0 - 45f64.to_radians()).abs() < 2e-3, "{fall}");
-        assert!(recorder.gait.steps.iter().all(|step| step.start < fall));
-        assert_eq!(recorder.is_over(), Some(fall));
-        let last = recorder.last.expect("a last record").sample.time;
+        assert!(analysis.gait.steps.iter().all(|step| step.start < fall));
+        assert_eq!(analysis.time_of_completed_fall(), Some(fall));
+        let last = analysis.last.expect("a last record").derived.time;
         assert!((last - fall - AFTERMATH).abs() < 2e-3, "the record ends at {last} s");
     }
 
     #[test]
     fn tilt_of_the_loaded_foot_and_margin_of_the_zero_moment_point_are_exact() {
-        let (fake, scene) = (FakeWalk::new(0.06), Scene::default());
+        let (fake, scene) = (SyntheticWalk::new(0.06), Scene::default());
         // In single support on the right foot, the zero-moment point up to 0.3 of the half width off the centre.
-        let mut recorder = Recorder::new(&scene);
-        (4000..6000).for_each(|seq| recorder.push(&fake.truth(seq, seq as f64 * 1e-3)));
-        assert!((recorder.extremes.zmp_margin - 0.05 * 0.7).abs() < 1e-5, "{}", recorder.extremes.zmp_margin);
-        assert!((recorder.rows[0].sample.load - 14.0 * 9.81).abs() < 1e-9);
-        assert!(recorder.extremes.foot_tilt < 1e-12);
+        let mut analysis = RunAnalysis::new(&scene);
+        (4000..6000).for_each(|seq| analysis.push(&fake.truth(seq, seq as f64 * 1e-3)));
+        assert!((analysis.extrema.zmp_margin - 0.05 * 0.7).abs() < 1e-5, "{}", analysis.extrema.zmp_margin);
+        assert!((analysis.rows[0].derived.load - 14.0 * 9.81).abs() < 1e-9);
+        assert!(analysis.extrema.foot_tilt < 1e-12);
         let mut tilted = fake.truth(6000, 6.0);
         let (loaded, free) = if tilted.telemetry.support == 0 { (0, 7) } else { (7, 0) };
         tilted.angle[free] += 0.2;
-        recorder.push(&tilted);
-        assert!(recorder.extremes.foot_tilt < 1e-12, "a foot in the air may tilt");
+        analysis.push(&tilted);
+        assert!(analysis.extrema.foot_tilt < 1e-12, "a foot in the air may tilt");
         tilted.angle[loaded] += 0.01;
-        recorder.push(&tilted);
-        assert!((recorder.extremes.foot_tilt - 0.01).abs() < 1e-12, "{}", recorder.extremes.foot_tilt);
+        analysis.push(&tilted);
+        assert!((analysis.extrema.foot_tilt - 0.01).abs() < 1e-12, "{}", analysis.extrema.foot_tilt);
     }
 
     #[test]
     fn a_residual_that_is_not_a_number_is_not_hidden() {
-        let mut recorder = Recorder::new(&Scene::default());
-        let fake = FakeWalk::new(0.0);
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        let fake = SyntheticWalk::new(0.0);
         for seq in 0..3 {
             let truth = fake.truth(seq, seq as f64 * 1e-3);
-            recorder.push(&Truth { signorini: if seq == 1 { f64::NAN } else { 1e-16 }, ..truth });
+            analysis.push(&Truth { signorini: if seq == 1 { f64::NAN } else { 1e-16 }, ..truth });
         }
-        assert!(recorder.extremes.signorini.is_nan() && recorder.extremes.natural_map > 0.0);
+        assert!(analysis.extrema.signorini.is_nan() && analysis.extrema.natural_map > 0.0);
     }
 }

@@ -1,11 +1,11 @@
 //! Steps, seen from outside: where the centre of mass crosses the line midway between the soles.
 
-use super::sample::{Sample, Sole};
+use super::derived::{DerivedState, SoleState};
 use nalgebra::{Vector2, Vector3};
 
 /// One step: from one exchange of support to the next.
 #[derive(Clone, Debug)]
-pub struct Step {
+pub struct GaitStep {
     /// Time of the exchange that began it [s].
     pub start: f64,
     /// Centre of mass at that time [m].
@@ -15,12 +15,12 @@ pub struct Step {
     /// Least lateral distance of the centre of mass from the support sole's centre, x_2 min [m].
     pub x2_min: f64,
     /// The support sole at that moment: the footprint.
-    pub sole: Sole,
+    pub sole: SoleState,
 }
 
 /// State of the lateral plane in the support frame S: axis 2 from the support foot toward the other.
 #[derive(Clone, Copy, Debug)]
-pub struct Lateral {
+pub struct LateralState {
     /// Supporting foot: 0 left, 1 right.
     pub support: usize,
     /// Distance x_c2 of the centre of mass from the support sole's centre [m].
@@ -33,51 +33,51 @@ pub struct Lateral {
     width: f64,
 }
 
-impl Lateral {
-    /// Reads the lateral plane off a sample; the side of the midline on which the centre of mass is supports.
+impl LateralState {
+    /// Reads the lateral plane off a derived; the side of the midline on which the centre of mass is supports.
     /// The lateral direction is square to the mean heading of the feet. `None` without feet.
-    pub fn new(sample: &Sample) -> Option<Self> {
-        let [left, right] = sample.soles.as_ref()?;
+    pub fn new(derived: &DerivedState) -> Option<Self> {
+        let [left, right] = derived.soles.as_ref()?;
         let heading = (left.heading + right.heading).try_normalize(0.0).unwrap_or(left.heading);
         let across = Vector2::new(-heading.y, heading.x);
         let along = |place: Vector2<f64>| across.dot(&place);
-        let (l, r, c) = (along(left.centre.xy()), along(right.centre.xy()), along(sample.com.xy()));
+        let (l, r, c) = (along(left.centre.xy()), along(right.centre.xy()), along(derived.com.xy()));
         let offset = c - (l + r) / 2.0;
-        let rate = along(sample.com_velocity.xy());
+        let rate = along(derived.com_velocity.xy());
         let (support, position, velocity) = if offset >= 0.0 { (0, l - c, -rate) } else { (1, c - r, rate) };
-        Some(Lateral { support, position, velocity, offset, width: (l - r).abs() })
+        Some(LateralState { support, position, velocity, offset, width: (l - r).abs() })
     }
 }
 
 /// Counts steps as samples come in.
 #[derive(Default)]
-pub struct Gait {
+pub struct StepDetector {
     /// Every step so far; the last is still going on.
-    pub steps: Vec<Step>,
+    pub steps: Vec<GaitStep>,
     side: Option<usize>,
-    /// Time, centre of mass and lateral plane of the sample before.
-    before: Option<(f64, Vector3<f64>, Lateral)>,
+    /// Time, centre of mass and lateral plane of the derived before.
+    before: Option<(f64, Vector3<f64>, LateralState)>,
     crossing: Option<(f64, Vector3<f64>)>,
-    deepest: Option<(f64, Sole)>,
+    turning_point: Option<(f64, SoleState)>,
 }
 
-impl Gait {
+impl StepDetector {
     /// A crossing counts once the centre of mass is this share of the soles' distance beyond the midline: standing
     /// still on it is not walking.
     const DEAD_BAND: f64 = 0.01;
 
-    /// Takes the next sample.
-    pub fn push(&mut self, sample: &Sample) {
-        let Some((now, soles)) = Lateral::new(sample).zip(sample.soles) else { return };
+    /// Takes the next derived.
+    pub fn push(&mut self, derived: &DerivedState) {
+        let Some((now, soles)) = LateralState::new(derived).zip(derived.soles) else { return };
         if let Some((time, com, then)) = &self.before
             && then.support != now.support
         {
             let share = then.offset / (then.offset - now.offset);
-            self.crossing = Some((time + share * (sample.time - time), com.lerp(&sample.com, share)));
-            self.deepest = None;
+            self.crossing = Some((time + share * (derived.time - time), com.lerp(&derived.com, share)));
+            self.turning_point = None;
         }
-        if self.deepest.is_none_or(|(least, _)| now.position < least) {
-            self.deepest = Some((now.position, soles[now.support]));
+        if self.turning_point.is_none_or(|(least, _)| now.position < least) {
+            self.turning_point = Some((now.position, soles[now.support]));
         }
         if now.offset.abs() > Self::DEAD_BAND * now.width {
             if self.side.is_some_and(|side| side != now.support) {
@@ -85,23 +85,23 @@ impl Gait {
             }
             self.side = Some(now.support);
         }
-        if let (Some(step), Some((least, sole))) = (self.steps.last_mut(), self.deepest)
+        if let (Some(step), Some((least, sole))) = (self.steps.last_mut(), self.turning_point)
             && step.support == now.support
             && least < step.x2_min
         {
             (step.x2_min, step.sole) = (least, sole);
         }
-        self.before = Some((sample.time, sample.com, now));
+        self.before = Some((derived.time, derived.com, now));
     }
 
-    fn begin(&mut self, support: usize, sole: Sole) {
+    fn begin(&mut self, support: usize, sole: SoleState) {
         if let Some((start, com)) = self.crossing {
-            self.steps.push(Step { start, com, support, x2_min: f64::INFINITY, sole });
+            self.steps.push(GaitStep { start, com, support, x2_min: f64::INFINITY, sole });
         }
     }
 
     /// Steps that have ended.
-    pub fn complete(&self) -> &[Step] {
+    pub fn complete(&self) -> &[GaitStep] {
         self.steps.split_last().map_or(&[], |(_, done)| done)
     }
 
@@ -137,43 +137,43 @@ fn mean(values: impl Iterator<Item = f64>) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::record::Recorder;
-    use crate::record::fake::{FakeWalk, RELEASE, STEP};
+    use crate::analysis::RunAnalysis;
+    use crate::analysis::synthetic::{RELEASE, STEP, SyntheticWalk};
     use messages::scene::Scene;
 
     /// Records a made-up walk from standing until `end`, at 1 kHz.
-    fn walk(step_length: f64, end: f64) -> Recorder {
-        let (fake, mut recorder) = (FakeWalk::new(step_length), Recorder::new(&Scene::default()));
+    fn walk(step_length: f64, end: f64) -> RunAnalysis {
+        let (fake, mut analysis) = (SyntheticWalk::new(step_length), RunAnalysis::new(&Scene::default()));
         for seq in 0..=(end * 1e3) as u64 {
-            recorder.push(&fake.truth(seq, seq as f64 * 1e-3));
+            analysis.push(&fake.truth(seq, seq as f64 * 1e-3));
         }
-        recorder
+        analysis
     }
 
     #[test]
     fn a_limit_cycle_is_measured_as_it_is() {
-        let recorder = walk(0.06, 8.0);
-        let (period, deviation) = recorder.gait.period(20);
+        let analysis = walk(0.06, 8.0);
+        let (period, deviation) = analysis.gait.period(20);
         assert!((period - 2.0 * STEP).abs() < 1e-6 && deviation < 1e-6, "{period} +- {deviation}");
-        assert!((recorder.gait.x2_min(20) - FakeWalk::x2_min()).abs() < 1e-9, "{}", recorder.gait.x2_min(20));
-        assert_eq!(recorder.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
-        let supports: Vec<_> = recorder.gait.steps.iter().map(|step| step.support).collect();
+        assert!((analysis.gait.x2_min(20) - SyntheticWalk::x2_min()).abs() < 1e-9, "{}", analysis.gait.x2_min(20));
+        assert_eq!(analysis.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
+        let supports: Vec<_> = analysis.gait.steps.iter().map(|step| step.support).collect();
         assert!(supports.windows(2).all(|pair| pair[0] != pair[1]) && supports[0] == 1, "{supports:?}");
-        assert!((recorder.gait.speed() - 0.2).abs() < 1e-6, "{}", recorder.gait.speed());
-        assert_eq!(recorder.extremes.fall, None);
+        assert!((analysis.gait.speed() - 0.2).abs() < 1e-6, "{}", analysis.gait.speed());
+        assert_eq!(analysis.extrema.fall, None);
     }
 
     #[test]
     fn standing_is_not_stepping() {
         assert!(walk(0.06, 0.5).gait.steps.is_empty());
-        let mut recorder = Recorder::new(&Scene::default());
-        let mut truth = FakeWalk::new(0.0).truth(0, 0.0);
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
         for seq in 0..1000 {
-            // Rounding errors cross the midline at every sample.
+            // Rounding errors cross the midline at every derived.
             truth.base_position[1] = if seq % 2 == 0 { 1e-6 } else { -1e-6 };
             truth.stamp.sim_ns = seq * 1_000_000;
-            recorder.push(&truth);
+            analysis.push(&truth);
         }
-        assert!(recorder.gait.steps.is_empty());
+        assert!(analysis.gait.steps.is_empty());
     }
 }

@@ -10,7 +10,7 @@ use messages::wire::{CONTACTS, JOINTS, Truth};
 use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
 /// The scene's robot, arranged for walking the tree from the base outwards.
-pub struct Robot {
+pub struct KinematicTree {
     /// What it is called.
     pub name: String,
     /// Bodies as in the scene.
@@ -18,17 +18,17 @@ pub struct Robot {
     /// Contact points and balls in wire order, each with its body.
     pub contacts: Vec<(usize, Sphere)>,
     /// Left and right foot, if the robot has both.
-    pub feet: Option<[Foot; 2]>,
+    pub feet: Option<[FootGeometry; 2]>,
     /// The body that falls: the trunk if one has that name, else the base.
     pub trunk: usize,
-    links: Vec<Link>,
-    lumps: Vec<(usize, Point3<f64>, f64)>,
+    links: Vec<TreeJoint>,
+    point_masses: Vec<(usize, Point3<f64>, f64)>,
     /// Total mass, with the payload [kg].
     pub mass: f64,
 }
 
 /// A foot and its flat rectangular sole.
-pub struct Foot {
+pub struct FootGeometry {
     /// Index of the body.
     pub body: usize,
     /// Centre of the sole in the body's frame [m].
@@ -39,7 +39,7 @@ pub struct Foot {
 
 /// Pose and velocity of one body in W.
 #[derive(Clone, Copy)]
-pub struct Placed {
+pub struct BodyState {
     /// Body frame to W.
     pub pose: IsometryMatrix3<f64>,
     /// Velocity of the frame's origin [m/s].
@@ -48,7 +48,7 @@ pub struct Placed {
     pub spin: Vector3<f64>,
 }
 
-struct Link {
+struct TreeJoint {
     body: usize,
     parent: usize,
     joint: usize,
@@ -58,7 +58,7 @@ struct Link {
     at: Vector3<f64>,
 }
 
-impl Robot {
+impl KinematicTree {
     /// Arranges the scene's bodies. Bodies that hang from nothing stay at the base.
     pub fn new(scene: &Scene) -> Self {
         let bodies = scene.bodies.clone();
@@ -69,34 +69,36 @@ impl Robot {
             .flat_map(|(i, body)| body.touchable().map(move |ball| (i, ball)))
             .take(CONTACTS)
             .collect();
-        let mut lumps: Vec<_> = (bodies.iter().enumerate()).map(|(i, body)| (i, body.com.into(), body.mass)).collect();
+        let mut point_masses: Vec<_> =
+            (bodies.iter().enumerate()).map(|(i, body)| (i, body.com.into(), body.mass)).collect();
         if !bodies.is_empty() {
             let plant = &scene.plant;
-            lumps.push((or_base(&plant.payload_body), plant.payload_offset.into(), plant.payload_kg));
+            point_masses.push((or_base(&plant.payload_body), plant.payload_offset.into(), plant.payload_kg));
         }
-        let feet =
-            find(LEFT_FOOT).zip(find(RIGHT_FOOT)).map(|(left, right)| [left, right].map(|i| Foot::new(i, &bodies[i])));
+        let feet = find(LEFT_FOOT)
+            .zip(find(RIGHT_FOOT))
+            .map(|(left, right)| [left, right].map(|i| FootGeometry::new(i, &bodies[i])));
         let (trunk, links) = (or_base(TRUNK), links(&bodies, base));
-        let mass = lumps.iter().map(|lump| lump.2).sum();
-        Robot { name: scene.robot_name().into(), bodies, contacts, feet, trunk, links, lumps, mass }
+        let mass = point_masses.iter().map(|lump| lump.2).sum();
+        KinematicTree { name: scene.robot_name().into(), bodies, contacts, feet, trunk, links, point_masses, mass }
     }
 
     /// Names of the joints, in wire order: those of the bodies that they move.
-    pub fn joints(&self) -> Vec<&str> {
+    pub fn joint_names(&self) -> Vec<&str> {
         self.bodies.iter().filter(|body| body.joint.is_some()).map(|body| body.name.as_str()).collect()
     }
 
     /// Pose and velocity of every body in W, in the scene's order.
-    pub fn place(&self, truth: &Truth) -> Vec<Placed> {
+    pub fn body_states(&self, truth: &Truth) -> Vec<BodyState> {
         let mut placed = Vec::new();
-        self.place_in(truth, &mut placed);
+        self.body_states_into(truth, &mut placed);
         placed
     }
 
     /// The same, in a list that there is.
-    pub fn place_in(&self, truth: &Truth, placed: &mut Vec<Placed>) {
+    pub fn body_states_into(&self, truth: &Truth, placed: &mut Vec<BodyState>) {
         let [w, x, y, z] = truth.base_orientation;
-        let base = Placed {
+        let base = BodyState {
             pose: IsometryMatrix3::from_parts(
                 truth.base_position.into(),
                 UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).into(),
@@ -117,12 +119,12 @@ impl Robot {
     }
 
     /// Kinetic energy of the bodies, payload included [J].
-    pub fn kinetic(&self, placed: &[Placed]) -> f64 {
-        let straight = self.lumps.iter().map(|&(body, place, mass)| {
-            let Placed { pose, velocity, spin } = &placed[body];
+    pub fn kinetic(&self, placed: &[BodyState]) -> f64 {
+        let straight = self.point_masses.iter().map(|&(body, place, mass)| {
+            let BodyState { pose, velocity, spin } = &placed[body];
             0.5 * mass * (velocity + spin.cross(&(pose.rotation * place.coords))).norm_squared()
         });
-        let round = self.bodies.iter().zip(placed).map(|(body, Placed { pose, spin, .. })| {
+        let round = self.bodies.iter().zip(placed).map(|(body, BodyState { pose, spin, .. })| {
             let own = pose.rotation.inverse() * spin;
             0.5 * own.component_mul(&own).dot(&Vector3::from(body.moments()))
         });
@@ -130,20 +132,20 @@ impl Robot {
     }
 
     /// Centre of mass of a body in W [m].
-    pub fn centre(&self, placed: &[Placed], body: usize) -> Vector3<f64> {
+    pub fn centre(&self, placed: &[BodyState], body: usize) -> Vector3<f64> {
         let own = self.bodies.get(body).zip(placed.get(body));
         own.map_or(Vector3::zeros(), |(body, placed)| (placed.pose * Point3::from(body.com)).coords)
     }
 
     /// Height of a contact point, or of the lowest point of a ball [m].
-    pub fn height(&self, placed: &[Placed], body: usize, ball: &Sphere) -> f64 {
+    pub fn height(&self, placed: &[BodyState], body: usize, ball: &Sphere) -> f64 {
         (placed[body].pose * Point3::from(ball.at)).z - ball.radius
     }
 
     /// Centre of mass in W [m] and its velocity [m/s]; NaN if the robot weighs nothing.
-    pub fn com(&self, placed: &[Placed]) -> (Vector3<f64>, Vector3<f64>) {
+    pub fn com(&self, placed: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
         let mut sum = (Vector3::zeros(), Vector3::zeros());
-        for &(body, place, mass) in &self.lumps {
+        for &(body, place, mass) in &self.point_masses {
             let arm = placed[body].pose.rotation * place.coords;
             sum.0 += mass * (placed[body].pose.translation.vector + arm);
             sum.1 += mass * (placed[body].velocity + placed[body].spin.cross(&arm));
@@ -152,13 +154,13 @@ impl Robot {
     }
 }
 
-impl Foot {
+impl FootGeometry {
     /// The sole spans the body's contact points; without any it is the bottom of the box.
     fn new(index: usize, body: &Body) -> Self {
         let [depth, width, height] = body.size;
         if body.contacts.is_empty() {
             let sole = Point3::from(body.com) - Vector3::z() * height / 2.0;
-            return Foot { body: index, sole, half: [depth / 2.0, width / 2.0] };
+            return FootGeometry { body: index, sole, half: [depth / 2.0, width / 2.0] };
         }
         let span = |axis: usize| {
             let values = body.contacts.iter().map(move |point| point[axis]);
@@ -166,13 +168,13 @@ impl Foot {
         };
         let [x, y, z] = [span(0), span(1), span(2)];
         let sole = Point3::new((x.0 + x.1) / 2.0, (y.0 + y.1) / 2.0, z.0);
-        Foot { body: index, sole, half: [(x.1 - x.0) / 2.0, (y.1 - y.0) / 2.0] }
+        FootGeometry { body: index, sole, half: [(x.1 - x.0) / 2.0, (y.1 - y.0) / 2.0] }
     }
 }
 
-impl Link {
+impl TreeJoint {
     /// The body beyond a joint that has gone so far, the sine and cosine of which are `turn`, at this rate.
-    fn carry(&self, parent: &Placed, travel: f64, turn: (f64, f64), rate: f64) -> Placed {
+    fn carry(&self, parent: &BodyState, travel: f64, turn: (f64, f64), rate: f64) -> BodyState {
         let rotation = &parent.pose.rotation;
         let axis = rotation * self.axis;
         let hinge = rotation * self.at;
@@ -184,7 +186,7 @@ impl Link {
             JointKind::Prismatic => (*rotation, hinge + axis * travel, axis * rate, Vector3::zeros()),
         };
         let origin = parent.pose.translation.vector + arm;
-        Placed {
+        BodyState {
             pose: IsometryMatrix3::from_parts(origin.into(), turned),
             velocity: parent.velocity + parent.spin.cross(&arm) + sliding,
             spin: parent.spin + turning,
@@ -193,15 +195,15 @@ impl Link {
 }
 
 /// Joints of the tree, parents first.
-fn links(bodies: &[Body], base: usize) -> Vec<Link> {
-    let mut open: Vec<Link> = (bodies.iter().enumerate())
+fn links(bodies: &[Body], base: usize) -> Vec<TreeJoint> {
+    let mut open: Vec<TreeJoint> = (bodies.iter().enumerate())
         .filter_map(|(i, body)| body.joint.as_ref().map(|joint| (i, joint)))
         .enumerate()
         .filter_map(|(number, (body, joint))| {
             let parent = bodies.iter().position(|other| other.name == joint.parent)?;
             let axis = Vector3::from(joint.axis).normalize();
             let along = along(&axis);
-            Some(Link { body, parent, joint: number, kind: joint.kind, axis, along, at: joint.at.into() })
+            Some(TreeJoint { body, parent, joint: number, kind: joint.kind, axis, along, at: joint.at.into() })
         })
         .collect();
     let (mut reached, mut links) = (vec![base], Vec::new());
@@ -215,7 +217,7 @@ fn links(bodies: &[Body], base: usize) -> Vec<Link> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::fake::FakeWalk;
+    use crate::analysis::synthetic::SyntheticWalk;
     use messages::load::load;
     use messages::wire::Torques;
     use plant::kinematics::{self, Pose};
@@ -232,8 +234,8 @@ mod tests {
             let mut pose = Pose::new(plant.model());
             kinematics::pose(plant.model(), plant.state(), &mut pose);
             let totals = kinematics::totals(plant.model(), plant.state(), &pose);
-            let robot = Robot::new(&scene);
-            let placed = robot.place(&plant.truth());
+            let robot = KinematicTree::new(&scene);
+            let placed = robot.body_states(&plant.truth());
             let (com, velocity) = robot.com(&placed);
             let off = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
             let ends = plant.model().body_link.iter().zip(&placed).map(|(&link, body)| {
@@ -246,9 +248,9 @@ mod tests {
 
     #[test]
     fn rates_and_poses_belong_together() {
-        let (fake, robot) = (FakeWalk::new(0.06), Robot::new(&Scene::default()));
+        let (fake, robot) = (SyntheticWalk::new(0.06), KinematicTree::new(&Scene::default()));
         for time in [1.0, 1.7, 3.21, 5.05] {
-            let com = |time| robot.com(&robot.place(&fake.truth(0, time)));
+            let com = |time| robot.com(&robot.body_states(&fake.truth(0, time)));
             let slope = (com(time + 1e-5).0 - com(time - 1e-5).0) / 2e-5;
             let error = (slope - com(time).1).norm();
             assert!(error < 1e-6, "CoM velocity off by {error} m/s at {time} s");
@@ -260,8 +262,8 @@ mod tests {
         let mut scene = Scene::default();
         let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
         let com = |scene: &Scene| {
-            let robot = Robot::new(scene);
-            robot.com(&robot.place(&truth)).0
+            let robot = KinematicTree::new(scene);
+            robot.com(&robot.body_states(&truth)).0
         };
         let before = com(&scene);
         (scene.plant.payload_kg, scene.plant.payload_offset) = (2.0, [0.1, 0.0, 0.3]);

@@ -1,6 +1,6 @@
 //! An MCAP file that is being written: chunks, channels, messages.
 
-use super::sink::Sink;
+use super::chunk_sink::ChunkSink;
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
 use mcap::{Compression, McapResult, WriteOptions};
@@ -11,17 +11,17 @@ use std::fs::File;
 pub const CHUNK: usize = 1 << 20;
 
 /// An MCAP file that is being written.
-pub type Mcap = mcap::Writer<NoSeek<Sink>>;
+pub type McapWriter = mcap::Writer<NoSeek<ChunkSink>>;
 
 /// Begins an empty file; a chunk ends where it is flushed.
-pub fn create(file: File) -> McapResult<Mcap> {
+pub fn create(file: File) -> McapResult<McapWriter> {
     let options =
         WriteOptions::new().compression(if cfg!(fuzzing) { None } else { Some(Compression::Lz4) }).library("biped");
-    options.chunk_size(None).disable_seeking(true).create(NoSeek::new(Sink::new(file)))
+    options.chunk_size(None).disable_seeking(true).create(NoSeek::new(ChunkSink::new(file)))
 }
 
 /// A channel of messages that serde writes, with their schema.
-pub fn json_channel<M: schemars::JsonSchema>(file: &mut Mcap, topic: &str, name: &str) -> McapResult<u16> {
+pub fn json_channel<M: schemars::JsonSchema>(file: &mut McapWriter, topic: &str, name: &str) -> McapResult<u16> {
     // Readers want one object, without references.
     let settings = schemars::generate::SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
     let schema = settings.into_generator().into_root_schema_for::<M>();
@@ -30,7 +30,7 @@ pub fn json_channel<M: schemars::JsonSchema>(file: &mut Mcap, topic: &str, name:
 }
 
 /// Writes a message of such a channel.
-pub fn json_message(file: &mut Mcap, channel: u16, time: u64, message: &impl serde::Serialize) -> McapResult<()> {
+pub fn json_message(file: &mut McapWriter, channel: u16, time: u64, message: &impl serde::Serialize) -> McapResult<()> {
     let text = serde_json::to_vec(message).map_err(std::io::Error::from)?;
     file.write_to_known_channel(&header(channel, time, 0), &text)
 }
