@@ -1,7 +1,7 @@
-//! The analysis: a stream of [`Truth`] in, everything that summary, CSV and report need out.
+//! Online analysis of a run: it consumes the stream of [`Truth`] records and computes what summary, CSV and report need.
 //!
-//! Steps, extrema and histograms see every record; rows are kept at 200 Hz at most and thinned out in long runs, so
-//! that memory stays bounded.
+//! Step detection, extrema and histograms use every record. Trajectory rows are stored at 200 Hz at most. A long run
+//! drops every second row again and again, so memory stays bounded.
 
 mod derived;
 mod energy_balance;
@@ -26,78 +26,87 @@ pub use request_log::{RequestLog, RequestRecord};
 use messages::scene::Scene;
 use messages::wire::Truth;
 
-/// A record and what it means.
+/// A record with the quantities derived from it.
 #[derive(Clone)]
 pub struct TrajectoryRow {
-    /// As it came over the wire.
+    /// The record as received.
     pub truth: Truth,
-    /// Derived quantities.
+    /// Quantities derived from it.
     pub derived: DerivedState,
-    /// What came in peaks since the row before.
+    /// Peak values since the previous row.
     pub peaks: Peaks,
 }
 
-/// Listens to a run.
+/// The analysis of one run, updated record by record.
 pub struct RunAnalysis {
     /// The scene's robot.
     pub robot: KinematicTree,
-    /// Evenly spaced rows, oldest first, if they are kept.
+    /// Evenly spaced rows, oldest first. Empty if the analysis stores no rows.
     pub rows: Vec<TrajectoryRow>,
-    /// Time and x of the centre of mass at the same times, in any case [s, m].
+    /// Time and x of the centre of mass at the times of the rows [s, m]. Stored even without rows.
     pub track: Vec<[f64; 2]>,
     /// First record.
     pub first: Option<TrajectoryRow>,
     /// Latest record.
     pub last: Option<TrajectoryRow>,
-    /// Steps.
+    /// Detected steps.
     pub gait: StepDetector,
-    /// Extrema.
+    /// Extrema over all records.
     pub extrema: Extrema,
-    /// Where its energy goes.
+    /// Energy balance.
     pub energy: EnergyBalance,
-    /// Histograms of every record.
+    /// Histograms over all records.
     pub distributions: Distributions,
-    /// What was asked of it.
+    /// Requests that the session answered.
     pub requests: RequestLog,
-    /// Records left out because their pose is not finite.
+    /// Records skipped because their pose is not finite.
     pub dropped: u64,
     /// Integration steps in one control period.
     pub steps_per_period: u64,
+    /// Spacing of the rows [ns].
     row_ns: u64,
-    /// When the last row was, if there is one [ns].
+    /// Simulated time of the latest row [ns].
     last_row_ns: Option<u64>,
-    keeps_rows: bool,
-    /// Peaks since the last row.
+    stores_rows: bool,
+    /// Peak values since the latest row.
     peaks: Peaks,
-    /// Where the bodies are in the record at hand.
-    placed: Vec<BodyState>,
+    /// Buffer for the body states of the current record.
+    states: Vec<BodyState>,
 }
 
-/// Histograms of quantities that are looked at by order of magnitude.
+/// Histograms of quantities that vary over orders of magnitude.
 pub struct Distributions {
     /// Natural-map residuals, relative.
     pub natural_map: Histogram,
     /// Signorini residuals, relative.
     pub signorini: Histogram,
-    /// Energy above that of free motion [J]; its zeros are the steps that lost or kept energy.
+    /// Energy above that of free motion [J]. Zero counts the periods without a gain.
     pub energy_gain: Histogram,
-    /// How many records needed 0, 1, 2, ... pivots; the last bin holds the rest.
+    /// Number of records that needed 0, 1, 2, ... pivots. The last bin counts all larger numbers.
     pub pivots: Vec<u64>,
-    /// Time that the plant computed per control period [ns].
+    /// Computing time of the plant per control period [ns].
     pub plant: Histogram,
-    /// Time that it waited for the command [ns].
+    /// Time that the plant waited for the command [ns].
     pub wait: Histogram,
 }
 
-/// Rows never come closer than this [ns].
+/// Least spacing of rows [ns]: 200 Hz resolves every motion of a figure.
 const ROW_NS: u64 = 5_000_000;
-/// What happens this long after a fall is of no interest [s].
-const AFTERMATH: f64 = 1.0;
-/// More rows than these are thinned out by half.
+/// The analysis stops this long after a fall [s]: enough to show how the robot comes down.
+const TIME_AFTER_FALL: f64 = 1.0;
+/// Beyond this number every second row is dropped: two minutes at 200 Hz.
 const MAX_ROWS: usize = 24_000;
+/// Decades of the residual histograms: relative residuals lie between rounding error and 1, squares below.
+const RESIDUAL_DECADES: [i32; 2] = [-20, 2];
+/// Decades of the histogram of energy gain [J].
+const ENERGY_DECADES: [i32; 2] = [-20, 4];
+/// Decades of the timing histograms [ns]: 100 ns to 1 s.
+const TIMING_DECADES: [i32; 2] = [2, 9];
+/// Bins of the pivot histogram: 0 to 63 pivots, and one bin for more.
+const PIVOT_BINS: usize = 65;
 
 impl RunAnalysis {
-    /// Prepares to listen to a run of the scene.
+    /// An analysis of a run of the scene that stores rows.
     pub fn new(scene: &Scene) -> Self {
         RunAnalysis {
             robot: KinematicTree::new(scene),
@@ -114,46 +123,46 @@ impl RunAnalysis {
             steps_per_period: (1.0 / (scene.rate * scene.plant.dt)).round() as u64,
             row_ns: ROW_NS,
             last_row_ns: None,
-            keeps_rows: true,
+            stores_rows: true,
             peaks: Peaks::default(),
-            placed: Vec::new(),
+            states: Vec::new(),
         }
     }
 
-    /// The same without rows, which only tables and drawings need: they are most of the memory that a run takes.
+    /// The same without rows. Only tables and figures need rows, and they take most of the memory.
     pub fn without_rows(scene: &Scene) -> Self {
-        RunAnalysis { keeps_rows: false, ..RunAnalysis::new(scene) }
+        RunAnalysis { stores_rows: false, ..RunAnalysis::new(scene) }
     }
 
-    /// The time of the fall [s], once it has been seen to its end: nothing is recorded any more.
+    /// Time of the fall [s], once [`TIME_AFTER_FALL`] has passed since. From then on records are ignored.
     pub fn time_of_completed_fall(&self) -> Option<f64> {
         let time = self.last.as_ref().map_or(0.0, |last| last.derived.time);
-        self.extrema.fall.filter(|fall| time >= fall + AFTERMATH)
+        self.extrema.fall.filter(|fall| time >= fall + TIME_AFTER_FALL)
     }
 
-    /// Takes the next record. One whose pose is not finite is counted and left out.
+    /// Analyses the next record. A record with a non-finite pose is counted and skipped.
     pub fn push(&mut self, truth: &Truth) {
         if self.time_of_completed_fall().is_some() {
             return;
         }
         self.distributions.push(truth);
-        self.robot.body_states_into(truth, &mut self.placed);
-        let derived = DerivedState::new(&self.robot, truth, &self.placed);
-        if !is_placed(truth) || derived.com.iter().chain(&derived.com_velocity).any(|value| value.is_nan()) {
+        self.robot.body_states_into(truth, &mut self.states);
+        let derived = DerivedState::new(&self.robot, truth, &self.states);
+        if !has_valid_pose(truth) || derived.com.iter().chain(&derived.com_velocity).any(|value| value.is_nan()) {
             self.dropped += 1;
             return;
         }
         self.extrema.push(&self.robot, truth, &derived);
-        self.energy.push(&self.robot, truth, &self.placed, &derived);
+        self.energy.push(&self.robot, truth, &self.states, &derived);
         if self.extrema.fall.is_none() {
             self.gait.push(&derived);
         }
-        if self.keeps_rows {
-            self.peaks = self.peaks.and(&Peaks::of(truth));
+        if self.stores_rows {
+            self.peaks = self.peaks.max(&Peaks::new(truth));
         }
         let row = match &mut self.last {
             Some(row) => {
-                row.truth = *truth; // in its place, for a record is large
+                row.truth = *truth; // assigned in place, because a record is large
                 row.derived = derived;
                 row.peaks = self.peaks;
                 row
@@ -167,7 +176,7 @@ impl RunAnalysis {
         }
         self.last_row_ns = Some(now);
         self.track.push([row.derived.time, row.derived.com.x]);
-        if self.keeps_rows {
+        if self.stores_rows {
             self.rows.push(row.clone());
             self.peaks = Peaks::default();
         }
@@ -176,14 +185,14 @@ impl RunAnalysis {
         }
     }
 
-    /// Leaves out every second row.
+    /// Drops every second row. The next row keeps the peak values of the dropped one.
     fn thin_out(&mut self) {
-        let (mut even, mut gone) = (false, Peaks::default());
+        let (mut even, mut dropped) = (false, Peaks::default());
         self.rows.retain_mut(|row| {
             even = !even;
             match even {
-                true => row.peaks = row.peaks.and(&gone),
-                false => gone = row.peaks,
+                true => row.peaks = row.peaks.max(&dropped),
+                false => dropped = row.peaks,
             }
             even
         });
@@ -196,8 +205,8 @@ impl RunAnalysis {
     }
 }
 
-/// Whether the base's pose and every joint angle are finite and the quaternion is not zero.
-fn is_placed(truth: &Truth) -> bool {
+/// True if the pose of the base and all joint angles are finite and the quaternion is not zero.
+fn has_valid_pose(truth: &Truth) -> bool {
     let numbers = truth.base_position.iter().chain(&truth.base_orientation).chain(&truth.angle);
     numbers.copied().all(f64::is_finite) && truth.base_orientation.iter().any(|part| *part != 0.0)
 }
@@ -205,12 +214,12 @@ fn is_placed(truth: &Truth) -> bool {
 impl Distributions {
     fn new() -> Self {
         Distributions {
-            natural_map: Histogram::new(-20, 2),
-            signorini: Histogram::new(-20, 2),
-            energy_gain: Histogram::new(-20, 4),
-            pivots: vec![0; 65],
-            plant: Histogram::new(2, 9),
-            wait: Histogram::new(2, 9),
+            natural_map: Histogram::new(RESIDUAL_DECADES),
+            signorini: Histogram::new(RESIDUAL_DECADES),
+            energy_gain: Histogram::new(ENERGY_DECADES),
+            pivots: vec![0; PIVOT_BINS],
+            plant: Histogram::new(TIMING_DECADES),
+            wait: Histogram::new(TIMING_DECADES),
         }
     }
 
@@ -231,7 +240,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_stay_bounded_and_evenly_spaced_however_long_the_run() {
+    fn the_number_of_rows_is_bounded_and_their_spacing_even_in_a_long_run() {
         let mut analysis = RunAnalysis::new(&Scene::default());
         let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
         for tick in 0..200_000_u64 {
@@ -244,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn no_peak_is_lost_between_rows_however_thin_they_are() {
+    fn thinning_out_rows_keeps_all_peak_values() {
         let mut analysis = RunAnalysis::new(&Scene::default());
         let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
         for tick in 0..200_000_u64 {
@@ -263,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn odd_robots_and_broken_records_do_not_panic() {
+    fn unusual_robots_and_invalid_records_do_not_panic() {
         let mut slider = Scene::default();
         slider.bodies.retain(|body| body.name == messages::robot::TRUNK);
         let mut loose = Scene::default();

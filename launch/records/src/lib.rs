@@ -1,4 +1,4 @@
-//! What a run leaves, and how it is looked at: figures, report, recording, page, terminal.
+//! The results of a run and the ways to view them: summary, report, MCAP recording, 3-D page, terminal monitor.
 
 pub mod analysis;
 pub mod recording;

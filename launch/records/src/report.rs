@@ -131,9 +131,9 @@ mod tests {
     use std::time::Duration;
 
     fn report(scene: &Scene, seconds: u64) -> (Vec<Figure>, String) {
-        let (fake, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(scene));
+        let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(scene));
         for seq in 0..1000 * seconds {
-            analysis.push(&fake.truth(seq, seq as f64 * 1e-3));
+            analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
         }
         let summary = Summary::new("<walk>", &analysis, Duration::from_secs(1), 2);
         let figures = figures(&analysis);

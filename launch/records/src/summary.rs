@@ -184,7 +184,7 @@ impl Summary {
             takeovers: tally.takeovers,
             met: tally.to_string(),
             requests: analysis.requests.list.clone(),
-            asked: analysis.requests.words(),
+            asked: analysis.requests.text(),
             steps_per_period: analysis.steps_per_period,
             dropped: analysis.dropped,
             model: String::new(),
@@ -277,9 +277,9 @@ mod tests {
 
     #[test]
     fn a_record_that_is_not_a_number_breaks_neither_json_nor_the_rest() {
-        let fake = SyntheticWalk::new(0.06);
+        let walk = SyntheticWalk::new(0.06);
         let truths = (0..5000).map(|seq| {
-            let mut truth = fake.truth(seq, seq as f64 * 1e-3);
+            let mut truth = walk.truth(seq, seq as f64 * 1e-3);
             truth.base_position[2] = if seq == 3000 { f64::NAN } else { truth.base_position[2] };
             truth.natural_map = if seq == 3001 { f64::NAN } else { truth.natural_map };
             truth

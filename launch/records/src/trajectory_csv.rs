@@ -1,11 +1,11 @@
-//! `trajectory.csv`: one row per kept record, units in the column names.
+//! `trajectory.csv`: one line per trajectory row, with the units in the column names.
 
 use crate::analysis::{RunAnalysis, TrajectoryRow, normal_forces};
 use messages::wire::{JOINTS, PHASES, Truth};
 use shared::csv;
 
-/// The whole table as text. Lines that begin with `#` explain; the next one names the columns. A number that does not
-/// apply (soles of a robot without feet, zero-moment point in the air) is left empty.
+/// The table as text. Lines that begin with `#` are comments; the next line names the columns. A cell without a value
+/// (for example the zero-moment point in flight) is empty.
 pub fn table(analysis: &RunAnalysis) -> String {
     let columns = columns(analysis);
     let names = columns.iter().map(|(name, _)| name.clone()).collect();
@@ -20,15 +20,15 @@ pub fn table(analysis: &RunAnalysis) -> String {
 type CsvColumn = (String, Box<dyn Fn(&TrajectoryRow) -> String>);
 type JointValues = fn(&Truth) -> &[f64; JOINTS];
 
-/// Names and readers of the columns, in order.
+/// Names and values of the columns, in order.
 fn columns(analysis: &RunAnalysis) -> Vec<CsvColumn> {
     let mut columns = pose();
-    let readers: [(&str, &str, JointValues); 3] = [
+    let joint_columns: [(&str, &str, JointValues); 3] = [
         ("angle", "rad", |truth| &truth.angle),
         ("rate", "radps", |truth| &truth.rate),
         ("torque", "nm", |truth| &truth.torque),
     ];
-    for (name, unit, values) in readers {
+    for (name, unit, values) in joint_columns {
         for i in 0..analysis.robot.joint_names().len().min(JOINTS) {
             columns.push(number(&format!("{name}_{i}_{unit}"), move |row| values(&row.truth)[i]));
         }
@@ -109,10 +109,10 @@ mod tests {
     use messages::scene::Scene;
 
     #[test]
-    fn the_table_has_a_row_per_kept_record_and_every_cell() {
-        let (fake, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&Scene::default()));
+    fn the_table_has_a_line_per_row_and_all_cells() {
+        let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&Scene::default()));
         for seq in 0..=2000 {
-            analysis.push(&fake.truth(seq, seq as f64 * 1e-3));
+            analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
         }
         let table = table(&analysis);
         let mut lines = table.lines().skip_while(|line| line.starts_with('#'));

@@ -1,7 +1,7 @@
-//! Where the bodies of a scene are and how they move, from the pose in a [`Truth`].
+//! Forward kinematics: pose and velocity of every body from the generalised coordinates in a [`Truth`].
 //!
-//! Not by the plant's kinematics: a record may be of a scene that the plant refuses, or of another program's plant, and what it
-//! shows is to be the wire's and not the model's. A test holds the two together.
+//! This module does not use the plant's kinematics. A record may contain a scene that the plant refuses, or come from
+//! another plant program. It must be shown as received, independently of our model. A test compares both kinematics.
 
 use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
 use messages::scene::Scene;
@@ -9,19 +9,21 @@ use messages::turn::{along, sines_cosines, turned};
 use messages::wire::{CONTACTS, JOINTS, Truth};
 use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
 
-/// The scene's robot, arranged for walking the tree from the base outwards.
+/// The scene's robot as a kinematic tree.
 pub struct KinematicTree {
-    /// What it is called.
+    /// Name of the robot.
     pub name: String,
-    /// Bodies as in the scene.
+    /// Bodies in the order of the scene.
     pub bodies: Vec<Body>,
-    /// Contact points and balls in wire order, each with its body.
+    /// Contact points (radius zero) and contact spheres in wire order, each with the index of its body.
     pub contacts: Vec<(usize, Sphere)>,
     /// Left and right foot, if the robot has both.
     pub feet: Option<[FootGeometry; 2]>,
-    /// The body that falls: the trunk if one has that name, else the base.
+    /// Index of the body that fall detection observes: the trunk, or the base if no body has that name.
     pub trunk: usize,
-    links: Vec<TreeJoint>,
+    /// Joints, parents before children.
+    joints: Vec<TreeJoint>,
+    /// Body, position in its frame [m] and mass [kg]: the bodies' centres of mass, then the payload.
     point_masses: Vec<(usize, Point3<f64>, f64)>,
     /// Total mass, with the payload [kg].
     pub mass: f64,
@@ -40,7 +42,7 @@ pub struct FootGeometry {
 /// Pose and velocity of one body in W.
 #[derive(Clone, Copy)]
 pub struct BodyState {
-    /// Body frame to W.
+    /// Transform from the body frame to W.
     pub pose: IsometryMatrix3<f64>,
     /// Velocity of the frame's origin [m/s].
     pub velocity: Vector3<f64>,
@@ -48,18 +50,23 @@ pub struct BodyState {
     pub spin: Vector3<f64>,
 }
 
+/// A joint, and the body that it moves.
 struct TreeJoint {
     body: usize,
     parent: usize,
-    joint: usize,
+    /// Index of the joint in wire order.
+    index: usize,
     kind: JointKind,
+    /// Unit vector in the parent's frame.
     axis: Vector3<f64>,
-    along: Option<usize>,
-    at: Vector3<f64>,
+    /// Index of the coordinate axis to which `axis` is parallel, if any: such a rotation needs fewer operations.
+    aligned_axis: Option<usize>,
+    /// Position of the joint in the parent's frame [m].
+    origin: Vector3<f64>,
 }
 
 impl KinematicTree {
-    /// Arranges the scene's bodies. Bodies that hang from nothing stay at the base.
+    /// The tree of the scene's bodies. A body without a connection to the base gets the pose of the base.
     pub fn new(scene: &Scene) -> Self {
         let bodies = scene.bodies.clone();
         let find = |name: &str| bodies.iter().position(|body| body.name == name);
@@ -78,25 +85,25 @@ impl KinematicTree {
         let feet = find(LEFT_FOOT)
             .zip(find(RIGHT_FOOT))
             .map(|(left, right)| [left, right].map(|i| FootGeometry::new(i, &bodies[i])));
-        let (trunk, links) = (or_base(TRUNK), links(&bodies, base));
-        let mass = point_masses.iter().map(|lump| lump.2).sum();
-        KinematicTree { name: scene.robot_name().into(), bodies, contacts, feet, trunk, links, point_masses, mass }
+        let (trunk, joints) = (or_base(TRUNK), sorted_joints(&bodies, base));
+        let mass = point_masses.iter().map(|point| point.2).sum();
+        KinematicTree { name: scene.robot_name().into(), bodies, contacts, feet, trunk, joints, point_masses, mass }
     }
 
-    /// Names of the joints, in wire order: those of the bodies that they move.
+    /// Names of the joints in wire order. A joint has the name of the body that it moves.
     pub fn joint_names(&self) -> Vec<&str> {
         self.bodies.iter().filter(|body| body.joint.is_some()).map(|body| body.name.as_str()).collect()
     }
 
-    /// Pose and velocity of every body in W, in the scene's order.
+    /// Pose and velocity of every body in W, in the order of the scene.
     pub fn body_states(&self, truth: &Truth) -> Vec<BodyState> {
-        let mut placed = Vec::new();
-        self.body_states_into(truth, &mut placed);
-        placed
+        let mut states = Vec::new();
+        self.body_states_into(truth, &mut states);
+        states
     }
 
-    /// The same, in a list that there is.
-    pub fn body_states_into(&self, truth: &Truth, placed: &mut Vec<BodyState>) {
+    /// As [`KinematicTree::body_states`], into an existing buffer.
+    pub fn body_states_into(&self, truth: &Truth, states: &mut Vec<BodyState>) {
         let [w, x, y, z] = truth.base_orientation;
         let base = BodyState {
             pose: IsometryMatrix3::from_parts(
@@ -106,56 +113,56 @@ impl KinematicTree {
             velocity: truth.base_velocity.into(),
             spin: truth.base_spin.into(),
         };
-        placed.clear();
-        placed.resize(self.bodies.len(), base);
-        let mut turns = [(0.0, 1.0); JOINTS];
-        sines_cosines(&truth.angle, &mut turns);
-        for link in &self.links {
-            let k = link.joint;
-            let (travel, turn, rate) =
-                if k < JOINTS { (truth.angle[k], turns[k], truth.rate[k]) } else { (0.0, (0.0, 1.0), 0.0) };
-            placed[link.body] = link.carry(&placed[link.parent], travel, turn, rate);
+        states.clear();
+        states.resize(self.bodies.len(), base);
+        let mut sines_and_cosines = [(0.0, 1.0); JOINTS];
+        sines_cosines(&truth.angle, &mut sines_and_cosines);
+        for joint in &self.joints {
+            let k = joint.index;
+            let (position, sine_cosine, rate) =
+                if k < JOINTS { (truth.angle[k], sines_and_cosines[k], truth.rate[k]) } else { (0.0, (0.0, 1.0), 0.0) };
+            states[joint.body] = joint.child_state(&states[joint.parent], position, sine_cosine, rate);
         }
     }
 
-    /// Kinetic energy of the bodies, payload included [J].
-    pub fn kinetic(&self, placed: &[BodyState]) -> f64 {
-        let straight = self.point_masses.iter().map(|&(body, place, mass)| {
-            let BodyState { pose, velocity, spin } = &placed[body];
+    /// Kinetic energy of the bodies and the payload [J].
+    pub fn kinetic(&self, states: &[BodyState]) -> f64 {
+        let translational = self.point_masses.iter().map(|&(body, place, mass)| {
+            let BodyState { pose, velocity, spin } = &states[body];
             0.5 * mass * (velocity + spin.cross(&(pose.rotation * place.coords))).norm_squared()
         });
-        let round = self.bodies.iter().zip(placed).map(|(body, BodyState { pose, spin, .. })| {
-            let own = pose.rotation.inverse() * spin;
-            0.5 * own.component_mul(&own).dot(&Vector3::from(body.moments()))
+        let rotational = self.bodies.iter().zip(states).map(|(body, BodyState { pose, spin, .. })| {
+            let body_spin = pose.rotation.inverse() * spin;
+            0.5 * body_spin.component_mul(&body_spin).dot(&Vector3::from(body.moments()))
         });
-        straight.sum::<f64>() + round.sum::<f64>()
+        translational.sum::<f64>() + rotational.sum::<f64>()
     }
 
     /// Centre of mass of a body in W [m].
-    pub fn centre(&self, placed: &[BodyState], body: usize) -> Vector3<f64> {
-        let own = self.bodies.get(body).zip(placed.get(body));
-        own.map_or(Vector3::zeros(), |(body, placed)| (placed.pose * Point3::from(body.com)).coords)
+    pub fn centre(&self, states: &[BodyState], body: usize) -> Vector3<f64> {
+        let found = self.bodies.get(body).zip(states.get(body));
+        found.map_or(Vector3::zeros(), |(body, state)| (state.pose * Point3::from(body.com)).coords)
     }
 
-    /// Height of a contact point, or of the lowest point of a ball [m].
-    pub fn height(&self, placed: &[BodyState], body: usize, ball: &Sphere) -> f64 {
-        (placed[body].pose * Point3::from(ball.at)).z - ball.radius
+    /// Height of the lowest point of a contact sphere [m].
+    pub fn height(&self, states: &[BodyState], body: usize, ball: &Sphere) -> f64 {
+        (states[body].pose * Point3::from(ball.at)).z - ball.radius
     }
 
-    /// Centre of mass in W [m] and its velocity [m/s]; NaN if the robot weighs nothing.
-    pub fn com(&self, placed: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
+    /// Centre of mass in W [m] and its velocity [m/s]. NaN for a robot without mass.
+    pub fn com(&self, states: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
         let mut sum = (Vector3::zeros(), Vector3::zeros());
         for &(body, place, mass) in &self.point_masses {
-            let arm = placed[body].pose.rotation * place.coords;
-            sum.0 += mass * (placed[body].pose.translation.vector + arm);
-            sum.1 += mass * (placed[body].velocity + placed[body].spin.cross(&arm));
+            let arm = states[body].pose.rotation * place.coords;
+            sum.0 += mass * (states[body].pose.translation.vector + arm);
+            sum.1 += mass * (states[body].velocity + states[body].spin.cross(&arm));
         }
         (sum.0 / self.mass, sum.1 / self.mass)
     }
 }
 
 impl FootGeometry {
-    /// The sole spans the body's contact points; without any it is the bottom of the box.
+    /// The sole is the bounding rectangle of the body's contact points. Without contact points it is the bottom of the box.
     fn new(index: usize, body: &Body) -> Self {
         let [depth, width, height] = body.size;
         if body.contacts.is_empty() {
@@ -173,45 +180,53 @@ impl FootGeometry {
 }
 
 impl TreeJoint {
-    /// The body beyond a joint that has gone so far, the sine and cosine of which are `turn`, at this rate.
-    fn carry(&self, parent: &BodyState, travel: f64, turn: (f64, f64), rate: f64) -> BodyState {
+    /// State of the child body for a joint position, its sine and cosine, and the joint rate.
+    fn child_state(&self, parent: &BodyState, position: f64, sine_cosine: (f64, f64), rate: f64) -> BodyState {
         let rotation = &parent.pose.rotation;
         let axis = rotation * self.axis;
-        let hinge = rotation * self.at;
-        let (turned, arm, sliding, turning) = match self.kind {
+        let joint_origin = rotation * self.origin;
+        let (turned, arm, joint_velocity, joint_spin) = match self.kind {
             JointKind::Revolute => {
-                let turned = turned(rotation.matrix(), &self.axis, self.along, turn);
-                (Rotation3::from_matrix_unchecked(turned), hinge, Vector3::zeros(), axis * rate)
+                let turned = turned(rotation.matrix(), &self.axis, self.aligned_axis, sine_cosine);
+                (Rotation3::from_matrix_unchecked(turned), joint_origin, Vector3::zeros(), axis * rate)
             }
-            JointKind::Prismatic => (*rotation, hinge + axis * travel, axis * rate, Vector3::zeros()),
+            JointKind::Prismatic => (*rotation, joint_origin + axis * position, axis * rate, Vector3::zeros()),
         };
         let origin = parent.pose.translation.vector + arm;
         BodyState {
             pose: IsometryMatrix3::from_parts(origin.into(), turned),
-            velocity: parent.velocity + parent.spin.cross(&arm) + sliding,
-            spin: parent.spin + turning,
+            velocity: parent.velocity + parent.spin.cross(&arm) + joint_velocity,
+            spin: parent.spin + joint_spin,
         }
     }
 }
 
-/// Joints of the tree, parents first.
-fn links(bodies: &[Body], base: usize) -> Vec<TreeJoint> {
-    let mut open: Vec<TreeJoint> = (bodies.iter().enumerate())
+/// The joints that are connected to the base, parents before children.
+fn sorted_joints(bodies: &[Body], base: usize) -> Vec<TreeJoint> {
+    let mut remaining: Vec<TreeJoint> = (bodies.iter().enumerate())
         .filter_map(|(i, body)| body.joint.as_ref().map(|joint| (i, joint)))
         .enumerate()
         .filter_map(|(number, (body, joint))| {
             let parent = bodies.iter().position(|other| other.name == joint.parent)?;
             let axis = Vector3::from(joint.axis).normalize();
-            let along = along(&axis);
-            Some(TreeJoint { body, parent, joint: number, kind: joint.kind, axis, along, at: joint.at.into() })
+            let aligned_axis = along(&axis);
+            Some(TreeJoint {
+                body,
+                parent,
+                index: number,
+                kind: joint.kind,
+                axis,
+                aligned_axis,
+                origin: joint.at.into(),
+            })
         })
         .collect();
-    let (mut reached, mut links) = (vec![base], Vec::new());
-    while let Some(next) = open.iter().position(|link| reached.contains(&link.parent)) {
-        reached.push(open[next].body);
-        links.push(open.remove(next));
+    let (mut reached, mut joints) = (vec![base], Vec::new());
+    while let Some(next) = remaining.iter().position(|joint| reached.contains(&joint.parent)) {
+        reached.push(remaining[next].body);
+        joints.push(remaining.remove(next));
     }
-    links
+    joints
 }
 
 #[cfg(test)]
@@ -224,7 +239,7 @@ mod tests {
     use shared::list::SCENES;
 
     #[test]
-    fn the_record_sees_what_the_plant_sees() {
+    fn the_kinematics_equal_those_of_the_plant() {
         for name in ["free", "stand0", "rock"] {
             let scene = load(name, &[], SCENES).unwrap();
             let mut plant = plant::Plant::new(&scene).unwrap();
@@ -235,22 +250,22 @@ mod tests {
             kinematics::pose(plant.model(), plant.state(), &mut pose);
             let totals = kinematics::totals(plant.model(), plant.state(), &pose);
             let robot = KinematicTree::new(&scene);
-            let placed = robot.body_states(&plant.truth());
-            let (com, velocity) = robot.com(&placed);
+            let states = robot.body_states(&plant.truth());
+            let (com, velocity) = robot.com(&states);
             let off = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
-            let ends = plant.model().body_link.iter().zip(&placed).map(|(&link, body)| {
-                let at = Vector3::new(0.3, -0.2, 0.1);
-                (pose.point(link, &at) - (body.pose * Point3::from(at)).coords).norm()
+            let ends = plant.model().body_link.iter().zip(&states).map(|(&link, body)| {
+                let point = Vector3::new(0.3, -0.2, 0.1);
+                (pose.point(link, &point) - (body.pose * Point3::from(point)).coords).norm()
             });
             assert!(ends.fold(off, f64::max) < 1e-12, "{name}: off by {off:e} in the mass");
         }
     }
 
     #[test]
-    fn rates_and_poses_belong_together() {
-        let (fake, robot) = (SyntheticWalk::new(0.06), KinematicTree::new(&Scene::default()));
+    fn velocities_are_the_derivatives_of_positions() {
+        let (walk, robot) = (SyntheticWalk::new(0.06), KinematicTree::new(&Scene::default()));
         for time in [1.0, 1.7, 3.21, 5.05] {
-            let com = |time| robot.com(&robot.body_states(&fake.truth(0, time)));
+            let com = |time| robot.com(&robot.body_states(&walk.truth(0, time)));
             let slope = (com(time + 1e-5).0 - com(time - 1e-5).0) / 2e-5;
             let error = (slope - com(time).1).norm();
             assert!(error < 1e-6, "CoM velocity off by {error} m/s at {time} s");

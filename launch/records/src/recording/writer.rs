@@ -122,7 +122,7 @@ impl RecordingWriter {
         let sim_ns = before.filter(|before| before.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
         let time = self.ahead_ns.saturating_add(sim_ns);
         self.put(RecordingTopic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
-        json_message(&mut self.file, self.events, time, &LogMessage::warning(time, RequestRecord::of(served).words()))
+        json_message(&mut self.file, self.events, time, &LogMessage::warning(time, RequestRecord::new(served).text()))
     }
 
     fn put(&mut self, topic: RecordingTopic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {

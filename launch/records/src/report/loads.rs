@@ -72,6 +72,6 @@ fn zmp(analysis: &RunAnalysis) -> String {
 /// The zero-moment point in the frame of a sole that carries everything.
 fn in_sole(row: &TrajectoryRow, foot: usize) -> Option<(f64, f64)> {
     let sole = row.derived.single_support().filter(|_| row.derived.loaded_foot() == Some(foot))?;
-    let arm = sole.arm(row.derived.zmp);
+    let arm = sole.offset_to(row.derived.zmp);
     Some((arm.x, arm.y))
 }

@@ -81,7 +81,7 @@ impl FrameSampler {
     }
 
     fn take(&mut self, truth: &Truth, queue: &Mutex<FrameQueue>) {
-        self.peaks = self.peaks.and(&Peaks::of(truth));
+        self.peaks = self.peaks.max(&Peaks::new(truth));
         let slot = truth.stamp.sim_ns / FRAME_NS;
         if truth.stamp.run == self.run && slot == self.slot {
             return;
