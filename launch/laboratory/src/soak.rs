@@ -94,7 +94,7 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     unless(stop)?;
     match (grown.is_empty(), end.filter(|end| end.exit != Exit::Ok)) {
         (true, None) => Ok(()),
-        (true, Some(end)) => Err(Failure::new(end.exit, end.words)),
+        (true, Some(end)) => Err(Failure::new(end.exit, end.message)),
         (false, _) => Err(fault(grown.join("; "))),
     }
 }
@@ -151,7 +151,7 @@ fn soak(
             }
             truth = *next;
             if let Some(Err(early)) = tape.as_mut().map(|tape| tape.push(&truth)) {
-                tell(format_args!("{}; the walk goes on", early.words));
+                tell(format_args!("{}; the walk goes on", early.message));
                 (tape, end) = (None, Some(early));
             }
             replies.extend(Some(truth.reply_ns).filter(|ns| *ns > 0));

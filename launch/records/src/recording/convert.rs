@@ -1,4 +1,4 @@
-//! `biped convert`: a recording as tables, one for each topic of numbers, or one of all of them; or as a whole MCAP file.
+//! `biped convert`: a recording as CSV tables (one per topic, or one for all topics), or as a repaired MCAP file.
 
 use super::reader::{Payload, RecordingReader};
 use super::reindex;
@@ -15,7 +15,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// What every table begins with.
+/// First bytes of every table: an existing file is replaced only if it begins with them.
 const HEAD: &[u8] = b"time_s,";
 
 /// Arguments of `biped convert`.
@@ -27,53 +27,53 @@ pub struct ConvertArgs {
     to: ConvertTarget,
 }
 
-/// What it is made into.
+/// The output format.
 #[derive(Args)]
 #[group(required = true, multiple = false)]
 struct ConvertTarget {
-    /// Write sensors.csv, command.csv, telemetry.csv, truth.csv and, of what was asked at the desks, served.csv into this folder
+    /// Write one table per topic into this folder: sensors.csv, command.csv, telemetry.csv, truth.csv, served.csv (requests)
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
-    /// Write one table into this file: a row for each control period, with the latest of every topic
+    /// Write one table into this file: a row per control period, with the latest values of all topics
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// Write it anew as an MCAP file with its index, also if it was cut short
+    /// Write a complete MCAP file with index, even if the recording is truncated
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
 }
 
-/// Converts it.
+/// Converts a recording.
 ///
 /// # Errors
-/// See [`RecordingReader::open`]; or if the folder cannot be written.
+/// See [`RecordingReader::open`]. Also if an output file cannot be written.
 pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(file) = &args.to.mcap {
         return reindex::run(&args.file, file, stop);
     }
     let mut reader = RecordingReader::open(&args.file)?;
     let tables = match (&args.to.csv, &args.to.table) {
-        (Some(folder), _) => each(&mut reader, folder, stop)?,
-        (_, Some(file)) => all(&mut reader, file, stop)?,
+        (Some(folder), _) => table_per_topic(&mut reader, folder, stop)?,
+        (_, Some(file)) => joint_table(&mut reader, file, stop)?,
         (None, None) => vec![],
     };
     if tables.is_empty() {
-        let words = format!("{}: there is nothing in it to make tables of", args.file.display());
-        return Err(Failure::new(Exit::Usage, words));
+        let message = format!("{}: the recording contains no messages to convert", args.file.display());
+        return Err(Failure::new(Exit::Usage, message));
     }
     tables.into_iter().try_for_each(CsvTable::finish)?;
-    if let Some(why) = reader.cut {
-        tell(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
+    if let Some(why) = reader.truncated_by {
+        tell(format_args!("{} is cut short: {why}; the tables contain everything before that", args.file.display()));
     }
     Ok(())
 }
 
-/// All there is, in the table of its topic.
-fn each(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
+/// Writes a table per topic.
+fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     folder(into)?;
     let mut tables = BTreeMap::new();
-    while let Some(item) = reader.next() {
+    while let Some(message) = reader.next() {
         unless(stop)?;
-        let (topic, bytes) = match &item.content {
+        let (topic, bytes) = match &message.payload {
             Payload::Sensors(sensors) => (RecordingTopic::Sensors, bytes_of(sensors)),
             Payload::Command(command) => (RecordingTopic::Command, bytes_of(command)),
             Payload::Telemetry(telemetry) => (RecordingTopic::Telemetry, bytes_of(telemetry)),
@@ -86,14 +86,14 @@ fn each(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<
             tables.insert(topic.name(), CsvTable::create(path, topic, topic.omitted())?);
         }
         if let Some(table) = tables.get_mut(topic.name()) {
-            table.row(item.time, bytes)?;
+            table.row(message.time, bytes)?;
         }
     }
     Ok(tables.into_values().collect())
 }
 
-/// A table of whole truths.
-fn all(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
+/// Writes one table: a row per record of `/truth`, completed by the latest messages of the other topics.
+fn joint_table(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     let (mut table, mut truth) = (None, Truth::default());
     while let Some(time) = reader.next_truth(&mut truth) {
         unless(stop)?;
@@ -106,7 +106,7 @@ fn all(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<V
     Ok(table.into_iter().collect())
 }
 
-/// A table that is being written; half of one is none.
+/// A table that is being written. The file appears under its name only when it is complete.
 struct CsvTable {
     path: PathBuf,
     draft: Draft,
@@ -147,7 +147,7 @@ impl CsvTable {
     }
 }
 
-/// Names of the columns: `stamp.seq`, `angle[3]`.
+/// Names of the columns, such as `stamp.seq` or `angle[3]`.
 fn columns(message: &Message, omitted: &[&str], prefix: &str, names: &mut Vec<String>) {
     for field in message.fields.iter().filter(|field| !omitted.contains(&field.name)) {
         let name = format!("{prefix}{}", field.name);
@@ -159,7 +159,7 @@ fn columns(message: &Message, omitted: &[&str], prefix: &str, names: &mut Vec<St
     }
 }
 
-/// Their values; a number reads back exactly.
+/// Values of the columns. The decimal numbers determine the binary values exactly.
 fn values(message: &Message, omitted: &[&str], bytes: &[u8], cells: &mut Vec<String>) {
     for field in message.fields.iter().filter(|field| !omitted.contains(&field.name)) {
         let value = &bytes[field.offset..field.offset + field.size()];

@@ -1,4 +1,4 @@
-//! The robot for 3-D panels: a frame for each body, boxes fixed to the frames, and an arrow for each force of the ground.
+//! Messages for Foxglove's 3-D panel: a frame per body, boxes fixed to the frames, and an arrow per contact force.
 
 use super::events::FoxgloveTime;
 use super::mcap_file::{McapWriter, json_channel, json_message};
@@ -10,52 +10,54 @@ use nalgebra::{Isometry3, Point3, UnitQuaternion, Vector3};
 use schemars::JsonSchema;
 use serde::Serialize;
 
-/// Length of an arrow [m/N].
+/// Scale of the arrows [m/N]: half the robot's weight is about 0.14 m, a leg's length is 0.4 m.
 const METRES_PER_NEWTON: f64 = 2e-3;
-/// The frame of the ground.
+/// Diameter of an arrow's shaft, length and diameter of its head [m].
+const ARROW_SIZES: [f64; 3] = [0.006, 0.02, 0.014];
+/// Name of the world frame.
 const WORLD: &str = "world";
 
-/// The robot, and where its pictures go.
+/// Writes the robot to its channels.
 pub(super) struct FoxgloveScene {
     robot: KinematicTree,
     frames: u16,
     forces: u16,
     boxes: u16,
-    is_there: bool,
+    has_written_boxes: bool,
 }
 
 impl FoxgloveScene {
-    /// Makes the channels.
-    pub fn begin(file: &mut McapWriter, scene: &Scene) -> McapResult<FoxgloveScene> {
+    /// Creates the channels.
+    pub fn new(file: &mut McapWriter, scene: &Scene) -> McapResult<FoxgloveScene> {
         Ok(FoxgloveScene {
             robot: KinematicTree::new(scene),
             frames: json_channel::<FrameTransforms>(file, "/tf", "foxglove.FrameTransforms")?,
             boxes: json_channel::<SceneUpdate>(file, "/robot", "foxglove.SceneUpdate")?,
             forces: json_channel::<SceneUpdate>(file, "/forces", "foxglove.SceneUpdate")?,
-            is_there: false,
+            has_written_boxes: false,
         })
     }
 
-    /// Draws one instant.
-    pub fn draw(&mut self, file: &mut McapWriter, truth: &Truth, time: u64) -> McapResult<()> {
+    /// Writes the messages of one record.
+    pub fn write(&mut self, file: &mut McapWriter, truth: &Truth, time: u64) -> McapResult<()> {
         let timestamp = FoxgloveTime::new(time);
-        let placed = self.robot.body_states(truth);
-        if !std::mem::replace(&mut self.is_there, true) {
+        let states = self.robot.body_states(truth);
+        if !std::mem::replace(&mut self.has_written_boxes, true) {
             json_message(file, self.boxes, time, &self.boxes(timestamp))?;
         }
-        let transforms = self.robot.bodies.iter().zip(&placed).map(|(body, placed)| FrameTransform {
+        let transforms = self.robot.bodies.iter().zip(&states).map(|(body, state)| FrameTransform {
             timestamp,
             parent_frame_id: WORLD,
             child_frame_id: body.name.clone(),
-            translation: placed.pose.translation.vector.into(),
-            rotation: UnitQuaternion::from(placed.pose.rotation).into(),
+            translation: state.pose.translation.vector.into(),
+            rotation: UnitQuaternion::from(state.pose.rotation).into(),
         });
         json_message(file, self.frames, time, &FrameTransforms { transforms: transforms.collect() })?;
         let arrows =
             self.robot.contacts.iter().zip(truth.contact_force.chunks(3)).filter_map(|((body, ball), force)| {
                 let force = Vector3::from_column_slice(force);
-                let foot = placed[*body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
-                (force.norm() > 0.0).then(|| Arrow::new(foot, force))
+                let point = states[*body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
+                (force.norm() > 0.0).then(|| Arrow::new(point, force))
             });
         let entity = Entity { arrows: arrows.collect(), ..Entity::new(timestamp, WORLD, "forces") };
         json_message(file, self.forces, time, &SceneUpdate { deletions: vec![], entities: vec![entity] })
@@ -112,7 +114,7 @@ struct Entity {
     unused: UnusedFields,
 }
 
-/// What else an entity may have, and readers want to find.
+/// The fields of an entity that we do not use. Readers require them.
 #[derive(Default, Serialize, JsonSchema)]
 struct UnusedFields {
     metadata: [NoEntries; 0],
@@ -128,7 +130,7 @@ struct UnusedFields {
 struct NoEntries {}
 
 impl Entity {
-    /// Nothing yet, for as long as nobody replaces it.
+    /// An entity without primitives that lasts until it is replaced.
     fn new(timestamp: FoxgloveTime, frame: &str, id: &str) -> Entity {
         let lifetime = FoxgloveTime::new(0);
         Entity {
@@ -155,16 +157,18 @@ struct Arrow {
 }
 
 impl Arrow {
-    fn new(from: Point3<f64>, force: Vector3<f64>) -> Arrow {
+    fn new(start: Point3<f64>, force: Vector3<f64>) -> Arrow {
+        let [shaft_diameter, head_length, head_diameter] = ARROW_SIZES;
         // An arrow points along the x axis of its pose.
-        let turn = UnitQuaternion::rotation_between(&Vector3::x(), &force);
-        let turn = turn.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
+        let rotation = UnitQuaternion::rotation_between(&Vector3::x(), &force);
+        let rotation =
+            rotation.unwrap_or_else(|| UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI));
         Arrow {
-            pose: Isometry3::from_parts(from.into(), turn).into(),
+            pose: Isometry3::from_parts(start.into(), rotation).into(),
             shaft_length: METRES_PER_NEWTON * force.norm(),
-            shaft_diameter: 0.006,
-            head_length: 0.02,
-            head_diameter: 0.014,
+            shaft_diameter,
+            head_length,
+            head_diameter,
             color: FORCE,
         }
     }
@@ -211,8 +215,8 @@ struct FoxgloveQuaternion {
 }
 
 impl From<UnitQuaternion<f64>> for FoxgloveQuaternion {
-    fn from(turn: UnitQuaternion<f64>) -> FoxgloveQuaternion {
-        FoxgloveQuaternion { x: turn.i, y: turn.j, z: turn.k, w: turn.w }
+    fn from(rotation: UnitQuaternion<f64>) -> FoxgloveQuaternion {
+        FoxgloveQuaternion { x: rotation.i, y: rotation.j, z: rotation.k, w: rotation.w }
     }
 }
 

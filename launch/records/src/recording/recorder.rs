@@ -1,5 +1,6 @@
-//! A recording that is to be: its file is reserved, but nothing in it is touched before there is something to record, so that a run
-//! that is refused costs no recording. Whatever ends the recording does not end the run.
+//! Records a run into a file. The file is locked before the run starts, but an existing recording is overwritten only when
+//! the first record arrives. Therefore a run that fails to start destroys nothing. A recording that ends early does not
+//! end the run.
 
 use super::writer::RecordingWriter;
 use clap::Args;
@@ -14,31 +15,33 @@ use std::io::Read;
 use std::os::unix::fs::FileTypeExt;
 use std::path::{Path, PathBuf};
 
-/// What a recording leaves free, for whatever else is written there, such as the report of the run [bytes].
-const LEAVE: u64 = 16_000_000;
-/// Room for one more chunk, and the index [bytes].
-const NEXT: u64 = 2_000_000;
-/// What a walk takes for a control period, after compression: what a run will take is known no better than that [bytes].
-const PERIOD: f64 = 950.0;
+/// Disk space that a recording leaves free for other files, such as the report of the run [bytes].
+const RESERVED_BYTES: u64 = 16_000_000;
+/// Space for one more chunk and the index [bytes].
+const NEXT_CHUNK_BYTES: u64 = 2_000_000;
+/// Compressed size of a control period of a walk [bytes], measured: the estimate of the size of a recording.
+const BYTES_PER_PERIOD: f64 = 950.0;
+/// The index grows with the recording: it is a thousandth of its length [-].
+const INDEX_SHARE: u64 = 1000;
 
-/// Where a run is recorded.
+/// Options of a recording.
 #[derive(Args, Clone, Default)]
 pub struct RecordArgs {
-    /// Record the run into this MCAP file, as it goes on
+    /// Record the run into this MCAP file
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// End the recording before its file is larger than this, such as 200M or 1.5G; the run goes on
+    /// End the recording before its file exceeds this size, for example 200M or 1.5G; the run goes on
     #[arg(long, value_name = "SIZE", requires = "record", value_parser = size)]
     record_limit: Option<u64>,
 }
 
 impl RecordArgs {
-    /// The file, if there is to be one.
+    /// The file, if the run is to be recorded.
     pub fn path(&self) -> Option<&Path> {
         self.record.as_deref()
     }
 
-    /// Reserves it.
+    /// Reserves the file.
     ///
     /// # Errors
     /// See [`McapRecorder::reserve`].
@@ -58,41 +61,45 @@ fn size(text: &str) -> Result<u64, String> {
         _ => None,
     };
     let bytes = unit.and_then(|unit| Some(number.parse::<f64>().ok()? * unit));
-    let good = bytes.filter(|bytes| (2.0 * NEXT as f64..1e18).contains(bytes)).map(|bytes| bytes as u64);
-    good.ok_or_else(|| format!("a size such as 200M or 1.5G is needed, of at least {}", megabytes(2 * NEXT)))
+    let good = bytes.filter(|bytes| (2.0 * NEXT_CHUNK_BYTES as f64..1e18).contains(bytes)).map(|bytes| bytes as u64);
+    good.ok_or_else(|| {
+        format!("a size such as 200M or 1.5G is needed, of at least {}", megabytes(2 * NEXT_CHUNK_BYTES))
+    })
 }
 
-/// The file of a run.
+/// Records a run into an MCAP file.
 pub struct McapRecorder {
     path: PathBuf,
-    /// Locked for as long as it is open.
+    /// Locked while it is open.
     file: File,
-    /// Whether it was not there before.
+    /// The file did not exist before.
     is_new: bool,
+    /// Limit of the file size [bytes].
     limit: Option<u64>,
     scene: Scene,
-    /// From the first record on.
+    /// Created with the first record.
     writer: Option<RecordingWriter>,
 }
 
-/// Why a recording ended before its run.
+/// The reason why a recording ended before its run.
 pub struct RecordingEnd {
-    /// In a sentence.
-    pub words: String,
-    /// What that makes of the run: a limit that was asked for is no failure.
+    /// One sentence.
+    pub message: String,
+    /// Exit code of the run. A limit that the user has set is no failure.
     pub exit: Exit,
 }
 
 impl McapRecorder {
-    /// Reserves the file; a recording of that name will be replaced, anything else is kept. Says so if there is too little room.
+    /// Reserves the file. An existing recording will be replaced, but any other existing file is an error. Prints a warning
+    /// if the disk is too full for the whole run.
     ///
     /// # Errors
-    /// If it cannot be written, is no recording, or somebody else is writing it.
+    /// If the file cannot be written, is not a recording, or is in use by another run.
     fn reserve(path: &Path, scene: &Scene, limit: Option<u64>) -> Result<McapRecorder, Failure> {
         let refuse = |why: &str| Err(Failure::new(Exit::Usage, format!("{} {why}", path.display())));
         let is_new = !path.exists();
         if path.metadata().is_ok_and(|about| about.file_type().is_fifo()) {
-            return refuse("is a pipe, but a recording needs a file: name one");
+            return refuse("is a pipe, but a recording needs a regular file: name another file");
         }
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path);
         let file = file.map_err(|error| unwritten(path, &error))?;
@@ -101,37 +108,42 @@ impl McapRecorder {
         if about.is_file() && about.len() > 0 {
             let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
             if read.is_err() || begin != MAGIC {
-                return refuse("is there and is no recording, so it is kept: name another file");
+                return refuse("exists and is not a recording, so it is not overwritten: name another file");
             }
         }
         alone(&file, || format!("another run is recording into {}: name another file", path.display()))?;
         let tape = McapRecorder { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
         if let Some(free) = tape.free() {
-            let (free, all) = (free + about.len(), scene.duration * scene.rate * PERIOD);
-            if free < LEAVE + NEXT {
-                tape.finish().map_err(|end| Failure::new(Exit::Fault, end.words))?;
+            let (free, all) = (free + about.len(), scene.duration * scene.rate * BYTES_PER_PERIOD);
+            if free < RESERVED_BYTES + NEXT_CHUNK_BYTES {
+                tape.finish().map_err(|end| Failure::new(Exit::Fault, end.message))?;
                 return Err(unwritten(
                     path,
-                    &format!("the disk has {} left, and a recording {KEEPS}", megabytes(free)),
+                    &format!("the disk has {} left, and a recording {LEAVES_FREE}", megabytes(free)),
                 ));
             }
-            let (all, room) = (all.min(limit.map_or(f64::INFINITY, |limit| limit as f64)) as u64, free - LEAVE);
+            let (all, room) =
+                (all.min(limit.map_or(f64::INFINITY, |limit| limit as f64)) as u64, free - RESERVED_BYTES);
             if all > room {
                 let (all, free) = (megabytes(all), megabytes(free));
-                let words = format!("the run will take some {all}, the disk has {free} left, and a recording {KEEPS}");
-                tell(format_args!("{}: {words}: it will end before the run, which goes on", path.display()));
+                let estimate =
+                    format!("the run will take some {all}, the disk has {free} left, and a recording {LEAVES_FREE}");
+                tell(format_args!(
+                    "{}: {estimate}: the recording will end before the run, which goes on",
+                    path.display()
+                ));
             }
         }
         Ok(tape)
     }
 
-    /// Takes the next truth.
+    /// Records the next truth.
     ///
     /// # Errors
-    /// If that ends the recording.
+    /// If the recording ends here.
     pub fn push(&mut self, truth: &Truth) -> Result<(), RecordingEnd> {
         let has_grown = self.write(truth).map_err(|error| self.failed(&error, truth))?;
-        let full = if has_grown { self.full() } else { None };
+        let full = if has_grown { self.is_full() } else { None };
         match (full, self.writer.take()) {
             (Some((exit, why)), Some(writer)) => {
                 writer.finish().map_err(|error| self.failed(&error, truth))?;
@@ -144,20 +156,20 @@ impl McapRecorder {
         }
     }
 
-    /// Takes a request that was answered.
+    /// Records an answered request.
     ///
     /// # Errors
     /// As [`McapRecorder::push`].
     pub fn served(&mut self, served: &Served) -> Result<(), RecordingEnd> {
         let written = self.writer().and_then(|writer| writer.served(served));
-        written.map_err(|error| self.end(Exit::Unrecorded, &words(&error), &served.stamp))
+        written.map_err(|error| self.end(Exit::Unrecorded, &describe(&error), &served.stamp))
     }
 
     fn writer(&mut self) -> McapResult<&mut RecordingWriter> {
         match &mut self.writer {
             Some(writer) => Ok(writer),
             none => {
-                let _ = self.file.set_len(0); // what is no file has no length
+                let _ = self.file.set_len(0); // fails for a device, which has no length
                 Ok(none.insert(RecordingWriter::begin(self.file.try_clone()?, &self.scene)?))
             }
         }
@@ -167,28 +179,29 @@ impl McapRecorder {
         self.writer()?.push(truth)
     }
 
-    /// Why there is no room for more.
-    fn full(&self) -> Option<(Exit, String)> {
+    /// The reason why the file cannot take another chunk, if there is one.
+    fn is_full(&self) -> Option<(Exit, String)> {
         let length = self.file.metadata().map_or(0, |about| about.len());
-        let next = NEXT + length / 1000; // whose index is as long as that
+        let next = NEXT_CHUNK_BYTES + length / INDEX_SHARE;
         match (self.limit, self.free()) {
             (Some(limit), _) if length + next > limit => {
                 Some((Exit::Ok, format!("--record-limit of {} is reached", megabytes(limit))))
             }
-            (_, Some(free)) if free < LEAVE + next => {
-                Some((Exit::Unrecorded, format!("the disk has {} left, and a recording {KEEPS}", megabytes(free))))
-            }
+            (_, Some(free)) if free < RESERVED_BYTES + next => Some((
+                Exit::Unrecorded,
+                format!("the disk has {} left, and a recording {LEAVES_FREE}", megabytes(free)),
+            )),
             _ => None,
         }
     }
 
-    /// Room on the disk, if it is one [bytes].
+    /// Free space on the disk [bytes]. `None` if the file is a device.
     fn free(&self) -> Option<u64> {
         let disk = fstatvfs(&self.file).ok().filter(|_| self.file.metadata().is_ok_and(|about| about.is_file()))?;
         Some(disk.blocks_available().saturating_mul(disk.fragment_size()))
     }
 
-    /// Ends the file in order; one that was made for nothing goes.
+    /// Completes the file, or removes it if it is new and nothing was recorded.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -199,30 +212,30 @@ impl McapRecorder {
             None => Ok(()),
         };
         ended.map_err(|error| RecordingEnd {
-            words: unwritten(&self.path, &words(&error)).message,
+            message: unwritten(&self.path, &describe(&error)).message,
             exit: Exit::Unrecorded,
         })
     }
 
     fn failed(&self, error: &McapError, truth: &Truth) -> RecordingEnd {
-        self.end(Exit::Unrecorded, &words(error), &truth.stamp)
+        self.end(Exit::Unrecorded, &describe(error), &truth.stamp)
     }
 
     fn end(&self, exit: Exit, why: &str, stamp: &Stamp) -> RecordingEnd {
         let time = stamp.sim_ns as f64 * 1e-9;
-        RecordingEnd { words: format!("the recording {} ends at {time:.3} s: {why}", self.path.display()), exit }
+        RecordingEnd { message: format!("the recording {} ends at {time:.3} s: {why}", self.path.display()), exit }
     }
 }
 
-/// What a recording does with the last of a disk.
-const KEEPS: &str = "leaves 16 MB";
+/// States [`RESERVED_BYTES`] in messages.
+const LEAVES_FREE: &str = "leaves 16 MB";
 
 fn megabytes(bytes: u64) -> String {
     format!("{:.0} MB", bytes as f64 * 1e-6)
 }
 
-/// In the words of whatever is behind it, such as a full disk.
-fn words(error: &McapError) -> String {
+/// The message of the underlying error, for example of a full disk.
+fn describe(error: &McapError) -> String {
     match error {
         McapError::Io(error) => error.to_string(),
         error => error.to_string(),

@@ -1,4 +1,4 @@
-//! The topics of a recording that have messages of the wire.
+//! The topics of a recording that contain wire messages.
 
 use super::protobuf::Codec;
 use messages::wire::{LAYOUT, Message};
@@ -6,7 +6,7 @@ use messages::wire::{LAYOUT, Message};
 /// Name of the metadata record.
 pub const METADATA: &str = "biped";
 
-/// A topic that has a message of the wire.
+/// A topic that contains wire messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum RecordingTopic {
     /// `/sensors`.
@@ -22,7 +22,7 @@ pub enum RecordingTopic {
 }
 
 impl RecordingTopic {
-    /// All of them.
+    /// All topics.
     pub const ALL: [RecordingTopic; 5] = [
         RecordingTopic::Sensors,
         RecordingTopic::Command,
@@ -31,7 +31,7 @@ impl RecordingTopic {
         RecordingTopic::Served,
     ];
 
-    /// Its name.
+    /// Name of the topic.
     pub fn name(self) -> &'static str {
         match self {
             RecordingTopic::Sensors => "/sensors",
@@ -42,7 +42,7 @@ impl RecordingTopic {
         }
     }
 
-    /// Its message.
+    /// Its message type.
     pub fn message(self) -> &'static Message {
         let name = match self {
             RecordingTopic::Sensors => "Sensors",
@@ -54,7 +54,7 @@ impl RecordingTopic {
         LAYOUT.iter().find(|message| message.name == name).unwrap_or(&LAYOUT[0])
     }
 
-    /// Fields that other topics have.
+    /// Fields that are omitted, because another topic contains them.
     pub fn omitted(self) -> &'static [&'static str] {
         match self {
             RecordingTopic::Sensors => &["last"],
@@ -64,7 +64,7 @@ impl RecordingTopic {
         }
     }
 
-    /// How its messages are coded.
+    /// The codec of its messages.
     pub fn codec(self) -> Codec {
         Codec::new(self.message(), self.omitted())
     }

@@ -67,7 +67,7 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
         analysis.push(&truth);
         count += 1;
         if count % OFTEN == 0 {
-            progress.reach(reader.read() >> 20);
+            progress.reach(reader.bytes_read() >> 20);
             unless(stop)?;
         }
     }
@@ -80,7 +80,7 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
     }
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new(&name, &analysis, Duration::ZERO, 0);
-    if let Some(why) = reader.cut {
+    if let Some(why) = reader.truncated_by {
         tell(format_args!("{} is cut short: {why}; the page has all before that", file.display()));
         summary.cut_short_by = Some("the recording ends here");
     }

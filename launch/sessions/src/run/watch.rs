@@ -61,7 +61,7 @@ impl Watch {
     /// Goes on without a recording that has ended.
     fn outlive(&mut self, written: Result<(), RecordingEnd>) {
         if let Err(end) = written {
-            self.progress.bar.suspend(|| tell(format_args!("{}; the run goes on", end.words)));
+            self.progress.bar.suspend(|| tell(format_args!("{}; the run goes on", end.message)));
             (self.tape, self.end) = (None, Some(end));
         }
     }
