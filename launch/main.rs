@@ -94,7 +94,7 @@ enum Command {
     /// Print what a recording contains
     Info(recording::info::InfoArgs),
     /// Convert a recording to tables
-    Convert(recording::table::ConvertArgs),
+    Convert(recording::convert::ConvertArgs),
     /// Feed recorded sensors to a controller, or recorded torques to a plant, and compare the results
     Replay(recording::replay::ReplayArgs),
     /// List the built-in scenes
@@ -159,7 +159,7 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
         Some(Command::Become(args)) => children::become_other(&args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Info(args)) => recording::info::run(&args, stop),
-        Some(Command::Convert(args)) => recording::table::run(&args, stop),
+        Some(Command::Convert(args)) => recording::convert::run(&args, stop),
         Some(Command::Replay(args)) => recording::replay::run(&args, stop),
         Some(Command::List { hashes: true, .. }) => hashes::print(),
         Some(Command::List { keys: false, .. }) => list::scenes(),

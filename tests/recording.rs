@@ -91,8 +91,7 @@ fn what_was_asked_of_a_run_is_recorded_and_done_again_by_a_replay() {
     assert_eq!(code, Some(0), "{errors}");
     for (mode, least) in [(&["replay", "--plant"][..], 3), (&["replay"], 1)] {
         let (code, words) = on(&file, mode);
-        let done =
-            words.lines().find_map(|line| line.strip_suffix(" recorded requests done again")?.parse::<u32>().ok());
+        let done = words.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());
         assert!(code == Some(0) && done.is_some_and(|done| done >= least), "{mode:?}: {words}");
     }
     // beside those that found out whether the desks are open

@@ -7,7 +7,7 @@ use messages::port::{Action, Contract, Pace, RecorderPort, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::Truth;
-use records::recording::{End, RecordArgs, Tape};
+use records::recording::{McapRecorder, RecordArgs, RecordingEnd};
 use shared::csv;
 use shared::exit::{Exit, Failure, unless};
 use shared::output::{folder, say, tell, unwritten, write_whole};
@@ -70,7 +70,7 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
     let (_, scene) = walk(&["duration=1000000"]).map_err(fault)?;
-    let tape = args.record.tape(&scene)?;
+    let tape = args.record.recorder(&scene)?;
     let time = Duration::from_secs_f64(args.minutes * 60.0);
     let Soaked { samples, simulated, falls, end } = soak(&scene, tape, pace, time, stop).map_err(fault)?;
     if let Some(folder) = &args.out {
@@ -94,7 +94,7 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     unless(stop)?;
     match (grown.is_empty(), end.filter(|end| end.exit != Exit::Ok)) {
         (true, None) => Ok(()),
-        (true, Some(end)) => Err(Failure::new(end.exit, end.words)),
+        (true, Some(end)) => Err(Failure::new(end.exit, end.message)),
         (false, _) => Err(fault(grown.join("; "))),
     }
 }
@@ -107,7 +107,7 @@ struct Soaked {
     /// How often it fell.
     falls: u32,
     /// Why the recording ended before the walk.
-    end: Option<End>,
+    end: Option<RecordingEnd>,
 }
 
 fn table(samples: &[Sample]) -> String {
@@ -121,7 +121,7 @@ fn table(samples: &[Sample]) -> String {
 /// Walks for a time.
 fn soak(
     scene: &Scene,
-    mut tape: Option<Tape>,
+    mut tape: Option<McapRecorder>,
     pace: Pace,
     time: Duration,
     stop: &AtomicBool,
@@ -151,7 +151,7 @@ fn soak(
             }
             truth = *next;
             if let Some(Err(early)) = tape.as_mut().map(|tape| tape.push(&truth)) {
-                tell(format_args!("{}; the walk goes on", early.words));
+                tell(format_args!("{}; the walk goes on", early.message));
                 (tape, end) = (None, Some(early));
             }
             replies.extend(Some(truth.reply_ns).filter(|ns| *ns > 0));
@@ -173,7 +173,7 @@ fn soak(
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    let end = tape.map(Tape::finish).and_then(Result::err).or(end);
+    let end = tape.map(McapRecorder::finish).and_then(Result::err).or(end);
     Ok(Soaked { samples, simulated: walked + seconds(&truth), falls, end })
 }
 

@@ -3,7 +3,7 @@
 use messages::load::load;
 use messages::scene::Scene;
 use rayon::prelude::*;
-use records::record::Recorder;
+use records::analysis::RunAnalysis;
 use records::summary::Summary;
 use sessions::run::{goes_on, in_process};
 use shared::csv;
@@ -78,7 +78,7 @@ fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
 /// # Errors
 /// Ctrl-C alone: whatever else goes wrong is an outcome.
 pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
-    let (mut recorder, start) = (Recorder::without_rows(scene), Instant::now());
+    let (mut recorder, start) = (RunAnalysis::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
         recorder.push(truth);
         goes_on(&recorder, stop)
@@ -86,7 +86,7 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, 
     match result {
         Err(failure) if failure.exit == Exit::Interrupted => Err(failure),
         // What fails after a fall fails because of it.
-        Err(failure) if recorder.extremes.fall.is_none() => Ok(Err(failure.message)),
+        Err(failure) if recorder.extrema.fall.is_none() => Ok(Err(failure.message)),
         _ => Ok(Ok(Summary::new(name, &recorder, start.elapsed(), 1))),
     }
 }

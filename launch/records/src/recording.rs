@@ -1,31 +1,33 @@
-//! Recordings: a run as an MCAP file, which Foxglove, Lichtblick and PlotJuggler open as it is.
+//! Recordings: a run as an MCAP file that Foxglove, Lichtblick and PlotJuggler open directly.
 //!
-//! | topic | message | when |
+//! | topic | message | rate |
 //! |---|---|---|
 //! | `/sensors` | `biped.Sensors` | each control period |
-//! | `/command`, `/telemetry` | `biped.Command` without its telemetry, `biped.Telemetry` | when a new one has been accepted |
-//! | `/truth` | `biped.Truth` without what the others have | each control period |
-//! | `/events` | `foxglove.Log` | when something happens |
+//! | `/command`, `/telemetry` | `biped.Command` without telemetry, `biped.Telemetry` | each accepted command |
+//! | `/truth` | `biped.Truth` without the fields of the other topics | each control period |
+//! | `/served` | `biped.Served` | each answered request |
+//! | `/events` | `foxglove.Log` | each event |
 //! | `/tf`, `/robot`, `/forces` | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` | 50 Hz, once, 50 Hz |
 //!
-//! The metadata record `biped` has the scene and `begun`, when by the calendar (UTC) the first record came; nothing else knows a calendar,
-//! so the states of two recordings of one run are equal, and so is the hash that `biped info` prints of them. Messages are Protocol Buffers ([`protobuf`]), those of Foxglove JSON. All times are
-//! simulated times; after a reset the clock of the file goes on.
+//! The metadata record `biped` contains the scene and, as `begun`, the UTC time of the first record. No message contains
+//! a wall-clock time. Therefore two recordings of the same run have equal states, and `biped info` prints the same hash
+//! for both. Messages are Protocol Buffers ([`protobuf`]); Foxglove's own messages are JSON. Log times are simulated
+//! times. A reset of the simulation does not reset them: they keep increasing.
 
-mod drawing;
+mod chunk_sink;
+pub mod convert;
 mod events;
-mod file;
+mod foxglove_scene;
 pub mod info;
+mod mcap_file;
 mod protobuf;
 mod reader;
-mod records;
+mod record_stream;
+mod recorder;
+mod reindex;
 pub mod replay;
-mod rewrite;
-mod sink;
-pub mod table;
-mod tape;
 mod topic;
 mod writer;
 
-pub use reader::{Content, Reader};
-pub use tape::{End, RecordArgs, Tape};
+pub use reader::{Payload, RecordingReader};
+pub use recorder::{McapRecorder, RecordArgs, RecordingEnd};

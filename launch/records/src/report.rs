@@ -3,20 +3,20 @@
 mod contact;
 pub mod draw;
 pub mod figure;
-mod frames;
 mod lateral;
 mod loads;
+mod phase_portrait;
 pub mod plot;
-mod portrait;
+mod snapshots;
 mod timing;
 mod torques;
 mod trajectory;
 
-use crate::csv;
-use crate::record::Recorder;
+use crate::analysis::RunAnalysis;
 use crate::summary::Summary;
-use crate::view::film;
-use crate::view::page::Page;
+use crate::trajectory_csv;
+use crate::view::frame;
+use crate::view::page::ViewPage;
 use figure::Figure;
 use messages::scene::Scene;
 use shared::exit::{Exit, Failure};
@@ -25,19 +25,19 @@ use std::path::Path;
 use std::{fs, io};
 
 /// Every figure that applies to the run, in the order of the page; none without records.
-pub fn figures(recorder: &Recorder) -> Vec<Figure> {
-    if recorder.rows.is_empty() {
+pub fn figures(analysis: &RunAnalysis) -> Vec<Figure> {
+    if analysis.rows.is_empty() {
         return Vec::new();
     }
     let figures = [
-        frames::figure(recorder),
-        Some(trajectory::figure(recorder)),
-        lateral::figure(recorder),
-        portrait::figure(recorder),
-        torques::figure(recorder),
-        Some(loads::figure(recorder)),
-        Some(contact::figure(recorder)),
-        Some(timing::figure(recorder)),
+        snapshots::figure(analysis),
+        Some(trajectory::figure(analysis)),
+        lateral::figure(analysis),
+        phase_portrait::figure(analysis),
+        torques::figure(analysis),
+        Some(loads::figure(analysis)),
+        Some(contact::figure(analysis)),
+        Some(timing::figure(analysis)),
     ];
     figures.into_iter().flatten().collect()
 }
@@ -71,14 +71,14 @@ pub fn prepare(path: &Path) -> Result<(), Failure> {
 ///
 /// # Errors
 /// As the file system has them, with the file's name.
-pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> io::Result<()> {
-    let figures = figures(recorder);
+pub fn write(folder: &Path, analysis: &RunAnalysis, summary: &Summary, scene: &Scene, text: &str) -> io::Result<()> {
+    let figures = figures(analysis);
     let drawings = folder.join("figures");
     fs::create_dir_all(&drawings)?;
     remove_drawings(&drawings)?; // a run before may have had others
     write_whole(&folder.join("summary.json"), &summary.json())?;
-    write_whole(&folder.join("trajectory.csv"), &csv::table(recorder))?;
-    write_whole(&folder.join("report.html"), &page(&figures, recorder, summary, scene, text))?;
+    write_whole(&folder.join("trajectory.csv"), &trajectory_csv::table(analysis))?;
+    write_whole(&folder.join("report.html"), &page(&figures, analysis, summary, scene, text))?;
     write_whole(&folder.join("scene.toml"), &format!("{SCENE}{text}"))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
         write_whole(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
@@ -87,7 +87,7 @@ pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scen
 }
 
 /// The page: the run in 3-D, its summary, and every figure.
-pub fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &Scene, text: &str) -> String {
+pub fn page(figures: &[Figure], analysis: &RunAnalysis, summary: &Summary, scene: &Scene, text: &str) -> String {
     let rows = summary.lines().into_iter().map(|(name, value)| {
         let class = match name {
             "outcome" if summary.fell || summary.cut_short_by.is_some() => " class=\"bad\"",
@@ -104,11 +104,11 @@ pub fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &
             figure.title, figure.caption
         )
     });
-    Page {
+    ViewPage {
         title: &format!("biped: {}", summary.scene),
         description: &scene.description,
-        about: &film::about(&recorder.robot, scene),
-        film: &film::film(recorder),
+        run_info: &frame::run_info(&analysis.robot, scene),
+        trajectory: &frame::trajectory(analysis),
         below: &[table, drawings.collect(), SOURCE.into()].concat(),
         scene: text,
     }
@@ -117,7 +117,7 @@ pub fn page(figures: &[Figure], recorder: &Recorder, summary: &Summary, scene: &
 
 /// Whose figures these are.
 const SOURCE: &str = "<p class=\"lead\">Figures 6 to 9 are drawn after Y. Fujimoto and A. Kawamura, \"Three Dimensional Digital \
-    Simulation and Autonomous Walking Control for Eight-Axis Biped Robot\", 1995.</p>\n";
+    Simulation and Autonomous Walking Control for Eight-Axis Biped KinematicTree\", 1995.</p>\n";
 
 /// The drawing in the colours of the page, light or dark.
 pub fn inline(svg: &str) -> String {
@@ -127,18 +127,18 @@ pub fn inline(svg: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::fake::FakeWalk;
+    use crate::analysis::synthetic::SyntheticWalk;
     use std::time::Duration;
 
     fn report(scene: &Scene, seconds: u64) -> (Vec<Figure>, String) {
-        let (fake, mut recorder) = (FakeWalk::new(0.06), Recorder::new(scene));
+        let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(scene));
         for seq in 0..1000 * seconds {
-            recorder.push(&fake.truth(seq, seq as f64 * 1e-3));
+            analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
         }
-        let summary = Summary::new("<walk>", &recorder, Duration::from_secs(1), 2);
-        let figures = figures(&recorder);
+        let summary = Summary::new("<walk>", &analysis, Duration::from_secs(1), 2);
+        let figures = figures(&analysis);
         let scene = Scene { description: "fourteen & more".into(), ..scene.clone() };
-        let page = page(&figures, &recorder, &summary, &scene, "note = \"{{figures}}\"");
+        let page = page(&figures, &analysis, &summary, &scene, "note = \"{{figures}}\"");
         (figures, page)
     }
 
@@ -164,16 +164,16 @@ mod tests {
         let (figures, _) = report(&scene, 1);
         let titles: Vec<_> = figures.iter().map(|figure| figure.title).collect();
         assert_eq!(titles.len(), 5, "{titles:?}");
-        assert!(super::figures(&Recorder::new(&scene)).is_empty());
+        assert!(super::figures(&RunAnalysis::new(&scene)).is_empty());
     }
 
     #[test]
     fn the_folder_is_complete_and_without_drafts() {
         let folder = std::env::temp_dir().join(format!("biped-report-{}", std::process::id()));
-        let mut recorder = Recorder::new(&Scene::default());
-        recorder.push(&FakeWalk::new(0.0).truth(0, 0.0));
-        let summary = Summary::new("stand", &recorder, Duration::from_secs(1), 1);
-        write(&folder, &recorder, &summary, &Scene::default(), "").unwrap();
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        analysis.push(&SyntheticWalk::new(0.0).truth(0, 0.0));
+        let summary = Summary::new("stand", &analysis, Duration::from_secs(1), 1);
+        write(&folder, &analysis, &summary, &Scene::default(), "").unwrap();
         let names = |folder: &Path| -> Vec<String> {
             let mut names: Vec<_> =
                 fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();

@@ -2,7 +2,7 @@
 
 pub mod table;
 
-use crate::record::{Answered, Recorder, Row};
+use crate::analysis::{RequestRecord, RunAnalysis, TrajectoryRow};
 use messages::wire::{REFUSALS, Tally};
 use serde::Serialize;
 use shared::exit::Failure;
@@ -105,7 +105,7 @@ pub struct Summary {
     #[serde(skip)]
     pub met: String,
     /// What was asked of the run, at most the first thousand; a run that nobody spoke to repeats to the bit.
-    pub requests: Vec<Answered>,
+    pub requests: Vec<RequestRecord>,
     /// The same in words.
     #[serde(skip)]
     pub asked: String,
@@ -128,53 +128,53 @@ pub struct Summary {
 const LAST_STEPS: usize = 20;
 
 impl Summary {
-    /// Sums up what the recorder heard; `wall` is the time that the run took, zero as `processes` where that is not known.
-    pub fn new(scene: &str, recorder: &Recorder, wall: Duration, processes: u32) -> Self {
-        let (gait, extremes) = (&recorder.gait, &recorder.extremes);
-        let ends = recorder.first.as_ref().zip(recorder.last.as_ref());
-        let over = |f: &dyn Fn(&Row, &Row) -> f64| ends.map_or(f64::NAN, |(a, b)| f(a, b));
-        let tally = recorder.last.as_ref().map_or_else(Tally::default, |last| last.truth.tally);
-        let duration_s = over(&|_, last| last.sample.time);
+    /// Sums up what the analysis heard; `wall` is the time that the run took, zero as `processes` where that is not known.
+    pub fn new(scene: &str, analysis: &RunAnalysis, wall: Duration, processes: u32) -> Self {
+        let (gait, extrema) = (&analysis.gait, &analysis.extrema);
+        let ends = analysis.first.as_ref().zip(analysis.last.as_ref());
+        let over = |f: &dyn Fn(&TrajectoryRow, &TrajectoryRow) -> f64| ends.map_or(f64::NAN, |(a, b)| f(a, b));
+        let tally = analysis.last.as_ref().map_or_else(Tally::default, |last| last.truth.tally);
+        let duration_s = over(&|_, last| last.derived.time);
         let (period_s, period_std_s) = gait.period(LAST_STEPS);
-        let energy = &recorder.energy;
+        let energy = &analysis.energy;
         let told = |joules: f64| if joules > energy.rounding() { joules } else { 0.0 };
         Summary {
             scene: scene.into(),
-            robot: recorder.robot.name.clone(),
-            fell: extremes.fall.is_some(),
-            fall_time_s: extremes.fall,
+            robot: analysis.robot.name.clone(),
+            fell: extrema.fall.is_some(),
+            fall_time_s: extrema.fall,
             duration_s,
-            distance_m: over(&|first, last| last.sample.com.x - first.sample.com.x),
-            lateral_m: over(&|first, last| last.sample.com.y - first.sample.com.y),
+            distance_m: over(&|first, last| last.derived.com.x - first.derived.com.x),
+            lateral_m: over(&|first, last| last.derived.com.y - first.derived.com.y),
             yaw_deg: over(&|_, last| yaw(last.truth.base_orientation).to_degrees()),
-            speed_mps: if gait.steps.len() > 2 { gait.speed() } else { speed(recorder) },
+            speed_mps: if gait.steps.len() > 2 { gait.speed() } else { speed(analysis) },
             period_s,
             period_std_s,
             x2_min_m: gait.x2_min(LAST_STEPS),
             steps: gait.steps.len(),
-            peak_torque_nm: extremes.torque,
-            peak_power_w: extremes.power,
-            foot_tilt_max_deg: extremes.foot_tilt.to_degrees(),
-            zmp_margin_m: extremes.zmp_margin,
-            signorini_max: extremes.signorini,
-            natural_map_max: extremes.natural_map,
-            energy_gain_max_j: extremes.energy_gain,
+            peak_torque_nm: extrema.torque,
+            peak_power_w: extrema.power,
+            foot_tilt_max_deg: extrema.foot_tilt.to_degrees(),
+            zmp_margin_m: extrema.zmp_margin,
+            signorini_max: extrema.signorini,
+            natural_map_max: extrema.natural_map,
+            energy_gain_max_j: extrema.energy_gain,
             energy_made_j: told(energy.made),
             energy_lost_j: told(energy.lost),
             kinetic_max_j: energy.kinetic,
-            fallbacks: recorder.last.as_ref().map_or(0, |last| last.truth.fallbacks),
-            trajectory_hash: format!("{:016x}", recorder.last.as_ref().map_or(0, |last| last.truth.hash)),
+            fallbacks: analysis.last.as_ref().map_or(0, |last| last.truth.fallbacks),
+            trajectory_hash: format!("{:016x}", analysis.last.as_ref().map_or(0, |last| last.truth.hash)),
             wall_s: wall.as_secs_f64(),
             realtime_factor: duration_s / wall.as_secs_f64(),
             processes,
             x2_least_m: gait.complete().iter().map(|step| step.x2_min).fold(f64::INFINITY, f64::min),
-            lateral_max_m: extremes.drift,
-            hop_max_m: extremes.hop,
-            peak_force_n: extremes.force,
-            penetration_max_m: extremes.penetration,
-            slip_misalignment_max_deg: extremes.slip_misalignment.to_degrees(),
-            com_speed_end_mps: over(&|_, last| last.sample.com_velocity.norm()),
-            plant_median_s: recorder.spread.plant.quantile(0.5) * 1e-9,
+            lateral_max_m: extrema.drift,
+            hop_max_m: extrema.hop,
+            peak_force_n: extrema.force,
+            penetration_max_m: extrema.penetration,
+            slip_misalignment_max_deg: extrema.slip_misalignment.to_degrees(),
+            com_speed_end_mps: over(&|_, last| last.derived.com_velocity.norm()),
+            plant_median_s: analysis.distributions.plant.quantile(0.5) * 1e-9,
             refused: tally.refused,
             commands_lost: tally.lost,
             periods_held: tally.held,
@@ -183,10 +183,10 @@ impl Summary {
             periods_skipped: tally.skipped,
             takeovers: tally.takeovers,
             met: tally.to_string(),
-            requests: recorder.requests.list.clone(),
-            asked: recorder.requests.words(),
-            steps_per_period: recorder.steps_per_period,
-            dropped: recorder.dropped,
+            requests: analysis.requests.list.clone(),
+            asked: analysis.requests.text(),
+            steps_per_period: analysis.steps_per_period,
+            dropped: analysis.dropped,
             model: String::new(),
             model_cost_ratio: f64::NAN,
             cut_short_by: None,
@@ -219,8 +219,8 @@ pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
 }
 
 /// Mean speed along x over the last half of the track, for robots that do not step.
-fn speed(recorder: &Recorder) -> f64 {
-    let (Some([half, from]), Some([end, to])) = (recorder.track.get(recorder.track.len() / 2), recorder.track.last())
+fn speed(analysis: &RunAnalysis) -> f64 {
+    let (Some([half, from]), Some([end, to])) = (analysis.track.get(analysis.track.len() / 2), analysis.track.last())
     else {
         return f64::NAN;
     };
@@ -230,7 +230,7 @@ fn speed(recorder: &Recorder) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::fake::FakeWalk;
+    use crate::analysis::synthetic::SyntheticWalk;
     use messages::scene::Scene;
     use messages::wire::Truth;
 
@@ -263,9 +263,9 @@ mod tests {
     ];
 
     pub fn summary(truths: impl IntoIterator<Item = Truth>) -> Summary {
-        let mut recorder = Recorder::new(&Scene::default());
-        truths.into_iter().for_each(|truth| recorder.push(&truth));
-        Summary::new("walk", &recorder, Duration::from_millis(200), 2)
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        truths.into_iter().for_each(|truth| analysis.push(&truth));
+        Summary::new("walk", &analysis, Duration::from_millis(200), 2)
     }
 
     #[test]
@@ -277,9 +277,9 @@ mod tests {
 
     #[test]
     fn a_record_that_is_not_a_number_breaks_neither_json_nor_the_rest() {
-        let fake = FakeWalk::new(0.06);
+        let walk = SyntheticWalk::new(0.06);
         let truths = (0..5000).map(|seq| {
-            let mut truth = fake.truth(seq, seq as f64 * 1e-3);
+            let mut truth = walk.truth(seq, seq as f64 * 1e-3);
             truth.base_position[2] = if seq == 3000 { f64::NAN } else { truth.base_position[2] };
             truth.natural_map = if seq == 3001 { f64::NAN } else { truth.natural_map };
             truth

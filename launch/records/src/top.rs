@@ -1,4 +1,4 @@
-//! `biped top`: how a running session is, in the terminal. It listens as a recorder does; in place on a terminal, a line each second
+//! `biped top`: how a running session is, in the terminal. It listens as a analysis does; in place on a terminal, a line each second
 //! elsewhere.
 
 use crate::summary::table::tiny;
@@ -36,29 +36,29 @@ pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut port = RecorderPort::attach(&session)?;
     let mut term = Term::stdout();
     let interval = if term.is_term() { LOOK } else { LINE };
-    let (mut span, mut drawn) = (Span::new(), 0);
-    while !stop.load(Relaxed) && !has_ended(&session, span.heard) {
+    let (mut interval_stats, mut drawn) = (Interval::new(), 0);
+    while !stop.load(Relaxed) && !has_ended(&session, interval_stats.heard) {
         while let Some(truth) = port.read()? {
-            span.take(&truth);
+            interval_stats.take(&truth);
         }
-        if span.begun.elapsed() < interval {
+        if interval_stats.begun.elapsed() < interval {
             std::thread::sleep(Duration::from_millis(2));
             continue;
         }
         let shown = if term.is_term() {
-            let lines = span.lines(&session);
+            let lines = interval_stats.lines(&session);
             let width = usize::from(term.size().1); // a line that wraps would be two to clear away
             let text: String = lines.iter().map(|line| format!("{}\n", truncate_str(line, width, "…"))).collect();
             let shown = term.clear_last_lines(drawn).and_then(|()| term.write_all(text.as_bytes()));
             drawn = lines.len();
             shown
         } else {
-            writeln!(term, "{}", span.line())
+            writeln!(term, "{}", interval_stats.line())
         };
         if shown.is_err() {
             break; // whoever read has had enough
         }
-        span = Span { latest: span.latest, heard: span.heard, ..Span::new() };
+        interval_stats = Interval { latest: interval_stats.latest, heard: interval_stats.heard, ..Interval::new() };
     }
     Ok(())
 }
@@ -69,31 +69,31 @@ pub fn has_ended(session: &Session, heard: Instant) -> bool {
 }
 
 /// What was heard between two looks.
-struct Span {
+struct Interval {
     begun: Instant,
     heard: Instant,
     latest: Option<Truth>,
     first: Option<Truth>,
     count: u64,
     oldest: u32,
-    reply: Times,
-    late: Times,
-    busy: Times,
+    reply: DurationStats,
+    late: DurationStats,
+    busy: DurationStats,
 }
 
-impl Span {
-    fn new() -> Span {
+impl Interval {
+    fn new() -> Interval {
         let now = Instant::now();
-        Span {
+        Interval {
             begun: now,
             heard: now,
             latest: None,
             first: None,
             count: 0,
             oldest: 0,
-            reply: Times::default(),
-            late: Times::default(),
-            busy: Times::default(),
+            reply: DurationStats::default(),
+            late: DurationStats::default(),
+            busy: DurationStats::default(),
         }
     }
 
@@ -133,7 +133,7 @@ impl Span {
         };
         let key = Style::new().dim();
         let line = |name: &str, value: String| format!("{} {value}", key.apply_to(format!("{name:<11}")));
-        let times = |times: &Times| format!("mean {:.0} µs, greatest {:.0} µs", times.mean(), times.greatest());
+        let times = |times: &DurationStats| format!("mean {:.0} µs, greatest {:.0} µs", times.mean(), times.greatest());
         let refused: Vec<String> = (REFUSALS.iter().zip(tally.refused))
             .filter(|(_, count)| *count > 0)
             .map(|(why, count)| format!("{count} {why}"))
@@ -190,13 +190,13 @@ impl Span {
 
 /// Mean and greatest of some times.
 #[derive(Default)]
-struct Times {
+struct DurationStats {
     sum: u64,
     count: u64,
     most: u64,
 }
 
-impl Times {
+impl DurationStats {
     fn add(&mut self, ns: u64) {
         (self.sum, self.count, self.most) = (self.sum + ns, self.count + 1, self.most.max(ns));
     }
@@ -229,15 +229,15 @@ fn energies(truth: &Truth) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::fake::FakeWalk;
+    use crate::analysis::synthetic::SyntheticWalk;
 
     #[test]
     fn of_an_ordinary_walk_every_line_fits_a_narrow_terminal() {
-        let mut span = Span::new();
+        let mut interval_stats = Interval::new();
         for period in 0..2000 {
-            span.take(&FakeWalk::new(0.06).truth(period, 9.0 + period as f64 * 1e-3));
+            interval_stats.take(&SyntheticWalk::new(0.06).truth(period, 9.0 + period as f64 * 1e-3));
         }
-        for line in span.lines(&Session::named("laboratory").expect("a good name")) {
+        for line in interval_stats.lines(&Session::named("laboratory").expect("a good name")) {
             assert!(console::measure_text_width(&line) <= 60, "{line}");
         }
     }

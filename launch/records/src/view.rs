@@ -1,7 +1,7 @@
 //! `biped view`: the page in 3-D, of a session that is running or of a recording. The same page is in `report.html`.
 
-mod admission;
-pub mod film;
+mod access;
+pub mod frame;
 mod live;
 pub mod page;
 mod recorded;

@@ -11,7 +11,7 @@ use messages::scene::Scene;
 use nix::time::ClockId;
 use plant::Plant;
 use plant::smallest::smallest;
-use records::recording::Tape;
+use records::recording::McapRecorder;
 use records::report;
 use records::summary::Summary;
 use shared::exit::{Exit, Failure};
@@ -57,14 +57,14 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
     }
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
-    watch.tape = args.record.tape(scene)?;
+    watch.tape = args.record.recorder(scene)?;
     let outcome = match args.in_process {
         true => one_process::run(scene, &mut watch, stop),
         false => two_processes::run(args, scene, &mut watch, stop),
     };
     watch.progress.finish();
-    if let Some(Err(end)) = watch.tape.take().map(Tape::finish) {
-        tell(format_args!("{}", end.words));
+    if let Some(Err(end)) = watch.tape.take().map(McapRecorder::finish) {
+        tell(format_args!("{}", end.message));
         watch.end = Some(end);
     }
     if watch.lost > 0 {
@@ -77,7 +77,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let wall = begun.elapsed();
     let RunModel { size, cost_ratio } = RunModel::of(&written, plan.as_ref())?;
     let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(size, cost_ratio);
-    let recording_ended_by = watch.end.as_ref().map(|end| end.words.clone());
+    let recording_ended_by = watch.end.as_ref().map(|end| end.message.clone());
     let summary = Summary { recording_ended_by, ..summary.ended(outcome.as_ref().err()) };
     // The report before the summary is printed: a standard output that is full ends this program.
     let report = args.out.as_deref().map_or(Ok(()), |folder| {

@@ -1,6 +1,6 @@
-//! `biped info`: what a recording has.
+//! `biped info`: contents of a recording.
 
-use super::reader::{Content, Reader};
+use super::reader::{Payload, RecordingReader};
 use clap::Args;
 use shared::exit::{Failure, unless};
 use shared::output::say;
@@ -14,36 +14,36 @@ use std::sync::atomic::AtomicBool;
 pub struct InfoArgs {
     /// The recording
     file: PathBuf,
-    /// Print its scene instead, as a TOML file
+    /// Print the recorded scene as TOML instead
     #[arg(long)]
     scene: bool,
 }
 
-/// Prints it.
+/// Prints the contents.
 ///
 /// # Errors
-/// See [`Reader::open`].
+/// See [`RecordingReader::open`].
 pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let mut reader = Reader::open(&args.file)?;
+    let mut reader = RecordingReader::open(&args.file)?;
     if args.scene {
-        say(reader.word("scene"));
+        say(reader.metadata("scene"));
         return Ok(());
     }
     let scene = reader.scene().clone();
     let (mut counts, mut end, mut hash) = (BTreeMap::<Arc<str>, u64>::new(), 0, None);
-    while let Some(item) = reader.next() {
+    while let Some(message) = reader.next() {
         unless(stop)?;
-        *counts.entry(item.topic).or_default() += 1;
-        end = item.time;
-        if let Content::Truth(truth) = item.content {
+        *counts.entry(message.topic).or_default() += 1;
+        end = message.time;
+        if let Payload::Truth(truth) = message.payload {
             hash = Some(truth.hash);
         }
     }
     let seconds = end as f64 * 1e-9;
     let line = |key: &str, value: String| say(format_args!("  {key:<13}{value}\n"));
     say(format_args!("{}\n", args.file.display()));
-    line("written by", format!("biped {}, wire schema {}", reader.word("version"), reader.word("schema")));
-    line("begun", reader.word("begun").into());
+    line("written by", format!("biped {}, wire schema {}", reader.metadata("version"), reader.metadata("schema")));
+    line("begun", reader.metadata("begun").into());
     line("robot", format!("{} bodies, {:.1} kg", scene.bodies.len(), scene.bodies.iter().map(|b| b.mass).sum::<f64>()));
     line("length", format!("{seconds:.3} s of {:.3} s, control at {:.0} Hz", scene.duration, scene.rate));
     line("size", size(&args.file));
@@ -53,7 +53,7 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(hash) = hash {
         line("states", format!("hash {hash:016x}, as in summary.json"));
     }
-    if let Some(why) = reader.cut {
+    if let Some(why) = reader.truncated_by {
         line("cut short", format!("nothing can be read after {seconds:.3} s: {why}"));
     }
     Ok(())

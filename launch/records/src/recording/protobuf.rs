@@ -1,6 +1,6 @@
-//! The messages as Protocol Buffers, made of the same declaration as the wire: the k-th field of a struct is field number k,
-//! counted from 1; numbers are of fixed width, arrays packed. So a field's value is the bytes that it has in memory, and
-//! encoding is a copy with keys between.
+//! Encodes the wire messages as Protocol Buffers. The schema follows from the declaration of the wire format: the k-th
+//! field of a struct has field number k, counted from 1. Numbers have fixed width and arrays are packed. Therefore the
+//! encoded value of a field equals its bytes in memory, and encoding copies memory and inserts keys.
 
 use messages::wire::{Field, LAYOUT, Message};
 use prost::Message as _;
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 const _: () = assert!(cfg!(target_endian = "little"), "Protocol Buffers are little-endian, and so are the copies here");
 
-/// Every message's description, as MCAP wants a schema.
+/// Descriptors of all messages in the form that MCAP requires as a schema.
 pub fn descriptors() -> Vec<u8> {
     let file = FileDescriptorProto {
         name: Some("biped.proto".into()),
@@ -45,53 +45,53 @@ fn message(message: &Message) -> DescriptorProto {
     DescriptorProto { name: Some(message.name.into()), field: fields.collect(), ..DescriptorProto::default() }
 }
 
-/// How messages of one kind are coded: worked out once, for a recording has millions.
+/// Encoder and decoder of one message type. It is built once, because a recording has millions of messages.
 pub struct Codec {
-    /// By number, but for those that are left out.
-    slots: Vec<Option<Slot>>,
-    /// Of a message that is coded, which is that of any [bytes].
+    /// Indexed by field number minus 1. `None` for an omitted field.
+    fields: Vec<Option<FieldCodec>>,
+    /// Length of an encoded message, which is constant [bytes].
     length: usize,
 }
 
-/// A field: where it is in memory, and what it is made of if that is a message.
-struct Slot {
-    place: Range<usize>,
+/// A field: its position in memory, its wire type, and the codec of its message type if it is a message.
+struct FieldCodec {
+    range: Range<usize>,
     wire_type: WireType,
     inner: Option<Codec>,
 }
 
 impl Codec {
-    /// Of a message, but for some of its fields.
-    pub fn new(message: &Message, without: &[&str]) -> Codec {
-        let slot = |field: &Field| Slot {
-            place: field.offset..field.offset + field.size(),
+    /// The codec of a message type without the omitted fields.
+    pub fn new(message: &Message, omitted: &[&str]) -> Codec {
+        let field_codec = |field: &Field| FieldCodec {
+            range: field.offset..field.offset + field.size(),
             wire_type: wire_type(field),
             inner: field.message().map(|message| Codec::new(message, &[])),
         };
-        let slots = message.fields.iter().map(|field| (!without.contains(&field.name)).then(|| slot(field)));
-        let (mut codec, mut coded) = (Codec { slots: slots.collect(), length: 0 }, vec![]);
-        codec.encode(&vec![0; message.size], &mut coded);
-        codec.length = coded.len();
+        let fields = message.fields.iter().map(|field| (!omitted.contains(&field.name)).then(|| field_codec(field)));
+        let (mut codec, mut encoded) = (Codec { fields: fields.collect(), length: 0 }, vec![]);
+        codec.encode(&vec![0; message.size], &mut encoded);
+        codec.length = encoded.len();
         codec
     }
 
-    /// Appends a message, given as its bytes in memory.
+    /// Appends the encoding of a message, which is given as its bytes in memory.
     pub fn encode(&self, bytes: &[u8], out: &mut Vec<u8>) {
-        for (slot, number) in self.slots.iter().zip(1..) {
-            let Some(Slot { place, wire_type, inner }) = slot else { continue };
+        for (field, number) in self.fields.iter().zip(1..) {
+            let Some(FieldCodec { range, wire_type, inner }) = field else { continue };
             encode_key(number, *wire_type, out);
             if *wire_type == WireType::LengthDelimited {
-                encode_varint(inner.as_ref().map_or(place.len(), |inner| inner.length) as u64, out);
+                encode_varint(inner.as_ref().map_or(range.len(), |inner| inner.length) as u64, out);
             }
             match inner {
-                Some(inner) => inner.encode(&bytes[place.clone()], out),
-                None => out.extend_from_slice(&bytes[place.clone()]),
+                Some(inner) => inner.encode(&bytes[range.clone()], out),
+                None => out.extend_from_slice(&bytes[range.clone()]),
             }
         }
     }
 
-    /// Reads a message back into its bytes in memory; fields that it has not stay as they are, unknown ones are passed over.
-    /// `None` if it is damaged.
+    /// Decodes a message into its bytes in memory. Missing fields keep their values, and unknown fields are skipped.
+    /// `None` if the message is damaged.
     pub fn decode(&self, mut data: &[u8], bytes: &mut [u8]) -> Option<()> {
         while !data.is_empty() {
             let (number, wire_type) = decode_key(&mut data).ok()?;
@@ -103,11 +103,11 @@ impl Codec {
             };
             let (value, rest) = data.split_at_checked(length)?;
             data = rest;
-            let Some(Some(slot)) = self.slots.get(number as usize - 1) else { continue };
-            let place = &mut bytes[slot.place.clone()];
-            match &slot.inner {
-                Some(inner) => inner.decode(value, place)?,
-                None if value.len() == place.len() => place.copy_from_slice(value),
+            let Some(Some(field)) = self.fields.get(number as usize - 1) else { continue };
+            let range = &mut bytes[field.range.clone()];
+            match &field.inner {
+                Some(inner) => inner.decode(value, range)?,
+                None if value.len() == range.len() => range.copy_from_slice(value),
                 None => return None,
             }
         }
@@ -130,7 +130,7 @@ mod tests {
     use messages::wire::Truth;
 
     #[test]
-    fn every_bit_of_a_message_comes_back() {
+    fn decoding_restores_every_bit_and_damaged_messages_do_not_panic() {
         let codec = Codec::new(LAYOUT.iter().find(|message| message.name == "Truth").unwrap(), &[]);
         let mut random = fastrand::Rng::with_seed(1);
         let mut truth = Truth::default();
@@ -140,7 +140,7 @@ mod tests {
         let mut back = Truth::default();
         codec.decode(&data, bytes_of_mut(&mut back)).unwrap();
         assert_eq!(bytes_of(&back), bytes_of(&truth));
-        // a damaged one is refused or read, never a panic
+        // A damaged message is refused or decoded, and never causes a panic.
         for _ in 0..10_000 {
             let mut damaged = data.clone();
             for _ in 0..3 {

@@ -1,8 +1,8 @@
-//! A recording, read message by message in constant memory; one that was cut short, up to its last good chunk.
+//! Reads a recording message by message in constant memory. A truncated recording is read up to its last valid chunk.
 
 use super::protobuf::Codec;
-use super::records::Records;
-use super::topic::{METADATA, Topic};
+use super::record_stream::RecordStream;
+use super::topic::{METADATA, RecordingTopic};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
 use messages::file;
@@ -16,34 +16,34 @@ use std::path::Path;
 use std::sync::Arc;
 
 /// A recording that is being read.
-pub struct Reader {
-    records: Records,
+pub struct RecordingReader {
+    records: RecordStream,
     channels: HashMap<u16, Channel>,
-    codecs: [Codec; Topic::ALL.len()],
-    /// Of the metadata record: scene, schema, version and when it began.
-    about: BTreeMap<String, String>,
+    codecs: [Codec; RecordingTopic::ALL.len()],
+    /// Content of the metadata record: scene, schema, version and time of the first record.
+    metadata: BTreeMap<String, String>,
     scene: Scene,
-    /// Requests that were answered, and that nobody has taken out yet.
+    /// Answered requests that [`RecordingReader::take_granted`] has not returned yet.
     served: VecDeque<Served>,
-    /// Why the file ends before its end, once that is known.
-    pub cut: Option<String>,
+    /// The reason why nothing can be read after this point, once it is known.
+    pub truncated_by: Option<String>,
 }
 
 /// What its messages are, and what it is called.
-type Channel = (Option<Topic>, Arc<str>);
+type Channel = (Option<RecordingTopic>, Arc<str>);
 
-/// A message.
-pub struct Item {
-    /// Name of its topic.
+/// A message of a recording.
+pub struct RecordedMessage {
+    /// Name of the topic.
     pub topic: Arc<str>,
-    /// By the clock of the file [ns].
+    /// Log time [ns].
     pub time: u64,
-    /// What of it we know.
-    pub content: Content,
+    /// Decoded content.
+    pub payload: Payload,
 }
 
-/// What a message has; what other topics have of it is zero.
-pub enum Content {
+/// Decoded content of a message. Fields that the recording stores in another topic are zero.
+pub enum Payload {
     /// `/sensors`.
     Sensors(Sensors),
     /// `/command`.
@@ -54,88 +54,95 @@ pub enum Content {
     Truth(Box<Truth>),
     /// `/served`.
     Served(Box<Served>),
-    /// For people.
+    /// A message for visualisation, which is not decoded.
     Other,
 }
 
-impl Reader {
-    /// Opens a file and reads as far as it says of what run it is; the scene is checked like any other.
+impl RecordingReader {
+    /// Opens a file, reads its metadata and validates the scene.
     ///
     /// # Errors
-    /// If it is not there, no MCAP file, no recording of ours, of another wire format, or of a scene that cannot be run.
-    pub fn open(path: &Path) -> Result<Reader, Failure> {
+    /// If the file does not exist, is not a recording of this program, has another wire format, or contains an invalid scene.
+    pub fn open(path: &Path) -> Result<RecordingReader, Failure> {
         let refuse = |why: String| Err(Failure::new(Exit::Usage, format!("{}: {why}", path.display())));
         let file = match file::open(path) {
             Ok(file) => file,
             Err(error) => return refuse(format!("cannot be opened: {error}")),
         };
-        let (records, codecs) = (Records::of(file), Topic::ALL.map(Topic::codec));
-        let (channels, about) = (HashMap::new(), BTreeMap::new());
-        let mut reader =
-            Reader { records, channels, codecs, about, scene: Scene::default(), served: VecDeque::new(), cut: None };
-        while reader.about.is_empty() {
-            // what is ours says so before its first message
-            if reader.record().is_none_or(|message| message.is_some()) {
-                let why = reader.cut.map_or_else(String::new, |why| format!(" ({why})"));
+        let (records, codecs) = (RecordStream::new(file), RecordingTopic::ALL.map(RecordingTopic::codec));
+        let (channels, metadata) = (HashMap::new(), BTreeMap::new());
+        let mut reader = RecordingReader {
+            records,
+            channels,
+            codecs,
+            metadata,
+            scene: Scene::default(),
+            served: VecDeque::new(),
+            truncated_by: None,
+        };
+        while reader.metadata.is_empty() {
+            // Our recordings begin with the metadata record, before any message.
+            if reader.next_record().is_none_or(|message| message.is_some()) {
+                let why = reader.truncated_by.map_or_else(String::new, |why| format!(" ({why})"));
                 return refuse(format!("this is no recording of `biped run --record`{why}"));
             }
         }
-        let (ours, theirs) = (format!("{SCHEMA_HASH:016x}"), reader.word("schema").to_string());
+        let (ours, theirs) = (format!("{SCHEMA_HASH:016x}"), reader.metadata("schema").to_string());
         if ours != theirs {
-            let words = format!("its wire schema is {theirs}, ours is {ours}: use the version that wrote it");
-            return Err(Failure::new(Exit::Incompatible, format!("{}: {words}", path.display())));
+            let message = format!("its wire schema is {theirs}, ours is {ours}: use the version that wrote it");
+            return Err(Failure::new(Exit::Incompatible, format!("{}: {message}", path.display())));
         }
         let origin = format!("the scene in {}", path.display());
-        reader.scene = parse(reader.word("scene"), &origin)?;
+        reader.scene = parse(reader.metadata("scene"), &origin)?;
         validate(&reader.scene, &origin)?;
         Ok(reader)
     }
 
-    /// A word of the metadata.
-    pub fn word(&self, key: &str) -> &str {
-        self.about.get(key).map_or("unknown", String::as_str)
+    /// A value of the metadata record.
+    pub fn metadata(&self, key: &str) -> &str {
+        self.metadata.get(key).map_or("unknown", String::as_str)
     }
 
-    /// The scene that was run.
+    /// The recorded scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The next message; none at the end, or where the file is cut short.
-    pub fn next(&mut self) -> Option<Item> {
+    /// The next message. `None` at the end or where the file is truncated.
+    pub fn next(&mut self) -> Option<RecordedMessage> {
         loop {
-            if let Some(item) = self.record()? {
+            if let Some(item) = self.next_record()? {
                 return Some(item);
             }
         }
     }
 
-    /// The next truth, put together from all its topics; the messages between come with it. Its time by the clock of the file [ns].
+    /// Reads on to the next record of `/truth`, completes it from the other topics, and returns its log time [ns].
     pub fn next_truth(&mut self, latest: &mut Truth) -> Option<u64> {
         loop {
-            let Item { time, content, .. } = self.next()?;
-            match content {
-                Content::Sensors(sensors) => latest.encoders = sensors.encoders,
-                Content::Command(command) => (latest.command, latest.asked) = (command.stamp, command.torques),
-                Content::Telemetry(telemetry) => latest.telemetry = telemetry,
-                Content::Truth(truth) => {
+            let RecordedMessage { time, payload, .. } = self.next()?;
+            match payload {
+                Payload::Sensors(sensors) => latest.encoders = sensors.encoders,
+                Payload::Command(command) => (latest.command, latest.asked) = (command.stamp, command.torques),
+                Payload::Telemetry(telemetry) => latest.telemetry = telemetry,
+                Payload::Truth(truth) => {
                     let Truth { command, asked, telemetry, encoders, .. } = *latest;
                     *latest = Truth { command, asked, telemetry, encoders, ..*truth };
                     return Some(time);
                 }
-                Content::Served(served) => self.served.push_back(*served),
-                Content::Other => (),
+                Payload::Served(served) => self.served.push_back(*served),
+                Payload::Other => (),
             }
         }
     }
 
-    /// Whether it has a topic of requests, as recordings of earlier versions have not.
-    pub fn tells_requests(&self) -> bool {
-        self.channels.values().any(|(topic, _)| *topic == Some(Topic::Served))
+    /// True if the recording has a topic for requests. Recordings of earlier versions have none.
+    pub fn has_request_topic(&self) -> bool {
+        self.channels.values().any(|(topic, _)| *topic == Some(RecordingTopic::Served))
     }
 
-    /// Takes out the requests that were granted and took effect by now, as `is_due` sees it.
-    pub fn granted(&mut self, is_due: impl Fn(&Stamp, Action) -> bool) -> Vec<Action> {
+    /// Removes and returns the granted requests for which `is_due` is true. Refused requests are dropped.
+    pub fn take_granted(&mut self, is_due: impl Fn(&Stamp, Action) -> bool) -> Vec<Action> {
         let mut asks = vec![];
         self.served.retain(|served| match Action::decode(&served.request) {
             Ok(ask) if served.verdict == Verdict::Done as u64 => {
@@ -148,64 +155,66 @@ impl Reader {
         asks
     }
 
-    /// Bytes of the file that the messages so far are from.
-    pub fn read(&self) -> u64 {
-        self.records.read()
+    /// Bytes of the file that have been read.
+    pub fn bytes_read(&self) -> u64 {
+        self.records.bytes_read()
     }
 
-    /// The next record: a message, something else, or the end.
-    fn record(&mut self) -> Option<Option<Item>> {
+    /// Processes the next record. `None` at the end, `Some(None)` for a record that is not a message.
+    fn next_record(&mut self) -> Option<Option<RecordedMessage>> {
         let record = self.records.next()?.and_then(|(opcode, data)| mcap::parse_record(opcode, data));
         match record {
-            Ok(Record::Metadata(metadata)) if metadata.name == METADATA => self.about = metadata.metadata,
+            Ok(Record::Metadata(metadata)) if metadata.name == METADATA => self.metadata = metadata.metadata,
             Ok(Record::Channel(channel)) => {
-                let topic = Topic::ALL.into_iter().find(|known| known.name() == channel.topic);
+                let topic = RecordingTopic::ALL.into_iter().find(|known| known.name() == channel.topic);
                 self.channels.insert(channel.id, (topic, channel.topic.into()));
             }
             Ok(Record::Message { header, data }) => {
                 let (topic, name) = self.channels.get(&header.channel_id).cloned().unwrap_or_default();
-                match topic.map_or(Some(Content::Other), |topic| content(topic, &self.codecs[topic as usize], &data)) {
-                    Some(content) => return Some(Some(Item { topic: name, time: header.log_time, content })),
-                    None => self.cut = Some(format!("a message of {name} is damaged")),
+                match topic.map_or(Some(Payload::Other), |topic| decode(topic, &self.codecs[topic as usize], &data)) {
+                    Some(payload) => {
+                        return Some(Some(RecordedMessage { topic: name, time: header.log_time, payload }));
+                    }
+                    None => self.truncated_by = Some(format!("a message of {name} is damaged")),
                 }
             }
             Ok(Record::Footer(footer)) if footer.summary_start == 0 => {
-                self.cut = Some("it was not ended in order".into())
+                self.truncated_by = Some("the file has no index".into())
             }
             Ok(_) => (),
-            Err(error) => self.cut = Some(error.to_string()),
+            Err(error) => self.truncated_by = Some(error.to_string()),
         }
-        if self.cut.is_some() { None } else { Some(None) }
+        if self.truncated_by.is_some() { None } else { Some(None) }
     }
 }
 
-/// What a message of a topic has; none if it is damaged.
-fn content(topic: Topic, codec: &Codec, data: &[u8]) -> Option<Content> {
+/// Decodes a message of a topic. `None` if it is damaged.
+fn decode(topic: RecordingTopic, codec: &Codec, data: &[u8]) -> Option<Payload> {
     Some(match topic {
-        Topic::Sensors => {
+        RecordingTopic::Sensors => {
             let mut sensors = Sensors::default();
             codec.decode(data, bytes_of_mut(&mut sensors))?;
-            Content::Sensors(sensors)
+            Payload::Sensors(sensors)
         }
-        Topic::Command => {
+        RecordingTopic::Command => {
             let mut command = Command::default();
             codec.decode(data, bytes_of_mut(&mut command))?;
-            Content::Command(command)
+            Payload::Command(command)
         }
-        Topic::Telemetry => {
+        RecordingTopic::Telemetry => {
             let mut telemetry = Telemetry::default();
             codec.decode(data, bytes_of_mut(&mut telemetry))?;
-            Content::Telemetry(telemetry)
+            Payload::Telemetry(telemetry)
         }
-        Topic::Truth => {
+        RecordingTopic::Truth => {
             let mut truth = Box::<Truth>::default();
             codec.decode(data, bytes_of_mut(&mut *truth))?;
-            Content::Truth(truth)
+            Payload::Truth(truth)
         }
-        Topic::Served => {
+        RecordingTopic::Served => {
             let mut served = Box::<Served>::default();
             codec.decode(data, bytes_of_mut(&mut *served))?;
-            Content::Served(served)
+            Payload::Served(served)
         }
     })
 }

@@ -1,4 +1,4 @@
-//! The topics of a recording that have messages of the wire.
+//! The topics of a recording that contain wire messages.
 
 use super::protobuf::Codec;
 use messages::wire::{LAYOUT, Message};
@@ -6,9 +6,9 @@ use messages::wire::{LAYOUT, Message};
 /// Name of the metadata record.
 pub const METADATA: &str = "biped";
 
-/// A topic that has a message of the wire.
+/// A topic that contains wire messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Topic {
+pub enum RecordingTopic {
     /// `/sensors`.
     Sensors,
     /// `/command`.
@@ -21,45 +21,51 @@ pub enum Topic {
     Served,
 }
 
-impl Topic {
-    /// All of them.
-    pub const ALL: [Topic; 5] = [Topic::Sensors, Topic::Command, Topic::Telemetry, Topic::Truth, Topic::Served];
+impl RecordingTopic {
+    /// All topics.
+    pub const ALL: [RecordingTopic; 5] = [
+        RecordingTopic::Sensors,
+        RecordingTopic::Command,
+        RecordingTopic::Telemetry,
+        RecordingTopic::Truth,
+        RecordingTopic::Served,
+    ];
 
-    /// Its name.
+    /// Name of the topic.
     pub fn name(self) -> &'static str {
         match self {
-            Topic::Sensors => "/sensors",
-            Topic::Command => "/command",
-            Topic::Telemetry => "/telemetry",
-            Topic::Truth => "/truth",
-            Topic::Served => "/served",
+            RecordingTopic::Sensors => "/sensors",
+            RecordingTopic::Command => "/command",
+            RecordingTopic::Telemetry => "/telemetry",
+            RecordingTopic::Truth => "/truth",
+            RecordingTopic::Served => "/served",
         }
     }
 
-    /// Its message.
+    /// Its message type.
     pub fn message(self) -> &'static Message {
         let name = match self {
-            Topic::Sensors => "Sensors",
-            Topic::Command => "Command",
-            Topic::Telemetry => "Telemetry",
-            Topic::Truth => "Truth",
-            Topic::Served => "Served",
+            RecordingTopic::Sensors => "Sensors",
+            RecordingTopic::Command => "Command",
+            RecordingTopic::Telemetry => "Telemetry",
+            RecordingTopic::Truth => "Truth",
+            RecordingTopic::Served => "Served",
         };
         LAYOUT.iter().find(|message| message.name == name).unwrap_or(&LAYOUT[0])
     }
 
-    /// Fields that other topics have.
-    pub fn without(self) -> &'static [&'static str] {
+    /// Fields that are omitted, because another topic contains them.
+    pub fn omitted(self) -> &'static [&'static str] {
         match self {
-            Topic::Sensors => &["last"],
-            Topic::Command => &["telemetry"],
-            Topic::Telemetry | Topic::Served => &[],
-            Topic::Truth => &["telemetry", "command", "asked", "encoders"],
+            RecordingTopic::Sensors => &["last"],
+            RecordingTopic::Command => &["telemetry"],
+            RecordingTopic::Telemetry | RecordingTopic::Served => &[],
+            RecordingTopic::Truth => &["telemetry", "command", "asked", "encoders"],
         }
     }
 
-    /// How its messages are coded.
+    /// The codec of its messages.
     pub fn codec(self) -> Codec {
-        Codec::new(self.message(), self.without())
+        Codec::new(self.message(), self.omitted())
     }
 }

@@ -1,11 +1,11 @@
-//! A run, written while it goes on: whatever stops it, the file is readable up to its last chunk.
+//! Writes a recording during the run. If the run is killed, the file is readable up to its last chunk.
 
-use super::drawing::Drawing;
-use super::events::{Events, Log};
-use super::file::{CHUNK, Mcap, create, header, json_channel, json_message};
+use super::events::{EventDetector, LogMessage};
+use super::foxglove_scene::FoxgloveScene;
+use super::mcap_file::{CHUNK_BYTES, McapWriter, create, header, json_channel, json_message};
 use super::protobuf::{self, Codec};
-use super::topic::{METADATA, Topic};
-use crate::record::Answered;
+use super::topic::{METADATA, RecordingTopic};
+use crate::analysis::RequestRecord;
 use mcap::McapResult;
 use mcap::records::Metadata;
 use messages::load;
@@ -15,125 +15,128 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::time::{Duration, Instant, SystemTime};
 
-/// A killed run loses no more than this, and no more than a [`CHUNK`].
-const FLUSH: Duration = Duration::from_millis(500);
-/// Time between two pictures [ns].
-const PICTURE_NS: u64 = 20_000_000;
+/// Longest time between flushes. A killed run loses at most this time, and at most [`CHUNK_BYTES`] of data.
+const FLUSH_INTERVAL: Duration = Duration::from_millis(500);
+/// Period of the messages for the 3-D panel [ns].
+const SCENE_PERIOD_NS: u64 = 20_000_000;
 
 /// Writes a recording.
-pub struct Writer {
-    file: Mcap,
-    topics: [u16; Topic::ALL.len()],
-    codecs: [Codec; Topic::ALL.len()],
+pub struct RecordingWriter {
+    file: McapWriter,
+    topics: [u16; RecordingTopic::ALL.len()],
+    codecs: [Codec; RecordingTopic::ALL.len()],
     events: u16,
-    drawing: Drawing,
-    noticed: Events,
-    before: Option<Truth>,
-    /// What the clock of the file is ahead of simulated time: the length of earlier runs [ns].
-    ahead_ns: u64,
+    scene: FoxgloveScene,
+    event_detector: EventDetector,
+    previous: Option<Truth>,
+    /// Log time minus simulated time: the total length of earlier runs in the file [ns].
+    time_offset_ns: u64,
+    /// Time of the latest flush.
     flushed: Instant,
-    /// Of the chunk so far [bytes].
-    waiting: usize,
+    /// Length of the current chunk.
+    unflushed_bytes: usize,
+    /// Buffer for an encoded message.
     encoded: Vec<u8>,
 }
 
-impl Writer {
-    /// Begins an empty file.
+impl RecordingWriter {
+    /// Starts a recording in an empty file.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn begin(file: File, scene: &Scene) -> McapResult<Writer> {
+    pub fn begin(file: File, scene: &Scene) -> McapResult<RecordingWriter> {
         let mut file = create(file)?;
-        let about = [
+        let metadata = [
             ("scene", load::text(scene)),
             ("schema", format!("{SCHEMA_HASH:016x}")),
             ("version", env!("CARGO_PKG_VERSION").into()),
-            // The one look at the calendar: for people, and for logs beside this one. No message has it.
+            // The only wall-clock time in the file, for comparison with other logs. No message contains one.
             ("begun", prost_types::Timestamp::from(SystemTime::now()).to_string()),
         ];
-        let metadata = about.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
+        let metadata = metadata.into_iter().map(|(key, value)| (key.to_string(), value)).collect();
         file.write_metadata(&Metadata { name: METADATA.into(), metadata })?;
         let descriptors = protobuf::descriptors();
-        let mut topics = [0; Topic::ALL.len()];
-        for (id, topic) in topics.iter_mut().zip(Topic::ALL) {
+        let mut topics = [0; RecordingTopic::ALL.len()];
+        for (id, topic) in topics.iter_mut().zip(RecordingTopic::ALL) {
             let schema = file.add_schema(&format!("biped.{}", topic.message().name), "protobuf", &descriptors)?;
             *id = file.add_channel(schema, topic.name(), "protobuf", &BTreeMap::new())?;
         }
-        let events = json_channel::<super::events::Log>(&mut file, "/events", "foxglove.Log")?;
-        Ok(Writer {
-            drawing: Drawing::begin(&mut file, scene)?,
+        let events = json_channel::<super::events::LogMessage>(&mut file, "/events", "foxglove.Log")?;
+        Ok(RecordingWriter {
+            scene: FoxgloveScene::new(&mut file, scene)?,
             file,
             topics,
-            codecs: Topic::ALL.map(Topic::codec),
+            codecs: RecordingTopic::ALL.map(RecordingTopic::codec),
             events,
-            noticed: Events::default(),
-            before: None,
-            ahead_ns: 0,
+            event_detector: EventDetector::default(),
+            previous: None,
+            time_offset_ns: 0,
             flushed: Instant::now(),
-            waiting: 0,
+            unflushed_bytes: 0,
             encoded: vec![],
         })
     }
 
-    /// Takes the next truth; whether the file has grown by a chunk.
+    /// Writes the next record. Returns true if a chunk was flushed to the file.
     ///
     /// # Errors
-    /// If the file cannot be written, as on a full disk.
+    /// If the file cannot be written, for example because the disk is full.
     pub fn push(&mut self, truth: &Truth) -> McapResult<bool> {
-        let before = self.before.replace(*truth);
-        if let Some(before) = before.filter(|before| before.stamp.run != truth.stamp.run) {
-            self.ahead_ns = self.ahead_ns.saturating_add(before.stamp.sim_ns).saturating_add(PICTURE_NS);
-            self.noticed = Events::default();
+        let previous = self.previous.replace(*truth);
+        if let Some(previous) = previous.filter(|previous| previous.stamp.run != truth.stamp.run) {
+            self.time_offset_ns =
+                self.time_offset_ns.saturating_add(previous.stamp.sim_ns).saturating_add(SCENE_PERIOD_NS);
+            self.event_detector = EventDetector::default();
         }
-        let before = before.filter(|before| before.stamp.run == truth.stamp.run);
-        let time = self.ahead_ns.saturating_add(truth.stamp.sim_ns);
+        let previous = previous.filter(|previous| previous.stamp.run == truth.stamp.run);
+        let time = self.time_offset_ns.saturating_add(truth.stamp.sim_ns);
         let Truth { stamp, command, asked: torques, encoders, telemetry, .. } = *truth;
-        let is_new =
-            before.is_none_or(|before| before.command.seq != command.seq || before.command.epoch != command.epoch);
+        let is_new = previous
+            .is_none_or(|previous| previous.command.seq != command.seq || previous.command.epoch != command.epoch);
         if command != Stamp::default() && is_new {
             let command = Command { stamp: command, torques, telemetry };
-            self.put(Topic::Command, time, command.stamp.seq, bytemuck::bytes_of(&command))?;
-            self.put(Topic::Telemetry, time, command.stamp.seq, bytemuck::bytes_of(&telemetry))?;
+            self.write_message(RecordingTopic::Command, time, command.stamp.seq, bytemuck::bytes_of(&command))?;
+            self.write_message(RecordingTopic::Telemetry, time, command.stamp.seq, bytemuck::bytes_of(&telemetry))?;
         }
         let sensors = Sensors { stamp, encoders, last: 0 }.sealed();
-        self.put(Topic::Sensors, time, stamp.seq, bytemuck::bytes_of(&sensors))?;
-        self.put(Topic::Truth, time, stamp.seq, bytemuck::bytes_of(truth))?;
-        for log in self.noticed.of(truth, time) {
+        self.write_message(RecordingTopic::Sensors, time, stamp.seq, bytemuck::bytes_of(&sensors))?;
+        self.write_message(RecordingTopic::Truth, time, stamp.seq, bytemuck::bytes_of(truth))?;
+        for log in self.event_detector.detect(truth, time) {
             json_message(&mut self.file, self.events, time, &log)?;
         }
-        if before.is_none_or(|before| before.stamp.sim_ns / PICTURE_NS < stamp.sim_ns / PICTURE_NS) {
-            self.drawing.draw(&mut self.file, truth, time)?;
+        if previous.is_none_or(|previous| previous.stamp.sim_ns / SCENE_PERIOD_NS < stamp.sim_ns / SCENE_PERIOD_NS) {
+            self.scene.write(&mut self.file, truth, time)?;
         }
-        let is_full = self.waiting > CHUNK || self.flushed.elapsed() > FLUSH;
+        let is_full = self.unflushed_bytes > CHUNK_BYTES || self.flushed.elapsed() > FLUSH_INTERVAL;
         if is_full {
             self.file.flush()?;
-            (self.flushed, self.waiting) = (Instant::now(), 0);
+            (self.flushed, self.unflushed_bytes) = (Instant::now(), 0);
         }
         Ok(is_full)
     }
 
-    /// Takes a request that was answered.
+    /// Writes an answered request.
     ///
     /// # Errors
-    /// As [`Writer::push`].
+    /// As [`RecordingWriter::push`].
     pub fn served(&mut self, served: &Served) -> McapResult<()> {
-        let before = self.before.as_ref().map(|before| before.stamp);
-        // that of another run, which a reset has begun, is told at the end of this one
-        let sim_ns = before.filter(|before| before.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
-        let time = self.ahead_ns.saturating_add(sim_ns);
-        self.put(Topic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
-        json_message(&mut self.file, self.events, time, &Log::warning(time, Answered::of(served).words()))
+        let previous = self.previous.as_ref().map(|previous| previous.stamp);
+        // A reset request has the stamp of the new run. It is logged at the end of the old run.
+        let sim_ns = previous.filter(|previous| previous.run != served.stamp.run).unwrap_or(served.stamp).sim_ns;
+        let time = self.time_offset_ns.saturating_add(sim_ns);
+        self.write_message(RecordingTopic::Served, time, served.stamp.seq, bytemuck::bytes_of(served))?;
+        json_message(&mut self.file, self.events, time, &LogMessage::warning(time, RequestRecord::new(served).text()))
     }
 
-    fn put(&mut self, topic: Topic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
+    fn write_message(&mut self, topic: RecordingTopic, time: u64, seq: u64, bytes: &[u8]) -> McapResult<()> {
         self.encoded.clear();
         self.codecs[topic as usize].encode(bytes, &mut self.encoded);
-        self.waiting += self.encoded.len();
+        self.unflushed_bytes += self.encoded.len();
         let header = header(self.topics[topic as usize], time, seq);
         self.file.write_to_known_channel(&header, &self.encoded)
     }
 
-    /// Ends the file in order: with its index.
+    /// Completes the file with its index.
     ///
     /// # Errors
     /// If it cannot be written.

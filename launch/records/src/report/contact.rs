@@ -1,33 +1,33 @@
 //! How well the contact problems were solved.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel};
+use super::figure::{Figure, FigurePanel};
 use super::plot::{Axis, COM, Frame, GREEN, GREY, LEFT, Mark, RIGHT};
-use crate::record::{Histogram, Recorder};
+use crate::analysis::{Histogram, RunAnalysis};
 use plotters::style::RGBColor;
 
 /// Histograms of residuals, energy gain and pivots.
-pub fn figure(recorder: &Recorder) -> Figure {
-    let spread = &recorder.spread;
+pub fn figure(analysis: &RunAnalysis) -> Figure {
+    let distributions = &analysis.distributions;
     Figure {
         title: "Contact residuals",
         caption: "How far each control period's worst contact solution is from the conditions (17)-(22), relative to the \
                   step's own scale, whether the impulse ever raised the energy, and the pivots it took: everything \
                   belongs at rounding error, grey bars are exact zeros.",
         panels: vec![
-            Panel::new(
+            FigurePanel::new(
                 "residual-natural-map",
-                powers("Natural-map residual", "relative residual", &spread.natural_map, -10.0, LEFT),
+                powers("Natural-map residual", "relative residual", &distributions.natural_map, -10.0, LEFT),
             ),
-            Panel::new(
+            FigurePanel::new(
                 "residual-signorini",
-                powers("Signorini residual", "relative residual", &spread.signorini, -10.0, RIGHT),
+                powers("Signorini residual", "relative residual", &distributions.signorini, -10.0, RIGHT),
             ),
-            Panel::new(
+            FigurePanel::new(
                 "energy-gain",
-                powers("Energy above free motion", "energy gain [J]", &spread.energy_gain, -10.0, GREEN),
+                powers("Energy above free motion", "energy gain [J]", &distributions.energy_gain, -10.0, GREEN),
             ),
-            Panel::new("pivots", pivots(&spread.pivots)),
+            FigurePanel::new("pivots", pivots(&distributions.pivots)),
         ],
     }
 }

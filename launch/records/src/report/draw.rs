@@ -1,6 +1,6 @@
 //! Draws axes, marks and legend as SVG text, with plotters: one look for every figure.
 
-use super::plot::{Axis, Frame, GREY, GRID, INK, Mark, Shape, Ticks, escaped};
+use super::plot::{Axis, Frame, GREY, GRID, INK, Mark, MarkShape, Ticks, escaped};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
@@ -34,7 +34,7 @@ pub fn plot(frame: &Frame, marks: &[Mark]) -> String {
     svg.replacen(&size, &shown, 1)
 }
 
-type Outcome = Result<(), Box<dyn Error>>;
+type PlotResult = Result<(), Box<dyn Error>>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 fn px(pixels: f64) -> i32 {
@@ -50,7 +50,7 @@ fn font(size: f64, colour: RGBColor) -> TextStyle<'static> {
     ("sans-serif", font_px(size)).into_font().color(&colour)
 }
 
-fn draw(root: &Area, frame: &Frame, marks: &[Mark]) -> Outcome {
+fn draw(root: &Area, frame: &Frame, marks: &[Mark]) -> PlotResult {
     root.fill(&WHITE)?;
     root.draw(&Text::new(
         frame.title.clone(),
@@ -73,7 +73,7 @@ fn draw(root: &Area, frame: &Frame, marks: &[Mark]) -> Outcome {
 
 type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn mesh(chart: &mut Chart, frame: &Frame) -> Outcome {
+fn mesh(chart: &mut Chart, frame: &Frame) -> PlotResult {
     let (x, y) = (write_ticks(&frame.x, 8), write_ticks(&frame.y, 6));
     let mut mesh = chart.configure_mesh();
     mesh.disable_x_mesh().light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(FINE));
@@ -89,39 +89,39 @@ fn mesh(chart: &mut Chart, frame: &Frame) -> Outcome {
     Ok(mesh.draw()?)
 }
 
-fn draw_mark(chart: &mut Chart, mark: &Mark) -> Outcome {
+fn draw_mark(chart: &mut Chart, mark: &Mark) -> PlotResult {
     let colour = mark.colour.mix(mark.opacity);
     let plane = chart.plotting_area();
     match &mark.shape {
-        Shape::Line(points, width) => {
+        MarkShape::Line(points, width) => {
             let style = colour.stroke_width(px(*width).unsigned_abs());
             for part in unbroken(points) {
                 plane.draw(&PathElement::new(part.to_vec(), style))?;
             }
         }
-        Shape::Dashes(points) => {
+        MarkShape::Dashes(points) => {
             let style = colour.stroke_width(px(1.6).unsigned_abs());
             for part in unbroken(points) {
                 plane.draw(&DashedPathElement::new(part.to_vec(), px(6.0), px(4.0), style))?;
             }
         }
-        Shape::Dots(points, radius) => {
+        MarkShape::Dots(points, radius) => {
             for &point in points.iter().filter(|point| is_finite(point)) {
                 plane.draw(&Circle::new(point, px(*radius), colour.filled()))?;
             }
         }
-        Shape::Rings(points, radius) => {
+        MarkShape::Rings(points, radius) => {
             for &point in points.iter().filter(|point| is_finite(point)) {
                 plane.draw(&Circle::new(point, px(*radius), WHITE.filled()))?;
                 plane.draw(&Circle::new(point, px(*radius), colour.stroke_width(px(1.3).unsigned_abs())))?;
             }
         }
-        Shape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
-        Shape::Text(at, text) => {
+        MarkShape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
+        MarkShape::Text(at, text) => {
             let style = font(12.0, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
-        Shape::Note(at, text) => {
+        MarkShape::Note(at, text) => {
             let style = font(12.0, mark.colour).pos(Pos::new(HPos::Left, VPos::Center));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
@@ -145,14 +145,14 @@ fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
             )
         };
         match &mark.shape {
-            Shape::Area(_) => {
+            MarkShape::Area(_) => {
                 root.draw(&Rectangle::new([(px(x), px(y - 5.0)), (px(x + 18.0), px(y + 5.0))], colour.filled()))?
             }
-            Shape::Dots(..) | Shape::Rings(..) => {
+            MarkShape::Dots(..) | MarkShape::Rings(..) => {
                 root.draw(&Circle::new((px(x + 9.0), px(y)), px(4.0), colour.filled()))?
             }
-            Shape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
-            Shape::Line(..) | Shape::Text(..) | Shape::Note(..) => root.draw(&line(0.0, 18.0))?,
+            MarkShape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
+            MarkShape::Line(..) | MarkShape::Text(..) | MarkShape::Note(..) => root.draw(&line(0.0, 18.0))?,
         }
         let style = font(13.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
         root.draw(&Text::new(label, (px(x + 24.0), px(y)), style))?;

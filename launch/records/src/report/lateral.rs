@@ -1,36 +1,45 @@
 //! Figure 8: position and velocity in the lateral plane.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel, last_seconds, series};
+use super::figure::{Figure, FigurePanel, last_seconds, series};
 use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, around};
-use crate::record::{Recorder, Row};
+use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// Longest time that is drawn [s]; of longer runs, the end.
 const WINDOW: f64 = 14.0;
 
-/// Lateral position and velocity over time, with the supporting foot behind them.
-pub fn figure(recorder: &Recorder) -> Option<Figure> {
-    recorder.robot.feet.as_ref()?;
-    let rows = last_seconds(&recorder.rows, WINDOW);
+/// LateralState position and velocity over time, with the supporting foot behind them.
+pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
+    analysis.robot.feet.as_ref()?;
+    let rows = last_seconds(&analysis.rows, WINDOW);
     Some(Figure {
         title: "Figure 8: lateral position and velocity",
         caption: "The centre of gravity swings between the feet with the period of two steps; each swing turns back \
                   before it reaches the supporting foot, whose time is shaded (paper, Fig. 8).",
         panels: vec![
-            Panel::new("lateral-position", over_time(recorder, rows, "Position", "y [m]", |row| row.sample.com.y)),
-            Panel::new(
+            FigurePanel::new(
+                "lateral-position",
+                over_time(analysis, rows, "Position", "y [m]", |row| row.derived.com.y),
+            ),
+            FigurePanel::new(
                 "lateral-velocity",
-                over_time(recorder, rows, "Velocity", "dy/dt [m/s]", |row| row.sample.com_velocity.y),
+                over_time(analysis, rows, "Velocity", "dy/dt [m/s]", |row| row.derived.com_velocity.y),
             ),
         ],
     })
 }
 
-fn over_time(recorder: &Recorder, rows: &[Row], title: &str, label: &'static str, value: fn(&Row) -> f64) -> String {
+fn over_time(
+    analysis: &RunAnalysis,
+    rows: &[TrajectoryRow],
+    title: &str,
+    label: &'static str,
+    value: fn(&TrajectoryRow) -> f64,
+) -> String {
     let points = series(rows, value);
     let time = around(points.iter().map(|point| point.0), 0.0, 1e-3);
     let reach = around(points.iter().map(|point| point.1), 0.08, 1e-3);
-    let steps = &recorder.gait.steps;
+    let steps = &analysis.gait.steps;
     let ends = steps.iter().skip(1).map(|step| step.start).chain([time.end]);
     let mut marks: Vec<Mark> = (steps.iter().zip(ends))
         .filter(|(_, end)| *end > time.start)

@@ -1,17 +1,17 @@
 //! Vertical load on the feet, and the zero-moment point under them.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel, last_cycles, series};
+use super::figure::{Figure, FigurePanel, last_cycles, series};
 use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP, around};
-use crate::record::{Recorder, Row};
+use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// Loads over the last cycles and the zero-moment point in the sole's frame.
-pub fn figure(recorder: &Recorder) -> Figure {
-    let mut panels = vec![Panel::new("loads", loads(recorder))];
-    if recorder.robot.feet.is_some() {
-        panels.push(Panel::new("zmp", zmp(recorder)));
+pub fn figure(analysis: &RunAnalysis) -> Figure {
+    let mut panels = vec![FigurePanel::new("loads", loads(analysis))];
+    if analysis.robot.feet.is_some() {
+        panels.push(FigurePanel::new("zmp", zmp(analysis)));
     }
-    let (title, caption) = if recorder.robot.feet.is_some() {
+    let (title, caption) = if analysis.robot.feet.is_some() {
         (
             "Load on the feet and zero-moment point",
             "The weight changes from foot to foot at each exchange of support; dots are the zero-moment point while one \
@@ -23,39 +23,39 @@ pub fn figure(recorder: &Recorder) -> Figure {
     Figure { title, caption, panels }
 }
 
-fn loads(recorder: &Recorder) -> String {
-    let rows = last_cycles(recorder);
-    let foot = |i: usize| series(rows, |row| row.sample.soles.map_or(f64::NAN, |soles| soles[i].load));
-    let marks = if recorder.robot.feet.is_some() {
+fn loads(analysis: &RunAnalysis) -> String {
+    let rows = last_cycles(analysis);
+    let foot = |i: usize| series(rows, |row| row.derived.soles.map_or(f64::NAN, |soles| soles[i].load));
+    let marks = if analysis.robot.feet.is_some() {
         vec![Mark::line(foot(0), LEFT).label("left foot"), Mark::line(foot(1), RIGHT).label("right foot")]
     } else {
-        vec![Mark::line(series(rows, |row| row.sample.load), LEFT).label("all contact points")]
+        vec![Mark::line(series(rows, |row| row.derived.load), LEFT).label("all contact points")]
     };
     // One blow at touchdown would flatten everything else: the axis ends at twice the 98th percentile.
-    let mut values: Vec<f64> = rows.iter().map(|row| row.sample.load).collect();
+    let mut values: Vec<f64> = rows.iter().map(|row| row.derived.load).collect();
     values.sort_by(f64::total_cmp);
     let common = values.get(values.len() * 98 / 100).copied().unwrap_or(1.0);
     let top = (2.0 * common).min(values.last().copied().unwrap_or(1.0) * 1.08).max(1.0);
     let frame = Frame {
         title: "Vertical load".into(),
         height: 330,
-        x: Axis::new("time [s]", around(rows.iter().map(|row| row.sample.time), 0.0, 1e-3)),
+        x: Axis::new("time [s]", around(rows.iter().map(|row| row.derived.time), 0.0, 1e-3)),
         y: Axis::new("force [N]", 0.0..top),
     };
     plot(&frame, &marks)
 }
 
-fn zmp(recorder: &Recorder) -> String {
+fn zmp(analysis: &RunAnalysis) -> String {
     let mut marks = Vec::new();
     let mut reach = [0.1, 0.05];
-    if let Some([foot, _]) = &recorder.robot.feet {
+    if let Some([foot, _]) = &analysis.robot.feet {
         let [a, b] = foot.half;
         reach = foot.half;
         marks.push(Mark::area(vec![(-a, -b), (a, -b), (a, b), (-a, b)], GREY).faint(0.12).label("sole"));
         marks.push(Mark::thin(vec![(-a, -b), (a, -b), (a, b), (-a, b), (-a, -b)], GREY));
     }
     for (i, (label, colour)) in [("left foot", LEFT), ("right foot", RIGHT)].into_iter().enumerate() {
-        let points = last_cycles(recorder).iter().filter_map(|row| in_sole(row, i)).collect();
+        let points = last_cycles(analysis).iter().filter_map(|row| in_sole(row, i)).collect();
         marks.push(Mark::dots(points, 1.6, colour).faint(0.7).label(label));
     }
     let origin = vec![(0.0, 0.0)];
@@ -70,8 +70,8 @@ fn zmp(recorder: &Recorder) -> String {
 }
 
 /// The zero-moment point in the frame of a sole that carries everything.
-fn in_sole(row: &Row, foot: usize) -> Option<(f64, f64)> {
-    let sole = row.sample.single_support().filter(|_| row.sample.loaded_foot() == Some(foot))?;
-    let arm = sole.arm(row.sample.zmp);
+fn in_sole(row: &TrajectoryRow, foot: usize) -> Option<(f64, f64)> {
+    let sole = row.derived.single_support().filter(|_| row.derived.loaded_foot() == Some(foot))?;
+    let arm = sole.offset_to(row.derived.zmp);
     Some((arm.x, arm.y))
 }

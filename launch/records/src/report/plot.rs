@@ -55,14 +55,14 @@ pub struct Frame {
 
 /// Something drawn in the coordinates of the axes.
 pub struct Mark {
-    pub(super) shape: Shape,
+    pub(super) shape: MarkShape,
     pub(super) colour: RGBColor,
     pub(super) opacity: f64,
     pub(super) label: Option<&'static str>,
 }
 
 /// What a mark looks like; sizes in px.
-pub(super) enum Shape {
+pub(super) enum MarkShape {
     Line(Vec<(f64, f64)>, f64),
     Dashes(Vec<(f64, f64)>),
     Dots(Vec<(f64, f64)>, f64),
@@ -90,48 +90,48 @@ impl Axis {
 }
 
 impl Mark {
-    fn new(shape: Shape, colour: RGBColor) -> Self {
+    fn new(shape: MarkShape, colour: RGBColor) -> Self {
         Mark { shape, colour, opacity: 1.0, label: None }
     }
 
     /// A line through the points, broken where one is not finite.
     pub fn line(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
-        Self::new(Shape::Line(points, 1.6), colour)
+        Self::new(MarkShape::Line(points, 1.6), colour)
     }
 
     /// A hairline.
     pub fn thin(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
-        Self::new(Shape::Line(points, 0.9), colour)
+        Self::new(MarkShape::Line(points, 0.9), colour)
     }
 
     /// A dashed line.
     pub fn dashes(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
-        Self::new(Shape::Dashes(points), colour)
+        Self::new(MarkShape::Dashes(points), colour)
     }
 
     /// Dots of a radius [px].
     pub fn dots(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
-        Self::new(Shape::Dots(points, radius), colour)
+        Self::new(MarkShape::Dots(points, radius), colour)
     }
 
     /// Hollow dots of a radius [px].
     pub fn rings(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
-        Self::new(Shape::Rings(points, radius), colour)
+        Self::new(MarkShape::Rings(points, radius), colour)
     }
 
     /// A filled polygon.
     pub fn area(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
-        Self::new(Shape::Area(points), colour)
+        Self::new(MarkShape::Area(points), colour)
     }
 
     /// Small text, centred above a place.
     pub fn text(at: (f64, f64), text: String) -> Self {
-        Self::new(Shape::Text(at, text), INK)
+        Self::new(MarkShape::Text(at, text), INK)
     }
 
     /// Small text that begins at a place, in a colour.
     pub fn note(at: (f64, f64), text: String, colour: RGBColor) -> Self {
-        Self::new(Shape::Note(at, text), colour)
+        Self::new(MarkShape::Note(at, text), colour)
     }
 
     /// See-through.

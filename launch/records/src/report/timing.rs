@@ -2,17 +2,17 @@
 
 use super::contact::{bar, count_axis};
 use super::draw::plot;
-use super::figure::{Figure, Panel};
+use super::figure::{Figure, FigurePanel};
 use super::plot::{Axis, Frame, GREEN, INK, LEFT, Mark};
-use crate::record::{Histogram, Recorder};
+use crate::analysis::{Histogram, RunAnalysis};
 use plotters::style::RGBColor;
 
 /// Histograms of computing and waiting per control period.
-pub fn figure(recorder: &Recorder) -> Figure {
-    let spread = &recorder.spread;
-    let mut panels = vec![Panel::new("timing-plant", panel("Plant", &spread.plant, LEFT))];
-    if spread.wait.total() > spread.wait.zeros {
-        panels.push(Panel::new("timing-wait", panel("Wait for the command", &spread.wait, GREEN)));
+pub fn figure(analysis: &RunAnalysis) -> Figure {
+    let distributions = &analysis.distributions;
+    let mut panels = vec![FigurePanel::new("timing-plant", panel("Plant", &distributions.plant, LEFT))];
+    if distributions.wait.total() > distributions.wait.zeros {
+        panels.push(FigurePanel::new("timing-wait", panel("Wait for the command", &distributions.wait, GREEN)));
     }
     Figure {
         title: "Timing",

@@ -1,28 +1,28 @@
 //! Joint torques.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel, last_cycles, series};
+use super::figure::{Figure, FigurePanel, last_cycles, series};
 use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, around};
-use crate::record::Recorder;
+use crate::analysis::RunAnalysis;
 use messages::wire::JOINTS;
 
 /// Torques of both legs over the last cycles; `None` without joints.
-pub fn figure(recorder: &Recorder) -> Option<Figure> {
-    let joints = recorder.robot.joints().len().min(JOINTS);
+pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
+    let joints = analysis.robot.joint_names().len().min(JOINTS);
     if joints == 0 {
         return None;
     }
-    let panels = if recorder.robot.feet.is_some() && joints == JOINTS {
+    let panels = if analysis.robot.feet.is_some() && joints == JOINTS {
         let names = ["ankle roll", "ankle pitch", "knee", "hip"];
         vec![
-            Panel::new("torques-left", panel(recorder, "Left leg", [0, 1, 2, 3], names)),
-            Panel::new("torques-right", panel(recorder, "Right leg", [7, 6, 5, 4], names)),
+            FigurePanel::new("torques-left", panel(analysis, "Left leg", [0, 1, 2, 3], names)),
+            FigurePanel::new("torques-right", panel(analysis, "Right leg", [7, 6, 5, 4], names)),
         ]
     } else {
         let names = [["joint 0", "joint 1", "joint 2", "joint 3"], ["joint 4", "joint 5", "joint 6", "joint 7"]];
-        let mut panels = vec![Panel::new("torques", panel(recorder, "Joints", [0, 1, 2, 3], names[0]))];
+        let mut panels = vec![FigurePanel::new("torques", panel(analysis, "Joints", [0, 1, 2, 3], names[0]))];
         if joints > 4 {
-            panels.push(Panel::new("torques-more", panel(recorder, "Further joints", [4, 5, 6, 7], names[1])));
+            panels.push(FigurePanel::new("torques-more", panel(analysis, "Further joints", [4, 5, 6, 7], names[1])));
         }
         panels
     };
@@ -34,9 +34,9 @@ pub fn figure(recorder: &Recorder) -> Option<Figure> {
     })
 }
 
-fn panel(recorder: &Recorder, title: &str, joints: [usize; 4], names: [&'static str; 4]) -> String {
-    let rows = last_cycles(recorder);
-    let present = recorder.robot.joints().len();
+fn panel(analysis: &RunAnalysis, title: &str, joints: [usize; 4], names: [&'static str; 4]) -> String {
+    let rows = last_cycles(analysis);
+    let present = analysis.robot.joint_names().len();
     let marks: Vec<Mark> = (joints.into_iter().zip(names).zip([GREEN, LEFT, RIGHT, COM]))
         .filter(|((joint, _), _)| *joint < present)
         .map(|((joint, name), colour)| Mark::line(series(rows, |row| row.truth.torque[joint]), colour).label(name))
@@ -45,7 +45,7 @@ fn panel(recorder: &Recorder, title: &str, joints: [usize; 4], names: [&'static 
     let frame = Frame {
         title: title.into(),
         height: 330,
-        x: Axis::new("time [s]", around(rows.iter().map(|row| row.sample.time), 0.0, 1e-3)),
+        x: Axis::new("time [s]", around(rows.iter().map(|row| row.derived.time), 0.0, 1e-3)),
         y: Axis::new("torque [N·m]", around(all(), 0.06, 0.1)),
     };
     plot(&frame, &marks)

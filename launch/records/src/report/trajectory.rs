@@ -1,25 +1,25 @@
 //! Figure 7: trajectory of the centre of gravity.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel, series};
+use super::figure::{Figure, FigurePanel, series};
 use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, ZMP, around};
-use crate::record::{Foot, Recorder};
+use crate::analysis::{FootGeometry, RunAnalysis};
 
 /// Top view with footprints, and the three coordinates over time.
-pub fn figure(recorder: &Recorder) -> Figure {
+pub fn figure(analysis: &RunAnalysis) -> Figure {
     Figure {
         title: "Figure 7: trajectory of the centre of gravity",
-        caption: if recorder.robot.feet.is_some() {
+        caption: if analysis.robot.feet.is_some() {
             "From above, the centre of gravity weaves between the footprints of the left and the right foot; over time \
              x shows the speed, y the swing from foot to foot, z how level the motion is (paper, Fig. 7)."
         } else {
             "The path of the centre of gravity from above, and its coordinates over time (paper, Fig. 7)."
         },
         panels: vec![
-            Panel::new("cog-top-view", top_view(recorder)),
-            Panel::new("cog-x", over_time(recorder, 0)),
-            Panel::new("cog-y", over_time(recorder, 1)),
-            Panel::new("cog-z", over_time(recorder, 2)),
+            FigurePanel::new("cog-top-view", top_view(analysis)),
+            FigurePanel::new("cog-x", over_time(analysis, 0)),
+            FigurePanel::new("cog-y", over_time(analysis, 1)),
+            FigurePanel::new("cog-z", over_time(analysis, 2)),
         ],
     }
 }
@@ -27,12 +27,12 @@ pub fn figure(recorder: &Recorder) -> Figure {
 /// Footprints beyond this many would hide each other: only the last are drawn.
 const FOOTPRINTS: usize = 80;
 
-fn top_view(recorder: &Recorder) -> String {
+fn top_view(analysis: &RunAnalysis) -> String {
     let (mut marks, mut named) = (Vec::new(), [false; 2]);
     let (mut along, mut across) = (Vec::new(), Vec::new());
-    let steps = &recorder.gait.steps;
+    let steps = &analysis.gait.steps;
     for step in &steps[steps.len().saturating_sub(FOOTPRINTS)..] {
-        let Some(feet) = &recorder.robot.feet else { break };
+        let Some(feet) = &analysis.robot.feet else { break };
         let corners = footprint(&feet[step.support], step.sole.centre.xy().into(), step.sole.yaw());
         along.extend(corners.iter().map(|corner| corner.0));
         across.extend(corners.iter().map(|corner| corner.1));
@@ -44,7 +44,7 @@ fn top_view(recorder: &Recorder) -> String {
         marks.push(print);
         marks.push(Mark::thin(corners, colour).faint(0.6));
     }
-    let path: Vec<_> = recorder.rows.iter().map(|row| (row.sample.com.x, row.sample.com.y)).collect();
+    let path: Vec<_> = analysis.rows.iter().map(|row| (row.derived.com.x, row.derived.com.y)).collect();
     along.extend(path.iter().map(|point| point.0));
     across.extend(path.iter().map(|point| point.1));
     marks.push(Mark::line(path, COM).label("centre of gravity"));
@@ -58,7 +58,7 @@ fn top_view(recorder: &Recorder) -> String {
 }
 
 /// Corners of a sole on the ground, closed.
-fn footprint(foot: &Foot, centre: [f64; 2], yaw: f64) -> Vec<(f64, f64)> {
+fn footprint(foot: &FootGeometry, centre: [f64; 2], yaw: f64) -> Vec<(f64, f64)> {
     let (sin, cos) = yaw.sin_cos();
     [(1.0, 1.0), (1.0, -1.0), (-1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)]
         .map(|(a, b)| (a * foot.half[0], b * foot.half[1]))
@@ -66,8 +66,8 @@ fn footprint(foot: &Foot, centre: [f64; 2], yaw: f64) -> Vec<(f64, f64)> {
         .to_vec()
 }
 
-fn over_time(recorder: &Recorder, axis: usize) -> String {
-    let points = series(&recorder.rows, |row| row.sample.com[axis]);
+fn over_time(analysis: &RunAnalysis, axis: usize) -> String {
+    let points = series(&analysis.rows, |row| row.derived.com[axis]);
     let title = ["Forward", "Sideways", "Height"][axis];
     let label = ["x [m]", "y [m]", "z [m]"][axis];
     let frame = Frame {

@@ -96,15 +96,15 @@ fn tidy(value: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use crate::record::fake::FakeWalk;
+    use crate::analysis::synthetic::SyntheticWalk;
     use crate::summary::tests::summary;
     use shared::exit::{Exit, Failure};
 
     #[test]
     fn a_run_that_was_cut_short_says_by_what() {
         let outcome = |exit| {
-            let fake = FakeWalk::new(0.06);
-            let truths = (0..500).map(|seq| fake.truth(seq, seq as f64 * 1e-3));
+            let walk = SyntheticWalk::new(0.06);
+            let truths = (0..500).map(|seq| walk.truth(seq, seq as f64 * 1e-3));
             summary(truths).ended(Some(&Failure::new(exit, "why"))).lines()[0].1.clone()
         };
         for exit in [Exit::PeerMissing, Exit::Fault, Exit::SharedMemory, Exit::Unsolved, Exit::Interrupted] {
@@ -117,9 +117,9 @@ mod tests {
 
     #[test]
     fn what_was_not_measured_is_not_shown() {
-        let fake = FakeWalk::new(0.06);
+        let walk = SyntheticWalk::new(0.06);
         for count in [0, 1, 2, 2000, 2200] {
-            let summary = summary((0..count).map(|seq| fake.truth(seq, seq as f64 * 1e-3)));
+            let summary = summary((0..count).map(|seq| walk.truth(seq, seq as f64 * 1e-3)));
             let table = summary.to_string();
             assert!(!table.contains("NaN") && !table.contains("inf"), "{count} records: {table}");
             assert_eq!(table.contains("speed"), count > 5, "{table}");

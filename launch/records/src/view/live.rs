@@ -1,11 +1,11 @@
 //! The page of a running session. A process of its own that only listens; what a browser does not fetch in time is dropped here, so
 //! that no browser ever holds up a run.
 
-use super::admission::{Answer, Query, data, html, nothing, text, with};
-use super::film::{about, bytes, frame};
-use super::page::Page;
-use super::server::Door;
-use crate::record::{Extremes, Robot, Sample, Worst};
+use super::access::{Answer, Query, data, html, not_found, text, with};
+use super::frame::{bytes, frame, run_info};
+use super::page::ViewPage;
+use super::server::PageServer;
+use crate::analysis::{DerivedState, Extrema, KinematicTree, Peaks};
 use crate::top::has_ended;
 use hyper::Method;
 use hyper::body::Bytes;
@@ -44,16 +44,16 @@ pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<()
         Failure::new(Exit::Incompatible, why)
     };
     let scene: Scene = session.scene().and_then(|text| toml::from_str(&text).ok()).ok_or_else(unknown)?;
-    let door = Door::open(place)?;
-    say(format_args!("session {name}: open {}\n", door.address));
-    let desk = Arc::new(Desk::new(session.clone(), &scene));
-    let behind = desk.clone();
-    std::thread::spawn(move || door.serve(move |method, path, query, body| behind.answer(method, path, query, body)));
-    let (mut film, mut heard) = (Camera::new(&scene), Instant::now());
+    let server = PageServer::open(place)?;
+    say(format_args!("session {name}: open {}\n", server.address));
+    let page_state = Arc::new(LivePage::new(session.clone(), &scene));
+    let behind = page_state.clone();
+    std::thread::spawn(move || server.serve(move |method, path, query, body| behind.answer(method, path, query, body)));
+    let (mut film, mut heard) = (FrameSampler::new(&scene), Instant::now());
     while !stop.load(Relaxed) && !has_ended(session, heard) {
         while let Some(truth) = truths.read()? {
             heard = Instant::now();
-            film.take(&truth, &desk.reel);
+            film.take(&truth, &page_state.queue);
         }
         std::thread::sleep(Duration::from_millis(2));
     }
@@ -61,45 +61,51 @@ pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<()
 }
 
 /// Makes frames of what is heard.
-struct Camera {
-    robot: Robot,
-    worst: Worst,
-    extremes: Extremes,
+struct FrameSampler {
+    robot: KinematicTree,
+    peaks: Peaks,
+    extrema: Extrema,
     run: u64,
     slot: u64,
 }
 
-impl Camera {
-    fn new(scene: &Scene) -> Camera {
-        Camera { robot: Robot::new(scene), worst: Worst::default(), extremes: Extremes::default(), run: 0, slot: 0 }
+impl FrameSampler {
+    fn new(scene: &Scene) -> FrameSampler {
+        FrameSampler {
+            robot: KinematicTree::new(scene),
+            peaks: Peaks::default(),
+            extrema: Extrema::default(),
+            run: 0,
+            slot: 0,
+        }
     }
 
-    fn take(&mut self, truth: &Truth, reel: &Mutex<Reel>) {
-        self.worst = self.worst.and(&Worst::of(truth));
+    fn take(&mut self, truth: &Truth, queue: &Mutex<FrameQueue>) {
+        self.peaks = self.peaks.max(&Peaks::new(truth));
         let slot = truth.stamp.sim_ns / FRAME_NS;
         if truth.stamp.run == self.run && slot == self.slot {
             return;
         }
-        let sample = Sample::new(&self.robot, truth, &self.robot.place(truth));
+        let derived = DerivedState::new(&self.robot, truth, &self.robot.body_states(truth));
         if truth.stamp.run != self.run {
-            self.extremes = Extremes::default();
+            self.extrema = Extrema::default();
         }
-        self.extremes.push(&self.robot, truth, &sample);
-        let fallen = self.extremes.fall.is_some();
-        let frame = bytes(&frame(&self.robot, truth, &sample, &self.worst, fallen)).collect();
-        let mut reel = reel.lock().unwrap_or_else(|broken| broken.into_inner());
+        self.extrema.push(&self.robot, truth, &derived);
+        let fallen = self.extrema.fall.is_some();
+        let frame = bytes(&frame(&self.robot, truth, &derived, &self.peaks, fallen)).collect();
+        let mut queue = queue.lock().unwrap_or_else(|broken| broken.into_inner());
         if truth.stamp.run != self.run {
-            reel.frames.clear();
-            reel.runs += 1;
+            queue.frames.clear();
+            queue.runs += 1;
         }
-        reel.push(frame);
-        (self.run, self.slot, self.worst) = (truth.stamp.run, slot, Worst::default());
+        queue.push(frame);
+        (self.run, self.slot, self.peaks) = (truth.stamp.run, slot, Peaks::default());
     }
 }
 
 /// The last frames; each has a number.
 #[derive(Default)]
-struct Reel {
+struct FrameQueue {
     frames: VecDeque<Vec<u8>>,
     /// Number of the frame to come.
     next: u64,
@@ -107,7 +113,7 @@ struct Reel {
     runs: u64,
 }
 
-impl Reel {
+impl FrameQueue {
     fn push(&mut self, frame: Vec<u8>) {
         self.frames.push_back(frame);
         self.next += 1;
@@ -124,28 +130,28 @@ impl Reel {
 }
 
 /// Where browsers come to.
-struct Desk {
+struct LivePage {
     session: Session,
     page: Bytes,
     trunk: usize,
-    reel: Mutex<Reel>,
+    queue: Mutex<FrameQueue>,
 }
 
-impl Desk {
-    fn new(session: Session, scene: &Scene) -> Desk {
-        let robot = Robot::new(scene);
-        let mut about = about(&robot, scene);
-        about["live"] = true.into();
-        about["gait"] = scene.controller.as_ref().map(|gait| [gait.speed, gait.period]).into_iter().collect();
-        let page = Page {
+impl LivePage {
+    fn new(session: Session, scene: &Scene) -> LivePage {
+        let robot = KinematicTree::new(scene);
+        let mut run_info = run_info(&robot, scene);
+        run_info["live"] = true.into();
+        run_info["gait"] = scene.controller.as_ref().map(|gait| [gait.speed, gait.period]).into_iter().collect();
+        let page = ViewPage {
             title: &format!("biped: session {}", session.name()),
             description: &scene.description,
-            about: &about,
-            film: "",
+            run_info: &run_info,
+            trajectory: "",
             below: "",
             scene: &load::text(scene),
         };
-        Desk { page: page.html().into(), trunk: robot.trunk, session, reel: Mutex::default() }
+        LivePage { page: page.html().into(), trunk: robot.trunk, session, queue: Mutex::default() }
     }
 
     fn answer(&self, method: &Method, path: &str, query: Query, body: &str) -> Answer {
@@ -153,21 +159,23 @@ impl Desk {
             (&Method::GET, "/") => html(&self.page),
             (&Method::GET, "/frames") => self.frames(query.value("run"), query.value("from")),
             (&Method::POST, "/ask") => self.ask(body),
-            _ => nothing(),
+            _ => not_found(),
         }
     }
 
     fn frames(&self, run: Option<&str>, from: Option<&str>) -> Answer {
-        let reel = self.reel.lock().unwrap_or_else(|broken| broken.into_inner());
-        let is_same = run == Some(&reel.runs.to_string());
+        let queue = self.queue.lock().unwrap_or_else(|broken| broken.into_inner());
+        let is_same = run == Some(&queue.runs.to_string());
         let from = from.filter(|_| is_same).and_then(|from| from.parse().ok()).unwrap_or(0);
-        let answer = with(data(reel.from(from)), RUN, &reel.runs.to_string());
-        with(answer, NEXT, &reel.next.to_string())
+        let answer = with(data(queue.from(from)), RUN, &queue.runs.to_string());
+        with(answer, NEXT, &queue.next.to_string())
     }
 
     fn ask(&self, body: &str) -> Answer {
-        let Ok(wish) = serde_json::from_str::<Wish>(body) else { return text(400, "This request cannot be read.\n") };
-        match ask(&self.session, wish.ask(self.trunk)) {
+        let Ok(request) = serde_json::from_str::<PageRequest>(body) else {
+            return text(400, "This request cannot be read.\n");
+        };
+        match ask(&self.session, request.ask(self.trunk)) {
             Ok(reply) if reply.verdict == Verdict::Done as u64 => {
                 let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
                 text(200, &format!("done at t {:.2} s: {state}", reply.stamp.sim_ns as f64 * 1e-9))
@@ -181,7 +189,7 @@ impl Desk {
 /// What the page may ask for.
 #[derive(Deserialize)]
 #[serde(tag = "what", rename_all = "lowercase", deny_unknown_fields)]
-enum Wish {
+enum PageRequest {
     Pause,
     Resume,
     Step {
@@ -200,16 +208,18 @@ enum Wish {
     },
 }
 
-impl Wish {
+impl PageRequest {
     fn ask(self, trunk: usize) -> Action {
         match self {
-            Wish::Pause => Action::Pause,
-            Wish::Resume => Action::Resume,
-            Wish::Step { periods } => Action::Step { periods },
-            Wish::Reset => Action::Reset { seed: None },
-            Wish::Rearm => Action::Rearm,
-            Wish::Push { body, impulse } => Action::Push { body: body.unwrap_or(trunk), impulse, duration: 0.05 },
-            Wish::Set { period, speed } => Action::Set { period: Some(period), speed: Some(speed) },
+            PageRequest::Pause => Action::Pause,
+            PageRequest::Resume => Action::Resume,
+            PageRequest::Step { periods } => Action::Step { periods },
+            PageRequest::Reset => Action::Reset { seed: None },
+            PageRequest::Rearm => Action::Rearm,
+            PageRequest::Push { body, impulse } => {
+                Action::Push { body: body.unwrap_or(trunk), impulse, duration: 0.05 }
+            }
+            PageRequest::Set { period, speed } => Action::Set { period: Some(period), speed: Some(speed) },
         }
     }
 }

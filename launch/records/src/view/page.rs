@@ -21,12 +21,12 @@ const LIBRARIES: &str = concat!(
 const SCRIPTS: &str = concat!(
     "\"use strict\";\n",
     include_str!("../../page/theme.js"),
-    include_str!("../../page/film.js"),
+    include_str!("../../page/trajectory.js"),
     include_str!("../../page/robot.js"),
-    include_str!("../../page/marks.js"),
+    include_str!("../../page/markers.js"),
     include_str!("../../page/stage.js"),
     include_str!("../../page/plots.js"),
-    include_str!("../../page/portrait.js"),
+    include_str!("../../page/phase_portrait.js"),
     include_str!("../../page/player.js"),
     include_str!("../../page/live.js"),
     include_str!("../../page/drag.js"),
@@ -54,33 +54,33 @@ pub fn policy() -> String {
 }
 
 /// What the page has.
-pub struct Page<'a> {
+pub struct ViewPage<'a> {
     /// Its heading.
     pub title: &'a str,
     /// One sentence on the scene.
     pub description: &'a str,
     /// The robot, and how frames are laid out.
-    pub about: &'a Value,
+    pub run_info: &'a Value,
     /// Frames, in base 64.
-    pub film: &'a str,
+    pub trajectory: &'a str,
     /// What is said of the run, as HTML.
     pub below: &'a str,
     /// The scene as its user would write it.
     pub scene: &'a str,
 }
 
-impl Page<'_> {
+impl ViewPage<'_> {
     /// As HTML.
     pub fn html(&self) -> String {
         // Whatever a scene contains cannot end the script that it stands in.
-        let about = self.about.to_string().replace('<', "\\u003c");
+        let run_info = self.run_info.to_string().replace('<', "\\u003c");
         let parts = [
             ("policy", policy()),
             ("title", escaped(self.title)),
             ("description", escaped(self.description)),
             ("style", [STYLE, VIEW_STYLE].concat()),
-            ("about", about),
-            ("film", self.film.into()),
+            ("run_info", run_info),
+            ("trajectory", self.trajectory.into()),
             ("below", self.below.into()),
             ("scene", escaped(self.scene)),
             ("libraries", LIBRARIES.into()),

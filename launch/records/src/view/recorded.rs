@@ -1,9 +1,9 @@
 //! `biped view FILE`: the page of a recording, as the report of that run has it.
 
-use super::admission::{html, nothing};
-use super::server::Door;
-use crate::record::Recorder;
-use crate::recording::Reader;
+use super::access::{html, not_found};
+use super::server::PageServer;
+use crate::analysis::RunAnalysis;
+use crate::recording::RecordingReader;
 use crate::report;
 use crate::summary::Summary;
 use hyper::Method;
@@ -26,7 +26,7 @@ const OFTEN: u64 = 1 << 12;
 /// Writes the page, or serves it until the user's patience ends.
 ///
 /// # Errors
-/// See [`Reader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
+/// See [`RecordingReader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
 pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(out) = out {
         keeps(file, out)?;
@@ -37,13 +37,13 @@ pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop
         say(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }
-    let door = Door::open(place)?;
-    say(format_args!("{}: open {}\n", file.display(), door.address));
+    let server = PageServer::open(place)?;
+    say(format_args!("{}: open {}\n", file.display(), server.address));
     let page = Bytes::from(page);
     std::thread::spawn(move || {
-        door.serve(move |method, path, _, _| match (method, path) {
+        server.serve(move |method, path, _, _| match (method, path) {
             (&Method::GET, "/") => html(&page),
-            _ => nothing(),
+            _ => not_found(),
         });
     });
     while !stop.load(Relaxed) {
@@ -54,35 +54,35 @@ pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop
 
 /// The page of the last run that is recorded.
 fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> {
-    let mut reader = Reader::open(file)?;
+    let mut reader = RecordingReader::open(file)?;
     let scene = reader.scene().clone();
-    let (mut recorder, mut truth, mut runs, mut count) = (Recorder::new(&scene), Truth::default(), 0, 0);
+    let (mut analysis, mut truth, mut runs, mut count) = (RunAnalysis::new(&scene), Truth::default(), 0, 0);
     let megabytes = std::fs::metadata(file).map_or(0, |about| about.len() >> 20);
     let progress = Counter::new(quiet, megabytes as usize, 0, "MB");
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
         if run.replace(truth.stamp.run) != Some(truth.stamp.run) {
-            (recorder, runs) = (Recorder::new(&scene), runs + 1);
+            (analysis, runs) = (RunAnalysis::new(&scene), runs + 1);
         }
-        recorder.push(&truth);
+        analysis.push(&truth);
         count += 1;
         if count % OFTEN == 0 {
-            progress.reach(reader.read() >> 20);
+            progress.reach(reader.bytes_read() >> 20);
             unless(stop)?;
         }
     }
     progress.finish();
-    if recorder.rows.is_empty() {
+    if analysis.rows.is_empty() {
         return Err(Failure::new(Exit::Usage, format!("{}: there is nothing in it to be shown", file.display())));
     }
     if runs > 1 {
         tell(format_args!("{} has {runs} runs: the page shows the last", file.display()));
     }
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let mut summary = Summary::new(&name, &recorder, Duration::ZERO, 0);
-    if let Some(why) = reader.cut {
+    let mut summary = Summary::new(&name, &analysis, Duration::ZERO, 0);
+    if let Some(why) = reader.truncated_by {
         tell(format_args!("{} is cut short: {why}; the page has all before that", file.display()));
         summary.cut_short_by = Some("the recording ends here");
     }
-    Ok(report::page(&report::figures(&recorder), &recorder, &summary, &scene, &load::text(&scene)))
+    Ok(report::page(&report::figures(&analysis), &analysis, &summary, &scene, &load::text(&scene)))
 }

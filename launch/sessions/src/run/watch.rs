@@ -3,8 +3,8 @@
 use messages::port::RecorderPort;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Truth};
-use records::record::Recorder;
-use records::recording::{End, Tape};
+use records::analysis::RunAnalysis;
+use records::recording::{McapRecorder, RecordingEnd};
 use shared::exit::{Exit, Failure, unless};
 use shared::output::tell;
 use shared::progress::Progress;
@@ -14,13 +14,13 @@ use std::sync::atomic::AtomicBool;
 pub struct Watch {
     scene: Scene,
     /// Makes the recorder of a run.
-    record: fn(&Scene) -> Recorder,
-    pub recorder: Recorder,
+    record: fn(&Scene) -> RunAnalysis,
+    pub recorder: RunAnalysis,
     pub progress: Progress,
     pub latest: Stamp,
-    pub tape: Option<Tape>,
+    pub tape: Option<McapRecorder>,
     /// Why that has ended already.
-    pub end: Option<End>,
+    pub end: Option<RecordingEnd>,
     /// Gaps in the sequence: records that were dropped on the way.
     pub lost: u64,
 }
@@ -28,7 +28,7 @@ pub struct Watch {
 impl Watch {
     /// Only a report needs rows.
     pub fn new(scene: &Scene, reports: bool, quiet: bool) -> Watch {
-        let record = if reports { Recorder::new } else { Recorder::without_rows };
+        let record = if reports { RunAnalysis::new } else { RunAnalysis::without_rows };
         let (recorder, progress) = (record(scene), Progress::new(scene, quiet));
         Watch {
             scene: scene.clone(),
@@ -59,9 +59,9 @@ impl Watch {
     }
 
     /// Goes on without a recording that has ended.
-    fn outlive(&mut self, written: Result<(), End>) {
+    fn outlive(&mut self, written: Result<(), RecordingEnd>) {
         if let Err(end) = written {
-            self.progress.bar.suspend(|| tell(format_args!("{}; the run goes on", end.words)));
+            self.progress.bar.suspend(|| tell(format_args!("{}; the run goes on", end.message)));
             (self.tape, self.end) = (None, Some(end));
         }
     }
@@ -98,9 +98,9 @@ impl Watch {
 ///
 /// # Errors
 /// A fall seen to its end, or a wish of the user's to stop.
-pub fn goes_on(recorder: &Recorder, stop: &AtomicBool) -> Result<(), Failure> {
+pub fn goes_on(recorder: &RunAnalysis, stop: &AtomicBool) -> Result<(), Failure> {
     unless(stop)?;
-    recorder.is_over().map_or(Ok(()), |time| Err(fell(time)))
+    recorder.time_of_completed_fall().map_or(Ok(()), |time| Err(fell(time)))
 }
 
 pub fn fell(time: f64) -> Failure {

@@ -20,7 +20,7 @@ use controller::support::Chain;
 use controller::swing::MINIMUM_JERK_PEAK;
 use messages::scene::Scene;
 use messages::wire::Telemetry;
-use records::record::Recorder;
+use records::analysis::RunAnalysis;
 use sessions::run::in_process;
 use shared::exit::{Failure, unless};
 use std::sync::atomic::AtomicBool;
@@ -59,7 +59,7 @@ impl Pendulum {
         let chain = Chain::new(&scene.bodies).map_err(ProcessError::from)?;
         let omega = Constants::new(&chain, &settings, &scene.plant).map_err(ProcessError::from)?.omega;
         let scene = Scene { duration: BEGIN + settings.period, ..scene.clone() };
-        let mut recorder = Recorder::without_rows(&scene);
+        let mut recorder = RunAnalysis::without_rows(&scene);
         let mut states = Vec::new();
         in_process(&scene, |truth| {
             unless(stop)?;
@@ -69,7 +69,7 @@ impl Pendulum {
             }
             Ok(())
         })?;
-        let height = recorder.last.as_ref().map_or(f64::NAN, |row| row.sample.trunk_height);
+        let height = recorder.last.as_ref().map_or(f64::NAN, |row| row.derived.trunk_height);
         Ok(Pendulum {
             states,
             omega,

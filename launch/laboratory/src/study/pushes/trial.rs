@@ -1,7 +1,7 @@
 //! One run with pushes at given times.
 
 use messages::scene::Scene;
-use records::record::Recorder;
+use records::analysis::RunAnalysis;
 use records::summary::yaw;
 use sessions::run::disturbed_in_process;
 use shared::exit::{Exit, Failure, unless};
@@ -24,7 +24,7 @@ pub struct Push {
 /// What became of a run.
 pub struct Trial {
     /// All that was recorded, but for rows.
-    pub recorder: Recorder,
+    pub recorder: RunAnalysis,
     /// When the robot fell [s].
     pub fall: Option<f64>,
     /// Greatest angle of the trunk about the vertical [deg].
@@ -37,7 +37,7 @@ pub struct Trial {
 /// Ctrl-C, or a scene that is bad. What fails otherwise is a fall.
 pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, Failure> {
     let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
-    let mut recorder = Recorder::without_rows(scene);
+    let mut recorder = RunAnalysis::without_rows(scene);
     let (mut next, mut turned, mut time) = (0, 0.0_f64, 0.0);
     let end = disturbed_in_process(scene, |truth, simulation| {
         unless(stop)?;
@@ -48,11 +48,11 @@ pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Tr
             simulation.push(base, push.impulse, DURATION);
             next += 1;
         }
-        if recorder.extremes.fall.is_some() { Err(Failure::new(Exit::Fell, "it fell")) } else { Ok(()) }
+        if recorder.extrema.fall.is_some() { Err(Failure::new(Exit::Fell, "it fell")) } else { Ok(()) }
     });
     let fall = match end {
         Err(failure) if failure.exit == Exit::Interrupted || time == 0.0 => return Err(failure),
-        Err(_) => recorder.extremes.fall.or(Some(time)),
+        Err(_) => recorder.extrema.fall.or(Some(time)),
         Ok(()) => None,
     };
     Ok(Trial { recorder, fall, yaw: turned })

@@ -1,8 +1,8 @@
-//! `biped convert`: a recording as tables, one for each topic of numbers, or one of all of them; or as a whole MCAP file.
+//! `biped convert`: a recording as CSV tables (one per topic, or one for all topics), or as a repaired MCAP file.
 
-use super::reader::{Content, Reader};
-use super::rewrite;
-use super::topic::Topic;
+use super::reader::{Payload, RecordingReader};
+use super::reindex;
+use super::topic::RecordingTopic;
 use ::csv::Writer;
 use bytemuck::bytes_of;
 use clap::Args;
@@ -15,7 +15,7 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
-/// What every table begins with.
+/// First bytes of every table: an existing file is replaced only if it begins with them.
 const HEAD: &[u8] = b"time_s,";
 
 /// Arguments of `biped convert`.
@@ -24,114 +24,114 @@ pub struct ConvertArgs {
     /// The recording
     file: PathBuf,
     #[command(flatten)]
-    to: To,
+    to: ConvertTarget,
 }
 
-/// What it is made into.
+/// The output format.
 #[derive(Args)]
 #[group(required = true, multiple = false)]
-struct To {
-    /// Write sensors.csv, command.csv, telemetry.csv, truth.csv and, of what was asked at the desks, served.csv into this folder
+struct ConvertTarget {
+    /// Write one table per topic into this folder: sensors.csv, command.csv, telemetry.csv, truth.csv, served.csv (requests)
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
-    /// Write one table into this file: a row for each control period, with the latest of every topic
+    /// Write one table into this file: a row per control period, with the latest values of all topics
     #[arg(long, value_name = "FILE")]
     table: Option<PathBuf>,
-    /// Write it anew as an MCAP file with its index, also if it was cut short
+    /// Write a complete MCAP file with index, even if the recording is truncated
     #[arg(long, value_name = "FILE")]
     mcap: Option<PathBuf>,
 }
 
-/// Converts it.
+/// Converts a recording.
 ///
 /// # Errors
-/// See [`Reader::open`]; or if the folder cannot be written.
+/// See [`RecordingReader::open`]. Also if an output file cannot be written.
 pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(file) = &args.to.mcap {
-        return rewrite::run(&args.file, file, stop);
+        return reindex::run(&args.file, file, stop);
     }
-    let mut reader = Reader::open(&args.file)?;
+    let mut reader = RecordingReader::open(&args.file)?;
     let tables = match (&args.to.csv, &args.to.table) {
-        (Some(folder), _) => each(&mut reader, folder, stop)?,
-        (_, Some(file)) => all(&mut reader, file, stop)?,
+        (Some(folder), _) => table_per_topic(&mut reader, folder, stop)?,
+        (_, Some(file)) => joint_table(&mut reader, file, stop)?,
         (None, None) => vec![],
     };
     if tables.is_empty() {
-        let words = format!("{}: there is nothing in it to make tables of", args.file.display());
-        return Err(Failure::new(Exit::Usage, words));
+        let message = format!("{}: the recording contains no messages to convert", args.file.display());
+        return Err(Failure::new(Exit::Usage, message));
     }
-    tables.into_iter().try_for_each(Table::finish)?;
-    if let Some(why) = reader.cut {
-        tell(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
+    tables.into_iter().try_for_each(CsvTable::finish)?;
+    if let Some(why) = reader.truncated_by {
+        tell(format_args!("{} is cut short: {why}; the tables contain everything before that", args.file.display()));
     }
     Ok(())
 }
 
-/// All there is, in the table of its topic.
-fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
+/// Writes a table per topic.
+fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     folder(into)?;
     let mut tables = BTreeMap::new();
-    while let Some(item) = reader.next() {
+    while let Some(message) = reader.next() {
         unless(stop)?;
-        let (topic, bytes) = match &item.content {
-            Content::Sensors(sensors) => (Topic::Sensors, bytes_of(sensors)),
-            Content::Command(command) => (Topic::Command, bytes_of(command)),
-            Content::Telemetry(telemetry) => (Topic::Telemetry, bytes_of(telemetry)),
-            Content::Truth(truth) => (Topic::Truth, bytes_of(&**truth)),
-            Content::Served(served) => (Topic::Served, bytes_of(&**served)),
-            Content::Other => continue,
+        let (topic, bytes) = match &message.payload {
+            Payload::Sensors(sensors) => (RecordingTopic::Sensors, bytes_of(sensors)),
+            Payload::Command(command) => (RecordingTopic::Command, bytes_of(command)),
+            Payload::Telemetry(telemetry) => (RecordingTopic::Telemetry, bytes_of(telemetry)),
+            Payload::Truth(truth) => (RecordingTopic::Truth, bytes_of(&**truth)),
+            Payload::Served(served) => (RecordingTopic::Served, bytes_of(&**served)),
+            Payload::Other => continue,
         };
         if !tables.contains_key(topic.name()) {
             let path = into.join(format!("{}.csv", &topic.name()[1..]));
-            tables.insert(topic.name(), Table::create(path, topic, topic.without())?);
+            tables.insert(topic.name(), CsvTable::create(path, topic, topic.omitted())?);
         }
         if let Some(table) = tables.get_mut(topic.name()) {
-            table.row(item.time, bytes)?;
+            table.row(message.time, bytes)?;
         }
     }
     Ok(tables.into_values().collect())
 }
 
-/// A table of whole truths.
-fn all(reader: &mut Reader, path: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
+/// Writes one table: a row per record of `/truth`, completed by the latest messages of the other topics.
+fn joint_table(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     let (mut table, mut truth) = (None, Truth::default());
     while let Some(time) = reader.next_truth(&mut truth) {
         unless(stop)?;
         let table = match &mut table {
             Some(table) => table,
-            none => none.insert(Table::create(path.into(), Topic::Truth, &[])?),
+            none => none.insert(CsvTable::create(path.into(), RecordingTopic::Truth, &[])?),
         };
         table.row(time, bytes_of(&truth))?;
     }
     Ok(table.into_iter().collect())
 }
 
-/// A table that is being written; half of one is none.
-struct Table {
+/// A table that is being written. The file appears under its name only when it is complete.
+struct CsvTable {
     path: PathBuf,
     draft: Draft,
     file: Writer<File>,
     message: &'static Message,
-    without: &'static [&'static str],
+    omitted: &'static [&'static str],
     rows: u64,
 }
 
-impl Table {
-    fn create(path: PathBuf, topic: Topic, without: &'static [&'static str]) -> Result<Table, Failure> {
+impl CsvTable {
+    fn create(path: PathBuf, topic: RecordingTopic, omitted: &'static [&'static str]) -> Result<CsvTable, Failure> {
         let failed = |error| unwritten(&path, &error);
         let draft = Draft::of(&path, HEAD).map_err(failed)?;
         let file = csv::writer(draft.file.try_clone().map_err(failed)?);
         let message = topic.message();
-        let mut table = Table { path, draft, file, message, without, rows: 0 };
+        let mut table = CsvTable { path, draft, file, message, omitted, rows: 0 };
         let mut names = vec!["time_s".to_string()];
-        columns(message, without, "", &mut names);
+        columns(message, omitted, "", &mut names);
         table.line(&names)?;
         Ok(table)
     }
 
     fn row(&mut self, time: u64, bytes: &[u8]) -> Result<(), Failure> {
         let mut cells = vec![format!("{}.{:09}", time / 1_000_000_000, time % 1_000_000_000)];
-        values(self.message, self.without, bytes, &mut cells);
+        values(self.message, self.omitted, bytes, &mut cells);
         self.rows += 1;
         self.line(&cells)
     }
@@ -147,9 +147,9 @@ impl Table {
     }
 }
 
-/// Names of the columns: `stamp.seq`, `angle[3]`.
-fn columns(message: &Message, without: &[&str], prefix: &str, names: &mut Vec<String>) {
-    for field in message.fields.iter().filter(|field| !without.contains(&field.name)) {
+/// Names of the columns, such as `stamp.seq` or `angle[3]`.
+fn columns(message: &Message, omitted: &[&str], prefix: &str, names: &mut Vec<String>) {
+    for field in message.fields.iter().filter(|field| !omitted.contains(&field.name)) {
         let name = format!("{prefix}{}", field.name);
         match (field.message(), field.shape().1) {
             (Some(inner), _) => columns(inner, &[], &format!("{name}."), names),
@@ -159,9 +159,9 @@ fn columns(message: &Message, without: &[&str], prefix: &str, names: &mut Vec<St
     }
 }
 
-/// Their values; a number reads back exactly.
-fn values(message: &Message, without: &[&str], bytes: &[u8], cells: &mut Vec<String>) {
-    for field in message.fields.iter().filter(|field| !without.contains(&field.name)) {
+/// Values of the columns. The decimal numbers determine the binary values exactly.
+fn values(message: &Message, omitted: &[&str], bytes: &[u8], cells: &mut Vec<String>) {
+    for field in message.fields.iter().filter(|field| !omitted.contains(&field.name)) {
         let value = &bytes[field.offset..field.offset + field.size()];
         if let Some(inner) = field.message() {
             values(inner, &[], value, cells);

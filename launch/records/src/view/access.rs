@@ -15,53 +15,57 @@ use std::time::Duration;
 use tokio::time::timeout;
 
 /// A request that is not complete by then, and an answer of which nothing is taken for so long, end their connection.
-pub const PATIENCE: Duration = Duration::from_secs(5);
+pub const IO_TIMEOUT: Duration = Duration::from_secs(5);
 /// Greatest length of a body [bytes].
-const LONGEST_BODY: usize = 4 << 10;
+const MAX_BODY_BYTES: usize = 4 << 10;
 
 /// An answer that is complete when it begins.
 pub type Answer = Response<Full<Bytes>>;
 
 /// What there is to be known of the place.
-pub struct Admission {
+pub struct AccessControl {
     listening: IpAddr,
     /// Whoever has it is let in.
     pub token: String,
     policy: String,
 }
 
-impl Admission {
+impl AccessControl {
     /// A token of its own, by the system's random numbers.
     ///
     /// # Errors
     /// If there are none.
-    pub fn new(listening: IpAddr) -> std::io::Result<Admission> {
+    pub fn new(listening: IpAddr) -> std::io::Result<AccessControl> {
         let mut token = [0; 16];
         getrandom(&mut token, GetRandomFlags::empty())?;
         let token = format!("{:032x}", u128::from_ne_bytes(token));
-        Ok(Admission { listening, token, policy: format!("{}; frame-ancestors 'none'", page::policy()) })
+        Ok(AccessControl { listening, token, policy: format!("{}; frame-ancestors 'none'", page::policy()) })
     }
 
     /// A request and its body, or why it is refused.
-    pub async fn admit(&self, request: Request<Incoming>, is_known: &AtomicBool) -> Result<(Parts, String), Answer> {
+    pub async fn authorize(
+        &self,
+        request: Request<Incoming>,
+        is_authorized: &AtomicBool,
+    ) -> Result<(Parts, String), Answer> {
         let (head, body) = request.into_parts();
-        let said = |name| head.headers.get(name).and_then(|value| value.to_str().ok());
-        if !said(header::HOST).is_some_and(|host| self.is_ours(host)) {
-            return Err(text(421, ELSEWHERE));
+        let header_text = |name| head.headers.get(name).and_then(|value| value.to_str().ok());
+        if !header_text(header::HOST).is_some_and(|host| self.is_this_host(host)) {
+            return Err(text(421, WRONG_HOST));
         }
         if head.uri.path() == "/favicon.ico" {
             return Err(text(204, ""));
         }
-        let bearer = || said(header::AUTHORIZATION)?.strip_prefix("Bearer ");
+        let bearer = || header_text(header::AUTHORIZATION)?.strip_prefix("Bearer ");
         let token = Query(head.uri.query().unwrap_or("")).value("token").or_else(bearer).unwrap_or("");
         if !constant_time_eq(token.as_bytes(), self.token.as_bytes()) {
             return Err(match head.uri.path() {
-                "/" => with(text(403, &page::refusal(STALE)), header::CONTENT_TYPE, HTML),
-                _ => text(403, STALE),
+                "/" => with(text(403, &page::refusal(STALE_ADDRESS)), header::CONTENT_TYPE, HTML),
+                _ => text(403, STALE_ADDRESS),
             });
         }
-        is_known.store(true, Relaxed);
-        match timeout(PATIENCE, Limited::new(body, LONGEST_BODY).collect()).await {
+        is_authorized.store(true, Relaxed);
+        match timeout(IO_TIMEOUT, Limited::new(body, MAX_BODY_BYTES).collect()).await {
             Err(_) => Err(text(408, "This request did not come to its end in time.\n")),
             Ok(Err(_)) => Err(text(413, "This request is too long, or breaks off.\n")),
             Ok(Ok(body)) => Ok((head, String::from_utf8_lossy(&body.to_bytes()).into())),
@@ -70,7 +74,7 @@ impl Admission {
 
     /// Whether a browser that names this host meant this place: a name that somebody else's server resolves to it did not. Ports
     /// are not looked at, since containers and tunnels change them.
-    fn is_ours(&self, host: &str) -> bool {
+    fn is_this_host(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
         let (name, any) = (authority.host().trim_matches(['[', ']']), self.listening.is_unspecified());
         match name.parse::<IpAddr>() {
@@ -80,7 +84,7 @@ impl Admission {
     }
 
     /// With what holds for every answer: it is not kept, says nothing to other sites, and runs only the page's own scripts.
-    pub fn dress(&self, answer: Answer) -> Answer {
+    pub fn add_headers(&self, answer: Answer) -> Answer {
         let answer = with(answer, header::CONTENT_SECURITY_POLICY, &self.policy);
         let plain = [
             (header::CACHE_CONTROL, "no-store"),
@@ -91,8 +95,8 @@ impl Admission {
     }
 }
 
-const STALE: &str = "This address is not, or no longer, good: open the one that `biped view` printed last.\n";
-const ELSEWHERE: &str = "This host is not here: open the address that `biped view` printed.\n";
+const STALE_ADDRESS: &str = "This address is not, or no longer, good: open the one that `biped view` printed last.\n";
+const WRONG_HOST: &str = "This host is not here: open the address that `biped view` printed.\n";
 const HTML: &str = "text/html; charset=utf-8";
 
 /// What follows the question mark of an address.
@@ -112,7 +116,7 @@ pub fn html(page: &Bytes) -> Answer {
 }
 
 /// What no address leads to.
-pub fn nothing() -> Answer {
+pub fn not_found() -> Answer {
     text(404, "There is nothing here.\n")
 }
 

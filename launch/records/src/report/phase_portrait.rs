@@ -1,17 +1,17 @@
 //! Figure 9: phase portrait in the lateral plane, and the energy that keeps it on its orbit.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel, series};
+use super::figure::{Figure, FigurePanel, series};
 use super::plot::{Axis, COM, Frame, GREEN, GREY, INK, Mark, around};
-use crate::record::{Lateral, Recorder, Row};
+use crate::analysis::{LateralState, RunAnalysis, TrajectoryRow};
 use messages::wire::{PHASES, Telemetry};
 
 /// Steps at the end that are drawn strongly.
 const CYCLES: usize = 8;
 
 /// The orbit of (32) in the support frame, with the one of the reference energy (40), and E_2 over time.
-pub fn figure(recorder: &Recorder) -> Option<Figure> {
-    if recorder.gait.steps.is_empty() {
+pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
+    if analysis.gait.steps.is_empty() {
         return None;
     }
     Some(Figure {
@@ -19,20 +19,23 @@ pub fn figure(recorder: &Recorder) -> Option<Figure> {
         caption: "In the support frame a step runs from touchdown (bottom right) past the turning point to the next touchdown \
                   (top right); a stable limit cycle shows as one arc that the last steps share, on the orbit of the \
                   reference energy (40) to which (39) steers (paper, Fig. 9).",
-        panels: vec![Panel::new("phase-portrait", portrait(recorder)), Panel::new("energy", energy(recorder))],
+        panels: vec![
+            FigurePanel::new("phase-portrait", portrait(analysis)),
+            FigurePanel::new("energy", energy(analysis)),
+        ],
     })
 }
 
-fn portrait(recorder: &Recorder) -> String {
-    let steps = &recorder.gait.steps;
+fn portrait(analysis: &RunAnalysis) -> String {
+    let steps = &analysis.gait.steps;
     let (begin, strong) = (steps[0].start, steps[steps.len().saturating_sub(CYCLES + 1)].start);
-    let all = orbit(recorder.rows.iter().filter(|row| row.sample.time >= begin));
-    let last = orbit(recorder.rows.iter().filter(|row| row.sample.time >= strong));
+    let all = orbit(analysis.rows.iter().filter(|row| row.derived.time >= begin));
+    let last = orbit(analysis.rows.iter().filter(|row| row.derived.time >= strong));
     let x = around(all.iter().map(|point| point.0), 0.06, 0.01);
     let y = around(all.iter().map(|point| point.1), 0.08, 0.05);
     let mut marks =
         vec![Mark::thin(all, GREY).faint(0.6).label("all steps"), Mark::line(last, COM).label("last 8 steps")];
-    if let Some(points) = reference(recorder) {
+    if let Some(points) = reference(analysis) {
         marks.push(Mark::dashes(points, INK).label("orbit of the reference energy"));
     }
     let frame = Frame {
@@ -44,10 +47,10 @@ fn portrait(recorder: &Recorder) -> String {
     plot(&frame, &marks)
 }
 
-/// Lateral states, broken where the support changes.
-fn orbit<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
+/// LateralState states, broken where the support changes.
+fn orbit<'a>(rows: impl Iterator<Item = &'a TrajectoryRow>) -> Vec<(f64, f64)> {
     let (mut points, mut before) = (Vec::new(), None);
-    for now in rows.filter_map(|row| Lateral::new(&row.sample)) {
+    for now in rows.filter_map(|row| LateralState::new(&row.derived)) {
         if before.is_some_and(|support| support != now.support) {
             points.push((f64::NAN, f64::NAN));
         }
@@ -58,10 +61,10 @@ fn orbit<'a>(rows: impl Iterator<Item = &'a Row>) -> Vec<(f64, f64)> {
 }
 
 /// The orbit (33) with E_2 = E_2ref, half the feet's distance wide.
-fn reference(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
-    let energy = walking(recorder).last()?.energy_ref[1];
-    let omega = omega(recorder).filter(|_| energy < 0.0)?;
-    let [left, right] = recorder.rows.last()?.sample.soles?;
+fn reference(analysis: &RunAnalysis) -> Option<Vec<(f64, f64)>> {
+    let energy = walking(analysis).last()?.energy_ref[1];
+    let omega = omega(analysis).filter(|_| energy < 0.0)?;
+    let [left, right] = analysis.rows.last()?.derived.soles?;
     let x_min = (-2.0 * energy).sqrt() / omega;
     let half = (left.centre.y - right.centre.y).abs() / 2.0;
     let reach = (half / x_min).max(1.0).acosh();
@@ -71,14 +74,14 @@ fn reference(recorder: &Recorder) -> Option<Vec<(f64, f64)>> {
 }
 
 /// What the planner said while the robot walked.
-fn walking(recorder: &Recorder) -> impl Iterator<Item = &Telemetry> {
-    let all = recorder.rows.iter().map(|row| &row.truth.telemetry);
+fn walking(analysis: &RunAnalysis) -> impl Iterator<Item = &Telemetry> {
+    let all = analysis.rows.iter().map(|row| &row.truth.telemetry);
     all.filter(|telemetry| PHASES.get(telemetry.phase as usize) == Some(&"walk"))
 }
 
 /// ω_2, from the planner's own states and energies by (33): the median of sqrt(v² − 2E)/x.
-fn omega(recorder: &Recorder) -> Option<f64> {
-    let mut estimates: Vec<f64> = walking(recorder)
+fn omega(analysis: &RunAnalysis) -> Option<f64> {
+    let mut estimates: Vec<f64> = walking(analysis)
         .map(|telemetry| (telemetry.pendulum[3].powi(2) - 2.0 * telemetry.energy[1]).sqrt() / telemetry.pendulum[2])
         .filter(|omega| omega.is_finite() && *omega > 0.0)
         .collect();
@@ -87,16 +90,16 @@ fn omega(recorder: &Recorder) -> Option<f64> {
 }
 
 /// E_2 as the planner estimates it, that of the robot's own centre of mass by (33), and the reference.
-fn energy(recorder: &Recorder) -> String {
-    let omega = omega(recorder).unwrap_or(f64::NAN);
-    let own = |row: &Row| {
-        let lateral = Lateral::new(&row.sample);
+fn energy(analysis: &RunAnalysis) -> String {
+    let omega = omega(analysis).unwrap_or(f64::NAN);
+    let own = |row: &TrajectoryRow| {
+        let lateral = LateralState::new(&row.derived);
         lateral.map_or(f64::NAN, |at| 0.5 * (at.velocity.powi(2) - (omega * at.position).powi(2)))
     };
-    let begin = recorder.gait.steps.first().map_or(0.0, |step| step.start);
-    let robot: Vec<(f64, f64)> = series(&recorder.rows, own).into_iter().filter(|point| point.0 >= begin).collect();
-    let estimated = series(&recorder.rows, |row| row.truth.telemetry.energy[1]);
-    let wanted = series(&recorder.rows, |row| row.truth.telemetry.energy_ref[1]);
+    let begin = analysis.gait.steps.first().map_or(0.0, |step| step.start);
+    let robot: Vec<(f64, f64)> = series(&analysis.rows, own).into_iter().filter(|point| point.0 >= begin).collect();
+    let estimated = series(&analysis.rows, |row| row.truth.telemetry.energy[1]);
+    let wanted = series(&analysis.rows, |row| row.truth.telemetry.energy_ref[1]);
     let all = || estimated.iter().chain(&wanted);
     let frame = Frame {
         title: "Energy of the lateral pendulum".into(),

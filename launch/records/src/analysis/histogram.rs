@@ -1,19 +1,21 @@
-//! A histogram with logarithmic bins: how often which order of magnitude.
+//! A histogram with logarithmic bins.
 
 /// Counts values by their decimal logarithm.
 #[derive(Clone, Debug)]
 pub struct Histogram {
+    /// Decimal logarithm of the lower edge of the first bin.
     lowest: i32,
     counts: Vec<u64>,
-    /// Values that have no logarithm: zero, negative or NaN.
+    /// Number of values without a logarithm: zero, negative or NaN.
     pub zeros: u64,
 }
 
 impl Histogram {
+    /// Bins per decade: a bin is 4 % wide, and the figures merge whole bins into bars (60 is divisible by 4 and 15).
     const PER_DECADE: usize = 60;
 
-    /// Bins from 10^`lowest` to 10^`highest`; what lies outside counts in the nearest bin.
-    pub fn new(lowest: i32, highest: i32) -> Self {
+    /// Bins from 10^`lowest` to 10^`highest`. A value outside counts in the nearest bin.
+    pub fn new([lowest, highest]: [i32; 2]) -> Self {
         let decades = highest.saturating_sub(lowest).max(1).unsigned_abs() as usize;
         Histogram { lowest, counts: vec![0; decades * Self::PER_DECADE], zeros: 0 }
     }
@@ -29,12 +31,12 @@ impl Histogram {
         }
     }
 
-    /// Number of values counted.
+    /// Number of values.
     pub fn total(&self) -> u64 {
         self.zeros + self.counts.iter().sum::<u64>()
     }
 
-    /// Upper edge of the bin below which the share `q` of all values lies (4 % wide); 0 if that share is zeros.
+    /// The `q` quantile, rounded up to the edge of its bin. 0 if that quantile has no logarithm.
     pub fn quantile(&self, q: f64) -> f64 {
         let wanted = (q * self.total() as f64).ceil() as u64;
         let mut seen = self.zeros;
@@ -48,7 +50,7 @@ impl Histogram {
         10f64.powf(self.edge(bin.unwrap_or(self.counts.len()) + 1))
     }
 
-    /// Bars `1/per_decade` wide that hold anything: logarithm of the lower edge, and count.
+    /// Non-empty bars of `1/per_decade` decades: logarithm of the lower edge, and count.
     pub fn bars(&self, per_decade: usize) -> Vec<(f64, u64)> {
         let width = Self::PER_DECADE / per_decade.clamp(1, Self::PER_DECADE);
         (self.counts.chunks(width).enumerate())
@@ -67,8 +69,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn quantiles_of_a_histogram_are_within_its_bins() {
-        let mut histogram = Histogram::new(0, 6);
+    fn quantiles_are_exact_to_the_width_of_a_bin() {
+        let mut histogram = Histogram::new([0, 6]);
         (1..=1000).for_each(|i| histogram.add(f64::from(i)));
         for (share, exact) in [(0.5, 500.0), (0.99, 990.0), (1.0, 1000.0)] {
             assert!((histogram.quantile(share) / exact).ln().abs() < 0.04, "{}", histogram.quantile(share));

@@ -1,9 +1,9 @@
 //! Figure 6: the robot at instants of one cycle, from the side and from the front.
 
 use super::draw::plot;
-use super::figure::{Figure, Panel};
+use super::figure::{Figure, FigurePanel};
 use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT};
-use crate::record::{Recorder, Row};
+use crate::analysis::{RunAnalysis, TrajectoryRow};
 use messages::robot::Body;
 use nalgebra::{IsometryMatrix3, Point3};
 use plotters::style::RGBColor;
@@ -12,11 +12,11 @@ use plotters::style::RGBColor;
 const FRAMES: usize = 8;
 
 /// Frames over the last whole cycle of two steps; of a robot that does not step, over the whole run.
-pub fn figure(recorder: &Recorder) -> Option<Figure> {
-    let (from, to) = span(recorder)?;
-    let rows: Vec<&Row> =
-        (0..=FRAMES).filter_map(|i| nearest(&recorder.rows, from + (to - from) * i as f64 / FRAMES as f64)).collect();
-    let caption = if recorder.gait.steps.len() > 2 {
+pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
+    let (from, to) = span(analysis)?;
+    let rows: Vec<&TrajectoryRow> =
+        (0..=FRAMES).filter_map(|i| nearest(&analysis.rows, from + (to - from) * i as f64 / FRAMES as f64)).collect();
+    let caption = if analysis.gait.steps.len() > 2 {
         "One cycle of two steps, left leg blue, right leg orange, seen from the right side (the robot walks to the \
          right) and from behind; frames are set side by side at their times (paper, Fig. 6)."
     } else {
@@ -26,8 +26,8 @@ pub fn figure(recorder: &Recorder) -> Option<Figure> {
         title: "Figure 6: frames of the robot",
         caption,
         panels: vec![
-            Panel::new("frames-side", strip(recorder, &rows, "Side view", View::Side)),
-            Panel::new("frames-behind", strip(recorder, &rows, "View from behind", View::Behind)),
+            FigurePanel::new("frames-side", strip(analysis, &rows, "Side view", Projection::Side)),
+            FigurePanel::new("frames-behind", strip(analysis, &rows, "View from behind", Projection::Behind)),
         ],
     })
 }
@@ -36,34 +36,34 @@ pub fn figure(recorder: &Recorder) -> Option<Figure> {
 type Outline = Vec<(f64, f64)>;
 
 #[derive(Clone, Copy)]
-enum View {
+enum Projection {
     Side,
     Behind,
 }
 
 /// First and last time that is drawn [s].
-fn span(recorder: &Recorder) -> Option<(f64, f64)> {
-    let steps = &recorder.gait.steps;
+fn span(analysis: &RunAnalysis) -> Option<(f64, f64)> {
+    let steps = &analysis.gait.steps;
     match steps.len() {
         3.. => Some((steps[steps.len() - 3].start, steps[steps.len() - 1].start)),
-        _ => Some((recorder.rows.first()?.sample.time, recorder.rows.last()?.sample.time)),
+        _ => Some((analysis.rows.first()?.derived.time, analysis.rows.last()?.derived.time)),
     }
 }
 
-fn nearest(rows: &[Row], time: f64) -> Option<&Row> {
-    let after = rows.partition_point(|row| row.sample.time < time);
+fn nearest(rows: &[TrajectoryRow], time: f64) -> Option<&TrajectoryRow> {
+    let after = rows.partition_point(|row| row.derived.time < time);
     rows.get(after).or(rows.last())
 }
 
-fn strip(recorder: &Recorder, rows: &[&Row], title: &str, view: View) -> String {
-    let placed: Vec<_> = rows.iter().map(|row| recorder.robot.place(&row.truth)).collect();
+fn strip(analysis: &RunAnalysis, rows: &[&TrajectoryRow], title: &str, view: Projection) -> String {
+    let placed: Vec<_> = rows.iter().map(|row| analysis.robot.body_states(&row.truth)).collect();
     let outlines: Vec<Vec<(usize, Outline)>> = (rows.iter().zip(&placed))
         .map(|(row, placed)| {
             let centre = match view {
-                View::Side => row.sample.com.x,
-                View::Behind => -rows[0].sample.com.y,
+                Projection::Side => row.derived.com.x,
+                Projection::Behind => -rows[0].derived.com.y,
             };
-            (recorder.robot.bodies.iter().zip(placed).enumerate())
+            (analysis.robot.bodies.iter().zip(placed).enumerate())
                 .map(|(i, (body, placed))| (i, outline(body, &placed.pose, view, centre)))
                 .collect()
         })
@@ -82,15 +82,15 @@ fn strip(recorder: &Recorder, rows: &[&Row], title: &str, view: View) -> String 
     for (i, outlines) in outlines.iter().enumerate() {
         let shift = |points: &[(f64, f64)]| points.iter().map(|(u, v)| (u + middle(i), *v)).collect::<Vec<_>>();
         for (body, points) in outlines {
-            let colour = side(&recorder.robot.bodies[*body].name);
+            let colour = side(&analysis.robot.bodies[*body].name);
             // From the right, the left leg is far and pale.
-            let opacity = if matches!(view, View::Side) && colour == RIGHT { 0.6 } else { 0.25 };
+            let opacity = if matches!(view, Projection::Side) && colour == RIGHT { 0.6 } else { 0.25 };
             let mut edge = shift(points);
             marks.push(Mark::area(edge.clone(), colour).faint(opacity));
             edge.extend(edge.first().copied());
             marks.push(Mark::thin(edge, colour));
         }
-        marks.push(Mark::text((middle(i), top + 0.03 * ceiling), format!("{:.2} s", rows[i].sample.time)));
+        marks.push(Mark::text((middle(i), top + 0.03 * ceiling), format!("{:.2} s", rows[i].derived.time)));
     }
     let frame = Frame {
         title: title.into(),
@@ -110,13 +110,13 @@ fn side(body: &str) -> RGBColor {
 }
 
 /// The box of a body, projected: the hull of its eight corners.
-fn outline(body: &Body, pose: &IsometryMatrix3<f64>, view: View, centre: f64) -> Outline {
+fn outline(body: &Body, pose: &IsometryMatrix3<f64>, view: Projection, centre: f64) -> Outline {
     let corners = (0..8).map(|i| {
         let place = |axis: usize| body.com[axis] + body.size[axis] * if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
         let corner = pose * Point3::new(place(0), place(1), place(2));
         match view {
-            View::Side => (corner.x - centre, corner.z),
-            View::Behind => (-corner.y - centre, corner.z),
+            Projection::Side => (corner.x - centre, corner.z),
+            Projection::Behind => (-corner.y - centre, corner.z),
         }
     });
     hull(corners.collect())

@@ -1,4 +1,4 @@
-//! The records of a file: a thread of their own reads, decompresses and checks them, while those before are made sense of.
+//! The raw records of an MCAP file. A separate thread reads, decompresses and checks them ahead of their decoding.
 
 use mcap::McapError;
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
@@ -6,16 +6,18 @@ use std::fs::File;
 use std::io::Read;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 
-/// No record or chunk of ours is longer, nor of those who rewrote them; a damaged length asks for more [bytes].
-const LONGEST: usize = 1 << 24;
-/// What goes over at once; it stays in a cache [bytes].
-const BATCH: usize = 1 << 18;
-/// Batches that may wait.
-const AHEAD: usize = 4;
+/// Limit of the length of a record or chunk [bytes]. Neither this program nor MCAP tools write longer ones, so a greater
+/// length shows that the file is damaged.
+const MAX_RECORD_BYTES: usize = 1 << 24;
+/// Length of a batch that is sent between the threads [bytes]. It fits into the processor's cache.
+const BATCH_BYTES: usize = 1 << 18;
+/// Number of batches that the reading thread may be ahead.
+const MAX_QUEUED_BATCHES: usize = 4;
 
-/// Records in their order.
-pub(super) struct Records {
+/// The records of a file, in order.
+pub(super) struct RecordStream {
     batches: Receiver<Result<Batch, McapError>>,
+    /// The current batch, and the index of its next record.
     batch: Batch,
     next: usize,
 }
@@ -24,28 +26,28 @@ pub(super) struct Records {
 #[derive(Default)]
 struct Batch {
     bytes: Vec<u8>,
-    /// Of each its opcode, and where it ends.
+    /// Opcode and end of each record in `bytes`.
     ends: Vec<(u8, usize)>,
-    /// Bytes of the file up to here.
-    read: u64,
+    /// Bytes that have been read from the file up to the end of this batch.
+    bytes_read: u64,
 }
 
-impl Records {
-    /// Begins to read.
-    pub fn of(file: File) -> Records {
-        let (to, batches) = sync_channel(AHEAD);
+impl RecordStream {
+    /// Starts to read a file.
+    pub fn new(file: File) -> RecordStream {
+        let (to, batches) = sync_channel(MAX_QUEUED_BATCHES);
         std::thread::spawn(move || {
             if let Err(error) = read(file, &to) {
                 let _ = to.send(Err(error));
             }
         });
-        Records { batches, batch: Batch::default(), next: 0 }
+        RecordStream { batches, batch: Batch::default(), next: 0 }
     }
 
-    /// The next record, opcode and content; none at the end.
+    /// Opcode and content of the next record. `None` at the end.
     ///
     /// # Errors
-    /// If the file is damaged, or ends before its end.
+    /// If the file is damaged or truncated.
     pub fn next(&mut self) -> Option<Result<(u8, &[u8]), McapError>> {
         while self.next == self.batch.ends.len() {
             match self.batches.recv().ok()? {
@@ -59,17 +61,17 @@ impl Records {
         Some(Ok((opcode, &self.batch.bytes[begin..end])))
     }
 
-    /// Bytes of the file that the records so far are from.
-    pub fn read(&self) -> u64 {
-        self.batch.read
+    /// Bytes of the file that have been read up to the current batch.
+    pub fn bytes_read(&self) -> u64 {
+        self.batch.bytes_read
     }
 }
 
-/// Reads to the end, or as long as somebody listens.
+/// Reads until the end of the file, or until the receiver is dropped.
 fn read(mut file: File, to: &SyncSender<Result<Batch, McapError>>) -> Result<(), McapError> {
     let options = LinearReaderOptions::default()
-        .with_record_length_limit(LONGEST)
-        .with_prevalidate_chunk_crcs(!cfg!(fuzzing)) // which no mutation of a fuzzer's would get through
+        .with_record_length_limit(MAX_RECORD_BYTES)
+        .with_prevalidate_chunk_crcs(!cfg!(fuzzing)) // a mutated input would never pass the check
         .with_skip_end_magic(true);
     let mut records = LinearReader::new_with_options(options);
     let mut batch = Batch::default();
@@ -77,7 +79,7 @@ fn read(mut file: File, to: &SyncSender<Result<Batch, McapError>>) -> Result<(),
         match records.next_event() {
             Some(Ok(LinearReadEvent::ReadRequest(wanted))) => match file.read(records.insert(wanted)) {
                 Ok(count) => {
-                    batch.read += count as u64;
+                    batch.bytes_read += count as u64;
                     records.notify_read(count);
                 }
                 Err(error) => break Err(error.into()),
@@ -89,9 +91,9 @@ fn read(mut file: File, to: &SyncSender<Result<Batch, McapError>>) -> Result<(),
             Some(Err(error)) => break Err(error),
             None => break Ok(()),
         }
-        if batch.bytes.len() > BATCH {
+        if batch.bytes.len() > BATCH_BYTES {
             let room = (Vec::with_capacity(batch.bytes.capacity()), Vec::with_capacity(batch.ends.capacity()));
-            let next = Batch { bytes: room.0, ends: room.1, read: batch.read };
+            let next = Batch { bytes: room.0, ends: room.1, bytes_read: batch.bytes_read };
             if to.send(Ok(std::mem::replace(&mut batch, next))).is_err() {
                 return Ok(());
             }

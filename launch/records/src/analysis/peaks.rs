@@ -1,33 +1,33 @@
-//! What comes in peaks, at its greatest between one row and the next: thinning out rows hides none.
+//! Peak values between two rows, so that storing fewer rows hides no peak.
 
 use messages::wire::{JOINTS, Truth};
 
-/// The greatest values over the records since the row before.
+/// Peak values over the records since the previous row.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Worst {
-    /// Torque of each drive, the greatest either way [N·m].
+pub struct Peaks {
+    /// Torque of each drive, the value with the greatest magnitude [N·m].
     pub torque: [f64; JOINTS],
     /// Natural-map residual, relative.
     pub natural_map: f64,
     /// Signorini residual, relative.
     pub signorini: f64,
-    /// Age of the command in force [control periods].
+    /// Age of the applied command [control periods].
     pub age: u32,
-    /// From sensors to command [ns].
+    /// Delay from sensor message to command [ns].
     pub reply_ns: u64,
-    /// How late a period began [ns].
+    /// Delay of the start of a control period [ns].
     pub late_ns: u64,
 }
 
-impl Worst {
-    /// Of one record.
-    pub fn of(truth: &Truth) -> Worst {
+impl Peaks {
+    /// The values of one record.
+    pub fn new(truth: &Truth) -> Peaks {
         let &Truth { torque, natural_map, signorini, age, reply_ns, late_ns, .. } = truth;
-        Worst { torque, natural_map, signorini, age, reply_ns, late_ns }
+        Peaks { torque, natural_map, signorini, age, reply_ns, late_ns }
     }
 
-    /// The worse of both.
-    pub fn and(mut self, other: &Worst) -> Worst {
+    /// The greater value of each quantity.
+    pub fn max(mut self, other: &Peaks) -> Peaks {
         for (mine, theirs) in self.torque.iter_mut().zip(other.torque) {
             *mine = if mine.abs() < theirs.abs() { theirs } else { *mine };
         }

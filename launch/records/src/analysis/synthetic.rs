@@ -1,6 +1,6 @@
-//! A made-up walk for tests: the robot of Table 1 on an exact lateral limit cycle of (32), without dynamics.
+//! A synthetic walk for tests: the robot of Table 1 follows the exact lateral limit cycle of (32), without dynamics.
 
-use super::robot::Robot;
+use super::kinematic_tree::KinematicTree;
 use messages::scene::Scene;
 use messages::wire::{Stamp, Telemetry, Truth};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
@@ -13,28 +13,36 @@ pub const OMEGA: f64 = 4.947;
 pub const RELEASE: f64 = 1.6;
 /// Half the distance between the feet [m].
 const HALF_WIDTH: f64 = 0.05;
-/// Distance of the hips above the support ankle's roll joint along the trunk's vertical, plus the trunk's half [m].
+/// Height of the trunk's centre above the ankle roll joint of the support foot, along the trunk's z axis [m]: that of the
+/// hips plus half the trunk.
 const TRUNK_ABOVE_ROLL: f64 = 0.40 + 0.15;
 
-/// A walk with steps of this length [m].
-pub struct FakeWalk {
-    robot: Robot,
+/// A walk with constant step length [m].
+pub struct SyntheticWalk {
+    robot: KinematicTree,
     step_length: f64,
 }
 
-struct Plan {
+/// The state that the walk prescribes at one time.
+struct PlannedState {
+    /// Support foot: 0 left, 1 right.
     support: usize,
+    /// x of the stance foot [m].
     stance: f64,
+    /// x of the swing foot [m].
     swing: f64,
+    /// Height of the swing foot [m].
     lift: f64,
+    /// x and y of the centre of mass [m].
     com: [f64; 2],
+    /// Lateral distance of the centre of mass from the support foot [m].
     x2: f64,
 }
 
-impl FakeWalk {
-    /// Steps on the spot when the length is zero.
+impl SyntheticWalk {
+    /// A walk; length zero means stepping in place.
     pub fn new(step_length: f64) -> Self {
-        FakeWalk { robot: Robot::new(&Scene::default()), step_length }
+        SyntheticWalk { robot: KinematicTree::new(&Scene::default()), step_length }
     }
 
     /// Least lateral distance of the centre of mass from the support foot [m].
@@ -42,7 +50,7 @@ impl FakeWalk {
         HALF_WIDTH / (OMEGA * STEP / 2.0).cosh()
     }
 
-    /// The record of one instant.
+    /// The record at one time.
     pub fn truth(&self, seq: u64, time: f64) -> Truth {
         let (h, now) = (1e-5, self.pose(time));
         let (before, after) = (self.pose(time - h), self.pose(time + h));
@@ -55,7 +63,7 @@ impl FakeWalk {
         truth.base_spin[0] = slope(roll(&before), roll(&after));
         truth.rate = std::array::from_fn(|i| slope(before.angle[i], after.angle[i]));
         truth.torque = std::array::from_fn(|i| [2.5, 5.0, 11.0, 6.0][i.min(7 - i)] * now.angle[i].sin() * 0.9);
-        self.load(&mut truth, &plan, time);
+        self.set_contact_forces(&mut truth, &plan, time);
         let noise = |k: u64| (seq.wrapping_mul(6_364_136_223_846_793_005 + 2 * k) >> 33) as f64 / 2f64.powi(31);
         truth.natural_map = 10f64.powf(-16.5 + 2.5 * noise(1) * noise(2));
         truth.signorini = if noise(3) < 0.3 { 0.0 } else { 10f64.powf(-17.0 + 2.0 * noise(4)) };
@@ -68,7 +76,7 @@ impl FakeWalk {
         truth
     }
 
-    fn plan(&self, time: f64) -> Plan {
+    fn plan(&self, time: f64) -> PlannedState {
         let place = |k: i64| self.step_length * (1..=k).map(|i| (i as f64 / 4.0).min(1.0)).sum::<f64>();
         let walked = time - RELEASE + STEP / 2.0;
         if time < RELEASE {
@@ -76,7 +84,7 @@ impl FakeWalk {
             let smooth = share.powi(3) * (10.0 - 15.0 * share + 6.0 * share * share);
             let x2 = HALF_WIDTH + smooth * (Self::x2_min() - HALF_WIDTH);
             let lift = if time > 1.3 { 0.01 * ((time - 1.3) / STEP).min(1.0) } else { 0.0 };
-            return Plan { support: 0, stance: 0.0, swing: 0.0, lift, com: [0.0, HALF_WIDTH - x2], x2 };
+            return PlannedState { support: 0, stance: 0.0, swing: 0.0, lift, com: [0.0, HALF_WIDTH - x2], x2 };
         }
         let k = (walked / STEP).floor();
         let (tau, k) = (walked - k * STEP, k as i64);
@@ -90,24 +98,24 @@ impl FakeWalk {
         let swing = from + (to - from) * s.powi(3) * (10.0 - 15.0 * s + 6.0 * s * s);
         let lift = 0.01 * (std::f64::consts::PI * s).sin().powi(2);
         let com = [stance + x1, side * (HALF_WIDTH - x2)];
-        Plan { support: (k % 2) as usize, stance, swing, lift, com, x2 }
+        PlannedState { support: (k % 2) as usize, stance, swing, lift, com, x2 }
     }
 
-    /// Leans and shifts the trunk until the centre of mass is where the plan wants it.
+    /// Rolls and shifts the trunk iteratively until the centre of mass has the planned position.
     fn pose(&self, time: f64) -> Truth {
         let plan = self.plan(time);
         let (mut roll, mut shift, mut truth) = (0.0, 0.0, Truth::default());
         for _ in 0..40 {
-            truth = crouch(&plan, roll, shift);
-            let (com, _) = self.robot.com(&self.robot.place(&truth));
+            truth = inverse_kinematics(&plan, roll, shift);
+            let (com, _) = self.robot.com(&self.robot.body_states(&truth));
             roll -= (plan.com[1] - com.y) / 0.27;
             shift += plan.com[0] - com.x;
         }
         truth
     }
 
-    /// Puts the weight on the support foot, or on both while standing, a little off the sole's centre.
-    fn load(&self, truth: &mut Truth, plan: &Plan, time: f64) {
+    /// Sets contact forces: the weight on the support foot, or on both feet while standing, off the centre of the sole.
+    fn set_contact_forces(&self, truth: &mut Truth, plan: &PlannedState, time: f64) {
         let share = if time < 1.3 {
             (HALF_WIDTH + plan.x2 - 2.0 * Self::x2_min()) / (4.0 * (HALF_WIDTH - Self::x2_min()))
         } else {
@@ -124,7 +132,7 @@ impl FakeWalk {
         }
     }
 
-    fn telemetry(&self, plan: &Plan, time: f64) -> Telemetry {
+    fn telemetry(&self, plan: &PlannedState, time: f64) -> Telemetry {
         let energy = -0.5 * (OMEGA * Self::x2_min()).powi(2);
         let velocity = OMEGA * (plan.x2.powi(2) - Self::x2_min().powi(2)).max(0.0).sqrt();
         Telemetry {
@@ -147,8 +155,8 @@ impl FakeWalk {
     }
 }
 
-/// The pose with flat soles, the trunk rolled and shifted forward over the support ankle.
-fn crouch(plan: &Plan, roll: f64, shift: f64) -> Truth {
+/// The pose with both soles horizontal and the trunk rolled about and shifted forward of the support ankle.
+fn inverse_kinematics(plan: &PlannedState, roll: f64, shift: f64) -> Truth {
     let side = [1.0, -1.0][plan.support];
     let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll);
     let ankle = Vector3::new(plan.stance, side * HALF_WIDTH, 0.05);
@@ -159,7 +167,7 @@ fn crouch(plan: &Plan, roll: f64, shift: f64) -> Truth {
     for leg in 0..2 {
         let (x, lift) = if leg == plan.support { (plan.stance, 0.0) } else { (plan.swing, plan.lift) };
         let lateral = [1.0, -1.0][leg] * HALF_WIDTH;
-        // Without a hip roll the foot stays in the leg's plane: its sideways place follows from its height.
+        // There is no hip roll joint, so the foot stays in the leg's plane: its height determines its lateral position.
         let below = (trunk.z + lateral * roll.sin() - lift - 0.05) / roll.cos();
         let sole = pose * nalgebra::Point3::new(x - trunk.x, lateral, -below);
         let reach = pose.inverse() * sole - nalgebra::Point3::new(0.0, lateral, -0.15) + Vector3::z() * 0.05;

@@ -1,15 +1,15 @@
-//! `trajectory.csv`: one row per kept record, units in the column names.
+//! `trajectory.csv`: one line per trajectory row, with the units in the column names.
 
-use crate::record::{Recorder, Row, normal_forces};
+use crate::analysis::{RunAnalysis, TrajectoryRow, normal_forces};
 use messages::wire::{JOINTS, PHASES, Truth};
 use shared::csv;
 
-/// The whole table as text. Lines that begin with `#` explain; the next one names the columns. A number that does not
-/// apply (soles of a robot without feet, zero-moment point in the air) is left empty.
-pub fn table(recorder: &Recorder) -> String {
-    let columns = columns(recorder);
+/// The table as text. Lines that begin with `#` are comments; the next line names the columns. A cell without a value
+/// (for example the zero-moment point in flight) is empty.
+pub fn table(analysis: &RunAnalysis) -> String {
+    let columns = columns(analysis);
     let names = columns.iter().map(|(name, _)| name.clone()).collect();
-    let rows = recorder.rows.iter().map(|row| columns.iter().map(|(_, value)| value(row)).collect::<Vec<_>>());
+    let rows = analysis.rows.iter().map(|row| columns.iter().map(|(_, value)| value(row)).collect::<Vec<_>>());
     String::from(
         "# World frame W: x forward, y left, z up. sole_*: centre of the sole; tilt against the ground.\n\
          # normal_*: mean force of the ground on a contact point over the control period, numbered body by body.\n\
@@ -17,35 +17,35 @@ pub fn table(recorder: &Recorder) -> String {
     ) + &csv::text([names].into_iter().chain(rows))
 }
 
-type Column = (String, Box<dyn Fn(&Row) -> String>);
-type Reader = fn(&Truth) -> &[f64; JOINTS];
+type CsvColumn = (String, Box<dyn Fn(&TrajectoryRow) -> String>);
+type JointValues = fn(&Truth) -> &[f64; JOINTS];
 
-/// Names and readers of the columns, in order.
-fn columns(recorder: &Recorder) -> Vec<Column> {
+/// Names and values of the columns, in order.
+fn columns(analysis: &RunAnalysis) -> Vec<CsvColumn> {
     let mut columns = pose();
-    let readers: [(&str, &str, Reader); 3] = [
+    let joint_columns: [(&str, &str, JointValues); 3] = [
         ("angle", "rad", |truth| &truth.angle),
         ("rate", "radps", |truth| &truth.rate),
         ("torque", "nm", |truth| &truth.torque),
     ];
-    for (name, unit, values) in readers {
-        for i in 0..recorder.robot.joints().len().min(JOINTS) {
+    for (name, unit, values) in joint_columns {
+        for i in 0..analysis.robot.joint_names().len().min(JOINTS) {
             columns.push(number(&format!("{name}_{i}_{unit}"), move |row| values(&row.truth)[i]));
         }
     }
     columns.extend(whole_body());
-    if recorder.robot.feet.is_some() {
+    if analysis.robot.feet.is_some() {
         columns.extend(soles());
     }
-    for i in 0..recorder.robot.contacts.len() {
+    for i in 0..analysis.robot.contacts.len() {
         columns.push(number(&format!("normal_{i}_n"), move |row| normal_forces(&row.truth)[i]));
     }
     columns.extend(controller());
     columns
 }
 
-fn pose() -> Vec<Column> {
-    let mut columns = vec![number("time_s", |row| row.sample.time)];
+fn pose() -> Vec<CsvColumn> {
+    let mut columns = vec![number("time_s", |row| row.derived.time)];
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
         columns.push(number(&format!("base_{axis}_m"), move |row| row.truth.base_position[i]));
     }
@@ -55,23 +55,23 @@ fn pose() -> Vec<Column> {
     columns
 }
 
-fn whole_body() -> Vec<Column> {
+fn whole_body() -> Vec<CsvColumn> {
     let mut columns = Vec::new();
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-        columns.push(number(&format!("com_{axis}_m"), move |row| row.sample.com[i]));
+        columns.push(number(&format!("com_{axis}_m"), move |row| row.derived.com[i]));
     }
     for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
-        columns.push(number(&format!("com_velocity_{axis}_mps"), move |row| row.sample.com_velocity[i]));
+        columns.push(number(&format!("com_velocity_{axis}_mps"), move |row| row.derived.com_velocity[i]));
     }
-    columns.push(number("zmp_x_m", |row| row.sample.zmp.x));
-    columns.push(number("zmp_y_m", |row| row.sample.zmp.y));
+    columns.push(number("zmp_x_m", |row| row.derived.zmp.x));
+    columns.push(number("zmp_y_m", |row| row.derived.zmp.y));
     columns
 }
 
-fn soles() -> Vec<Column> {
+fn soles() -> Vec<CsvColumn> {
     let mut columns = Vec::new();
     for (foot, side) in ["left", "right"].into_iter().enumerate() {
-        let sole = move |row: &Row| row.sample.soles.map(|soles| soles[foot]);
+        let sole = move |row: &TrajectoryRow| row.derived.soles.map(|soles| soles[foot]);
         for (i, axis) in ["x", "y", "z"].into_iter().enumerate() {
             let name = format!("sole_{side}_{axis}_m");
             columns.push(number(&name, move |row| sole(row).map_or(f64::NAN, |sole| sole.centre[i])));
@@ -83,8 +83,8 @@ fn soles() -> Vec<Column> {
     columns
 }
 
-fn controller() -> Vec<Column> {
-    let mut columns: Vec<Column> = vec![
+fn controller() -> Vec<CsvColumn> {
+    let mut columns: Vec<CsvColumn> = vec![
         ("phase".into(), Box::new(|row| PHASES.get(row.truth.telemetry.phase as usize).unwrap_or(&"?").to_string())),
         ("support".into(), Box::new(|row| if row.truth.telemetry.support == 0 { "left" } else { "right" }.into())),
         ("steps".into(), Box::new(|row| row.truth.telemetry.steps.to_string())),
@@ -97,7 +97,7 @@ fn controller() -> Vec<Column> {
     columns
 }
 
-fn number(name: &str, value: impl Fn(&Row) -> f64 + 'static) -> Column {
+fn number(name: &str, value: impl Fn(&TrajectoryRow) -> f64 + 'static) -> CsvColumn {
     let cell = move |value: f64| if value.is_finite() { format!("{value:.9}") } else { String::new() };
     (name.into(), Box::new(move |row| cell(value(row))))
 }
@@ -105,16 +105,16 @@ fn number(name: &str, value: impl Fn(&Row) -> f64 + 'static) -> Column {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::record::fake::FakeWalk;
+    use crate::analysis::synthetic::SyntheticWalk;
     use messages::scene::Scene;
 
     #[test]
-    fn the_table_has_a_row_per_kept_record_and_every_cell() {
-        let (fake, mut recorder) = (FakeWalk::new(0.06), Recorder::new(&Scene::default()));
+    fn the_table_has_a_line_per_row_and_all_cells() {
+        let (walk, mut analysis) = (SyntheticWalk::new(0.06), RunAnalysis::new(&Scene::default()));
         for seq in 0..=2000 {
-            recorder.push(&fake.truth(seq, seq as f64 * 1e-3));
+            analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
         }
-        let table = table(&recorder);
+        let table = table(&analysis);
         let mut lines = table.lines().skip_while(|line| line.starts_with('#'));
         let header: Vec<_> = lines.next().unwrap().split(',').collect();
         // time, pose 7, joints 3 x 8, com 6, zmp 2, soles 2 x 5, normals 8, controller 9
@@ -125,7 +125,7 @@ mod tests {
         let column = |name: &str| header.iter().position(|column| *column == name).unwrap();
         assert_eq!(rows[400][column("time_s")].parse::<f64>().unwrap(), 2.0);
         let com: f64 = rows[400][column("com_y_m")].parse().unwrap();
-        assert!((com - recorder.rows[400].sample.com.y).abs() < 1e-9);
+        assert!((com - analysis.rows[400].derived.com.y).abs() < 1e-9);
         assert_eq!(rows[400][column("phase")], "walk");
     }
 
@@ -133,9 +133,9 @@ mod tests {
     fn a_robot_without_feet_or_joints_has_fewer_columns() {
         let mut scene = Scene::default();
         scene.bodies.retain(|body| body.name == messages::robot::TRUNK);
-        let mut recorder = Recorder::new(&scene);
-        recorder.push(&FakeWalk::new(0.0).truth(0, 0.0));
-        let table = table(&recorder);
+        let mut analysis = RunAnalysis::new(&scene);
+        analysis.push(&SyntheticWalk::new(0.0).truth(0, 0.0));
+        let table = table(&analysis);
         let widths: Vec<_> =
             table.lines().skip_while(|line| line.starts_with('#')).map(|l| l.split(',').count()).collect();
         assert_eq!(widths, [1 + 7 + 6 + 2 + 9; 2]);

@@ -1,8 +1,8 @@
-//! `biped convert --mcap`: a recording as a whole MCAP file with its index, whatever cut it short.
+//! `biped convert --mcap`: copies a recording, complete or truncated, into a complete MCAP file with index.
 
-use super::file::{CHUNK, Mcap, create};
-use super::reader::Reader;
-use super::records::Records;
+use super::mcap_file::{CHUNK_BYTES, McapWriter, create};
+use super::reader::RecordingReader;
+use super::record_stream::RecordStream;
 use mcap::records::Record;
 use mcap::{MAGIC, McapError, McapResult};
 use shared::exit::{Exit, Failure, unless};
@@ -10,53 +10,53 @@ use shared::output::{Draft, keeps, say, tell, unwritten};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
-/// Rewrites it.
+/// Copies the recording.
 ///
 /// # Errors
-/// See [`Reader::open`]; or if the new file cannot be written.
+/// See [`RecordingReader::open`]. Also if the new file cannot be written.
 pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     keeps(from, to)?;
-    Reader::open(from)?; // refuses what is not ours
+    RecordingReader::open(from)?; // refuses a file that is not a recording of this program
     let mut records = messages::file::open(from)
-        .map(Records::of)
+        .map(RecordStream::new)
         .map_err(|error| Failure::new(Exit::Usage, format!("{}: cannot be opened: {error}", from.display())))?;
     let draft = Draft::of(to, MAGIC).map_err(|error| unwritten(to, &error))?;
     let mut file = draft.file.try_clone().map_err(McapError::from).and_then(create).map_err(|e| unwritten(to, &e))?;
-    let (mut waiting, mut cut) = (0, Some("it was not ended in order".to_string()));
+    let (mut unflushed_bytes, mut truncated_by) = (0, Some("the file has no index".to_string()));
     while let Some(record) = records.next() {
         unless(stop)?;
         let copied = record.and_then(|(opcode, data)| {
-            waiting += data.len();
+            unflushed_bytes += data.len();
             mcap::parse_record(opcode, data)
         });
         match copied.and_then(|record| copy(&mut file, &record)) {
             Ok(None) => (),
-            Ok(Some(in_order)) => {
-                cut = cut.filter(|_| !in_order);
+            Ok(Some(is_complete)) => {
+                truncated_by = truncated_by.filter(|_| !is_complete);
                 break;
             }
             Err(error) => {
-                cut = Some(error.to_string());
+                truncated_by = Some(error.to_string());
                 break;
             }
         }
-        if waiting > CHUNK {
+        if unflushed_bytes > CHUNK_BYTES {
             file.flush().map_err(|error| unwritten(to, &error))?;
-            waiting = 0;
+            unflushed_bytes = 0;
         }
     }
     let summary = file.finish().map_err(|error| unwritten(to, &error))?;
     draft.keep().map_err(|error| unwritten(to, &error))?;
     let count = summary.stats.map_or(0, |stats| stats.message_count);
-    say(format_args!("{}: {count} messages, with their index\n", to.display()));
-    if let Some(why) = cut {
-        tell(format_args!("{} is cut short: {why}; {} has all before that", from.display(), to.display()));
+    say(format_args!("{}: {count} messages, with index\n", to.display()));
+    if let Some(why) = truncated_by {
+        tell(format_args!("{} is cut short: {why}; {} contains everything before that", from.display(), to.display()));
     }
     Ok(())
 }
 
-/// Copies a record; at the end of the old file, whether that was ended in order.
-fn copy(file: &mut Mcap, record: &Record) -> McapResult<Option<bool>> {
+/// Copies a record. Returns `Some` at the footer of the old file: true if that file has an index.
+fn copy(file: &mut McapWriter, record: &Record) -> McapResult<Option<bool>> {
     match record {
         Record::Metadata(metadata) => file.write_metadata(metadata)?,
         Record::Schema { header, data } => {
@@ -68,7 +68,7 @@ fn copy(file: &mut Mcap, record: &Record) -> McapResult<Option<bool>> {
         }
         Record::Message { header, data } => file.write_to_known_channel(header, data)?,
         Record::Footer(footer) => return Ok(Some(footer.summary_start > 0)),
-        _ => (), // of the old file
+        _ => (), // chunks and index of the old file
     }
     Ok(None)
 }

@@ -1,58 +1,58 @@
-//! What was asked of a run, and what became of it. A run that nobody spoke to repeats to the bit; one that somebody did, does with
-//! these.
+//! The requests that a session answered. A run without requests is reproducible bit for bit. A run with requests is
+//! reproducible together with this list.
 
 use messages::port::{Action, Verdict};
 use messages::wire::{REQUESTS, Served};
 use serde::Serialize;
 
-/// So many are listed; more are counted.
-const LISTED: usize = 1000;
+/// Number of requests that are stored; further ones are only counted.
+const MAX_STORED: usize = 1000;
 
-/// The requests of a run, in the order in which they were answered.
+/// The requests of a run, in the order of the answers.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Requests {
-    /// The first of them.
-    pub list: Vec<Answered>,
-    /// All.
+pub struct RequestLog {
+    /// The first [`MAX_STORED`] requests.
+    pub list: Vec<RequestRecord>,
+    /// Number of all requests.
     pub count: u64,
 }
 
-/// A request that was answered: its values are those of its kind alone.
+/// An answered request. Only the values that its kind has are present.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Answered {
+pub struct RequestRecord {
     /// Simulated time at which it took effect [s].
     pub time_s: f64,
-    /// As the wire names it.
+    /// Kind, as named in the wire format.
     pub kind: &'static str,
-    /// `done`, or why not.
+    /// `done`, or the reason for the refusal.
     pub answer: &'static str,
-    /// Number of the body that was pushed, in the scene.
+    /// Push: index of the body in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<usize>,
-    /// Of a push, in the world [N·s].
+    /// Push: impulse in the world frame [N·s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub impulse_ns: Option<[f64; 3]>,
-    /// Of a push [s].
+    /// Push: duration [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub over_s: Option<f64>,
-    /// Control periods that were to be run.
+    /// Step: number of control periods.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub periods: Option<u64>,
-    /// Seed of the new run.
+    /// Reset: seed of the new run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub seed: Option<u64>,
-    /// Period of two steps [s].
+    /// Set: period of two steps [s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub period_s: Option<f64>,
-    /// Walking speed [m/s].
+    /// Set: walking speed [m/s].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub speed_mps: Option<f64>,
 }
 
-impl Answered {
-    /// As it came over the wire.
-    pub fn of(served: &Served) -> Answered {
-        let mut asked = Answered {
+impl RequestRecord {
+    /// The record of a wire message.
+    pub fn new(served: &Served) -> RequestRecord {
+        let mut record = RequestRecord {
             time_s: served.stamp.sim_ns as f64 * 1e-9,
             kind: REQUESTS.get(served.request.kind as usize).copied().unwrap_or("unknown"),
             answer: Verdict::text(served.verdict),
@@ -66,19 +66,19 @@ impl Answered {
         };
         match Action::decode(&served.request) {
             Ok(Action::Push { body, impulse, duration }) => {
-                (asked.body, asked.impulse_ns, asked.over_s) = (Some(body), Some(impulse), Some(duration));
+                (record.body, record.impulse_ns, record.over_s) = (Some(body), Some(impulse), Some(duration));
             }
-            Ok(Action::Step { periods }) => asked.periods = Some(periods),
-            Ok(Action::Reset { seed }) => asked.seed = seed,
-            Ok(Action::Set { period, speed }) => (asked.period_s, asked.speed_mps) = (period, speed),
+            Ok(Action::Step { periods }) => record.periods = Some(periods),
+            Ok(Action::Reset { seed }) => record.seed = seed,
+            Ok(Action::Set { period, speed }) => (record.period_s, record.speed_mps) = (period, speed),
             Ok(Action::Pause | Action::Resume | Action::Rearm) | Err(_) => (),
         }
-        asked
+        record
     }
 
-    /// In a few words, for a line.
-    pub fn words(&self) -> String {
-        let Answered { kind, answer, time_s, .. } = self;
+    /// One line of text.
+    pub fn text(&self) -> String {
+        let RequestRecord { kind, answer, time_s, .. } = self;
         let values = [
             self.impulse_ns.map(|[x, y, z]| format!("{x},{y},{z} N·s")),
             self.body.map(|body| format!("body {body}")),
@@ -96,23 +96,23 @@ impl Answered {
     }
 }
 
-impl Requests {
-    /// One more.
+impl RequestLog {
+    /// Adds a request.
     pub fn push(&mut self, served: &Served) {
         self.count += 1;
-        if self.list.len() < LISTED {
-            self.list.push(Answered::of(served));
+        if self.list.len() < MAX_STORED {
+            self.list.push(RequestRecord::new(served));
         }
     }
 
-    /// The first few in words; nothing if there were none.
-    pub fn words(&self) -> String {
+    /// The first few requests as text. Empty without requests.
+    pub fn text(&self) -> String {
         const SHOWN: usize = 5;
-        let mut words: Vec<String> = self.list.iter().take(SHOWN).map(Answered::words).collect();
+        let mut texts: Vec<String> = self.list.iter().take(SHOWN).map(RequestRecord::text).collect();
         if self.count > SHOWN as u64 {
-            words.push(format!("{} more", self.count - SHOWN as u64));
+            texts.push(format!("{} more", self.count - SHOWN as u64));
         }
-        words.join("; ")
+        texts.join("; ")
     }
 }
 
@@ -127,24 +127,24 @@ mod tests {
     }
 
     #[test]
-    fn a_request_is_told_with_its_values_and_its_answer() {
+    fn the_text_of_a_request_contains_its_values_and_its_answer() {
         let push = Action::Push { body: 4, impulse: [0.0, 3.0, 0.0], duration: 0.05 };
-        let asked = Answered::of(&served(push, Verdict::Done));
-        assert_eq!(asked.words(), "push 0,3,0 N·s body 4 at 1.500 s");
-        let json = serde_json::to_value(&asked).unwrap();
+        let record = RequestRecord::new(&served(push, Verdict::Done));
+        assert_eq!(record.text(), "push 0,3,0 N·s body 4 at 1.500 s");
+        let json = serde_json::to_value(&record).unwrap();
         let keys = json.as_object().unwrap().keys().cloned().collect::<Vec<_>>();
         assert_eq!(keys, ["answer", "body", "impulse_ns", "kind", "over_s", "time_s"]);
         let refused =
-            Answered::of(&served(Action::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).words();
+            RequestRecord::new(&served(Action::Set { period: None, speed: Some(99.0) }, Verdict::OutOfRange)).text();
         assert_eq!(refused, "set speed 99 m/s at 1.500 s (refused: a number is out of range)");
     }
 
     #[test]
-    fn however_many_there_are_the_list_is_bounded_and_the_count_true() {
-        let mut requests = Requests::default();
-        assert_eq!(requests.words(), "");
+    fn the_list_is_bounded_and_the_count_is_exact() {
+        let mut requests = RequestLog::default();
+        assert_eq!(requests.text(), "");
         (0..5000).for_each(|_| requests.push(&served(Action::Pause, Verdict::Done)));
-        assert_eq!((requests.list.len(), requests.count), (LISTED, 5000));
-        assert!(requests.words().ends_with("; 4995 more"));
+        assert_eq!((requests.list.len(), requests.count), (MAX_STORED, 5000));
+        assert!(requests.text().ends_with("; 4995 more"));
     }
 }

@@ -1,12 +1,12 @@
-//! What one [`Truth`] says about the whole robot: centre of mass, soles, loads, zero-moment point.
+//! Quantities derived from one [`Truth`] record: centre of mass, soles, loads, zero-moment point.
 
-use super::robot::{Foot, Placed, Robot};
+use super::kinematic_tree::{BodyState, FootGeometry, KinematicTree};
 use messages::wire::{CONTACTS, Truth};
 use nalgebra::{Point3, Vector2, Vector3};
 
-/// Everything derived from one sample; world frame W.
+/// Quantities derived from one record, in the world frame W.
 #[derive(Clone, Debug)]
-pub struct Sample {
+pub struct DerivedState {
     /// Simulated time [s].
     pub time: f64,
     /// Centre of mass [m].
@@ -14,52 +14,52 @@ pub struct Sample {
     /// Its velocity [m/s].
     pub com_velocity: Vector3<f64>,
     /// Soles of the left and right foot.
-    pub soles: Option<[Sole; 2]>,
-    /// Zero-moment point on the ground, x and y [m]; NaN while nothing carries the robot.
+    pub soles: Option<[SoleState; 2]>,
+    /// Zero-moment point on the ground, x and y [m]. NaN without contact force.
     pub zmp: Vector2<f64>,
-    /// Normal force on all contact points together [N].
+    /// Sum of the normal forces on all contact points [N].
     pub load: f64,
-    /// Height of the lowest contact point [m]; infinite if the robot has none.
+    /// Height of the lowest contact point [m]. Infinite if the robot has none.
     pub clearance: f64,
     /// Height of the trunk's centre of mass [m].
     pub trunk_height: f64,
-    /// Angle between the trunk's and the world's vertical [rad].
+    /// Angle between the z axes of the trunk and the world [rad].
     pub trunk_tilt: f64,
 }
 
 /// The sole of one foot.
 #[derive(Clone, Copy, Debug)]
-pub struct Sole {
-    /// Its centre [m].
+pub struct SoleState {
+    /// Centre [m].
     pub centre: Vector3<f64>,
-    /// Heading of the foot on the ground, a unit vector.
+    /// Heading of the foot: a horizontal unit vector.
     pub heading: Vector2<f64>,
     /// Angle between the sole and the ground [rad].
     pub tilt: f64,
     /// Normal force on its contact points [N].
     pub load: f64,
-    /// Least distance of the zero-moment point inside the sole's edge; negative outside [m].
+    /// Distance of the zero-moment point from the edge of the sole; negative outside [m].
     pub zmp_margin: f64,
 }
 
-impl Sample {
-    /// Derives everything from one record; `placed` as [`Robot::place`] gives it for the same record.
-    pub fn new(robot: &Robot, truth: &Truth, placed: &[Placed]) -> Self {
-        let (com, com_velocity) = robot.com(placed);
+impl DerivedState {
+    /// Derives the quantities from a record. `states` is the result of [`KinematicTree::body_states`] for that record.
+    pub fn new(robot: &KinematicTree, truth: &Truth, states: &[BodyState]) -> Self {
+        let (com, com_velocity) = robot.com(states);
         let (mut load, mut moment, mut clearance) = (0.0, Vector2::zeros(), f64::INFINITY);
         for (&(body, ball), force) in robot.contacts.iter().zip(normal_forces(truth)) {
-            let point = placed[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
+            let point = states[body].pose * Point3::from(ball.at) - Vector3::z() * ball.radius;
             load += force;
             moment += force * point.xy().coords;
             clearance = clearance.min(point.z);
         }
         let zmp = if load > 0.0 { moment / load } else { Vector2::repeat(f64::NAN) };
-        let trunk = robot.bodies.get(robot.trunk).map(|body| (placed[robot.trunk].pose, body));
-        Sample {
+        let trunk = robot.bodies.get(robot.trunk).map(|body| (states[robot.trunk].pose, body));
+        DerivedState {
             time: truth.stamp.sim_ns as f64 * 1e-9,
             com,
             com_velocity,
-            soles: robot.feet.as_ref().map(|feet| feet.each_ref().map(|foot| sole(robot, truth, placed, foot, zmp))),
+            soles: robot.feet.as_ref().map(|feet| feet.each_ref().map(|foot| sole(robot, truth, states, foot, zmp))),
             zmp,
             load,
             clearance,
@@ -68,14 +68,14 @@ impl Sample {
         }
     }
 
-    /// Index of the foot that carries more; `None` in the air or without feet.
+    /// Index of the foot with the greater load. `None` in flight or without feet.
     pub fn loaded_foot(&self) -> Option<usize> {
         let [left, right] = self.soles.as_ref()?;
         (left.load + right.load > 0.0).then_some(usize::from(right.load > left.load))
     }
 
-    /// The only foot that carries, if it carries everything.
-    pub fn single_support(&self) -> Option<&Sole> {
+    /// The sole of the support foot in single support.
+    pub fn single_support(&self) -> Option<&SoleState> {
         match self.soles.as_ref()? {
             [left, right] if right.load == 0.0 && left.load > 0.0 => Some(left),
             [left, right] if left.load == 0.0 && right.load > 0.0 => Some(right),
@@ -89,8 +89,14 @@ pub fn normal_forces(truth: &Truth) -> [f64; CONTACTS] {
     std::array::from_fn(|i| truth.contact_force[3 * i + 2])
 }
 
-fn sole(robot: &Robot, truth: &Truth, placed: &[Placed], foot: &Foot, zmp: Vector2<f64>) -> Sole {
-    let pose = placed[foot.body].pose;
+fn sole(
+    robot: &KinematicTree,
+    truth: &Truth,
+    states: &[BodyState],
+    foot: &FootGeometry,
+    zmp: Vector2<f64>,
+) -> SoleState {
+    let pose = states[foot.body].pose;
     let centre = (pose * foot.sole).coords;
     let (forward, up) = (pose.rotation * Vector3::x(), pose.rotation * Vector3::z());
     let load = (robot.contacts.iter().zip(normal_forces(truth)))
@@ -98,26 +104,26 @@ fn sole(robot: &Robot, truth: &Truth, placed: &[Placed], foot: &Foot, zmp: Vecto
         .map(|(_, force)| force)
         .sum();
     let heading = forward.xy().try_normalize(0.0).unwrap_or(Vector2::x());
-    let mut sole = Sole { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
-    let arm = sole.arm(zmp);
-    sole.zmp_margin = (foot.half[0] - arm.x.abs()).min(foot.half[1] - arm.y.abs());
+    let mut sole = SoleState { centre, heading, tilt: tilt(up), load, zmp_margin: 0.0 };
+    let offset = sole.offset_to(zmp);
+    sole.zmp_margin = (foot.half[0] - offset.x.abs()).min(foot.half[1] - offset.y.abs());
     sole
 }
 
-impl Sole {
+impl SoleState {
     /// Heading of the foot [rad].
     pub fn yaw(&self) -> f64 {
         self.heading.y.atan2(self.heading.x)
     }
 
-    /// From the sole's centre to a point on the ground: along the heading, and to the left of it [m].
-    pub fn arm(&self, point: Vector2<f64>) -> Vector2<f64> {
-        let arm = point - self.centre.xy();
-        Vector2::new(self.heading.dot(&arm), self.heading.perp(&arm))
+    /// Vector from the sole's centre to a point on the ground: components along the heading and to its left [m].
+    pub fn offset_to(&self, point: Vector2<f64>) -> Vector2<f64> {
+        let offset = point - self.centre.xy();
+        Vector2::new(self.heading.dot(&offset), self.heading.perp(&offset))
     }
 }
 
-/// Angle of a unit vector to the vertical [rad], exact near zero.
+/// Angle between a unit vector and the vertical [rad]. Accurate near zero, unlike the arc cosine.
 fn tilt(up: Vector3<f64>) -> f64 {
     up.xy().norm().atan2(up.z)
 }

@@ -1,6 +1,6 @@
 //! What the page shows: frames of named numbers, and what stays as it is during a run.
 
-use crate::record::{Lateral, Recorder, Robot, Sample, Worst};
+use crate::analysis::{DerivedState, KinematicTree, LateralState, Peaks, RunAnalysis};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use messages::scene::Scene;
@@ -10,27 +10,27 @@ use serde_json::{Value, json};
 /// One instant: names of its quantities, and their values in SI units, W, or as the message has them. The page reads them in
 /// this order, as 32-bit floats: these are pictures.
 pub fn frame(
-    robot: &Robot,
+    robot: &KinematicTree,
     truth: &Truth,
-    sample: &Sample,
-    worst: &Worst,
+    derived: &DerivedState,
+    peaks: &Peaks,
     fallen: bool,
 ) -> Vec<(&'static str, Vec<f64>)> {
-    let joints = robot.joints().len().min(truth.angle.len());
-    let lateral = Lateral::new(sample)
+    let joints = robot.joint_names().len().min(truth.angle.len());
+    let lateral = LateralState::new(derived)
         .map_or([f64::NAN; 3], |lateral| [lateral.position, lateral.velocity, lateral.support as f64]);
-    let soles = sample.soles.iter().flatten();
+    let soles = derived.soles.iter().flatten();
     let tally = &truth.tally;
     let forces = &truth.contact_force[..3 * robot.contacts.len()];
     let ground = [0, 1, 2].map(|axis| forces.iter().skip(axis).step_by(3).sum::<f64>());
     vec![
-        ("time", vec![sample.time]),
+        ("time", vec![derived.time]),
         ("position", truth.base_position.to_vec()),
         ("orientation", truth.base_orientation.to_vec()),
         ("angle", truth.angle[..joints].to_vec()),
-        ("com", sample.com.as_slice().to_vec()),
-        ("velocity", sample.com_velocity.as_slice().to_vec()),
-        ("zmp", sample.zmp.as_slice().to_vec()),
+        ("com", derived.com.as_slice().to_vec()),
+        ("velocity", derived.com_velocity.as_slice().to_vec()),
+        ("zmp", derived.zmp.as_slice().to_vec()),
         (
             "soles",
             soles.flat_map(|sole| [sole.centre.x, sole.centre.y, sole.centre.z, sole.yaw(), sole.load]).collect(),
@@ -38,13 +38,13 @@ pub fn frame(
         ("lateral", lateral.to_vec()),
         ("force", forces.to_vec()),
         ("ground", ground.to_vec()),
-        ("torque", worst.torque[..joints].to_vec()),
+        ("torque", peaks.torque[..joints].to_vec()),
         ("energy", truth.telemetry.energy.to_vec()),
         ("reference", truth.telemetry.energy_ref.to_vec()),
-        ("residual", vec![worst.natural_map, worst.signorini]),
-        ("age", vec![f64::from(worst.age)]),
-        ("reply", vec![worst.reply_ns as f64 * 1e-6]),
-        ("late", vec![worst.late_ns as f64 * 1e-6]),
+        ("residual", vec![peaks.natural_map, peaks.signorini]),
+        ("age", vec![f64::from(peaks.age)]),
+        ("reply", vec![peaks.reply_ns as f64 * 1e-6]),
+        ("late", vec![peaks.late_ns as f64 * 1e-6]),
         ("phase", vec![f64::from(truth.telemetry.phase)]),
         ("support", vec![f64::from(truth.telemetry.support)]),
         ("steps", vec![truth.telemetry.steps as f64]),
@@ -61,10 +61,10 @@ pub fn bytes(frame: &[(&'static str, Vec<f64>)]) -> impl Iterator<Item = u8> {
 }
 
 /// What stays as it is during a run: the robot, and how a frame is laid out.
-pub fn about(robot: &Robot, scene: &Scene) -> Value {
+pub fn run_info(robot: &KinematicTree, scene: &Scene) -> Value {
     let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
-    let sample = Sample::new(robot, &truth, &robot.place(&truth));
-    let layout: Vec<_> = frame(robot, &truth, &sample, &Worst::default(), false)
+    let derived = DerivedState::new(robot, &truth, &robot.body_states(&truth));
+    let layout: Vec<_> = frame(robot, &truth, &derived, &Peaks::default(), false)
         .into_iter()
         .map(|(name, values)| json!([name, values.len()]))
         .collect();
@@ -78,7 +78,7 @@ pub fn about(robot: &Robot, scene: &Scene) -> Value {
         "contacts": contacts,
         "feet": feet,
         "trunk": robot.trunk,
-        "joints": robot.joints(),
+        "joints": robot.joint_names(),
         "phases": PHASES,
         "states": STATES,
         "driven": scene.controller.is_some(),
@@ -88,12 +88,12 @@ pub fn about(robot: &Robot, scene: &Scene) -> Value {
 }
 
 /// All that was recorded.
-pub fn film(recorder: &Recorder) -> String {
-    let (rows, fall) = (recorder.rows.iter(), recorder.extremes.fall);
+pub fn trajectory(analysis: &RunAnalysis) -> String {
+    let (rows, fall) = (analysis.rows.iter(), analysis.extrema.fall);
     let fallen = |time| fall.is_some_and(|fall| time >= fall);
     let bytes: Vec<u8> = rows
         .flat_map(|row| {
-            bytes(&frame(&recorder.robot, &row.truth, &row.sample, &row.worst, fallen(row.sample.time)))
+            bytes(&frame(&analysis.robot, &row.truth, &row.derived, &row.peaks, fallen(row.derived.time)))
                 .collect::<Vec<_>>()
         })
         .collect();

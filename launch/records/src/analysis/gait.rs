@@ -1,0 +1,181 @@
+//! Step detection from the motion alone: a step begins where the centre of mass crosses the midline between the soles.
+
+use super::derived::{DerivedState, SoleState};
+use nalgebra::{Vector2, Vector3};
+
+/// One step: from one change of the support foot to the next.
+#[derive(Clone, Debug)]
+pub struct GaitStep {
+    /// Time of the change of support at its start [s].
+    pub start: f64,
+    /// Centre of mass at that time [m].
+    pub com: Vector3<f64>,
+    /// Support foot: 0 left, 1 right.
+    pub support: usize,
+    /// Least lateral distance of the centre of mass from the support sole's centre, x_2 min [m].
+    pub x2_min: f64,
+    /// The support sole at the time of x_2 min: the footprint.
+    pub sole: SoleState,
+}
+
+/// State in the lateral plane in the support frame S. Axis 2 points from the support foot to the other foot.
+#[derive(Clone, Copy, Debug)]
+pub struct LateralState {
+    /// Support foot: 0 left, 1 right.
+    pub support: usize,
+    /// Distance x_c2 of the centre of mass from the support sole's centre [m].
+    pub position: f64,
+    /// Its rate [m/s].
+    pub velocity: f64,
+    /// Signed distance from the midline, positive on the left [m].
+    offset: f64,
+    /// Distance between the soles' centres [m].
+    width: f64,
+}
+
+impl LateralState {
+    /// The lateral state of a record. The foot on the same side of the midline as the centre of mass is the support foot.
+    /// The lateral direction is perpendicular to the mean heading of the feet. `None` without feet.
+    pub fn new(derived: &DerivedState) -> Option<Self> {
+        let [left, right] = derived.soles.as_ref()?;
+        let heading = (left.heading + right.heading).try_normalize(0.0).unwrap_or(left.heading);
+        let across = Vector2::new(-heading.y, heading.x);
+        let lateral = |vector: Vector2<f64>| across.dot(&vector);
+        let (l, r, c) = (lateral(left.centre.xy()), lateral(right.centre.xy()), lateral(derived.com.xy()));
+        let offset = c - (l + r) / 2.0;
+        let rate = lateral(derived.com_velocity.xy());
+        let (support, position, velocity) = if offset >= 0.0 { (0, l - c, -rate) } else { (1, c - r, rate) };
+        Some(LateralState { support, position, velocity, offset, width: (l - r).abs() })
+    }
+}
+
+/// Detects steps, record by record.
+#[derive(Default)]
+pub struct StepDetector {
+    /// All steps. The last one may not have ended yet.
+    pub steps: Vec<GaitStep>,
+    side: Option<usize>,
+    /// Time, centre of mass and lateral state of the previous record.
+    previous: Option<(f64, Vector3<f64>, LateralState)>,
+    /// Time and centre of mass of the latest midline crossing.
+    crossing: Option<(f64, Vector3<f64>)>,
+    /// Least x_c2 since the crossing, and the support sole at that time.
+    turning_point: Option<(f64, SoleState)>,
+}
+
+impl StepDetector {
+    /// A crossing starts a step only once the centre of mass is this fraction of the distance of the soles beyond the
+    /// midline. Without this threshold, rounding errors of a standing robot would count as steps.
+    const DEAD_BAND: f64 = 0.01;
+
+    /// Processes the next record.
+    pub fn push(&mut self, derived: &DerivedState) {
+        let Some((state, soles)) = LateralState::new(derived).zip(derived.soles) else { return };
+        if let Some((time, com, previous)) = &self.previous
+            && previous.support != state.support
+        {
+            let fraction = previous.offset / (previous.offset - state.offset);
+            self.crossing = Some((time + fraction * (derived.time - time), com.lerp(&derived.com, fraction)));
+            self.turning_point = None;
+        }
+        if self.turning_point.is_none_or(|(least, _)| state.position < least) {
+            self.turning_point = Some((state.position, soles[state.support]));
+        }
+        if state.offset.abs() > Self::DEAD_BAND * state.width {
+            if self.side.is_some_and(|side| side != state.support) {
+                self.start_step(state.support, soles[state.support]);
+            }
+            self.side = Some(state.support);
+        }
+        if let (Some(step), Some((least, sole))) = (self.steps.last_mut(), self.turning_point)
+            && step.support == state.support
+            && least < step.x2_min
+        {
+            (step.x2_min, step.sole) = (least, sole);
+        }
+        self.previous = Some((derived.time, derived.com, state));
+    }
+
+    fn start_step(&mut self, support: usize, sole: SoleState) {
+        if let Some((start, com)) = self.crossing {
+            self.steps.push(GaitStep { start, com, support, x2_min: f64::INFINITY, sole });
+        }
+    }
+
+    /// The steps that have ended.
+    pub fn complete(&self) -> &[GaitStep] {
+        self.steps.split_last().map_or(&[], |(_, done)| done)
+    }
+
+    /// Mean and standard deviation of the last `count` periods of two steps [s]. NaN without a period.
+    pub fn period(&self, count: usize) -> (f64, f64) {
+        let periods: Vec<f64> = self.steps.windows(3).rev().take(count).map(|w| w[2].start - w[0].start).collect();
+        let mean = mean(periods.iter().copied());
+        (mean, self::mean(periods.iter().map(|period| (period - mean).powi(2))).sqrt())
+    }
+
+    /// Mean of x_2 min over the last `count` complete steps [m]. NaN without a complete step.
+    pub fn x2_min(&self, count: usize) -> f64 {
+        mean(self.complete().iter().rev().take(count).map(|step| step.x2_min))
+    }
+
+    /// Mean forward speed over the whole periods in the second half of the walk [m/s]. NaN with fewer than three steps.
+    pub fn speed(&self) -> f64 {
+        let (Some(first), Some(last)) = (self.steps.first(), self.steps.last()) else { return f64::NAN };
+        let middle = (first.start + last.start) / 2.0;
+        (self.steps.iter().rev().step_by(2).skip(1))
+            .take_while(|step| step.start >= middle)
+            .last()
+            .or_else(|| self.steps.iter().rev().nth(2))
+            .map_or(f64::NAN, |step| (last.com.x - step.com.x) / (last.start - step.start))
+    }
+}
+
+/// Mean of the values. NaN without values.
+fn mean(values: impl Iterator<Item = f64>) -> f64 {
+    let (count, sum) = values.fold((0, 0.0), |(count, sum), value| (count + 1, sum + value));
+    if count == 0 { f64::NAN } else { sum / f64::from(count) }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::analysis::RunAnalysis;
+    use crate::analysis::synthetic::{RELEASE, STEP, SyntheticWalk};
+    use messages::scene::Scene;
+
+    /// Analyses a synthetic walk from standing until `end`, at 1 kHz.
+    fn walk(step_length: f64, end: f64) -> RunAnalysis {
+        let (walk, mut analysis) = (SyntheticWalk::new(step_length), RunAnalysis::new(&Scene::default()));
+        for seq in 0..=(end * 1e3) as u64 {
+            analysis.push(&walk.truth(seq, seq as f64 * 1e-3));
+        }
+        analysis
+    }
+
+    #[test]
+    fn the_gait_parameters_of_a_limit_cycle_are_exact() {
+        let analysis = walk(0.06, 8.0);
+        let (period, deviation) = analysis.gait.period(20);
+        assert!((period - 2.0 * STEP).abs() < 1e-6 && deviation < 1e-6, "{period} +- {deviation}");
+        assert!((analysis.gait.x2_min(20) - SyntheticWalk::x2_min()).abs() < 1e-9, "{}", analysis.gait.x2_min(20));
+        assert_eq!(analysis.gait.steps.len(), ((8.0 - RELEASE + STEP / 2.0) / STEP) as usize);
+        let supports: Vec<_> = analysis.gait.steps.iter().map(|step| step.support).collect();
+        assert!(supports.windows(2).all(|pair| pair[0] != pair[1]) && supports[0] == 1, "{supports:?}");
+        assert!((analysis.gait.speed() - 0.2).abs() < 1e-6, "{}", analysis.gait.speed());
+        assert_eq!(analysis.extrema.fall, None);
+    }
+
+    #[test]
+    fn standing_is_not_stepping() {
+        assert!(walk(0.06, 0.5).gait.steps.is_empty());
+        let mut analysis = RunAnalysis::new(&Scene::default());
+        let mut truth = SyntheticWalk::new(0.0).truth(0, 0.0);
+        for seq in 0..1000 {
+            // Rounding errors cross the midline at every record.
+            truth.base_position[1] = if seq % 2 == 0 { 1e-6 } else { -1e-6 };
+            truth.stamp.sim_ns = seq * 1_000_000;
+            analysis.push(&truth);
+        }
+        assert!(analysis.gait.steps.is_empty());
+    }
+}

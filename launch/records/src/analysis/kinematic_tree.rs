@@ -1,0 +1,290 @@
+//! Forward kinematics: pose and velocity of every body from the generalised coordinates in a [`Truth`].
+//!
+//! This module does not use the plant's kinematics. A record may contain a scene that the plant refuses, or come from
+//! another plant program. It must be shown as received, independently of our model. A test compares both kinematics.
+
+use messages::robot::{Body, JointKind, LEFT_FOOT, RIGHT_FOOT, Sphere, TRUNK};
+use messages::rotation::{aligned_axis, rotated, sin_cos_all};
+use messages::scene::Scene;
+use messages::wire::{CONTACTS, JOINTS, Truth};
+use nalgebra::{IsometryMatrix3, Point3, Quaternion, Rotation3, UnitQuaternion, Vector3};
+
+/// The scene's robot as a kinematic tree.
+pub struct KinematicTree {
+    /// Name of the robot.
+    pub name: String,
+    /// Bodies in the order of the scene.
+    pub bodies: Vec<Body>,
+    /// Contact points (radius zero) and contact spheres in wire order, each with the index of its body.
+    pub contacts: Vec<(usize, Sphere)>,
+    /// Left and right foot, if the robot has both.
+    pub feet: Option<[FootGeometry; 2]>,
+    /// Index of the body that fall detection observes: the trunk, or the base if no body has that name.
+    pub trunk: usize,
+    /// Joints, parents before children.
+    joints: Vec<TreeJoint>,
+    /// Body, position in its frame [m] and mass [kg]: the bodies' centres of mass, then the payload.
+    point_masses: Vec<(usize, Point3<f64>, f64)>,
+    /// Total mass, with the payload [kg].
+    pub mass: f64,
+}
+
+/// A foot and its flat rectangular sole.
+pub struct FootGeometry {
+    /// Index of the body.
+    pub body: usize,
+    /// Centre of the sole in the body's frame [m].
+    pub sole: Point3<f64>,
+    /// Half the depth and half the width of the sole [m].
+    pub half: [f64; 2],
+}
+
+/// Pose and velocity of one body in W.
+#[derive(Clone, Copy)]
+pub struct BodyState {
+    /// Transform from the body frame to W.
+    pub pose: IsometryMatrix3<f64>,
+    /// Velocity of the frame's origin [m/s].
+    pub velocity: Vector3<f64>,
+    /// Angular velocity [rad/s].
+    pub spin: Vector3<f64>,
+}
+
+/// A joint, and the body that it moves.
+struct TreeJoint {
+    body: usize,
+    parent: usize,
+    /// Index of the joint in wire order.
+    index: usize,
+    kind: JointKind,
+    /// Unit vector in the parent's frame.
+    axis: Vector3<f64>,
+    /// Index of the coordinate axis to which `axis` is parallel, if any: such a rotation needs fewer operations.
+    aligned_axis: Option<usize>,
+    /// Position of the joint in the parent's frame [m].
+    origin: Vector3<f64>,
+}
+
+impl KinematicTree {
+    /// The tree of the scene's bodies. A body without a connection to the base gets the pose of the base.
+    pub fn new(scene: &Scene) -> Self {
+        let bodies = scene.bodies.clone();
+        let find = |name: &str| bodies.iter().position(|body| body.name == name);
+        let base = bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
+        let or_base = |name: &str| find(name).unwrap_or(base);
+        let contacts = (bodies.iter().enumerate())
+            .flat_map(|(i, body)| body.contact_spheres().map(move |ball| (i, ball)))
+            .take(CONTACTS)
+            .collect();
+        let mut point_masses: Vec<_> =
+            (bodies.iter().enumerate()).map(|(i, body)| (i, body.com.into(), body.mass)).collect();
+        if !bodies.is_empty() {
+            let plant = &scene.plant;
+            point_masses.push((or_base(&plant.payload_body), plant.payload_offset.into(), plant.payload_kg));
+        }
+        let feet = find(LEFT_FOOT)
+            .zip(find(RIGHT_FOOT))
+            .map(|(left, right)| [left, right].map(|i| FootGeometry::new(i, &bodies[i])));
+        let (trunk, joints) = (or_base(TRUNK), sorted_joints(&bodies, base));
+        let mass = point_masses.iter().map(|point| point.2).sum();
+        KinematicTree { name: scene.robot_name().into(), bodies, contacts, feet, trunk, joints, point_masses, mass }
+    }
+
+    /// Names of the joints in wire order. A joint has the name of the body that it moves.
+    pub fn joint_names(&self) -> Vec<&str> {
+        self.bodies.iter().filter(|body| body.joint.is_some()).map(|body| body.name.as_str()).collect()
+    }
+
+    /// Pose and velocity of every body in W, in the order of the scene.
+    pub fn body_states(&self, truth: &Truth) -> Vec<BodyState> {
+        let mut states = Vec::new();
+        self.body_states_into(truth, &mut states);
+        states
+    }
+
+    /// As [`KinematicTree::body_states`], into an existing buffer.
+    pub fn body_states_into(&self, truth: &Truth, states: &mut Vec<BodyState>) {
+        let [w, x, y, z] = truth.base_orientation;
+        let base = BodyState {
+            pose: IsometryMatrix3::from_parts(
+                truth.base_position.into(),
+                UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)).into(),
+            ),
+            velocity: truth.base_velocity.into(),
+            spin: truth.base_spin.into(),
+        };
+        states.clear();
+        states.resize(self.bodies.len(), base);
+        let mut sines_and_cosines = [(0.0, 1.0); JOINTS];
+        sin_cos_all(&truth.angle, &mut sines_and_cosines);
+        for joint in &self.joints {
+            let k = joint.index;
+            let (position, sine_cosine, rate) =
+                if k < JOINTS { (truth.angle[k], sines_and_cosines[k], truth.rate[k]) } else { (0.0, (0.0, 1.0), 0.0) };
+            states[joint.body] = joint.child_state(&states[joint.parent], position, sine_cosine, rate);
+        }
+    }
+
+    /// Kinetic energy of the bodies and the payload [J].
+    pub fn kinetic(&self, states: &[BodyState]) -> f64 {
+        let translational = self.point_masses.iter().map(|&(body, place, mass)| {
+            let BodyState { pose, velocity, spin } = &states[body];
+            0.5 * mass * (velocity + spin.cross(&(pose.rotation * place.coords))).norm_squared()
+        });
+        let rotational = self.bodies.iter().zip(states).map(|(body, BodyState { pose, spin, .. })| {
+            let body_spin = pose.rotation.inverse() * spin;
+            0.5 * body_spin.component_mul(&body_spin).dot(&Vector3::from(body.moments()))
+        });
+        translational.sum::<f64>() + rotational.sum::<f64>()
+    }
+
+    /// Centre of mass of a body in W [m].
+    pub fn centre(&self, states: &[BodyState], body: usize) -> Vector3<f64> {
+        let found = self.bodies.get(body).zip(states.get(body));
+        found.map_or(Vector3::zeros(), |(body, state)| (state.pose * Point3::from(body.com)).coords)
+    }
+
+    /// Height of the lowest point of a contact sphere [m].
+    pub fn height(&self, states: &[BodyState], body: usize, ball: &Sphere) -> f64 {
+        (states[body].pose * Point3::from(ball.at)).z - ball.radius
+    }
+
+    /// Centre of mass in W [m] and its velocity [m/s]. NaN for a robot without mass.
+    pub fn com(&self, states: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
+        let mut sum = (Vector3::zeros(), Vector3::zeros());
+        for &(body, place, mass) in &self.point_masses {
+            let arm = states[body].pose.rotation * place.coords;
+            sum.0 += mass * (states[body].pose.translation.vector + arm);
+            sum.1 += mass * (states[body].velocity + states[body].spin.cross(&arm));
+        }
+        (sum.0 / self.mass, sum.1 / self.mass)
+    }
+}
+
+impl FootGeometry {
+    /// The sole is the bounding rectangle of the body's contact points. Without contact points it is the bottom of the box.
+    fn new(index: usize, body: &Body) -> Self {
+        let [depth, width, height] = body.size;
+        if body.contacts.is_empty() {
+            let sole = Point3::from(body.com) - Vector3::z() * height / 2.0;
+            return FootGeometry { body: index, sole, half: [depth / 2.0, width / 2.0] };
+        }
+        let span = |axis: usize| {
+            let values = body.contacts.iter().map(move |point| point[axis]);
+            (values.clone().fold(f64::INFINITY, f64::min), values.fold(f64::NEG_INFINITY, f64::max))
+        };
+        let [x, y, z] = [span(0), span(1), span(2)];
+        let sole = Point3::new((x.0 + x.1) / 2.0, (y.0 + y.1) / 2.0, z.0);
+        FootGeometry { body: index, sole, half: [(x.1 - x.0) / 2.0, (y.1 - y.0) / 2.0] }
+    }
+}
+
+impl TreeJoint {
+    /// State of the child body for a joint position, its sine and cosine, and the joint rate.
+    fn child_state(&self, parent: &BodyState, position: f64, sine_cosine: (f64, f64), rate: f64) -> BodyState {
+        let rotation = &parent.pose.rotation;
+        let axis = rotation * self.axis;
+        let joint_origin = rotation * self.origin;
+        let (turned, arm, joint_velocity, joint_spin) = match self.kind {
+            JointKind::Revolute => {
+                let turned = rotated(rotation.matrix(), &self.axis, self.aligned_axis, sine_cosine);
+                (Rotation3::from_matrix_unchecked(turned), joint_origin, Vector3::zeros(), axis * rate)
+            }
+            JointKind::Prismatic => (*rotation, joint_origin + axis * position, axis * rate, Vector3::zeros()),
+        };
+        let origin = parent.pose.translation.vector + arm;
+        BodyState {
+            pose: IsometryMatrix3::from_parts(origin.into(), turned),
+            velocity: parent.velocity + parent.spin.cross(&arm) + joint_velocity,
+            spin: parent.spin + joint_spin,
+        }
+    }
+}
+
+/// The joints that are connected to the base, parents before children.
+fn sorted_joints(bodies: &[Body], base: usize) -> Vec<TreeJoint> {
+    let mut remaining: Vec<TreeJoint> = (bodies.iter().enumerate())
+        .filter_map(|(i, body)| body.joint.as_ref().map(|joint| (i, joint)))
+        .enumerate()
+        .filter_map(|(number, (body, joint))| {
+            let parent = bodies.iter().position(|other| other.name == joint.parent)?;
+            let axis = Vector3::from(joint.axis).normalize();
+            let aligned_axis = aligned_axis(&axis);
+            Some(TreeJoint {
+                body,
+                parent,
+                index: number,
+                kind: joint.kind,
+                axis,
+                aligned_axis,
+                origin: joint.at.into(),
+            })
+        })
+        .collect();
+    let (mut reached, mut joints) = (vec![base], Vec::new());
+    while let Some(next) = remaining.iter().position(|joint| reached.contains(&joint.parent)) {
+        reached.push(remaining[next].body);
+        joints.push(remaining.remove(next));
+    }
+    joints
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::synthetic::SyntheticWalk;
+    use messages::load::load;
+    use messages::wire::Torques;
+    use plant::kinematics::{self, Pose};
+    use shared::list::SCENES;
+
+    #[test]
+    fn the_kinematics_equal_those_of_the_plant() {
+        for name in ["free", "stand0", "rock"] {
+            let scene = load(name, &[], SCENES).unwrap();
+            let mut plant = plant::Plant::new(&scene).unwrap();
+            for _ in 0..50 {
+                plant.advance(&Torques::default()).unwrap();
+            }
+            let mut pose = Pose::new(plant.model());
+            kinematics::pose(plant.model(), plant.state(), &mut pose);
+            let totals = kinematics::totals(plant.model(), plant.state(), &pose);
+            let robot = KinematicTree::new(&scene);
+            let states = robot.body_states(&plant.truth());
+            let (com, velocity) = robot.com(&states);
+            let off = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
+            let ends = plant.model().body_link.iter().zip(&states).map(|(&link, body)| {
+                let point = Vector3::new(0.3, -0.2, 0.1);
+                (pose.point(link, &point) - (body.pose * Point3::from(point)).coords).norm()
+            });
+            assert!(ends.fold(off, f64::max) < 1e-12, "{name}: off by {off:e} in the mass");
+        }
+    }
+
+    #[test]
+    fn velocities_are_the_derivatives_of_positions() {
+        let (walk, robot) = (SyntheticWalk::new(0.06), KinematicTree::new(&Scene::default()));
+        for time in [1.0, 1.7, 3.21, 5.05] {
+            let com = |time| robot.com(&robot.body_states(&walk.truth(0, time)));
+            let slope = (com(time + 1e-5).0 - com(time - 1e-5).0) / 2e-5;
+            let error = (slope - com(time).1).norm();
+            assert!(error < 1e-6, "CoM velocity off by {error} m/s at {time} s");
+        }
+    }
+
+    #[test]
+    fn a_payload_moves_the_centre_of_mass() {
+        let mut scene = Scene::default();
+        let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
+        let com = |scene: &Scene| {
+            let robot = KinematicTree::new(scene);
+            robot.com(&robot.body_states(&truth)).0
+        };
+        let before = com(&scene);
+        (scene.plant.payload_kg, scene.plant.payload_offset) = (2.0, [0.1, 0.0, 0.3]);
+        let expected = (before * 14.0 + Vector3::new(0.2, 0.0, 0.6)) / 16.0;
+        assert!((com(&scene) - expected).norm() < 1e-14);
+        // The upright robot of Table 1, from the trunk's centre .65 m above the soles.
+        assert!((before.z + 0.65 - 0.3196).abs() < 5e-5, "{before}");
+    }
+}
