@@ -7,7 +7,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "list", "model"]),
     ("Look at a run", &["view", "top", "info", "convert", "replay"]),
     ("Talk to a running session", &["pause", "resume", "step", "reset", "push", "set", "rearm"]),
-    ("Bring your own", &["plant", "controller", "session", "wire", "conform", "export", "tunnel"]),
+    ("Bring your own", &["new", "plant", "controller", "session", "wire", "conform", "export", "tunnel"]),
     ("Measure", &["chart", "study", "robustness", "latency", "faults", "soak", "contact"]),
     ("Look after the machine", &["doctor", "clean"]),
 ];

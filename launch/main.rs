@@ -18,7 +18,7 @@ use clap::{FromArgMatches, Parser, Subcommand};
 use laboratory::{chart, conform, contact, faults, hashes, latency, robustness, soak, study};
 use nix::sys::signal::{SigSet, Signal};
 use records::{recording, top, view};
-use sessions::{allowance, children, desk, doctor, environment, export, model, roles, run, tunnel, wire};
+use sessions::{allowance, children, desk, doctor, environment, export, model, roles, run, scaffold, tunnel, wire};
 use shared::args::SceneArgs;
 use shared::exit::{self, Exit, Failure};
 use shared::list;
@@ -64,6 +64,9 @@ enum Command {
     Plant(roles::RoleArgs),
     /// Start the controller of a session
     Controller(roles::RoleArgs),
+    /// Make a controller, scene or robot of your own to begin from
+    #[command(subcommand)]
+    New(scaffold::NewArgs),
     /// Print what a controller needs to attach to a running session
     Session(environment::EnvironmentArgs),
     #[command(flatten)]
@@ -142,6 +145,7 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
         Some(Command::Contact(args)) => contact::run(&args),
         Some(Command::Plant(args)) => roles::plant(&args, stop),
         Some(Command::Controller(args)) => roles::controller(&args, stop),
+        Some(Command::New(args)) => scaffold::run(&args),
         Some(Command::Session(args)) => environment::run(&args, stop),
         Some(Command::Desk(wish)) => desk::run(wish),
         Some(Command::View(args)) => view::run(&args, stop),

@@ -13,7 +13,7 @@
 
 mod mjcf;
 mod robot;
-mod toml;
+pub mod toml;
 mod urdf;
 
 use clap::{Args, ValueEnum};

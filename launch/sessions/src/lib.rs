@@ -13,6 +13,7 @@ pub mod process;
 pub mod realtime;
 pub mod roles;
 pub mod run;
+pub mod scaffold;
 pub mod swap;
 pub mod tunnel;
 pub mod wire;
