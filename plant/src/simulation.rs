@@ -1,8 +1,9 @@
 //! A run: the plant, the command pipeline before its drives, and the count of its control periods.
 
+use crate::error::PlantError;
 use crate::intake::Intake;
+use crate::step::Plant;
 use crate::watchdog::Mode;
-use crate::{Plant, PlantError};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, Sensors, Stamp, Truth};
 

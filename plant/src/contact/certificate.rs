@@ -14,9 +14,10 @@
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
+use super::law::approach_offset;
+use super::problem::Problem;
 use super::projection::{norm, project_on_cone};
 use super::tolerance::{ABOVE_ROUNDING, NO_DIRECTION, ROUNDING, SOLVED};
-use super::{Problem, approach_offset};
 use messages::scene::Law;
 use std::ops::Range;
 

@@ -27,7 +27,10 @@ mod square_cone;
 mod status;
 mod vector;
 
-use super::{Memory, Problem, Report, has_basis};
+use super::law::has_basis;
+use super::memory::Memory;
+use super::problem::Problem;
+use super::report::Report;
 use basis_solver::BasisSolver;
 use cone_solver::ConeSolver;
 use messages::scene::Law;

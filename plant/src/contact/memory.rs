@@ -1,7 +1,7 @@
 //! Warm-start memory: what a step knows of the contacts of the step before.
 
-use super::Problem;
 use super::mode::ContactMode;
+use super::problem::Problem;
 use nalgebra::Vector3;
 
 /// Mode, slip and impulse of each contact in the last step, by identity. It is part of the state of a simulation: where A is singular, f

@@ -18,7 +18,7 @@
 mod conjugate_directions;
 mod edges;
 mod ratio_test;
-mod shift_path;
+pub(super) mod shift_path;
 mod shift_responses;
 mod sliding;
 
@@ -29,7 +29,6 @@ use super::vector::max_abs;
 use conjugate_directions::ConjugateDirections;
 use edges::{Edges, Panel, WIDTH, add, index_of, of_contact};
 use messages::scene::Law;
-pub(super) use shift_path::ShiftPath;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]

@@ -1,7 +1,8 @@
 //! Allocation for every attempt before the first step, so that no step allocates.
 
+use super::super::super::memory::Memory;
+use super::super::super::problem::Problem;
 use super::super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE};
-use super::super::super::{Memory, Problem};
 use super::super::status::EDGES;
 use super::BasisSolver;
 use messages::scene::Law;

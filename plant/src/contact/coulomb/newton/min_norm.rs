@@ -17,11 +17,11 @@ impl PatchNewton {
         let PatchNewton { groups, contacts, patch, .. } = self;
         let mut redundant = false;
         for group in groups.iter_mut().filter(|group| !group.sticks) {
-            let pushes = |i: usize| contacts[i].mode != ContactMode::Open;
-            let pushing = (group.first..group.end).filter(|&i| pushes(i)).count();
-            if pushing > 1 {
-                patch.find_basis(cones, group, 1, pushes);
-                redundant |= group.rank < pushing;
+            let is_active = |i: usize| contacts[i].mode != ContactMode::Open;
+            let active = (group.first..group.end).filter(|&i| is_active(i)).count();
+            if active > 1 {
+                patch.find_basis(cones, group, 1, is_active);
+                redundant |= group.rank < active;
             }
         }
         redundant
