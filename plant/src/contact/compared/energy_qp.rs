@@ -112,14 +112,14 @@ impl EnergyQp {
         edges.set_drift(scaled, drift);
         let (y, w) = state.split_at_mut(edges.width());
         edges.velocity(basic, y.as_flattened(), w);
-        directions.to_optimum(state, direction);
+        directions.find_optimum(state, direction);
         self.go_to_optimum();
     }
 
     /// Makes edge r basic and goes to the optimum. Excludes the edge if that gains nothing.
     fn enter(&mut self, scaled: &ScaledProblem, r: usize) {
         if self.make_basic(scaled, r) {
-            self.directions.to_optimum_along_last(&self.state, &mut self.direction);
+            self.directions.find_optimum_along_last(&self.state, &mut self.direction);
             self.go_to_optimum();
         }
         if self.is_basic(r) {
