@@ -5,7 +5,7 @@
 
 use messages::wire::{Command, Stamped, Torques};
 
-/// Torques beyond so many times the drives' limit are nonsense; up to it the drives clamp.
+/// Torques beyond this many times the drives' limit are nonsense; up to it the drives clamp.
 const NONSENSE: f64 = 4.0;
 /// From limit to limit is the farthest that an honest command moves in one control period, in limits.
 const FULL_SWING: f64 = 2.0;

@@ -27,7 +27,7 @@ pub(super) struct LastContact {
 }
 
 impl Memory {
-    /// Memory of so many contacts without impulse.
+    /// Memory of this many contacts without impulse.
     pub(crate) fn of(contacts: usize) -> Memory {
         Memory { contacts: vec![LastContact::default(); contacts], is_static: false }
     }

@@ -8,7 +8,7 @@ use super::BasisSolver;
 use messages::scene::Law;
 
 impl BasisSolver {
-    /// Runs every attempt once with so many contacts that do not move. All buffers then have their greatest size.
+    /// Runs every attempt once with this many contacts that do not move. All buffers then have their greatest size.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         let mut problem = Problem::default();
         problem.reset(contacts, tangents);
