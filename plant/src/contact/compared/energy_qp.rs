@@ -220,10 +220,10 @@ impl EnergyQp {
 fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &mut [Panel]) {
     for (remaining, (y, z)) in remaining.iter_mut().zip(state.iter().zip(direction)) {
         *remaining = std::array::from_fn(|k| {
-            let goal = y[k] + z[k];
-            let most = if y[k] > -goal { y[k] } else { -goal };
+            let end = y[k] + z[k];
+            let most = if y[k] > -end { y[k] } else { -end };
             let rest = z[k].mul_add(share, y[k]) - ZERO_AMOUNT * most;
-            if rest > goal { rest } else { goal }
+            if rest > end { rest } else { end }
         });
     }
 }

@@ -43,12 +43,12 @@ impl PatchNewton {
             self.distribute(cones, &mut iterate.f);
             cones.velocity(&iterate.f, &mut iterate.v);
             iterate.error = cones.residual(&iterate.f, &iterate.v);
-            let moves = iterate
+            let changes = iterate
                 .f
                 .iter()
                 .zip(&self.saved)
                 .any(|(f, saved)| (f - saved).abs() > UNCHANGED * cones.magnitude(&iterate.f));
-            if self.failed != 0 || !moves {
+            if self.failed != 0 || !changes {
                 break;
             }
             self.classify(cones, iterate);
