@@ -21,7 +21,7 @@ struct Limits {
 }
 
 /// Two feet of one robot that neither step nor fall press against each other where A holds 1e-10 to 1e-14 of its greatest. (The plant asks
-/// first whether they stand, which needs no A: `plant::weld`.)
+/// first whether they stand, which needs no A: `plant::standing`.)
 fn limits(law: &str, family: &str) -> Limits {
     match (law, family) {
         ("Cone", "standing" | "swaying") => Limits { unsolved: 0.01, natural_map: 1e-8, per_pair: 60.0, warm: 0.02 },

@@ -34,41 +34,18 @@ mod memory;
 mod mode;
 mod problem;
 mod projection;
+mod report;
 mod round_cones;
 mod solver;
 mod tolerance;
 
 pub(crate) use certificate::relative;
-use law::approach_offset;
 pub use law::{has_basis, is_coulomb, is_plastic, tangents};
 pub use memory::Memory;
 pub use problem::{ContactSpring, Problem};
+pub use report::Report;
 pub use solver::Solver;
 pub use tolerance::PROMISED;
 pub(crate) use tolerance::{
     COLLINEAR, COMPLIANCE, OVERREDUCTION, PULL_ROUNDING, STANDING_BOUND, STANDING_REDUCTION, WELL_SOLVED,
 };
-
-/// Quality and cost of the solution of one contact problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Report {
-    /// Natural map of (17)-(22), ||f - P_K(f - v^)||, relative to the step's scale max(||f||, ||b||). All quantities are scaled by the
-    /// diagonal of A to sqrt(J). It is the same measure for every law. `EnergyQp` violates it by design when a contact slides.
-    pub natural_map: f64,
-    /// The same map for the conditions of the law itself: it measures the solver, not the law.
-    pub own: f64,
-    /// Greatest |f_N v_N| of (19), relative to the square of the step's scale. v_N counts from the allowed approach.
-    pub signorini: f64,
-    /// Greatest angle between f_F and -v_F at a slipping contact \[rad\].
-    pub slip_misalignment: f64,
-    /// Energy after the step minus the energy of the free motion, f·v - f·A f/2 \[J\]. Plastic contact never raises it.
-    pub energy_gain: f64,
-    /// Scale for the energy gain: work of the impulses, and kinetic energy that the contacts could take \[J\].
-    pub work: f64,
-    /// Pivots of all attempts; for the round cone, the number of linear systems solved.
-    pub pivots: u32,
-    /// The remembered basis was the solution.
-    pub warm: bool,
-    /// No attempt met the tolerance of the problem itself; `own` tells how well the best attempt did.
-    pub fallback: bool,
-}

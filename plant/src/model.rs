@@ -13,10 +13,9 @@
 //!
 //! With the last choice of carrier, the last three rates are the angular velocity in W, and no other code needs a special case.
 
-mod build;
+pub(crate) mod build;
 mod check;
 
-pub(crate) use build::moves_in_plane;
 pub(crate) use check::finite;
 
 use crate::error::PlantError;

@@ -1,7 +1,8 @@
 //! A run of a scene: the plant, its command pipeline, and the number of the control period.
 
 use crate::command_pipeline::CommandPipeline;
-use crate::{Plant, PlantError};
+use crate::error::PlantError;
+use crate::step::Plant;
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
 

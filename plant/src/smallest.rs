@@ -16,7 +16,8 @@
 use crate::contact::is_coulomb;
 use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
-use crate::model::{Model, moves_in_plane};
+use crate::model::Model;
+use crate::model::build::moves_in_plane;
 use crate::state::State;
 use messages::robot::{Body, Joint, JointKind, Sphere};
 use messages::scene::{Base, Law, Scene};

@@ -135,7 +135,7 @@ fn select_feet<'a>(
 fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &mut [Foot], friction: f64, speed: f64) {
     feet.iter_mut().for_each(|foot| (foot.motion, foot.wrench) = (foot.free, SpatialPair::default()));
     let mut before = f64::INFINITY;
-    let mut kept = [(SpatialPair::default(), SpatialPair::default()); MAX_FEET];
+    let mut saved = [(SpatialPair::default(), SpatialPair::default()); MAX_FEET];
     for pass in 0..MAX_SOLUTIONS {
         let mut change = [SpatialPair::default(); MAX_FEET];
         change.iter_mut().zip(&*feet).for_each(|(change, foot)| *change = foot.velocity_error());
@@ -146,21 +146,21 @@ fn solve_wrenches(inverse_inertia: &InverseInertia, factored: &BlockLdl, feet: &
         for i in 0..feet.len() {
             feet[i].motion = inverse_inertia.times(i, feet);
         }
-        let left = feet.iter().map(Foot::error_bound).fold(0.0, f64::max);
-        if left > STANDING_REDUCTION * before {
+        let error = feet.iter().map(Foot::error_bound).fold(0.0, f64::max);
+        if error > STANDING_REDUCTION * before {
             // no progress: the solutions only add opposing forces of the feet, by the same amount each time, so these are removed
-            for (foot, (wrench, motion)) in feet.iter_mut().zip(kept) {
-                for (now, kept) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
-                    *now = kept - (*now - kept) * pass as f64;
+            for (foot, (wrench, motion)) in feet.iter_mut().zip(saved) {
+                for (now, saved) in foot.wrench.iter_mut().zip(wrench).chain(foot.motion.iter_mut().zip(motion)) {
+                    *now = saved - (*now - saved) * pass as f64;
                 }
             }
             break;
         }
-        if (1.0 + friction) * left <= WELL_SOLVED * speed {
+        if (1.0 + friction) * error <= WELL_SOLVED * speed {
             break;
         }
-        before = left;
-        kept.iter_mut().zip(&*feet).for_each(|(kept, foot)| *kept = (foot.wrench, foot.motion));
+        before = error;
+        saved.iter_mut().zip(&*feet).for_each(|(saved, foot)| *saved = (foot.wrench, foot.motion));
     }
 }
 

@@ -14,9 +14,10 @@
 //! # Source
 //! De Saxcé & Feng (1998); Acary & Brogliato (2008), 12.
 
+use super::law::approach_offset;
+use super::problem::Problem;
 use super::projection::{norm, project_on_cone};
 use super::tolerance::{ABOVE_ROUNDING, NO_DIRECTION, ROUNDING, SOLVED};
-use super::{Problem, approach_offset};
 use messages::scene::Law;
 use std::ops::Range;
 
@@ -59,10 +60,10 @@ impl Scales {
     /// The natural map of one contact. f and F may have any common unit, and so may v and V. Where the direction of slip is `given`,
     /// friction acts against that direction, whatever the velocity is.
     pub fn natural_map(self, f: [f64; 3], v: [f64; 3], friction: f64, given: [f64; 2]) -> f64 {
-        let hidden = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // NaN if any number is NaN, because the comparisons below would hide it
+        let nan = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // NaN if any number is NaN, because the comparisons below would hide it
         if self.speed == 0.0 || self.impulse == 0.0 {
-            let moves = v.iter().any(|v| *v != 0.0) && f.iter().any(|f| *f != 0.0) || v[0] < 0.0;
-            return if moves { f64::INFINITY } else { 0.0 } + hidden;
+            let violates = v.iter().any(|v| *v != 0.0) && f.iter().any(|f| *f != 0.0) || v[0] < 0.0;
+            return if violates { f64::INFINITY } else { 0.0 } + nan;
         }
         let step = self.impulse / self.speed;
         let nearest = if given == [0.0; 2] {
@@ -72,8 +73,8 @@ impl Scales {
             let normal = (f[0] - step * v[0]).max(0.0);
             [normal, -friction * f[0] * given[0], -friction * f[0] * given[1]]
         };
-        let unlike = (0..3).fold(0.0, |sum, k| sum + (f[k] - nearest[k]).powi(2)).sqrt();
-        (unlike / self.impulse).max(-v[0] / self.speed) + hidden
+        let distance = (0..3).fold(0.0, |sum, k| sum + (f[k] - nearest[k]).powi(2)).sqrt();
+        (distance / self.impulse).max(-v[0] / self.speed) + nan
     }
 }
 
@@ -122,13 +123,13 @@ pub(super) fn speeds(drift: &[f64], scale: &[f64], coupled: impl Fn(usize, usize
     let size = |b: &[f64]| (b[0].min(0.0).powi(2) + b[1] * b[1] + b[2] * b[2]).sqrt() + 0.0 * b[0];
     speeds.clear();
     speeds.extend(drift.chunks_exact(3).zip(scale).map(|(b, scale)| size(b) * scale));
-    let mut grown = true;
-    while std::mem::take(&mut grown) {
+    let mut changed = true;
+    while std::mem::take(&mut changed) {
         for i in 0..speeds.len() {
             for k in 0..speeds.len() {
                 if speeds[k] > speeds[i] && coupled(i, k) {
                     speeds[i] = speeds[k];
-                    grown = true;
+                    changed = true;
                 }
             }
         }

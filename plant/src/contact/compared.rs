@@ -27,7 +27,10 @@ mod square_cone;
 mod status;
 mod vector;
 
-use super::{Memory, Problem, Report, has_basis};
+use super::law::has_basis;
+use super::memory::Memory;
+use super::problem::Problem;
+use super::report::Report;
 use basis_solver::BasisSolver;
 use cone_solver::ConeSolver;
 use messages::scene::Law;
@@ -56,7 +59,7 @@ impl Compared {
         }
     }
 
-    /// Allocates for so many contacts, so that no step of a law with a basis allocates.
+    /// Allocates for this many contacts, so that no step of a law with a basis allocates.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         if has_basis(law) && contacts > 0 {
             self.basis_solver.reserve_for(contacts, tangents, law);

@@ -4,7 +4,7 @@
 //!   solve(problem, memory):
 //!     recall             mode, impulse and slip of each contact in the last step
 //!     Newton             from there; patches that do not hold are released, then Newton again    (newton, patch)
-//!     interior points    with bold, then with cautious steps, each followed by Newton            (interior)
+//!     interior points    aggressive, then cautious steps, each followed by Newton                (interior)
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
 //!                        equals mu times the slip speed                                          (held_shift)
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
@@ -28,9 +28,10 @@ mod patch;
 
 use super::memory::{LastContact, Memory};
 use super::mode::ContactMode;
+use super::problem::Problem;
+use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{PROMISED, SOLVED};
-use super::{Problem, Report};
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
 use iterate::{Guess, Iterate};

@@ -1,6 +1,6 @@
 //! Properties in which the contact laws differ.
 
-use super::Problem;
+use super::problem::Problem;
 use messages::scene::Law;
 
 /// Number of tangents along which a law has friction: its K has `1 + tangents(law)` columns per contact.

@@ -1,7 +1,7 @@
 //! Warm-start memory: what a step knows of the contacts of the step before.
 
-use super::Problem;
 use super::mode::ContactMode;
+use super::problem::Problem;
 use nalgebra::Vector3;
 
 /// Mode, slip and impulse of each contact in the last step, by identity. It is part of the state of a simulation: where A is singular, f
@@ -27,7 +27,7 @@ pub(super) struct LastContact {
 }
 
 impl Memory {
-    /// Memory of so many contacts without impulse.
+    /// Memory of this many contacts without impulse.
     pub(crate) fn of(contacts: usize) -> Memory {
         Memory { contacts: vec![LastContact::default(); contacts], is_static: false }
     }

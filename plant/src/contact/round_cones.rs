@@ -1,8 +1,9 @@
 //! The contact problem for round cones. The rows of one contact have a common scale, so that its cone stays round.
 
 use super::certificate::{self, Scales, largest_row_sum, max_or_nan, of_contact};
+use super::law::approach_offset;
+use super::problem::Problem;
 use super::tolerance::IMMOVABLE;
-use super::{Problem, approach_offset};
 use messages::scene::Law;
 
 /// `v = A f + b` with three rows per contact; with one tangent the third row is empty. f~ = s f, v~ = v/s with s^2 = A_NN [sqrt(J)].

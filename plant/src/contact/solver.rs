@@ -3,8 +3,10 @@
 use super::certificate::Evaluator;
 use super::compared::Compared;
 use super::coulomb::Coulomb;
+use super::memory::Memory;
+use super::problem::Problem;
+use super::report::Report;
 use super::round_cones::apply_delassus;
-use super::{Memory, Problem, Report};
 use messages::scene::Law;
 
 /// Solver of contact problems: workspace and last solution. It holds no state: with [`Memory`] kept, a new solver gives the same results.

@@ -33,7 +33,7 @@ pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
 /// Compliance while Lemke's method pivots with 32 digits. It lies far above the rounding of A (1e-16), so that there is one solution. It is
 /// a tenth of [`SOLVED`], so that it does not show in the residual.
-pub(super) const LEMKE_COMPLIANCE: f64 = 4e-12;
+pub(super) const LEMKE_COMPLIANCE: f64 = 0.1 * SOLVED;
 
 /// Compliances in the steps of [`super::compared`]'s semismooth Newton method, tried in this order. The residual does not include them. The
 /// first is [`COMPLIANCE`]; where it lets a step go too far along directions that A resolves to 1e-12, larger ones shorten the step. The

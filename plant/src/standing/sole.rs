@@ -41,7 +41,7 @@ pub(super) struct Sole {
 }
 
 impl Sole {
-    /// Allocates for so many contacts.
+    /// Allocates for this many contacts.
     pub fn new(contacts: usize) -> Sole {
         Sole {
             arms: Vec::with_capacity(contacts),

@@ -212,13 +212,13 @@ impl Plant {
             if gap > 0.0 && time >= h {
                 return Ok(None);
             }
-            let fall = now.pose.links[point.link].velocity.at(&now.pose.lowest(point)).z;
-            if gap.abs() <= LOCATED * fall.abs() * h || trial == MAX_TRIALS {
+            let rate = now.pose.links[point.link].velocity.at(&now.pose.lowest(point)).z;
+            if gap.abs() <= LOCATED * rate.abs() * h || trial == MAX_TRIALS {
                 self.accept();
                 return Ok(Some(Landing { time, gap }));
             }
             let start = now.pose.height(point);
-            time = first_root(start, fall, (gap - start - fall * time) / (time * time)).min(h);
+            time = first_root(start, rate, (gap - start - rate * time) / (time * time)).min(h);
             self.memory.copy(&self.work.remembered);
         }
         Ok(None)

@@ -57,30 +57,30 @@ impl<'a> Prediction<'a> {
     pub fn predict(&self, world: &World, memory: &Memory, touches: &mut [Touch]) {
         let Some(link) = touches.first().map(|touch| touch.link) else { return };
         let [before, free] = [self.rate, self.free].map(|rate| self.middle.twist(&world.model, link, rate));
-        let turned = before.angular - self.start.links[link].velocity.angular;
+        let angular_gain = before.angular - self.start.links[link].velocity.angular;
         for touch in &mut *touches {
-            touch.angular_gain = turned;
+            touch.angular_gain = angular_gain;
             let point = &world.model.contact_points[touch.id];
             let [at_start, arm] = [self.start, self.middle].map(|pose| pose.lowest(point));
             let start = self.start.links[link].velocity.at(&at_start);
             let gap = self.start.reference.z + at_start.z;
             touch.velocity_gain = before.at(&arm) - start;
             let end = free.at(&arm) + touch.velocity_gain;
-            let rest = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
-            let pushed = memory.was_active(touch.id);
+            let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
+            let was_active = memory.was_active(touch.id);
             // per step of the scene: the rest of a step after a landing may be as short as rounding, and the speed as large
-            let out = |gap: f64| {
+            let recovery = |gap: f64| {
                 let rounding = gap.abs() <= ROUNDING * world.model.length;
                 if rounding { 0.0 } else { recovery_speed(gap, world.settings.h, world.model.gravity.norm()) }
             };
-            touch.approach = match pushed {
-                false if rest > 0.0 => 2.0 * rest / self.h,
-                false => out(gap.min(0.0)),
-                true => out(gap), // a gap closes as a penetration does
+            touch.approach = match was_active {
+                false if free_gap > 0.0 => 2.0 * free_gap / self.h,
+                false => recovery(gap.min(0.0)),
+                true => recovery(gap), // a gap closes as a penetration does
             };
-            let falls = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
-            let bend = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
-            touch.lands_after = if falls && !pushed { first_root(gap, start.z, bend) } else { f64::INFINITY };
+            let lands = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
+            let curvature = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
+            touch.lands_after = if lands && !was_active { first_root(gap, start.z, curvature) } else { f64::INFINITY };
             touch.slip_direction = match memory.was_sliding(touch.id) {
                 true => steady(&start, &self.middle.links[link].velocity.at(&arm), &end, world.settings.friction),
                 false => Vector3::zeros(),
@@ -88,12 +88,12 @@ impl<'a> Prediction<'a> {
         }
         if touches.len() > 1 {
             let any = touches.iter().any(|touch| memory.was_active(touch.id));
-            let leads = |touch: &&Touch| !any || memory.was_active(touch.id);
-            let at_reference = |touch: &Touch| touch.velocity_gain - turned.cross(&touch.arm);
-            let count = touches.iter().filter(leads).count() as f64;
-            let mean = touches.iter().filter(leads).map(at_reference).sum::<Vector3<f64>>() / count;
+            let counts = |touch: &&Touch| !any || memory.was_active(touch.id);
+            let at_reference = |touch: &Touch| touch.velocity_gain - angular_gain.cross(&touch.arm);
+            let count = touches.iter().filter(counts).count() as f64;
+            let mean = touches.iter().filter(counts).map(at_reference).sum::<Vector3<f64>>() / count;
             for touch in touches {
-                let rigid = mean + turned.cross(&touch.arm);
+                let rigid = mean + angular_gain.cross(&touch.arm);
                 (touch.velocity_gain.x, touch.velocity_gain.y) = (rigid.x, rigid.y);
             }
         }
@@ -101,8 +101,8 @@ impl<'a> Prediction<'a> {
 }
 
 /// Time at which a point meets the ground: gap + rate t + bend t² = 0, with rate < 0.
-pub(super) fn first_root(gap: f64, rate: f64, bend: f64) -> f64 {
-    2.0 * gap / (-rate + (rate * rate - 4.0 * bend * gap).max(0.0).sqrt())
+pub(super) fn first_root(gap: f64, rate: f64, curvature: f64) -> f64 {
+    2.0 * gap / (-rate + (rate * rate - 4.0 * curvature * gap).max(0.0).sqrt())
 }
 
 /// Direction of the slip if it is steady, else zero. Steady: the mean slip hardly differs from that at the beginning and from that at the
@@ -124,14 +124,14 @@ impl Touches {
         skips_landings: bool,
     ) -> &mut Touches {
         let (law, half) = (world.settings.law, 0.5 * prediction.h);
-        let printed = matches!(law, Law::EnergyQp | Law::Complementarity);
-        let reach = if printed { Law::Cone } else { law };
+        let stops_at_any_height = matches!(law, Law::EnergyQp | Law::Complementarity);
+        let reach = if stops_at_any_height { Law::Cone } else { law };
         touching(&world.model, prediction.middle, reach, half, prediction.free, &mut self.list);
         self.list.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| prediction.predict(world, memory, touches));
         if skips_landings {
             self.list.retain(|touch| !touch.lands());
         }
-        if printed {
+        if stops_at_any_height {
             // these laws stop listed points at any height, so only approaching ones are listed
             let down =
                 |touch: &Touch| prediction.middle.twist(&world.model, touch.link, prediction.free).at(&touch.arm).z;

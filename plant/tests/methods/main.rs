@@ -5,10 +5,10 @@
 mod bounces;
 mod cases;
 mod comparison;
-mod control;
 mod flight;
 mod ground;
-mod promise;
-mod ready;
+mod preparation;
+mod step_size;
 mod support;
 mod throws;
+mod tolerance;

@@ -59,17 +59,17 @@ fn legs_obey_the_law_and_balance_the_momentum_of_a_leaning_table() {
             (linear, angular, held, after.angular.amax())
         };
         (0..3).for_each(|_| _ = step([0.0; 2]));
-        let hair = 10_f64.powf(-2.0 - 10.0 * random.f64()) * if random.bool() { 1.0 } else { -1.0 };
+        let offset = 10_f64.powf(-2.0 - 10.0 * random.f64()) * if random.bool() { 1.0 } else { -1.0 };
         let (along, tips) = (0.1 + 0.8 * random.f64(), random.bool());
         let turned = [(); 2].map(|()| if random.bool() { 1.0 } else { -1.0 });
         let [x, y] = if tips { [1.0, along] } else { [along, 1.0 - along] };
-        let lean = |part: f64, k: usize| part * turned[k] * LEGS[0][k] * (1.0 + hair) * WEIGHT / HEIGHT;
+        let lean = |part: f64, k: usize| part * turned[k] * LEGS[0][k] * (1.0 + offset) * WEIGHT / HEIGHT;
         let (linear, angular, held, turns) = step([lean(x, 0), lean(y, 1)]);
         worst = [worst[0].max(linear), worst[1].max(angular)];
         stood += usize::from(held);
         tipped += usize::from(turns > 1e-13);
-        assert!(linear < 1e-9 && angular < 1e-9, "{hair:e}, {tips}, {held}: {linear:e} {angular:e}");
-        assert!(held || tips && hair > 0.0, "a table that stands is held, {hair:e}");
+        assert!(linear < 1e-9 && angular < 1e-9, "{offset:e}, {tips}, {held}: {linear:e} {angular:e}");
+        assert!(held || tips && offset > 0.0, "a table that stands is held, {offset:e}");
     }
     println!("{stood} of 3000 held, {tipped} tipped; momentum off by {worst:?}");
     assert!(stood > 2000 && tipped > 300, "{stood} held, {tipped} tipped");

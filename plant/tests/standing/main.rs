@@ -2,8 +2,8 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod airborne;
 mod edge;
-mod hover;
 
 use controller::Controller;
 use messages::load::load;

@@ -13,10 +13,13 @@
 //! (`basis_system`). The contacts are slightly compliant in all attempts ([`COMPLIANCE`], [`LEMKE_COMPLIANCE`]), so that there is one
 //! solution. The residual is that of rigid contacts.
 
+use super::super::memory::Memory;
+use super::super::problem::Problem;
+use super::super::report::Report;
 use super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE, PROMISED, SOLVED};
-use super::super::{Memory, Problem, Report};
 use super::basis_system::BasisSystem;
-use super::energy_qp::{EnergyQp, ShiftPath, minimises_energy};
+use super::energy_qp::shift_path::ShiftPath;
+use super::energy_qp::{EnergyQp, minimises_energy};
 use super::facets::Facets;
 use super::scaled_problem::ScaledProblem;
 use super::square_cone::{self, Optimality};

@@ -21,7 +21,7 @@ pub(super) enum Condition<'a> {
 
 /// Natural map: the greatest entry of ||f - P_K(f - v^)||, relative to the step's scale max(||f||, ||b||).
 pub(super) fn natural_map(cones: &RoundCones, condition: Condition<'_>, f: &[f64], v: &[f64]) -> f64 {
-    let mut worst = 0.0_f64;
+    let mut greatest = 0.0_f64;
     for i in 0..cones.contacts {
         let (f, v, mu) = (contact_rows(f, i), contact_rows(v, i), cones.friction[i]);
         let shift = match condition {
@@ -39,10 +39,10 @@ pub(super) fn natural_map(cones: &RoundCones, condition: Condition<'_>, f: &[f64
         for k in 0..3 {
             // Neither the projection nor f64::max may hide NaN.
             let error = (f[k] - nearest[k]).abs() + 0.0 * x[k];
-            worst = if worst.is_nan() || error <= worst { worst } else { error };
+            greatest = if greatest.is_nan() || error <= greatest { greatest } else { error };
         }
     }
-    relative(worst, cones.magnitude(f))
+    relative(greatest, cones.magnitude(f))
 }
 
 /// Step length rho of a tangential impulse against a slip: the inverse of the greater tangential diagonal entry.

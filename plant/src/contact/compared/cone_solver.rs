@@ -1,8 +1,10 @@
 //! Solver of the laws without a basis: round cones, cylinders and pyramids. The attempts run from the cheapest to the most reliable.
 
+use super::super::memory::Memory;
+use super::super::problem::Problem;
+use super::super::report::Report;
 use super::super::round_cones::RoundCones;
 use super::super::tolerance::{LEMKE_COMPLIANCE, SOLVED};
-use super::super::{Memory, Problem, Report};
 use super::condition::{Condition, natural_map};
 use super::cone_qp::ConeQp;
 use super::facets::Facets;

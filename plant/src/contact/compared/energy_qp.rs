@@ -18,7 +18,7 @@
 mod conjugate_directions;
 mod edges;
 mod ratio_test;
-mod shift_path;
+pub(super) mod shift_path;
 mod shift_responses;
 mod sliding;
 
@@ -29,7 +29,6 @@ use super::vector::max_abs;
 use conjugate_directions::ConjugateDirections;
 use edges::{Edges, Panel, WIDTH, add, index_of, of_contact};
 use messages::scene::Law;
-pub(super) use shift_path::ShiftPath;
 
 /// Workspace of one run.
 #[derive(Clone, Debug, Default)]
@@ -113,14 +112,14 @@ impl EnergyQp {
         edges.set_drift(scaled, drift);
         let (y, w) = state.split_at_mut(edges.width());
         edges.velocity(basic, y.as_flattened(), w);
-        directions.to_optimum(state, direction);
+        directions.find_optimum(state, direction);
         self.go_to_optimum();
     }
 
     /// Makes edge r basic and goes to the optimum. Excludes the edge if that gains nothing.
     fn enter(&mut self, scaled: &ScaledProblem, r: usize) {
         if self.make_basic(scaled, r) {
-            self.directions.to_optimum_along_last(&self.state, &mut self.direction);
+            self.directions.find_optimum_along_last(&self.state, &mut self.direction);
             self.go_to_optimum();
         }
         if self.is_basic(r) {
@@ -221,10 +220,10 @@ impl EnergyQp {
 fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &mut [Panel]) {
     for (remaining, (y, z)) in remaining.iter_mut().zip(state.iter().zip(direction)) {
         *remaining = std::array::from_fn(|k| {
-            let goal = y[k] + z[k];
-            let most = if y[k] > -goal { y[k] } else { -goal };
+            let end = y[k] + z[k];
+            let most = if y[k] > -end { y[k] } else { -end };
             let rest = z[k].mul_add(share, y[k]) - ZERO_AMOUNT * most;
-            if rest > goal { rest } else { goal }
+            if rest > end { rest } else { end }
         });
     }
 }

@@ -1,9 +1,10 @@
 //! The contact problem in energy units. Rows and columns are scaled by diag(A)^-1/2, so that A has a unit diagonal, and impulses and
 //! velocities are both in sqrt(J).
 
+use super::super::law::approach_offset;
+use super::super::problem::Problem;
 use super::super::round_cones::{RoundCones, apply_delassus};
 use super::super::tolerance::IMMOVABLE;
-use super::super::{Problem, approach_offset};
 use super::vector::max_abs;
 use messages::scene::Law;
 

@@ -5,7 +5,7 @@
 //! h) z + (1 - 2 zeta omega h) then lie in the unit circle. Here m is the effective mass of the contact point, 1/A_NN. Below v_s friction
 //! is viscous, so a body that stands on a slope creeps.
 
-use super::super::Problem;
+use super::super::problem::Problem;
 
 /// Slip speed v_s above which friction is full [m/s].
 const FULL_FRICTION_SPEED: f64 = 1e-2;

@@ -15,9 +15,9 @@ pub(super) fn edges(bits: u8, d: usize) -> u8 {
         return bits ^ EDGES;
     }
     match BasisStatus::read(bits, d) {
-        BasisStatus::Open | BasisStatus::Sticks => 0,
-        BasisStatus::Slides(j) => 1 << j,
-        BasisStatus::SlidesBetween(j, k) => 1 << j | 1 << k,
+        BasisStatus::Open | BasisStatus::Sticking => 0,
+        BasisStatus::Sliding(j) => 1 << j,
+        BasisStatus::SlidingBetween(j, k) => 1 << j | 1 << k,
     }
 }
 
@@ -25,7 +25,7 @@ pub(super) fn edges(bits: u8, d: usize) -> u8 {
 pub(super) fn recall(last: LastContact, d: usize) -> u8 {
     match (last.basis, last.mode) {
         (0, ContactMode::Open) => 0,
-        (0, _) => BasisStatus::Sticks.write(d),
+        (0, _) => BasisStatus::Sticking.write(d),
         (bits, _) => bits,
     }
 }
@@ -48,7 +48,7 @@ pub(super) fn complement(scaled: &ScaledProblem, f: &[f64], basis: &mut [u8]) {
     for (bits, f) in basis.iter_mut().zip(f.chunks_exact(stride)) {
         let guess = BasisStatus::read(*bits, d);
         *bits = match guess {
-            BasisStatus::Sticks => {
+            BasisStatus::Sticking => {
                 (1..stride).fold(1, |bits, k| bits | 1 << (1 + ScaledProblem::facet_along(k, f[k] > 0.0)))
             }
             _ => guess.write(d),
@@ -60,9 +60,9 @@ pub(super) fn complement(scaled: &ScaledProblem, f: &[f64], basis: &mut [u8]) {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BasisStatus {
     Open,
-    Sticks,
-    Slides(usize),
-    SlidesBetween(usize, usize),
+    Sticking,
+    Sliding(usize),
+    SlidingBetween(usize, usize),
 }
 
 impl BasisStatus {
@@ -72,18 +72,18 @@ impl BasisStatus {
             let mut active = (0..d).filter(|j| bits >> j & 1 == 1);
             return match (active.next(), active.next(), active.next()) {
                 (None, ..) => BasisStatus::Open,
-                (Some(j), None, _) => BasisStatus::Slides(j),
-                (Some(j), Some(k), None) if j / 2 != k / 2 => BasisStatus::SlidesBetween(j, k),
-                _ => BasisStatus::Sticks,
+                (Some(j), None, _) => BasisStatus::Sliding(j),
+                (Some(j), Some(k), None) if j / 2 != k / 2 => BasisStatus::SlidingBetween(j, k),
+                _ => BasisStatus::Sticking,
             };
         }
         let mut active = (0..d).filter(|j| bits >> (1 + j) & 1 == 1);
         let slips = bits >> (d + 1) & 1 == 1;
         match (bits & 1 == 1, slips, active.next(), active.next()) {
             (false, ..) => BasisStatus::Open,
-            (true, true, Some(j), Some(k)) if j / 2 != k / 2 => BasisStatus::SlidesBetween(j, k),
-            (true, true, Some(j), None) => BasisStatus::Slides(j),
-            (true, ..) => BasisStatus::Sticks,
+            (true, true, Some(j), Some(k)) if j / 2 != k / 2 => BasisStatus::SlidingBetween(j, k),
+            (true, true, Some(j), None) => BasisStatus::Sliding(j),
+            (true, ..) => BasisStatus::Sticking,
         }
     }
 
@@ -91,9 +91,9 @@ impl BasisStatus {
         let slip = 1 | 1 << (d + 1);
         match self {
             BasisStatus::Open => 0,
-            BasisStatus::Sticks => (0..d).step_by(2).fold(1, |bits, j| bits | 1 << (1 + j)),
-            BasisStatus::Slides(j) => slip | 1 << (1 + j),
-            BasisStatus::SlidesBetween(j, k) => slip | 1 << (1 + j) | 1 << (1 + k),
+            BasisStatus::Sticking => (0..d).step_by(2).fold(1, |bits, j| bits | 1 << (1 + j)),
+            BasisStatus::Sliding(j) => slip | 1 << (1 + j),
+            BasisStatus::SlidingBetween(j, k) => slip | 1 << (1 + j) | 1 << (1 + k),
         }
     }
 }

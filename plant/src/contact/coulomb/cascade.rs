@@ -68,7 +68,7 @@ fn every_stage_solves_problems_that_the_others_leave() {
     println!("left unsolved without {without:?}");
     assert!(
         without.iter().all(|(_, left)| *left > 0),
-        "a control has lost its teeth, choose harder problems: {without:?}"
+        "a control detects nothing, choose harder problems: {without:?}"
     );
 }
 

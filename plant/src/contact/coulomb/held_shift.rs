@@ -28,7 +28,7 @@ pub(super) struct HeldShift {
 }
 
 impl HeldShift {
-    /// Resets to zero shift of so many contacts.
+    /// Resets to zero shift of this many contacts.
     pub fn reset(&mut self, contacts: usize) {
         for list in [&mut self.held, &mut self.change] {
             list.clear();

@@ -199,13 +199,13 @@ impl Interior {
         right.clear();
         for own in &mut *contacts {
             let scaled = own.scaling.apply(own.x);
-            let mut aim = jordan_product(scaled, scaled).map(|product| -product);
+            let mut target = jordan_product(scaled, scaled).map(|product| -product);
             if let Some(share) = share {
-                aim[0] += share * tau;
+                target[0] += share * tau;
                 let changed = jordan_product(own.scaling.apply_inverse(own.dy), own.scaling.apply(own.dx));
-                aim = axpy(aim, -1.0, changed);
+                target = axpy(target, -1.0, changed);
             }
-            own.dy = own.scaling.apply(jordan_solve(scaled, aim));
+            own.dy = own.scaling.apply(jordan_solve(scaled, target));
             let shifted = [own.dy[0] - dot(own.gradient, own.dy), own.dy[1], own.dy[2]];
             right.extend((0..3).map(|k| shifted[k] - own.residual[k]));
         }

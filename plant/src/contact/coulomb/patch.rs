@@ -48,7 +48,7 @@ pub(super) struct Patch {
 }
 
 impl Patch {
-    /// Allocates for so many contacts and forgets all bases.
+    /// Allocates for this many contacts and forgets all bases.
     pub fn reset(&mut self, contacts: usize) {
         self.basis.clear();
         self.basis.resize(contacts, Rows::default());

@@ -97,22 +97,22 @@ fn the_wrench_is_balanced_to_rounding_near_tipping() {
     let mut rng = fastrand::Rng::with_seed(seed);
     let mut none = 0;
     for _ in 0..20_000 {
-        let hair = 10_f64.powf(-2.0 - 12.0 * rng.f64()) * if rng.bool() { 1.0 } else { -1.0 };
+        let offset = 10_f64.powf(-2.0 - 12.0 * rng.f64()) * if rng.bool() { 1.0 } else { -1.0 };
         let (along, angular_gain, far) = (0.1 + 0.8 * rng.f64(), [rng.bool(), rng.bool()], rng.bool());
         // |x|/a + |y|/b = 1, where one contact of four carries nothing, or an edge of the sole
         let [x, y] = if far { [1.0, along] } else { [along, 1.0 - along] };
-        let turn = |x: f64, angular_gain: bool| if angular_gain { -x } else { x } * (1.0 + hair);
+        let turn = |x: f64, angular_gain: bool| if angular_gain { -x } else { x } * (1.0 + offset);
         let place = [0.1 * turn(x, angular_gain[0]), 0.05 * turn(y, angular_gain[1])];
         let (sole, wrench, impulses) = spread(place, [0.02, -0.05], 0.0);
-        let outside = far && hair > 0.0;
+        let outside = far && offset > 0.0;
         let Some(impulses) = impulses else {
-            assert!(outside, "none at {place:?}, {hair:e} from where it would tip");
+            assert!(outside, "none at {place:?}, {offset:e} from where it would tip");
             none += 1;
             continue;
         };
-        assert!(!outside || hair < 1e-12, "{hair:e} beyond the edge: {impulses:?}");
+        assert!(!outside || offset < 1e-12, "{offset:e} beyond the edge: {impulses:?}");
         let error = lawful(&sole, &wrench, &impulses);
-        assert!(error < 2e-15, "{place:?}, {hair:e}: {error:e}");
+        assert!(error < 2e-15, "{place:?}, {offset:e}: {error:e}");
     }
     assert!(none > 1000, "{none}");
 }

@@ -35,16 +35,16 @@ impl Plant {
     /// Determines active and sticking contacts, after the impact of landing points.
     pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
         let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
-        let (length, mut hits) = (world.model.length, false);
+        let (length, mut impacts) = (world.model.length, false);
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             let arm = pose.lowest(point);
             let at = pose.reference + arm;
             contact.gap = if point.has_ground(at.x) { at.z } else { f64::INFINITY };
             let was_active = contact.active && contact.pressed && contact.gap.is_finite();
             contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
-            hits |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
+            impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
         }
-        if hits {
+        if impacts {
             self.work.touches.find_active(&self.world, &self.now.pose, &self.event_contacts);
             self.impact()?;
         }
@@ -52,7 +52,7 @@ impl Plant {
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             // an impact can open a contact that still has no gap; a drift alone cannot
             let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * length;
-            if contact.active && rises && (hits || !contact.pressed) {
+            if contact.active && rises && (impacts || !contact.pressed) {
                 (contact.active, contact.gap) = (false, contact.gap.max(ACTIVE_GAP * length));
             }
             let slip = slip(pose, point);
@@ -112,15 +112,15 @@ impl Contacts {
             let clear = slip.dot(&contact.slip_direction) > MIN_SLIP * contact.speed;
             if clear { slip.normalize() } else { contact.slip_direction }
         };
-        let pull = |i: usize, own: Vector3<f64>| {
+        let drift = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
             let bias_acceleration = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
-            let mut pull = own + bias_acceleration + velocity * BAUMGARTE_RATE;
-            pull.z += (velocity.z + touch.gap * BAUMGARTE_RATE) * BAUMGARTE_RATE;
-            pull
+            let mut drift = own + bias_acceleration + velocity * BAUMGARTE_RATE;
+            drift.z += (velocity.z + touch.gap * BAUMGARTE_RATE) * BAUMGARTE_RATE;
+            drift
         };
-        let problem = per_contact.map.drift(model, free, touches, Law::Cone, pull);
+        let problem = per_contact.map.drift(model, free, touches, Law::Cone, drift);
         problem.friction.fill(world.settings.friction);
         // the law gets the direction of the slip; else friction would oppose the acceleration
         let given = |touch: &Touch| if event_contacts[touch.id].sticking { Vector3::zeros() } else { along(touch) };

@@ -27,5 +27,5 @@ fn sixteen_digits_do_not_solve_all_of_them() {
         solver.basis.resize(problem.contacts, 0);
         !solver.with_compliance(COMPLIANCE, |solver| solver.energy_stage(Law::Aligned, &mut 0))
     });
-    assert!(missed.count() > 0, "the control has lost its teeth: choose harder problems");
+    assert!(missed.count() > 0, "the control detects nothing: choose harder problems");
 }

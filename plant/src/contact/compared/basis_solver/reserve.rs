@@ -1,13 +1,14 @@
 //! Allocation for every attempt before the first step, so that no step allocates.
 
+use super::super::super::memory::Memory;
+use super::super::super::problem::Problem;
 use super::super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE};
-use super::super::super::{Memory, Problem};
 use super::super::status::EDGES;
 use super::BasisSolver;
 use messages::scene::Law;
 
 impl BasisSolver {
-    /// Runs every attempt once with so many contacts that do not move. All buffers then have their greatest size.
+    /// Runs every attempt once with this many contacts that do not move. All buffers then have their greatest size.
     pub fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         let mut problem = Problem::default();
         problem.reset(contacts, tangents);

@@ -110,7 +110,7 @@ impl ConjugateDirections {
     }
 
     /// The step from a state \[y; w\] to the optimum.
-    pub fn to_optimum(&mut self, state: &[Panel], direction: &mut [Panel]) {
+    pub fn find_optimum(&mut self, state: &[Panel], direction: &mut [Panel]) {
         let ConjugateDirections { width, count, panels, parts, .. } = self;
         let directions = panels.chunks_exact(2 * (*width).max(1)).take(*count);
         parts.clear();
@@ -120,7 +120,7 @@ impl ConjugateDirections {
     }
 
     /// The same step if the state was the optimum before the last edge was added.
-    pub fn to_optimum_along_last(&self, state: &[Panel], direction: &mut [Panel]) {
+    pub fn find_optimum_along_last(&self, state: &[Panel], direction: &mut [Panel]) {
         let last = self.last();
         let part = -dot(&last[..self.width], &state[self.width..]);
         direction.iter_mut().zip(last).for_each(|(direction, last)| *direction = last.map(|x| part * x));
@@ -159,12 +159,12 @@ mod tests {
             let mut state = [[0.0; WIDTH]; 2];
             state[1][..N].fill_with(|| rng.f64() - 0.5); // q; its entries outside the basis must not count
             let mut direction = [[0.0; WIDTH]; 2];
-            directions.to_optimum(&state, &mut direction);
+            directions.find_optimum(&state, &mut direction);
             if let Some(new) = outside.pop_if(|_| rng.f64() < 0.6 || members.is_empty()) {
                 assert!(directions.append(new, &rows[new]));
                 members.push(new);
                 assert!(members.len() == N || !directions.append(new, &rows[new]), "a member joined again");
-                directions.to_optimum(&state, &mut direction);
+                directions.find_optimum(&state, &mut direction);
             } else if let Some(old) = members.pop() {
                 directions.remove(old);
                 directions.project_out(old, &mut direction); // leaves the step to the optimum of the remaining edges
@@ -193,7 +193,7 @@ mod tests {
         let mut state = [[0.0; WIDTH]; 2];
         state[1][..3].fill(-1.0);
         let mut direction = state;
-        directions.to_optimum(&state, &mut direction);
+        directions.find_optimum(&state, &mut direction);
         for y in &direction[0][..3] {
             assert!((y - 1.0 / 3.0).abs() < 1e-4, "each takes a third: {y}");
         }

@@ -29,9 +29,9 @@ pub(super) struct RatioTest {
 }
 
 impl RatioTest {
-    /// Computes values and slopes from the state and the direction. `pushing` counts the basic edges of each contact; `defect` is the slip
+    /// Computes values and slopes from the state and the direction. `basic_count` counts the basic edges of each contact; `defect` is the slip
     /// minus the shift of each contact.
-    pub fn set(&mut self, program: &EnergyQp, direction: &[Panel], tau: f64, pushing: &[usize], defect: &[f64]) {
+    pub fn set(&mut self, program: &EnergyQp, direction: &[Panel], tau: f64, basic_count: &[usize], defect: &[f64]) {
         let (each, width) = (program.edges.each, program.edges.width());
         for (list, both) in [(&mut self.values, &*program.state), (&mut self.slopes, direction)] {
             let (y, w) = both.split_at(width);
@@ -41,29 +41,31 @@ impl RatioTest {
             }));
         }
         match each {
-            2 => self.set_open_contacts::<2>(tau, pushing, defect),
-            _ => self.set_open_contacts::<4>(tau, pushing, defect),
+            2 => self.set_open_contacts::<2>(tau, basic_count, defect),
+            _ => self.set_open_contacts::<4>(tau, basic_count, defect),
         }
     }
 
     /// Values of open contacts: their normal velocity without shift, and its slope.
-    fn set_open_contacts<const EDGES: usize>(&mut self, tau: f64, pushing: &[usize], defect: &[f64]) {
+    fn set_open_contacts<const EDGES: usize>(&mut self, tau: f64, basic_count: &[usize], defect: &[f64]) {
         let values = self.values.as_flattened_mut().as_chunks_mut::<EDGES>().0;
         let slopes = self.slopes.as_flattened_mut().as_chunks_mut::<EDGES>().0;
-        for ((values, slopes), (pushing, defect)) in values.iter_mut().zip(slopes).zip(pushing.iter().zip(defect)) {
+        for ((values, slopes), (basic_count, defect)) in
+            values.iter_mut().zip(slopes).zip(basic_count.iter().zip(defect))
+        {
             for (w, offset) in [(values, -tau * defect), (slopes, *defect)] {
                 let rise = 0.5 * (w[0] + w[1]) + offset;
-                *w = w.map(|w| if *pushing == 0 { rise } else { w });
+                *w = w.map(|w| if *basic_count == 0 { rise } else { w });
             }
         }
     }
 
     /// Sign of the direction along the path, 1 forwards and -1 backwards, that leads away from the last breakpoint. Excludes that
     /// breakpoint from the test.
-    pub fn direction_sign(&mut self, behind: Breakpoint, pushing: &[usize], each: usize) -> f64 {
+    pub fn direction_sign(&mut self, behind: Breakpoint, basic_count: &[usize], each: usize) -> f64 {
         let (r, alone) = match behind {
             Breakpoint::EdgeEnters(r) => (r, true),
-            Breakpoint::EdgeLeaves(r) => (r, pushing[r / each] > 0),
+            Breakpoint::EdgeLeaves(r) => (r, basic_count[r / each] > 0),
             Breakpoint::ContactCloses(_) | Breakpoint::End => return 1.0,
         };
         let slopes = self.slopes.as_flattened_mut();

@@ -28,7 +28,7 @@ const MAX_PIECES: usize = 16;
 
 /// The shift of each v_N, and the path to its solution.
 #[derive(Clone, Debug, Default)]
-pub(in super::super) struct ShiftPath {
+pub struct ShiftPath {
     pub value: Vec<f64>,
     /// Whether to choose, of many right shifts, the one with impulses of least norm.
     pub min_norm: bool,
@@ -36,7 +36,7 @@ pub(in super::super) struct ShiftPath {
     target: Vec<f64>,
     defect: Vec<f64>,
     /// Number of basic edges of each contact.
-    pushing: Vec<usize>,
+    basic_count: Vec<usize>,
     sliding: Vec<SlidingContact>,
     responses: ShiftResponses,
     /// 1 − dslip/dshift, column by column.
@@ -114,16 +114,16 @@ impl ShiftPath {
     /// w is stored without shift. A greater shift before may have hidden that it penetrates.
     fn begin_path(&mut self, program: &mut EnergyQp, none: f64) {
         let (each, contacts) = (program.edges.each, self.value.len());
-        self.pushing.clear();
-        self.pushing.resize(contacts, 0);
-        program.basic.iter().for_each(|r| self.pushing[r / each] += 1);
+        self.basic_count.clear();
+        self.basic_count.resize(contacts, 0);
+        program.basic.iter().for_each(|r| self.basic_count[r / each] += 1);
         self.target.clear();
         self.defect.clear();
-        for (contact, (shift, pushing)) in self.value.iter().zip(&self.pushing).enumerate() {
+        for (contact, (shift, basic_count)) in self.value.iter().zip(&self.basic_count).enumerate() {
             let w = program.velocity_of(contact);
             let (target, _) = slip(w);
             self.target.push(target);
-            if *pushing > 0 {
+            if *basic_count > 0 {
                 self.defect.push(if target.max(*shift) > none { target - shift } else { 0.0 });
             } else {
                 self.defect.push(f64::min(target - shift, 0.0));
@@ -135,16 +135,17 @@ impl ShiftPath {
     /// Lists the active contacts that are shifted or may slide. A contact with neither slip nor shift does not start to slide before the
     /// next breakpoint.
     fn find_sliding(&mut self, program: &EnergyQp, crossed: bool) {
-        let ShiftPath { value, defect, pushing, sliding, .. } = self;
+        let ShiftPath { value, defect, basic_count, sliding, .. } = self;
         sliding.clear();
         sliding.extend(
-            (0..value.len()).filter(|&i| pushing[i] > 0).map(|contact| SlidingContact::of(program, contact)).filter(
-                |contact_slip| {
+            (0..value.len())
+                .filter(|&i| basic_count[i] > 0)
+                .map(|contact| SlidingContact::of(program, contact))
+                .filter(|contact_slip| {
                     crossed && !contact_slip.sticks()
                         || value[contact_slip.contact] != 0.0
                         || defect[contact_slip.contact] != 0.0
-                },
-            ),
+                }),
         );
     }
 
@@ -223,15 +224,15 @@ impl ShiftPath {
     /// Goes to the next breakpoint, backwards if only that leads away from the last one. Returns by how much τ falls, and the breakpoint.
     /// None if there is no breakpoint.
     fn go_to_breakpoint(&mut self, program: &mut EnergyQp, tau: f64, crossed: Breakpoint) -> Option<(f64, Breakpoint)> {
-        let ShiftPath { defect, pushing, direction, ratio_test, .. } = self;
+        let ShiftPath { defect, basic_count, direction, ratio_test, .. } = self;
         let each = program.edges.each;
-        ratio_test.set(program, direction, tau, pushing, defect);
-        let sign = ratio_test.direction_sign(crossed, pushing, each);
+        ratio_test.set(program, direction, tau, basic_count, defect);
+        let sign = ratio_test.direction_sign(crossed, basic_count, each);
         let (solver, edge) = ratio_test.first_breakpoint(direction, sign, if sign > 0.0 { tau } else { f64::INFINITY });
         let breakpoint = match edge {
             None => Breakpoint::End,
             Some(r) if program.is_basic(r) => Breakpoint::EdgeLeaves(r),
-            Some(r) if pushing[r / each] > 0 => Breakpoint::EdgeEnters(r),
+            Some(r) if basic_count[r / each] > 0 => Breakpoint::EdgeEnters(r),
             Some(r) => Breakpoint::ContactCloses(r / each),
         };
         let along = sign * solver;
@@ -249,7 +250,7 @@ impl ShiftPath {
     fn enter(&mut self, program: &mut EnergyQp, scaled: &ScaledProblem, r: usize) -> bool {
         let joined = program.make_basic(scaled, r);
         if joined {
-            self.pushing[r / program.edges.each] += 1;
+            self.basic_count[r / program.edges.each] += 1;
             self.responses.edge_entered(&program.directions);
         }
         joined
@@ -261,8 +262,8 @@ impl ShiftPath {
         let contact = r / program.edges.each;
         program.leave(r);
         self.responses.edge_left(r, &program.directions);
-        self.pushing[contact] -= 1;
-        if self.pushing[contact] == 0 {
+        self.basic_count[contact] -= 1;
+        if self.basic_count[contact] == 0 {
             let now = self.value[contact];
             program.velocity_of(contact).iter_mut().for_each(|w| *w -= now);
         }
@@ -284,7 +285,7 @@ impl ShiftPath {
     /// Sets the shifts at the end of the path.
     fn finish(&mut self, program: &mut EnergyQp) {
         for contact in 0..self.value.len() {
-            if self.pushing[contact] == 0 {
+            if self.basic_count[contact] == 0 {
                 self.value[contact] = slip(program.velocity_of(contact)).0;
             }
             self.value[contact] = self.value[contact].max(0.0);

@@ -17,7 +17,7 @@ pub(super) struct ShiftResponses {
 }
 
 impl ShiftResponses {
-    /// Resets for so many contacts with so many edges each.
+    /// Resets for this many contacts with this many edges each.
     pub fn reset(&mut self, contacts: usize, each: usize) {
         (self.each, self.length) = (each, 2 * (contacts * each).div_ceil(WIDTH));
         self.known.clear();

@@ -17,11 +17,11 @@ impl PatchNewton {
         let PatchNewton { groups, contacts, patch, .. } = self;
         let mut redundant = false;
         for group in groups.iter_mut().filter(|group| !group.sticks) {
-            let pushes = |i: usize| contacts[i].mode != ContactMode::Open;
-            let pushing = (group.first..group.end).filter(|&i| pushes(i)).count();
-            if pushing > 1 {
-                patch.find_basis(cones, group, 1, pushes);
-                redundant |= group.rank < pushing;
+            let is_active = |i: usize| contacts[i].mode != ContactMode::Open;
+            let active = (group.first..group.end).filter(|&i| is_active(i)).count();
+            if active > 1 {
+                patch.find_basis(cones, group, 1, is_active);
+                redundant |= group.rank < active;
             }
         }
         redundant
@@ -43,12 +43,12 @@ impl PatchNewton {
             self.distribute(cones, &mut iterate.f);
             cones.velocity(&iterate.f, &mut iterate.v);
             iterate.error = cones.residual(&iterate.f, &iterate.v);
-            let moves = iterate
+            let changes = iterate
                 .f
                 .iter()
                 .zip(&self.saved)
                 .any(|(f, saved)| (f - saved).abs() > UNCHANGED * cones.magnitude(&iterate.f));
-            if self.failed != 0 || !moves {
+            if self.failed != 0 || !changes {
                 break;
             }
             self.classify(cones, iterate);

@@ -44,9 +44,9 @@ impl PatchNewton {
             }
             if sticking > 1 && group.may_stick {
                 group.sticks = true;
-                let pushing =
+                let active =
                     self.contacts[group.first..group.end].iter_mut().filter(|own| own.mode != ContactMode::Open);
-                pushing.for_each(|own| *own = ModeWeights { mode: ContactMode::Patch, ..ModeWeights::default() });
+                active.for_each(|own| *own = ModeWeights { mode: ContactMode::Patch, ..ModeWeights::default() });
             }
         }
     }

@@ -37,10 +37,10 @@ fn a_run_ends_at_the_first_step_that_leaves_more_than_the_tolerance() {
             println!("{name}, {law}: {greatest:e} at step {at}");
             assert!(greatest > 0.0, "{name}, {law}: nothing to ask for");
             assert_eq!(run(&scene, greatest, steps as usize), Ok(()), "{name}, {law}");
-            let hair = greatest.next_down();
-            match run(&scene, hair, steps as usize).expect_err("a hair less than the greatest residual") {
+            let below = greatest.next_down();
+            match run(&scene, below, steps as usize).expect_err("just below the greatest residual") {
                 PlantError::Unsolved { step, law: by, residual, tolerance, problem, .. } => {
-                    assert_eq!((step, by, residual, tolerance), (at, law, greatest, hair), "{name}");
+                    assert_eq!((step, by, residual, tolerance), (at, law, greatest, below), "{name}");
                     assert_eq!(problem.check(), Ok(()));
                 }
                 other => panic!("{name}, {law}: {other}"),
