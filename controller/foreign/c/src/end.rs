@@ -1,7 +1,7 @@
-//! The controller's end of a session, in plain Rust: the manners of docs/WIRE.md around a [`ControllerPort`].
+//! The controller's end of a session in safe Rust: the protocol of docs/WIRE.md around a [`ControllerPort`].
 
 use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
-use crate::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
+use crate::status::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
 use controller::{Controller as Planner, ControllerError};
 use messages::clock::{Timeout, now_ns, random};
 use messages::peer_environment::PeerEnvironment;
@@ -14,35 +14,35 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::ThreadId;
 use std::time::Duration;
 
-/// Whether somebody wants an end.
+/// Whether `biped_stop` has been called.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Run, number of the sensors seen last, and the controller.
+/// Number of the run, number of the last sensors, and the controller.
 type Walker = (u64, u64, Box<Planner>);
 
-/// A controller's place in a session.
+/// A controller in a session.
 pub struct Controller {
     port: ControllerPort,
-    /// What came last; number 0 before anything came.
+    /// The last sensors; their number is 0 before the first ones.
     sensors: Sensors,
     answer: Command,
     is_answered: bool,
     patience: Duration,
-    /// What does not change of it.
+    /// The constant part of the status.
     robot: Status,
     scene: Scene,
-    /// This project's own controller, once it has been asked, and the number of the sensors that it has seen.
+    /// This project's own controller, after the first call of `biped_plan`.
     walker: Option<Walker>,
     owner: ThreadId,
 }
 
 impl Controller {
-    /// The place that the environment names.
+    /// Joins the session that the environment names.
     pub(crate) fn open() -> Result<Controller, Failure> {
         let PeerEnvironment { session, contract, patience, scene, takes_over } = PeerEnvironment::from_env()?;
-        let waits = || takes_over && !STOP.load(Relaxed);
+        let keep_waiting = || takes_over && !STOP.load(Relaxed);
         Ok(Controller {
-            port: ControllerPort::open_when_free(&session, &contract, waits)?,
+            port: ControllerPort::open_when_free(&session, &contract, keep_waiting)?,
             sensors: Sensors::default(),
             answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
             is_answered: true,
@@ -59,7 +59,7 @@ impl Controller {
         self.owner == std::thread::current().id()
     }
 
-    /// The next encoders, and what they are.
+    /// Waits for the next sensors, and returns their kind.
     pub(crate) fn wait(&mut self) -> Result<c_int, Failure> {
         let mut waiting = Timeout::new("plant", self.patience);
         while !STOP.load(Relaxed) {
@@ -78,7 +78,7 @@ impl Controller {
             if begins {
                 self.answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..self.answer.stamp };
             } else if self.answer.stamp.ack == asked.seq {
-                self.send()?; // sensors that come again get the same answer
+                self.send()?; // repeated sensors get the same answer
                 continue;
             }
             (self.sensors, self.is_answered) = (sensors, false);
@@ -87,19 +87,23 @@ impl Controller {
         Err(Failure::new(BIPED_STOPPED, "stopped by biped_stop"))
     }
 
-    /// What this project's own controller would answer, and thinks. It must see all encoders of a run, once each.
+    /// Torques and telemetry of this project's own controller. It must get every reading of a run exactly once.
     pub(crate) fn plan(&mut self) -> Result<(Torques, Telemetry), Failure> {
         if self.is_answered {
-            return Err(Failure::misuse("nothing waits for an answer: call biped_wait, then biped_plan once"));
+            return Err(Failure::misuse("there is no reading to answer: call biped_wait, then biped_plan once"));
         }
-        let fault = |error: ControllerError| Failure::new(BIPED_DEFECT, format!("no torques for this robot: {error}"));
+        let fault = |error: ControllerError| {
+            Failure::new(BIPED_DEFECT, format!("biped_plan has no torques for this robot: {error}"))
+        };
         let Stamp { run, seq, .. } = self.sensors.stamp;
         let walker = match self.walker.take().filter(|(of, ..)| *of == run) {
             Some(walker) => self.walker.insert(walker),
             None => self.walker.insert((run, 0, Box::new(Planner::new(&self.scene).map_err(fault)?))),
         };
         if std::mem::replace(&mut walker.1, seq) == seq {
-            return Err(Failure::misuse("biped_plan has seen these encoders: call it once for each biped_wait"));
+            return Err(Failure::misuse(
+                "biped_plan was already called for this reading: call it once for each biped_wait",
+            ));
         }
         let torques = walker.2.tick(&self.sensors.encoders).map_err(fault)?;
         Ok((torques, walker.2.telemetry()))
@@ -109,18 +113,18 @@ impl Controller {
         Failure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
     }
 
-    /// What the joints report.
+    /// The reading of the encoders.
     pub(crate) fn encoders(&self) -> Result<Encoders, Failure> {
         match self.sensors.stamp.seq {
-            0 => Err(Failure::misuse("there are no encoders yet: call biped_wait first")),
+            0 => Err(Failure::misuse("there is no reading of the encoders yet: call biped_wait first")),
             _ => Ok(self.sensors.encoders),
         }
     }
 
-    /// Answers what came last.
+    /// Answers the last sensors.
     pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), Failure> {
         if self.is_answered {
-            return Err(Failure::misuse("nothing waits for an answer: call biped_wait, then biped_write once"));
+            return Err(Failure::misuse("there is no reading to answer: call biped_wait, then biped_write once"));
         }
         if let Some(joint) = torques.torque.iter().position(|torque| !torque.is_finite()) {
             return Err(Failure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
@@ -137,14 +141,14 @@ impl Controller {
         self.port.send(self.answer)
     }
 
-    /// Where it is.
+    /// State of the session.
     pub(crate) fn status(&self) -> Status {
         let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
         Status { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
     }
 }
 
-/// What a controller needs to know of the robot.
+/// The data of the robot that a controller needs.
 fn robot(scene: &Scene) -> Status {
     let mut start = [0.0; 8];
     start.iter_mut().zip(&scene.initial.joints).for_each(|(start, &angle)| *start = angle);
