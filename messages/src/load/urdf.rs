@@ -14,7 +14,7 @@
 mod unsupported;
 mod xml;
 
-use crate::robot::{Body, Drives, Joint, JointKind, Robot, Sphere};
+use crate::robot::{Body, DriveParameters, Joint, JointKind, Robot, Sphere};
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 use xml::{Parsed, attribute, child, children, linked, number, optional, vector};
@@ -66,7 +66,7 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
                 .for_each(|joint| joint.damping = *own);
         }
     }
-    let drives = Drives {
+    let drives = DriveParameters {
         inertia: require_common("rotor_inertia", &rotors(root)?)?,
         damping: damping.or(Some(0.0)),
         torque_limit: require_common("effort", &efforts(moving())?)?,

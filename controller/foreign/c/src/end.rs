@@ -1,7 +1,7 @@
 //! The controller's end of a session in safe Rust: the protocol of docs/WIRE.md around a [`ControllerPort`].
 
-use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
-use crate::status::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
+use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, CallFailure};
+use crate::status::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, ControllerStatus};
 use controller::{Controller as Planner, ControllerError};
 use messages::clock::{Timeout, now_ns, random};
 use messages::peer_environment::PeerEnvironment;
@@ -21,7 +21,7 @@ pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 type Walker = (u64, u64, Box<Planner>);
 
 /// A controller in a session.
-pub struct Controller {
+pub struct ControllerHandle {
     port: ControllerPort,
     /// The last sensors; their number is 0 before the first ones.
     sensors: Sensors,
@@ -29,19 +29,19 @@ pub struct Controller {
     is_answered: bool,
     patience: Duration,
     /// The constant part of the status.
-    robot: Status,
+    robot: ControllerStatus,
     scene: Scene,
     /// This project's own controller, after the first call of `biped_plan`.
     walker: Option<Walker>,
     owner: ThreadId,
 }
 
-impl Controller {
+impl ControllerHandle {
     /// Joins the session that the environment names.
-    pub(crate) fn open() -> Result<Controller, Failure> {
+    pub(crate) fn open() -> Result<ControllerHandle, CallFailure> {
         let PeerEnvironment { session, contract, patience, scene, takes_over } = PeerEnvironment::from_env()?;
         let keep_waiting = || takes_over && !STOP.load(Relaxed);
-        Ok(Controller {
+        Ok(ControllerHandle {
             port: ControllerPort::open_when_free(&session, &contract, keep_waiting)?,
             sensors: Sensors::default(),
             answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
@@ -60,7 +60,7 @@ impl Controller {
     }
 
     /// Waits for the next sensors, and returns their kind.
-    pub(crate) fn wait(&mut self) -> Result<c_int, Failure> {
+    pub(crate) fn wait(&mut self) -> Result<c_int, CallFailure> {
         let mut waiting = Timeout::new("plant", self.patience);
         while !STOP.load(Relaxed) {
             let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
@@ -84,16 +84,16 @@ impl Controller {
             (self.sensors, self.is_answered) = (sensors, false);
             return Ok(if begins { BIPED_BEGIN } else { BIPED_TICK });
         }
-        Err(Failure::new(BIPED_STOPPED, "stopped by biped_stop"))
+        Err(CallFailure::new(BIPED_STOPPED, "stopped by biped_stop"))
     }
 
     /// Torques and telemetry of this project's own controller. It must get every reading of a run exactly once.
-    pub(crate) fn plan(&mut self) -> Result<(Torques, Telemetry), Failure> {
+    pub(crate) fn plan(&mut self) -> Result<(Torques, Telemetry), CallFailure> {
         if self.is_answered {
-            return Err(Failure::misuse("there is no reading to answer: call biped_wait, then biped_plan once"));
+            return Err(CallFailure::misuse("there is no reading to answer: call biped_wait, then biped_plan once"));
         }
         let fault = |error: ControllerError| {
-            Failure::new(BIPED_DEFECT, format!("biped_plan has no torques for this robot: {error}"))
+            CallFailure::new(BIPED_DEFECT, format!("biped_plan has no torques for this robot: {error}"))
         };
         let Stamp { run, seq, .. } = self.sensors.stamp;
         let walker = match self.walker.take().filter(|(of, ..)| *of == run) {
@@ -101,7 +101,7 @@ impl Controller {
             None => self.walker.insert((run, 0, Box::new(Planner::new(&self.scene).map_err(fault)?))),
         };
         if std::mem::replace(&mut walker.1, seq) == seq {
-            return Err(Failure::misuse(
+            return Err(CallFailure::misuse(
                 "biped_plan was already called for this reading: call it once for each biped_wait",
             ));
         }
@@ -109,25 +109,25 @@ impl Controller {
         Ok((torques, walker.2.telemetry()))
     }
 
-    fn no_plant(&self) -> Failure {
-        Failure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
+    fn no_plant(&self) -> CallFailure {
+        CallFailure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
     }
 
     /// The reading of the encoders.
-    pub(crate) fn encoders(&self) -> Result<Encoders, Failure> {
+    pub(crate) fn encoders(&self) -> Result<Encoders, CallFailure> {
         match self.sensors.stamp.seq {
-            0 => Err(Failure::misuse("there is no reading of the encoders yet: call biped_wait first")),
+            0 => Err(CallFailure::misuse("there is no reading of the encoders yet: call biped_wait first")),
             _ => Ok(self.sensors.encoders),
         }
     }
 
     /// Answers the last sensors.
-    pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), Failure> {
+    pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), CallFailure> {
         if self.is_answered {
-            return Err(Failure::misuse("there is no reading to answer: call biped_wait, then biped_write once"));
+            return Err(CallFailure::misuse("there is no reading to answer: call biped_wait, then biped_write once"));
         }
         if let Some(joint) = torques.torque.iter().position(|torque| !torque.is_finite()) {
-            return Err(Failure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
+            return Err(CallFailure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
         }
         (self.answer.torques, self.answer.telemetry) = (torques, telemetry);
         self.send()?;
@@ -142,16 +142,22 @@ impl Controller {
     }
 
     /// State of the session.
-    pub(crate) fn status(&self) -> Status {
+    pub(crate) fn status(&self) -> ControllerStatus {
         let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
-        Status { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
+        ControllerStatus { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
     }
 }
 
 /// The data of the robot that a controller needs.
-fn robot(scene: &Scene) -> Status {
+fn robot(scene: &Scene) -> ControllerStatus {
     let mut start = [0.0; 8];
     start.iter_mut().zip(&scene.initial.joints).for_each(|(start, &angle)| *start = angle);
     let count = TAU / 2_f64.powi(scene.plant.encoder_bits as i32);
-    Status { rate: scene.rate, count, torque_limit: scene.plant.torque_limit, start, ..Status::default() }
+    ControllerStatus {
+        rate: scene.rate,
+        count,
+        torque_limit: scene.plant.torque_limit,
+        start,
+        ..ControllerStatus::default()
+    }
 }

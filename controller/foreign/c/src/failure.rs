@@ -21,39 +21,39 @@ pub const BIPED_STOPPED: c_int = -130;
 
 /// A failure.
 #[derive(Debug, PartialEq)]
-pub struct Failure {
+pub struct CallFailure {
     code: c_int,
     sentence: String,
 }
 
-impl Failure {
+impl CallFailure {
     /// A failure with one of the codes above.
-    pub fn new(code: c_int, sentence: impl ToString) -> Failure {
-        Failure { code, sentence: sentence.to_string() }
+    pub fn new(code: c_int, sentence: impl ToString) -> CallFailure {
+        CallFailure { code, sentence: sentence.to_string() }
     }
 
     /// A mistake of the caller.
-    pub fn misuse(sentence: impl ToString) -> Failure {
-        Failure::new(BIPED_MISUSE, sentence)
+    pub fn misuse(sentence: impl ToString) -> CallFailure {
+        CallFailure::new(BIPED_MISUSE, sentence)
     }
 }
 
-impl From<PortError> for Failure {
-    fn from(error: PortError) -> Failure {
+impl From<PortError> for CallFailure {
+    fn from(error: PortError) -> CallFailure {
         let code = match &error {
             PortError::SessionName { .. } => BIPED_MISUSE,
             PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => BIPED_INCOMPATIBLE,
             PortError::NoSession { .. } | PortError::Absent { .. } => BIPED_NO_PLANT,
             PortError::SharedMemory(_) => BIPED_SHARED_MEMORY,
         };
-        Failure::new(code, error)
+        CallFailure::new(code, error)
     }
 }
 
-impl From<PeerEnvironmentError> for Failure {
-    fn from(error: PeerEnvironmentError) -> Failure {
+impl From<PeerEnvironmentError> for CallFailure {
+    fn from(error: PeerEnvironmentError) -> CallFailure {
         match error {
-            PeerEnvironmentError::Malformed(sentence) => Failure::misuse(sentence),
+            PeerEnvironmentError::Malformed(sentence) => CallFailure::misuse(sentence),
             PeerEnvironmentError::Port(error) => error.into(),
         }
     }
@@ -69,10 +69,10 @@ pub(crate) fn last() -> *const c_char {
 }
 
 /// Runs `what`, and stores the sentence if it fails. A panic becomes a failure.
-pub(crate) fn guarded(what: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
-    let defect = || Failure::new(BIPED_DEFECT, "a defect of this library; standard error has the details");
+pub(crate) fn guarded(what: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
+    let defect = || CallFailure::new(BIPED_DEFECT, "a defect of this library; standard error has the details");
     let outcome = catch_unwind(AssertUnwindSafe(what)).unwrap_or_else(|_| Err(defect()));
-    outcome.unwrap_or_else(|Failure { code, sentence }| {
+    outcome.unwrap_or_else(|CallFailure { code, sentence }| {
         let sentence = CString::new(sentence.replace('\0', " ")).unwrap_or_default();
         let _ = LAST.try_with(|last| last.replace(sentence));
         code

@@ -10,10 +10,10 @@ pub mod end;
 pub mod failure;
 pub mod status;
 
-use end::Controller;
-use failure::{Failure, guarded};
+use end::ControllerHandle;
+use failure::{CallFailure, guarded};
 use messages::wire::{Encoders, Telemetry, Torques};
-use status::Status;
+use status::ControllerStatus;
 use std::ffi::{c_char, c_int};
 use std::sync::atomic::Ordering::Relaxed;
 
@@ -22,10 +22,10 @@ use std::sync::atomic::Ordering::Relaxed;
 /// # Safety
 /// `controller` is null or points to a pointer that may be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn biped_open(controller: *mut *mut Controller) -> c_int {
+pub unsafe extern "C" fn biped_open(controller: *mut *mut ControllerHandle) -> c_int {
     guarded(|| {
         let target = not_null(controller, "biped_open: controller")?;
-        let opened = Box::into_raw(Box::new(Controller::open()?));
+        let opened = Box::into_raw(Box::new(ControllerHandle::open()?));
         // SAFETY: not null; the caller allows writing there.
         unsafe { target.write(opened) };
         Ok(0)
@@ -38,7 +38,7 @@ pub unsafe extern "C" fn biped_open(controller: *mut *mut Controller) -> c_int {
 /// # Safety
 /// `controller` is null or from `biped_open`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn biped_wait(controller: *mut Controller) -> c_int {
+pub unsafe extern "C" fn biped_wait(controller: *mut ControllerHandle) -> c_int {
     // SAFETY: as the caller promises.
     guarded(|| unsafe { opened(controller) }?.wait())
 }
@@ -48,7 +48,7 @@ pub unsafe extern "C" fn biped_wait(controller: *mut Controller) -> c_int {
 /// # Safety
 /// `controller` is null or from `biped_open`; `encoders` is null or may be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn biped_read(controller: *mut Controller, encoders: *mut Encoders) -> c_int {
+pub unsafe extern "C" fn biped_read(controller: *mut ControllerHandle, encoders: *mut Encoders) -> c_int {
     guarded(|| {
         let target = not_null(encoders, "biped_read: encoders")?;
         // SAFETY: as the caller promises.
@@ -66,7 +66,7 @@ pub unsafe extern "C" fn biped_read(controller: *mut Controller, encoders: *mut 
 /// `controller` is null or from `biped_open`; `torques` and `telemetry` are null or may be written.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn biped_plan(
-    controller: *mut Controller,
+    controller: *mut ControllerHandle,
     torques: *mut Torques,
     telemetry: *mut Telemetry,
 ) -> c_int {
@@ -90,7 +90,7 @@ pub unsafe extern "C" fn biped_plan(
 /// `controller` is null or from `biped_open`; `torques` and `telemetry` are null or may be read.
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn biped_write(
-    controller: *mut Controller,
+    controller: *mut ControllerHandle,
     torques: *const Torques,
     telemetry: *const Telemetry,
 ) -> c_int {
@@ -111,7 +111,7 @@ pub unsafe extern "C" fn biped_write(
 /// # Safety
 /// `controller` is null or from `biped_open`; `status` is null or may be written.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn biped_status(controller: *mut Controller, status: *mut Status) -> c_int {
+pub unsafe extern "C" fn biped_status(controller: *mut ControllerHandle, status: *mut ControllerStatus) -> c_int {
     guarded(|| {
         let target = not_null(status, "biped_status: status")?;
         // SAFETY: as the caller promises.
@@ -127,12 +127,12 @@ pub unsafe extern "C" fn biped_status(controller: *mut Controller, status: *mut 
 /// # Safety
 /// `controller` is null or points to a pointer that is null or from `biped_open`.
 #[unsafe(no_mangle)]
-pub unsafe extern "C" fn biped_close(controller: *mut *mut Controller) -> c_int {
+pub unsafe extern "C" fn biped_close(controller: *mut *mut ControllerHandle) -> c_int {
     guarded(|| {
         let target = not_null(controller, "biped_close: controller")?;
         // SAFETY: not null; the caller allows reading and writing there, and promises that it points to such a pointer.
         unsafe {
-            let controller: *mut Controller = opened(*target)?;
+            let controller: *mut ControllerHandle = opened(*target)?;
             *target = std::ptr::null_mut();
             drop(Box::from_raw(controller));
         }
@@ -154,9 +154,9 @@ pub extern "C" fn biped_last_error() -> *const c_char {
 }
 
 /// Checks that a pointer is not null.
-fn not_null<T>(pointer: *mut T, what: &str) -> Result<*mut T, Failure> {
+fn not_null<T>(pointer: *mut T, what: &str) -> Result<*mut T, CallFailure> {
     match pointer.is_null() {
-        true => Err(Failure::misuse(format!("{what} is NULL"))),
+        true => Err(CallFailure::misuse(format!("{what} is NULL"))),
         false => Ok(pointer),
     }
 }
@@ -165,12 +165,12 @@ fn not_null<T>(pointer: *mut T, what: &str) -> Result<*mut T, Failure> {
 ///
 /// # Safety
 /// `controller` is null or from `biped_open`, not closed, and not used by another call at the same time.
-unsafe fn opened<'a>(controller: *mut Controller) -> Result<&'a mut Controller, Failure> {
+unsafe fn opened<'a>(controller: *mut ControllerHandle) -> Result<&'a mut ControllerHandle, CallFailure> {
     let controller = not_null(controller, "the controller is not open, or it is closed already: the pointer")?;
     // SAFETY: not null, and from `Box::into_raw`.
     let controller = unsafe { &mut *controller };
     controller
         .is_ours()
         .then_some(controller)
-        .ok_or_else(|| Failure::misuse("a controller can only be used by the thread that opened it"))
+        .ok_or_else(|| CallFailure::misuse("a controller can only be used by the thread that opened it"))
 }

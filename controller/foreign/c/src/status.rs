@@ -12,7 +12,7 @@ pub const BIPED_BEGIN: c_int = 2;
 /// State of the session, and the data of the robot that a controller needs.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Status {
+pub struct ControllerStatus {
     /// Number of the plant's run; 0 before the first reading of the encoders.
     pub run: u64,
     /// Number of the newest reading in that run, from 1.

@@ -15,8 +15,14 @@ fn the_header_matches_the_functions() {
     config.includes = vec!["biped.h".into()];
     config.documentation_style = DocumentationStyle::C99;
     config.tab_width = 4;
-    for name in ["Controller", "Status", "Encoders", "Torques", "Telemetry"] {
-        config.export.rename.insert(name.into(), format!("biped_{name}"));
+    for (name, exported) in [
+        ("ControllerHandle", "Controller"),
+        ("ControllerStatus", "Status"),
+        ("Encoders", "Encoders"),
+        ("Torques", "Torques"),
+        ("Telemetry", "Telemetry"),
+    ] {
+        config.export.rename.insert(name.into(), format!("biped_{exported}"));
     }
     let root = env!("CARGO_MANIFEST_DIR");
     let sources = ["lib.rs", "status.rs", "end.rs", "failure.rs"].map(|file| format!("{root}/src/{file}"));
