@@ -112,7 +112,7 @@ fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
     if let Some(ball) = child(geometry, "sphere") {
         let radius = number(ball, "radius")?;
         match radius == POINT_RADIUS {
-            true => body.contacts.push([at[0], at[1], below(at[2])]),
+            true => body.contacts.push([at[0], at[1], point_height(at[2])]),
             false => body.spheres.push(Sphere { at, radius }),
         }
     }
@@ -127,7 +127,7 @@ fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
 
 /// Height of a contact point below the centre of its ball. It is rounded to nanometres if that gives the same centre, so that an
 /// exported robot is read back exactly.
-fn below(height: f64) -> f64 {
+fn point_height(height: f64) -> f64 {
     let short = ((height - POINT_RADIUS) * 1e9).round() / 1e9;
     if short + POINT_RADIUS == height { short } else { height - POINT_RADIUS }
 }
