@@ -7,7 +7,7 @@ mod common;
 
 use common::{RobotFile, run, run_two, scene, shanks, similar};
 use controller::Controller;
-use messages::robot::{Body, Drives, Robot, Scale, table_1};
+use messages::robot::{Body, DriveParameters, Robot, Scale, table_1};
 use messages::scene::Scene;
 use messages::session::Session;
 use plant::Plant;
@@ -241,7 +241,7 @@ fn trunk(mass: f64) -> Robot {
 }
 
 fn trunk_on_weak_drives(mass: f64) -> Robot {
-    let drives = Drives { inertia: Some(0.1), torque_limit: Some(40.0), ..Drives::default() };
+    let drives = DriveParameters { inertia: Some(0.1), torque_limit: Some(40.0), ..DriveParameters::default() };
     Robot { drives, ..trunk(mass) }
 }
 

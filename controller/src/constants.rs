@@ -31,7 +31,7 @@ const SOLE_SHARE: f64 = 0.95;
 /// J_n over the effective inertia of a joint while all other joints are free [-]. A larger value makes the servo
 /// stiffer and lowers the delay that it tolerates (`stability.rs`).
 const INERTIA_MARGIN: f64 = 2.0;
-/// x_2/W_2 of the posture amid a step: between the turning point of the default orbit, .39, and the exchange, .5 [-].
+/// x_2/W_2 of the posture in the middle of a step: between the turning point of the default orbit, .39, and the exchange, .5 [-].
 const MID_STEP_SHARE: f64 = 0.4;
 /// Heights of the centre of gravity that an error suggests, over the height with straight legs [-]. They only appear in the message.
 const SUGGESTED_HEIGHTS: [f64; 2] = [0.6, 0.95];
@@ -52,7 +52,7 @@ impl Constants {
         Constants::new(&Chain::new(&scene.bodies)?, settings, &scene.plant)
     }
 
-    /// Constants of the posture amid a step: height z_c, x_2 = [`MID_STEP_SHARE`] W_2, swing foot raised.
+    /// Constants of the posture in the middle of a step: height z_c, x_2 = [`MID_STEP_SHARE`] W_2, swing foot raised.
     ///
     /// # Errors
     /// If no posture with bent knees has its centre of gravity that high.

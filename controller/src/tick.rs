@@ -14,7 +14,7 @@ use messages::scene::{ControllerScene, Scene};
 use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
 
 /// The constant part of the controller.
-struct Model {
+struct ControllerModel {
     scene: ControllerScene,
     gravity: f64,
     torque_limit: f64,
@@ -27,7 +27,7 @@ struct Model {
 
 /// The variable part of the controller.
 #[derive(Clone, Copy)]
-struct State {
+struct ControllerState {
     encoder: EncoderState,
     /// Whether the right foot supports.
     right: bool,
@@ -38,8 +38,8 @@ struct State {
 
 /// The paper's walking controller. In each control period it computes torques from encoder counts.
 pub struct Controller {
-    model: Model,
-    state: State,
+    model: ControllerModel,
+    state: ControllerState,
     telemetry: Telemetry,
 }
 
@@ -53,7 +53,7 @@ impl Controller {
         let period = 1.0 / scene.rate;
         let chain = Chain::new(&scene.bodies)?;
         let constants = Constants::new(&chain, &settings, &scene.plant)?;
-        let model = Model {
+        let model = ControllerModel {
             gravity: scene.plant.gravity,
             torque_limit: scene.plant.torque_limit,
             encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
@@ -63,7 +63,12 @@ impl Controller {
             chain,
             constants,
         };
-        let state = State { encoder: EncoderState::default(), right: false, gait: None, servo: ServoState::default() };
+        let state = ControllerState {
+            encoder: EncoderState::default(),
+            right: false,
+            gait: None,
+            servo: ServoState::default(),
+        };
         Ok(Controller { model, state, telemetry: Telemetry::default() })
     }
 
@@ -117,23 +122,23 @@ impl Controller {
         Ok(())
     }
 
-    /// State of the controller in the last control period, for recording.
+    /// ControllerState of the controller in the last control period, for recording.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
     }
 }
 
-impl State {
+impl ControllerState {
     /// Converts wire order to support order, and back.
     fn in_support_order(self, q: &Joints) -> Joints {
         if self.right { mirror(q) } else { *q }
     }
 }
 
-impl Model {
+impl ControllerModel {
     /// In the first two control periods: determines the supporting foot, and whether the robot is already stepping. A robot that
     /// stands still on both feet counts as supported by the left one.
-    fn detect_initial_state(&self, state: &mut State) {
+    fn detect_initial_state(&self, state: &mut ControllerState) {
         let side = |moving| {
             let from_left = self.chain.task(&state.encoder.angle);
             resume::right_supports(&from_left, moving, self.chain.parameters.airborne)
@@ -147,7 +152,7 @@ impl Model {
                 let task = self.chain.task(&ordered(&state.encoder.angle));
                 if let Some(gait) = self.gait.resume(&task, &ordered(&rate)) {
                     let encoder = EncoderState { rate, ..state.encoder };
-                    *state = State { encoder, right, gait: Some(gait), servo: ServoState::default() };
+                    *state = ControllerState { encoder, right, gait: Some(gait), servo: ServoState::default() };
                 }
             }
             _ => (),
@@ -162,7 +167,7 @@ impl Model {
     /// If both feet carry weight, the distribution of the load balances the robot sideways. Roll torques as for two separate feet
     /// would press the feet apart up to the friction limit. So the roll torque of the swing foot's ankle is zero, and that of the
     /// stance foot's ankle is the remainder, M g (x_zmp − (1 − load) W_2).
-    fn feed_forward(&self, state: &State, task: &Task, plan: &Reference) -> Joints {
+    fn feed_forward(&self, state: &ControllerState, task: &Task, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();
         }
@@ -192,7 +197,7 @@ impl Model {
     /// Joint rates for the task rates: in closed form, or by the QP with bounds if the scene sets any.
     fn resolve(
         &self,
-        state: &State,
+        state: &ControllerState,
         task: &Task,
         plan: &Reference,
         rate: &Joints,
@@ -252,7 +257,7 @@ impl Model {
         limits
     }
 
-    fn telemetry(&self, state: &State, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
+    fn telemetry(&self, state: &ControllerState, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
         let [sagittal, lateral] = gait.com;
         Telemetry {
             phase: gait.phase as u32,

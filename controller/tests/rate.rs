@@ -8,7 +8,7 @@ use messages::robot::table_1;
 
 const SEED: u64 = 28;
 
-/// Bent-kneed random postures, task rates and foot pitches.
+/// Random postures with bent knees, and random task rates.
 fn cases(n: usize) -> impl Iterator<Item = (controller::support::Task, TaskVector)> {
     let chain = Chain::new(&table_1()).unwrap();
     let mut random = fastrand::Rng::with_seed(SEED);
@@ -21,14 +21,14 @@ fn cases(n: usize) -> impl Iterator<Item = (controller::support::Task, TaskVecto
 }
 
 #[test]
-fn the_closed_form_meets_29_and_no_step_along_its_null_space_lowers_28() {
+fn the_closed_form_satisfies_29_and_minimises_28_along_the_null_space() {
     for (task, xdot) in cases(1000) {
         let c_0 = bias(task.swing_pitch);
         let q = resolve(&task.jacobian, &xdot, &c_0).unwrap();
         assert!((task.jacobian * q - xdot).amax() < 1e-11);
         let s = Joints::from([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0]);
         let cost = |q: Joints| 0.5 * q.dot(&q) + 50.0 * s.dot(&q).powi(2) - c_0.dot(&q); // (28)
-        // The null space of J: what is left of any vector after its projection on the rows.
+        // Null space of J: an arbitrary vector minus its projection on the rows.
         let any = Joints::from_fn(|i, _| (i as f64 + 1.0).sin());
         let rows = task.jacobian;
         let lambda = (rows * rows.transpose()).cholesky().unwrap().solve(&(rows * any));
@@ -40,7 +40,7 @@ fn the_closed_form_meets_29_and_no_step_along_its_null_space_lowers_28() {
 }
 
 #[test]
-fn with_bounds_that_do_not_bind_the_interior_point_agrees_with_the_closed_form_to_1e_8() {
+fn with_inactive_bounds_the_interior_point_method_agrees_with_the_closed_form_to_1e_8() {
     let wide = Joints::repeat(1e3);
     let mut worst: f64 = 0.0;
     for (task, xdot) in cases(200) {
@@ -53,9 +53,9 @@ fn with_bounds_that_do_not_bind_the_interior_point_agrees_with_the_closed_form_t
     assert!(worst < 1e-8);
 }
 
-/// Bounds by chance, from wide ones to those that nothing meets.
+/// Random bounds, from wide ones to infeasible ones.
 #[test]
-fn bounded_rates_are_those_of_an_interior_point_method() {
+fn bounded_rates_agree_with_an_interior_point_method() {
     let mut random = fastrand::Rng::with_seed(SEED);
     let mut symmetric = |size: f64| size * (2.0 * random.f64() - 1.0);
     let (mut bound, mut refused, mut given_up) = (0, 0, 0);
@@ -78,9 +78,9 @@ fn bounded_rates_are_those_of_an_interior_point_method() {
                 assert!(difference < 1e-8, "{difference:e}: {ours} beside {theirs}");
             }
             (None, None) => refused += 1,
-            // Ours keeps the bounds and meets (29), as shown above: the other gave up where few rates do.
+            // Ours keeps the bounds and satisfies (29), as checked above. The interior-point method gives up where the feasible set is small.
             (Some(_), None) => given_up += 1,
-            // The other takes what is astray by its own tolerance.
+            // The interior-point method accepts rates that are infeasible within its tolerance.
             (None, Some(_)) => {
                 let slack = Joints::repeat(1e-6 * size);
                 assert!(resolve_bounded(rows, &xdot, &c_0, &(lower - slack), &(upper + slack)).is_some());
@@ -92,7 +92,7 @@ fn bounded_rates_are_those_of_an_interior_point_method() {
 }
 
 #[test]
-fn a_bound_that_binds_is_kept_and_the_task_still_met() {
+fn an_active_bound_is_kept_and_the_task_is_still_satisfied() {
     let mut bound_cases = 0;
     for (task, xdot) in cases(200) {
         let c_0 = bias(task.swing_pitch);
@@ -108,7 +108,7 @@ fn a_bound_that_binds_is_kept_and_the_task_still_met() {
 }
 
 #[test]
-fn a_straight_leg_is_reported_not_resolved() {
+fn a_straight_leg_is_reported_as_singular() {
     let chain = Chain::new(&table_1()).unwrap();
     let task = chain.task(&Joints::zeros());
     assert!(resolve(&task.jacobian, &TaskVector::repeat(0.1), &Joints::zeros()).is_none());

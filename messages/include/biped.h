@@ -59,17 +59,17 @@
 /* 7: beyond four times the torque limit */
 /* 8: a jump beyond twice the torque limit */
 
-/* Head of every message. */
+/* Stamp at the head of every message. */
 typedef struct {
     uint32_t magic; /* MAGIC. */
-    uint32_t check; /* Check sum of all that follows it: lower half of XXH3 (64 bits, no seed). */
+    uint32_t check; /* Check sum of all bytes after this field: lower half of XXH3 (64 bits, no seed). */
     uint64_t schema; /* SCHEMA_HASH. */
-    uint64_t run; /* Number of the plant's run: new at each start or reset. */
-    uint64_t epoch; /* Number of the sending process: random at each start. */
-    uint64_t seq; /* Counts the sender's messages of this run from 1. */
-    uint64_t ack; /* In a command: `seq` of the sensors that it answers; else 0. */
+    uint64_t run; /* Number of the plant's run. It is random and changes at each start or reset. */
+    uint64_t epoch; /* Number of the sending process, random at each start. */
+    uint64_t seq; /* Number of the message: the sender counts its messages of this run from 1. */
+    uint64_t ack; /* In a command: `seq` of the sensors that it answers. In other messages: 0. */
     uint64_t sim_ns; /* Simulated time [ns]. */
-    uint64_t mono_ns; /* Monotonic clock of the sender [ns]. */
+    uint64_t mono_ns; /* Monotonic clock of the sender when it sent the message [ns]. */
 } biped_Stamp;
 BIPED_ASSERT(sizeof(biped_Stamp) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, magic) == 0, "layout");
@@ -82,32 +82,32 @@ BIPED_ASSERT(offsetof(biped_Stamp, ack) == 40, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, sim_ns) == 48, "layout");
 BIPED_ASSERT(offsetof(biped_Stamp, mono_ns) == 56, "layout");
 
-/* What a robot's joints report. */
+/* Reading of the joint encoders. */
 typedef struct {
-    int64_t counts[8]; /* Counts of each joint, 2^bits to a turn, zero at zero angle. */
+    int64_t counts[8]; /* Counts of each joint: 2^bits counts per turn, 0 at angle zero. */
 } biped_Encoders;
 BIPED_ASSERT(sizeof(biped_Encoders) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Encoders, counts) == 0, "layout");
 
-/* What a robot's drives are asked for. */
+/* Torque command for the drives. */
 typedef struct {
     double torque[8]; /* Torque at each joint [N·m]. */
 } biped_Torques;
 BIPED_ASSERT(sizeof(biped_Torques) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Torques, torque) == 0, "layout");
 
-/* What the controller thinks, for people to look at: nothing acts on it. */
+/* State of the controller, for display and recording. The plant does not use it. */
 typedef struct {
     uint32_t phase; /* Index into PHASES. */
     uint32_t support; /* Supporting leg: 0 left, 1 right. */
-    uint64_t steps; /* Steps taken: exchanges of support. */
+    uint64_t steps; /* Number of steps taken, that is, of exchanges of support. */
     double com[3]; /* Measured centre of gravity in the support frame S: forward, toward the swing foot, up [m]. */
-    double swing[3]; /* Measured position of the swing sole's centre in S [m]. */
+    double swing[3]; /* Measured position of the centre of the swing foot's sole in S [m]. */
     double pendulum[4]; /* Planned state x_1, v_1, x_2, v_2 of the two pendulums (31), (32) in S [m, m/s]. */
     double energy[2]; /* Energies E_1, E_2 by (33) [m²/s²]. */
-    double energy_ref[2]; /* Their references by (42), (40) [m²/s²]. */
-    double landing; /* Where the swing foot is to land, x_t1 in S [m]. */
-    double surface[8]; /* Distance of each servo from its sliding surface, wire order [rad/s]. */
+    double energy_ref[2]; /* Reference values of E_1, E_2 by (42), (40) [m²/s²]. */
+    double landing; /* Planned landing position of the swing foot, x_t1 in S [m]. */
+    double surface[8]; /* Sliding variable of each servo, wire order [rad/s]. */
 } biped_Telemetry;
 BIPED_ASSERT(sizeof(biped_Telemetry) == 200, "layout");
 BIPED_ASSERT(offsetof(biped_Telemetry, phase) == 0, "layout");
@@ -121,11 +121,11 @@ BIPED_ASSERT(offsetof(biped_Telemetry, energy_ref) == 112, "layout");
 BIPED_ASSERT(offsetof(biped_Telemetry, landing) == 128, "layout");
 BIPED_ASSERT(offsetof(biped_Telemetry, surface) == 136, "layout");
 
-/* Plant to controller: all that a robot could know of itself. */
+/* Plant to controller: what a real robot could measure. */
 typedef struct {
-    biped_Stamp stamp; /* Head. */
+    biped_Stamp stamp; /* Stamp. */
     biped_Encoders encoders; /* Joint encoders. */
-    uint64_t last; /* 1 in the last message of a run, which wants no answer; else 0. */
+    uint64_t last; /* 1 in the last message of a run, which needs no answer; otherwise 0. */
 } biped_Sensors;
 BIPED_ASSERT(sizeof(biped_Sensors) == 136, "layout");
 BIPED_ASSERT(offsetof(biped_Sensors, stamp) == 0, "layout");
@@ -134,26 +134,26 @@ BIPED_ASSERT(offsetof(biped_Sensors, last) == 128, "layout");
 
 /* Controller to plant. */
 typedef struct {
-    biped_Stamp stamp; /* Head; `ack` names the sensors answered. */
+    biped_Stamp stamp; /* Stamp; `ack` is the number of the sensors that this command answers. */
     biped_Torques torques; /* Joint torques. */
-    biped_Telemetry telemetry; /* For the record only. */
+    biped_Telemetry telemetry; /* State of the controller, for recording only. */
 } biped_Command;
 BIPED_ASSERT(sizeof(biped_Command) == 328, "layout");
 BIPED_ASSERT(offsetof(biped_Command, stamp) == 0, "layout");
 BIPED_ASSERT(offsetof(biped_Command, torques) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Command, telemetry) == 128, "layout");
 
-/* What the plant met since the start of its run. */
+/* Counters of the plant since the start of its run. */
 typedef struct {
-    uint64_t refused[9]; /* Commands refused, by reason, in the order of REFUSALS. */
-    uint64_t lost; /* Commands that never came: gaps in their numbers. */
-    uint64_t held; /* Control periods on torques of an earlier one. */
-    uint64_t damped; /* Control periods damped for want of a young command. */
-    uint64_t faulted; /* Control periods with the drives off. */
-    uint64_t skipped; /* Whole control periods that real time was ahead and that were left out. */
-    uint64_t takeovers; /* Times that another controller process took over. */
-    uint64_t unrecorded; /* Messages of truth that a recorder did not get. */
-    uint64_t requests; /* Requests served. */
+    uint64_t refused[9]; /* Refused commands, one counter for each reason in REFUSALS. */
+    uint64_t lost; /* Commands that never arrived, counted by gaps in their numbers. */
+    uint64_t held; /* Control periods that reused the torques of an earlier command. */
+    uint64_t damped; /* Control periods in which the joints were damped because no recent command had arrived. */
+    uint64_t faulted; /* Control periods in which the drives were off. */
+    uint64_t skipped; /* Control periods skipped because the plant was late by whole periods of real time. */
+    uint64_t takeovers; /* Number of times that another controller process took over. */
+    uint64_t unrecorded; /* Messages of truth that a recorder did not receive. */
+    uint64_t requests; /* Requests answered. */
 } biped_Tally;
 BIPED_ASSERT(sizeof(biped_Tally) == 136, "layout");
 BIPED_ASSERT(offsetof(biped_Tally, refused) == 0, "layout");
@@ -166,9 +166,9 @@ BIPED_ASSERT(offsetof(biped_Tally, takeovers) == 112, "layout");
 BIPED_ASSERT(offsetof(biped_Tally, unrecorded) == 120, "layout");
 BIPED_ASSERT(offsetof(biped_Tally, requests) == 128, "layout");
 
-/* What only a simulation knows; for recording, never for control. */
+/* What only the simulation knows. For recording, never for control. */
 typedef struct {
-    biped_Stamp stamp; /* Head; `seq` as in the sensors of the same instant. */
+    biped_Stamp stamp; /* Stamp; `seq` is that of the sensors of the same instant. */
     double base_position[3]; /* Position of the base frame in W [m]. */
     double base_orientation[4]; /* Orientation of the base in W: unit quaternion w, x, y, z. */
     double base_velocity[3]; /* Velocity of the base frame's origin in W [m/s]. */
@@ -176,26 +176,26 @@ typedef struct {
     double angle[8]; /* Joint angles [rad]. */
     double rate[8]; /* Joint rates [rad/s]. */
     double torque[8]; /* Torques of the drives over the control period before this instant, after delay and limits [N·m]. */
-    double contact_force[48]; /* Mean force of the ground on each contact point over that period, x, y, z in W [N]. */
-    double natural_map; /* Greatest natural-map residual of the steps in that period, relative to each step's scale. */
-    double signorini; /* Greatest Signorini residual, likewise. */
-    double slip_misalignment; /* Greatest angle between friction and the direction opposite to slip, over slipping contacts [rad]. */
-    double energy_gain; /* Greatest energy after the impulse above that of free motion [J]. */
-    double penetration; /* Deepest penetration at the instant, as a positive number [m]. */
+    double contact_force[48]; /* Mean force of the ground on each contact point over that period: x, y, z in W [N]. */
+    double natural_map; /* Largest natural-map residual of the steps in that period, relative to each step's scale. */
+    double signorini; /* Largest Signorini residual, scaled likewise. */
+    double slip_misalignment; /* Largest angle between the friction force and the direction opposite to slip, over slipping contacts [rad]. */
+    double energy_gain; /* Largest excess of the energy after the contact impulse over that of the free motion [J]. */
+    double penetration; /* Deepest penetration of the ground at this instant, as a positive number [m]. */
     uint64_t hash; /* Hash of every state since the start of the run. */
-    uint64_t fallbacks; /* Steps so far whose contact problem needed a fallback. */
-    uint64_t pivots; /* Greatest number of pivots that one step of the period took. */
-    uint64_t plant_ns; /* Time that the plant took to compute the period [ns]. */
-    uint64_t wait_ns; /* Time that it waited for the command [ns]. */
-    uint64_t late_ns; /* How late the period began against its deadline, in real time [ns]. */
-    uint64_t reply_ns; /* From sending the sensors to sending of the command that answers them; 0 if that one did not come [ns]. */
+    uint64_t fallbacks; /* Number of steps so far whose contact problem needed a fallback. */
+    uint64_t pivots; /* Largest number of pivots of one step in the period. */
+    uint64_t plant_ns; /* Time in which the plant computed the period [ns]. */
+    uint64_t wait_ns; /* Time for which the plant waited for the command [ns]. */
+    uint64_t late_ns; /* Delay of the period's start after its deadline, in real time [ns]. */
+    uint64_t reply_ns; /* Time from sending the sensors to sending the command that answers them; 0 if that command did not arrive [ns]. */
     uint32_t state; /* Index into STATES. */
-    uint32_t age; /* Age of the command in force [control periods]. */
-    biped_Tally tally; /* What the plant met so far. */
-    biped_Telemetry telemetry; /* As the last command had it. */
-    biped_Stamp command; /* Head of that command: the newest accepted before this instant; zero before the first. */
-    biped_Torques asked; /* What it asked for. */
-    biped_Encoders encoders; /* What the joints report at this instant. */
+    uint32_t age; /* Age of the command that drives the robot [control periods]. */
+    biped_Tally tally; /* Counters of the plant so far. */
+    biped_Telemetry telemetry; /* Telemetry of the last accepted command. */
+    biped_Stamp command; /* Stamp of that command, the newest one accepted before this instant; zero before the first. */
+    biped_Torques asked; /* Torques of that command. */
+    biped_Encoders encoders; /* Reading of the joint encoders at this instant. */
 } biped_Truth;
 BIPED_ASSERT(sizeof(biped_Truth) == 1376, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, stamp) == 0, "layout");
@@ -227,16 +227,16 @@ BIPED_ASSERT(offsetof(biped_Truth, command) == 1184, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, asked) == 1248, "layout");
 BIPED_ASSERT(offsetof(biped_Truth, encoders) == 1312, "layout");
 
-/* Somebody at the plant's or the controller's desk. */
+/* Request to the control service of the plant or of the controller. */
 typedef struct {
-    biped_Stamp stamp; /* Head. */
+    biped_Stamp stamp; /* Stamp. */
     uint64_t kind; /* Index into REQUESTS. */
-    uint64_t count; /* Of `step`: control periods to run. Of `push`: number of the body in the scene. */
-    uint64_t seed; /* Of `reset`: the new seed, 0 keeping the old one. */
-    double impulse[3]; /* Of `push`: impulse in W [N·s]. */
-    double duration; /* Of `push`: duration [s]. */
-    double period; /* Of `set`: period of two steps [s], infinity leaving it. */
-    double speed; /* Of `set`: walking speed [m/s], infinity leaving it. */
+    uint64_t count; /* For `step`: number of control periods to run. For `push`: number of the body in the scene. */
+    uint64_t seed; /* For `reset`: the new seed; 0 keeps the old one. */
+    double impulse[3]; /* For `push`: impulse in W [N·s]. */
+    double duration; /* For `push`: duration [s]. */
+    double period; /* For `set`: period of two steps [s]; infinity leaves it unchanged. */
+    double speed; /* For `set`: walking speed [m/s]; infinity leaves it unchanged. */
 } biped_Request;
 BIPED_ASSERT(sizeof(biped_Request) == 136, "layout");
 BIPED_ASSERT(offsetof(biped_Request, stamp) == 0, "layout");
@@ -248,21 +248,21 @@ BIPED_ASSERT(offsetof(biped_Request, duration) == 112, "layout");
 BIPED_ASSERT(offsetof(biped_Request, period) == 120, "layout");
 BIPED_ASSERT(offsetof(biped_Request, speed) == 128, "layout");
 
-/* What the desk says. */
+/* Answer of the control service. */
 typedef struct {
-    biped_Stamp stamp; /* Head; `sim_ns` tells the simulated time. */
+    biped_Stamp stamp; /* Stamp; `sim_ns` is the simulated time. */
     uint64_t verdict; /* Index into VERDICTS. */
-    uint64_t state; /* Index into STATES: the plant's state; 0 from the controller. */
+    uint64_t state; /* Index into STATES: state of the plant. The controller sends 0. */
 } biped_Reply;
 BIPED_ASSERT(sizeof(biped_Reply) == 80, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, stamp) == 0, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, verdict) == 64, "layout");
 BIPED_ASSERT(offsetof(biped_Reply, state) == 72, "layout");
 
-/* A request that was answered, for whoever records. */
+/* A request with its answer, for recorders. */
 typedef struct {
-    biped_Stamp stamp; /* Head of the reply. Of the plant: the request took effect after the sensors of this number, before the next. Of the  controller: after its answer to the sensors `ack`. */
-    biped_Request request; /* As it was asked. */
+    biped_Stamp stamp; /* Stamp of the reply. From the plant: the request took effect between the sensors of this number and the next ones.  From the controller: the request took effect after its answer to the sensors `ack`. */
+    biped_Request request; /* The request. */
     uint64_t verdict; /* Index into VERDICTS. */
 } biped_Served;
 BIPED_ASSERT(sizeof(biped_Served) == 208, "layout");

@@ -128,9 +128,9 @@ pub struct Robot {
     /// Name in results; absent: the name of the file.
     #[serde(default)]
     pub name: String,
-    /// Drives.
+    /// DriveParameters.
     #[serde(default)]
-    pub drives: Drives,
+    pub drives: DriveParameters,
     /// A trunk and two legs. If the right leg is absent, it is the mirror image of the left one.
     pub bodies: Vec<Body>,
 }
@@ -138,7 +138,7 @@ pub struct Robot {
 /// The drives of a robot, all equal. An absent value is that of the robot that this one replaces, scaled by dynamic similarity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Drives {
+pub struct DriveParameters {
     /// Inertia reflected at each joint, J_r [kg·m²].
     pub inertia: Option<f64>,
     /// Viscous damping of each joint, D [N·m·s/rad].

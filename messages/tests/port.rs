@@ -1,4 +1,4 @@
-//! Claims about the link between two processes, here between two threads with ends of their own.
+//! Claims about the connection between two processes. Here two threads use one end each.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -16,7 +16,7 @@ fn sensors(seq: u64) -> Sensors {
     Sensors { stamp: Stamp { seq, ..Stamp::default() }, ..Sensors::default() }
 }
 
-/// Answers every message of sensors until the last one.
+/// Answers sensors until the last ones.
 fn answer(session: &Session, waiting: Waiting) -> u64 {
     let mut port = ControllerPort::open(session, &contract()).expect("controller").waiting(waiting);
     let mut answered = 0;
@@ -42,49 +42,49 @@ fn ask(port: &mut PlantPort, seq: u64) {
     }
 }
 
-/// Each of so many questions gets its answer.
-fn every_question_is_answered(rounds: u64, [asking, answering]: [Waiting; 2]) {
+/// Checks that each of `rounds` messages of sensors gets its answer.
+fn all_sensors_are_answered(rounds: u64, [asking, answering]: [Waiting; 2]) {
     let session = Session::unique();
     std::thread::scope(|scope| {
         let controller = scope.spawn(|| answer(&session, answering));
         let mut port = PlantPort::open(&session, &contract()).expect("plant").waiting(asking);
         (1..=rounds).for_each(|seq| ask(&mut port, seq));
         port.send(Sensors { last: 1, ..sensors(rounds + 1) }).expect("sending");
-        drop(port); // The goodbye outlives its sender.
+        drop(port); // The goodbye can still be read after its sender has ended.
         assert_eq!(controller.join().expect("controller"), rounds);
     });
     assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
 }
 
 #[test]
-fn every_question_is_answered_however_both_wait_and_nothing_is_left_behind() {
+fn all_sensors_are_answered_for_each_way_of_waiting_and_no_file_remains() {
     for waiting in [Waiting::Spin, Waiting::Hybrid, Waiting::Event] {
-        every_question_is_answered(5_000, [waiting; 2]);
+        all_sensors_are_answered(5_000, [waiting; 2]);
     }
 }
 
 #[test]
-fn two_that_wait_otherwise_still_understand_each_other() {
-    every_question_is_answered(50, [Waiting::Spin, Waiting::Event]);
-    every_question_is_answered(50, [Waiting::Event, Waiting::Spin]);
+fn two_ends_that_wait_differently_can_exchange_messages() {
+    all_sensors_are_answered(50, [Waiting::Spin, Waiting::Event]);
+    all_sensors_are_answered(50, [Waiting::Event, Waiting::Spin]);
 }
 
 #[test]
-fn a_controller_that_comes_late_gets_what_it_missed() {
+fn a_controller_that_joins_late_gets_the_last_sensors() {
     let session = Session::unique();
     let mut plant = PlantPort::open(&session, &contract()).expect("plant");
     for restart in 1..=3 {
         plant.send(sensors(restart)).expect("sending");
         let mut controller = ControllerPort::open(&session, &contract()).expect("controller");
         assert!(plant.wait().expect("waiting").is_none());
-        let got = controller.wait().expect("waiting").expect("the sensors it missed");
+        let got = controller.wait().expect("waiting").expect("the last sensors");
         assert_eq!(got.stamp.seq, restart);
     }
 }
 
 #[test]
-fn a_recorder_gets_every_truth_in_order_also_after_the_plant_has_gone() {
-    const COUNT: u64 = 20_000; // several buffers full
+fn a_recorder_receives_every_truth_in_order_even_after_the_plant_has_ended() {
+    const COUNT: u64 = 20_000; // several times the buffer
     let session = Session::unique();
     let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
     std::thread::scope(|scope| {
@@ -116,7 +116,7 @@ fn a_recorder_gets_every_truth_in_order_also_after_the_plant_has_gone() {
 }
 
 #[test]
-fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
+fn at_its_end_a_plant_waits_for_a_recorder_that_has_not_begun_to_read() {
     let session = Session::unique();
     let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
     std::thread::scope(|scope| {
@@ -125,8 +125,8 @@ fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
             (0..10).for_each(|_| port.record(Truth::default()).expect("truth"));
             port.finish();
         });
-        std::thread::sleep(Duration::from_millis(300)); // a busy machine
-        assert!(!plant.is_finished(), "the plant left with what it had said");
+        std::thread::sleep(Duration::from_millis(300)); // long enough on a busy machine
+        assert!(!plant.is_finished(), "the plant ended before the recorder had read");
         let mut seen = 0;
         while recorder.read().expect("recorder").is_some() {
             seen += 1;
@@ -136,7 +136,7 @@ fn a_plant_that_has_said_all_waits_for_a_recorder_that_has_not_begun_to_read() {
 }
 
 #[test]
-fn a_recorder_that_begins_late_gets_every_truth_too() {
+fn a_recorder_that_begins_to_read_late_receives_every_truth() {
     const COUNT: u64 = 10_000; // more than the buffer holds
     let session = Session::unique();
     let mut recorder = RecorderPort::open(&session, &contract()).expect("recorder");
@@ -157,7 +157,7 @@ fn a_recorder_that_begins_late_gets_every_truth_too() {
 }
 
 #[test]
-fn in_real_time_a_full_recorder_loses_truth_and_the_plant_never_waits() {
+fn in_real_time_a_full_buffer_loses_truth_and_the_plant_never_waits() {
     let session = Session::unique();
     let contract = Contract { pace: Pace::RealTime, ..contract() };
     let mut recorder = RecorderPort::open(&session, &contract).expect("recorder");
@@ -174,7 +174,7 @@ fn in_real_time_a_full_recorder_loses_truth_and_the_plant_never_waits() {
 }
 
 #[test]
-fn another_contract_is_refused_with_both_values() {
+fn a_different_contract_is_refused_with_both_values() {
     let session = Session::unique();
     let _plant = PlantPort::open(&session, &contract()).expect("plant");
     let others = [
@@ -193,11 +193,11 @@ fn another_contract_is_refused_with_both_values() {
             error => panic!("{part}: {error}"),
         }
     }
-    ControllerPort::open(&session, &contract()).expect("the right contract is welcome afterwards");
+    ControllerPort::open(&session, &contract()).expect("the right contract is accepted afterwards");
 }
 
 #[test]
-fn the_model_hash_sees_every_change_of_plant_and_bodies_and_no_other() {
+fn the_model_hash_depends_on_plant_and_bodies_only() {
     let scene = Scene::default();
     let model = |change: fn(&mut Scene)| {
         let mut scene = scene.clone();
@@ -211,7 +211,7 @@ fn the_model_hash_sees_every_change_of_plant_and_bodies_and_no_other() {
 }
 
 #[test]
-fn a_second_plant_and_a_second_controller_are_refused_until_the_first_has_gone() {
+fn a_second_plant_or_controller_is_refused_until_the_first_has_left() {
     let session = Session::unique();
     let plant = PlantPort::open(&session, &contract()).expect("plant");
     let controller = ControllerPort::open(&session, &contract()).expect("controller");
@@ -222,31 +222,32 @@ fn a_second_plant_and_a_second_controller_are_refused_until_the_first_has_gone()
     taken(PlantPort::open(&session, &contract()).map(drop), "plant");
     taken(ControllerPort::open(&session, &contract()).map(drop), "controller");
     drop((plant, controller));
-    PlantPort::open(&session, &contract()).expect("the place is free again");
+    PlantPort::open(&session, &contract()).expect("the session has no plant any more");
 }
 
 #[test]
-fn sessions_live_side_by_side_and_end_without_each_other() {
+fn sessions_do_not_affect_each_other() {
     let (one, other) = (Session::unique(), Session::unique());
     let first = PlantPort::open(&one, &contract()).expect("plant");
     let _other = PlantPort::open(&other, &contract()).expect("plant");
     assert_eq!(one.members(), [std::process::id()]);
     let count = other.shm_files().len();
     one.remove_files();
-    assert!(count > 0 && !one.shm_files().is_empty(), "somebody is in it");
+    assert!(count > 0 && !one.shm_files().is_empty(), "the session is running");
     drop(first);
     assert!(one.shm_files().is_empty());
     assert_eq!(other.shm_files().len(), count);
 }
 
 #[test]
-fn whoever_begins_a_session_clears_what_dead_ones_left() {
+fn the_first_member_of_a_session_removes_the_files_of_stale_sessions() {
     let (dead, alive) = (Session::unique(), Session::unique());
     let port = PlantPort::open(&dead, &contract()).expect("plant");
-    let list = dead.shm_files().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a list");
+    let lock_file =
+        dead.shm_files().into_iter().find(|path| path.to_string_lossy().ends_with("members")).expect("a lock file");
     drop(port);
-    let segment = std::path::PathBuf::from(list.to_string_lossy().replace("members", "abandoned"));
-    std::fs::write(&list, dead.name()).expect("a list of nobody");
+    let segment = std::path::PathBuf::from(lock_file.to_string_lossy().replace("members", "abandoned"));
+    std::fs::write(&lock_file, dead.name()).expect("a lock file without a lock");
     std::fs::write(&segment, "").expect("an empty segment");
     assert!(!dead.is_running() && dead.shm_files().contains(&segment));
     let _port = PlantPort::open(&alive, &contract()).expect("plant");
@@ -254,32 +255,32 @@ fn whoever_begins_a_session_clears_what_dead_ones_left() {
     assert!(alive.is_running());
 }
 
-/// As root, iceoryx2 waits for ever for a segment whose maker was killed before it had a size.
+/// As root, iceoryx2 waits for ever for a segment whose creator was killed before the segment had a size.
 #[test]
-fn a_segment_that_never_got_a_size_is_in_nobodys_way() {
+fn a_segment_without_a_size_does_not_block_another_process() {
     let session = Session::unique();
     let plant = PlantPort::open(&session, &contract()).expect("plant");
     let controller = ControllerPort::open(&session, &contract()).expect("controller");
     let connection = |path: &std::path::PathBuf| path.to_string_lossy().ends_with(".connection");
     let model = session.shm_files().into_iter().find(connection).expect("a connection");
-    let stillborn = model.with_file_name(model.to_string_lossy().replace(".connection", "1.connection"));
-    std::fs::write(&stillborn, "").expect("a segment");
-    std::fs::set_permissions(&stillborn, std::os::unix::fs::PermissionsExt::from_mode(0o200)).expect("our own file");
+    let incomplete = model.with_file_name(model.to_string_lossy().replace(".connection", "1.connection"));
+    std::fs::write(&incomplete, "").expect("a segment");
+    std::fs::set_permissions(&incomplete, std::os::unix::fs::PermissionsExt::from_mode(0o200)).expect("our own file");
     drop(controller);
     ControllerPort::open(&session, &contract()).expect("another controller");
-    assert!(!stillborn.exists());
+    assert!(!incomplete.exists());
     drop(plant);
     assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
 }
 
 #[test]
-fn the_version_told_is_the_one_that_is_pinned() {
+fn the_transport_version_is_the_pinned_one() {
     let (name, version) = messages::port::TRANSPORT.split_once(' ').expect("a name and a version");
     assert!(include_str!("../Cargo.toml").contains(&format!("{name} = \"={version}\"")));
 }
 
 #[test]
-fn a_session_needs_a_name_that_can_be_a_file_name() {
+fn the_name_of_a_session_must_be_a_valid_file_name() {
     for bad in ["", "a/b", "..", "a b", "an-awfully-long-name-for-just-one-session"] {
         assert!(matches!(Session::named(bad), Err(PortError::SessionName { .. })), "{bad}");
     }

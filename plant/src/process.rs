@@ -10,7 +10,7 @@ mod log;
 mod request_handler;
 
 pub use control_loop::{ExchangeOutcome, PeriodTiming, drive};
-pub use error::{Options, ProcessError};
+pub use error::{Options, PlantProcessError};
 
 use crate::Simulation;
 use connection::ControllerConnection;
@@ -29,8 +29,13 @@ const GOODBYE_TIME: Duration = Duration::from_millis(300);
 /// The plant always sends a goodbye to the controller, also when it ends early.
 ///
 /// # Errors
-/// See [`ProcessError`]; the counters are complete in any case.
-pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) -> (Tally, Result<(), ProcessError>) {
+/// See [`PlantProcessError`]; the counters are complete in any case.
+pub fn run(
+    scene: &Scene,
+    port: PlantPort,
+    options: Options,
+    stop: &AtomicBool,
+) -> (Tally, Result<(), PlantProcessError>) {
     let mut simulation = match Simulation::new(scene, random(), random()) {
         Ok(simulation) => simulation,
         Err(error) => {
@@ -56,10 +61,10 @@ pub fn run(scene: &Scene, port: PlantPort, options: Options, stop: &AtomicBool) 
     };
     simulation.commands().tally_mut().unrecorded = connection.port.unrecorded();
     let result = match (result, simulation.state()) {
-        (Ok(()), PlantState::Fault) => Err(ProcessError::Silent(simulation.commands().age())),
+        (Ok(()), PlantState::Fault) => Err(PlantProcessError::Silent(simulation.commands().age())),
         (result, _) => result,
     };
-    (*simulation.commands().tally(), result.and(sent.map_err(ProcessError::from)))
+    (*simulation.commands().tally(), result.and(sent.map_err(PlantProcessError::from)))
 }
 
 /// The last message to the controller.

@@ -3,7 +3,7 @@
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
 
-use messages::robot::{Drives, Robot, table_1};
+use messages::robot::{DriveParameters, Robot, table_1};
 use messages::scene::Scene;
 use serde_json::Value;
 use std::ops::RangeInclusive;
@@ -158,7 +158,7 @@ pub fn similar(length: f64) -> Robot {
             *vector = vector.map(|x| length * x);
         }
     }
-    Robot { name: format!("Table 1 times {length}"), drives: Drives::default(), bodies }
+    Robot { name: format!("Table 1 times {length}"), drives: DriveParameters::default(), bodies }
 }
 
 /// The robot of Table 1 with shanks this much longer.
@@ -169,5 +169,5 @@ pub fn shanks(length: f64) -> Robot {
         bodies[shank].com[2] *= length;
         bodies[ankle].joint.as_mut().expect("an ankle").at[2] *= length;
     }
-    Robot { name: format!("shanks times {length}"), drives: Drives::default(), bodies }
+    Robot { name: format!("shanks times {length}"), drives: DriveParameters::default(), bodies }
 }

@@ -25,8 +25,8 @@ int main(void) {
     expect("second", biped_open(&second), BIPED_INCOMPATIBLE, "already has a controller");
     expect("read early", biped_read(controller, &encoders), BIPED_MISUSE, "biped_wait first");
     expect("read nowhere", biped_read(controller, NULL), BIPED_MISUSE, "NULL");
-    expect("plan early", biped_plan(controller, &torques, NULL), BIPED_MISUSE, "nothing waits");
-    expect("write early", biped_write(controller, &torques, NULL), BIPED_MISUSE, "nothing waits");
+    expect("plan early", biped_plan(controller, &torques, NULL), BIPED_MISUSE, "no reading to answer");
+    expect("write early", biped_write(controller, &torques, NULL), BIPED_MISUSE, "no reading to answer");
     expect("write nothing", biped_write(controller, NULL, NULL), BIPED_MISUSE, "NULL");
     expect("status nowhere", biped_status(controller, NULL), BIPED_MISUSE, "NULL");
     if (biped_status(controller, &status) != 0 || status.seq != 0 || status.rate != 1000.0) failed = 1;

@@ -1,4 +1,4 @@
-/* Stands: every joint is held where the scene puts it at the start, by a spring and a damper.
+/* A standing controller: a spring and a damper hold every joint at its initial angle.
  *
  *     cargo build --release -p biped_c
  *     cc controller/foreign/c/stand.c -o stand -I controller/foreign/c -I messages/include \
@@ -13,14 +13,14 @@
 
 #define STIFFNESS 1000.0 /* [N·m/rad] */
 #define DAMPING 40.0     /* [N·m·s/rad] */
-#define CUT_OFF 150.0    /* of the low-pass on the rates [Hz] */
+#define CUT_OFF 150.0    /* of the low-pass filter of the rates [Hz] */
 #define TURN 6.283185307179586
 
-/* One control period: angle and speed are of the one before, unless it is the first of a run. */
+/* One control period. `angle` and `speed` hold the values of the preceding one, except in the first period of a run. */
 static int hold(biped_Controller *controller, const biped_Status *robot, int first, double *angle, double *speed) {
     biped_Encoders encoders;
-    int said = biped_read(controller, &encoders);
-    if (said < 0) return said;
+    int result = biped_read(controller, &encoders);
+    if (result < 0) return result;
     biped_Torques answer;
     double share = 1.0 - exp(-TURN * CUT_OFF / robot->rate);
     for (int j = 0; j < BIPED_JOINTS; j++) {
@@ -38,14 +38,14 @@ int main(void) {
     biped_Status robot;
     double angle[BIPED_JOINTS], speed[BIPED_JOINTS];
     signal(SIGTERM, biped_stop);
-    int said = biped_open(&controller);
-    if (said >= 0) said = biped_status(controller, &robot);
-    while (said >= 0) {
-        said = biped_wait(controller);
-        if (said == BIPED_GOODBYE) break;
-        if (said > 0) said = hold(controller, &robot, said == BIPED_BEGIN, angle, speed);
+    int result = biped_open(&controller);
+    if (result >= 0) result = biped_status(controller, &robot);
+    while (result >= 0) {
+        result = biped_wait(controller);
+        if (result == BIPED_GOODBYE) break;
+        if (result > 0) result = hold(controller, &robot, result == BIPED_BEGIN, angle, speed);
     }
-    if (said < 0) fprintf(stderr, "error: %s\n", biped_last_error());
+    if (result < 0) fprintf(stderr, "error: %s\n", biped_last_error());
     if (controller) biped_close(&controller);
-    return -said;
+    return -result;
 }

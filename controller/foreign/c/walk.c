@@ -1,5 +1,5 @@
-/* Walks: the torques are those of this project's controller in Rust, by biped_plan, and the session is this program's. Put
- * your own law where they are asked for.
+/* A walking controller: this program runs the session, and biped_plan returns the torques of this project's controller. Replace that
+ * call by your own control law.
  *
  *     cargo build --release -p biped_c
  *     cc controller/foreign/c/walk.c -o walk -I controller/foreign/c -I messages/include \
@@ -16,14 +16,14 @@ int main(void) {
     biped_Torques torques;
     biped_Telemetry telemetry;
     signal(SIGTERM, biped_stop);
-    int said = biped_open(&controller);
-    while (said >= 0) {
-        said = biped_wait(controller);
-        if (said == BIPED_GOODBYE) break;
-        if (said > 0) said = biped_plan(controller, &torques, &telemetry);
-        if (said >= 0) said = biped_write(controller, &torques, &telemetry);
+    int result = biped_open(&controller);
+    while (result >= 0) {
+        result = biped_wait(controller);
+        if (result == BIPED_GOODBYE) break;
+        if (result > 0) result = biped_plan(controller, &torques, &telemetry);
+        if (result >= 0) result = biped_write(controller, &torques, &telemetry);
     }
-    if (said < 0) fprintf(stderr, "error: %s\n", biped_last_error());
+    if (result < 0) fprintf(stderr, "error: %s\n", biped_last_error());
     if (controller) biped_close(&controller);
-    return -said;
+    return -result;
 }

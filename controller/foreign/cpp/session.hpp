@@ -1,4 +1,4 @@
-// A controller's end of a session for C++17: controller.h, closed by its destructor, errors as exceptions.
+// The controller's end of a session for C++17: controller.h with a destructor and exceptions.
 #pragma once
 
 #include "controller.h"
@@ -7,10 +7,10 @@
 
 namespace biped {
 
-// A failed call: what() is a sentence, code the exit code to end with.
+// A failed call: what() is its sentence, code the exit code for the program.
 struct Error : std::runtime_error {
     int code;
-    explicit Error(int said) : std::runtime_error(biped_last_error()), code(-said) {}
+    explicit Error(int result) : std::runtime_error(biped_last_error()), code(-result) {}
 };
 
 class Session {
@@ -21,14 +21,14 @@ public:
     Session(const Session &) = delete;
     Session &operator=(const Session &) = delete;
 
-    // Waits for the next encoders; false after the plant's goodbye.
+    // Waits for the next reading of the encoders; false after the plant's goodbye.
     bool wait() {
-        said = check(biped_wait(controller));
-        return said != BIPED_GOODBYE;
+        result = check(biped_wait(controller));
+        return result != BIPED_GOODBYE;
     }
 
-    // Whether they are the first of a run: forget what was before.
-    bool begins() const { return said == BIPED_BEGIN; }
+    // Whether the reading is the first of a run. The controller must then start from its initial state.
+    bool begins() const { return result == BIPED_BEGIN; }
 
     biped_Encoders read() {
         biped_Encoders encoders;
@@ -50,11 +50,11 @@ public:
 
 private:
     biped_Controller *controller = nullptr;
-    int said = BIPED_GOODBYE;
+    int result = BIPED_GOODBYE;
 
-    static int check(int said) {
-        if (said < 0) throw Error(said);
-        return said;
+    static int check(int result) {
+        if (result < 0) throw Error(result);
+        return result;
     }
 };
 

@@ -1,4 +1,4 @@
-// Stands: every joint is held where the scene puts it at the start, by a spring and a damper.
+// A standing controller: a spring and a damper hold every joint at its initial angle.
 //
 //     cargo build --release -p biped_c
 //     c++ -std=c++17 controller/foreign/cpp/stand.cpp -o stand -I controller/foreign/c -I messages/include
@@ -13,18 +13,18 @@
 
 constexpr double stiffness = 1000.0; // [N·m/rad]
 constexpr double damping = 40.0;     // [N·m·s/rad]
-constexpr double cut_off = 150.0;    // of the low-pass on the rates [Hz]
+constexpr double cut_off = 150.0;    // of the low-pass filter of the rates [Hz]
 constexpr double turn = 6.283185307179586;
 
 struct Joint {
     double angle, speed = 0.0;
 
-    // Torque of the spring and the damper toward `wanted`.
-    double hold(double wanted, double now, double rate) {
+    // Torque of a spring and a damper toward the angle `target`.
+    double hold(double target, double now, double rate) {
         const double share = 1.0 - std::exp(-turn * cut_off / rate);
         speed += share * ((now - angle) * rate - speed);
         angle = now;
-        return stiffness * (wanted - now) - damping * speed;
+        return stiffness * (target - now) - damping * speed;
     }
 };
 

@@ -1,15 +1,17 @@
-"""What the centre of gravity and the swing foot are to do next: phases, pendulums, energies, foot placement, (30)-(43).
+"""The motion of the centre of gravity and of the swing foot: phases, pendulums, energies, foot placement, (30)-(43).
 
     stand → sway → lift → walk (exchange, exchange, …) → land → rest
 
-In walk, both axes are pendulums whose states follow the measured centre of gravity. The lateral one is held on its orbit by
-its energy and sets the time of the steps; the sagittal one is stabilised by where the foot lands and by the ankle.
+In walk, both axes are pendulums whose states follow the measured centre of gravity. The energy rule keeps the lateral pendulum on
+its orbit, which sets the time of the steps. The landing position of the foot and the ankle stabilise the sagittal pendulum.
 """
 
 from dataclasses import dataclass
 from math import ceil, copysign, cosh, exp, expm1, log, sinh, sqrt, tanh, tau
 
 import numpy as np
+
+import wire
 
 
 def clip(value, limit):
@@ -18,14 +20,14 @@ def clip(value, limit):
 
 @dataclass
 class MinimumJerkState:
-    """Position, velocity and acceleration along one axis [m, m/s, m/s²]."""
+    """Position, velocity and acceleration along one axis: the state of a minimum-jerk motion [m, m/s, m/s²]."""
 
     x: float
     v: float = 0.0
     a: float = 0.0
 
-    def toward(self, target, t, h):
-        """One period h along the quintic that comes to rest at the target in the time t."""
+    def advance_toward(self, target, t, h):
+        """The state after one period h of the quintic that comes to rest at the target in the time t."""
         d, v, a = target - self.x, self.v, self.a
         jerk = 60 * d / t**3 - 36 * v / t**2 - 9 * a / t
         snap = -360 * d / t**4 + 192 * v / t**3 + 36 * a / t**2
@@ -36,8 +38,8 @@ class MinimumJerkState:
             a + h * (jerk + h * (snap / 2 + h * crackle / 6)),
         )
 
-    def after(self, omega, u, t):
-        """The pendulum ẍ = ω²x + u a time t later. (31), (32), (34)"""
+    def propagated(self, omega, u, t):
+        """The state of the pendulum ẍ = ω²x + u after a time t. (31), (32), (34)"""
         sh, ch, rest = sinh(omega * t), cosh(omega * t), -u / omega**2
         x = rest + (self.x - rest) * ch + self.v / omega * sh
         return MinimumJerkState(x, (self.x - rest) * omega * sh + self.v * ch, omega**2 * x + u)
@@ -46,7 +48,7 @@ class MinimumJerkState:
         return 0.5 * self.v**2 - 0.5 * (omega * self.x) ** 2  # (33)
 
     def time_to(self, width, omega, longest):
-        """Time until the free motion reaches `width`: a quadratic in e^(ωt)."""
+        """Time until the free motion reaches `width`, from a quadratic equation in e^(ωt)."""
         a, b = 0.5 * (self.x + self.v / omega), 0.5 * (self.x - self.v / omega)
         if a <= 1e-5:
             return longest
@@ -55,54 +57,55 @@ class MinimumJerkState:
 
 
 def virtual_input(gain, missing, v, fading, limit):
-    """u that adds the missing energy; v/(v² + v_0²) for the 1/v of (39), singular at rest."""
+    """u that adds the missing energy, with v/(v² + v_0²) in place of the 1/v of (39), which is singular at rest."""
     return clip(gain * missing * v / (v * v + fading**2), limit)
 
 
 def lateral_energy(omega, width, period):
-    """E_2 of the orbit with this period between feet `width` apart."""
+    """E_2 of the orbit of this period with feet `width` apart."""
     e = exp(0.5 * omega * period)
     return -((omega * width) ** 2) * e / (2 * (1 + e) ** 2)  # (40)
 
 
 def turning_point(omega, width, period):
-    """Where that orbit is at rest."""
+    """Turning point of that orbit."""
     return 0.5 * width / cosh(0.25 * omega * period)
 
 
-STAND, SWAY, LIFT, WALK, LAND, REST = range(6)  # as wire.PHASE
-# for the robot of Table 1; another's go with its size, see Chain
+STAND, SWAY, LIFT, WALK, LAND, REST = range(len(wire.PHASE))
+# for the robot of Table 1; scaled for another robot, see Chain
 DURATION = {STAND: 0.5, SWAY: 0.8, LIFT: 0.3, LAND: 0.5}  # [s]
-FREEZE = 0.012  # so long before landing the target stays as it is [s]
-SHORTEST = 0.03  # time for which a correction by the ankle is reckoned [s]
-AIRBORNE = 1e-3  # a foot this far above the other swings [m]
-FARTHEST = 0.25  # from the supporting foot that the other lands [m]
-TRIM, TIME_TRIM = 0.02, 0.05  # greatest trim of the landing and of the step's length, and of its duration [m], [s]
-# these do not go with its size
-ZMP_SHARE = 0.85, 0.9  # of the sole's half-depth and half-width: so far the plan puts the zero-moment point
-CAPTURE_GAIN = 3.0  # zero-moment point per distance of ξ from the slowest orbit; above 1, or the robot would not come back
-SLOWEST, QUICKEST = 1.2, 0.8  # period of the orbits allowed, in periods of the gait
-DECAYING = 0.3, 0.8  # ζ on any orbit of interest, in widths W_2
-LEARNING = {"landing": 0.3, "step": 0.1, "time": 0.3}  # share of an error that the next step is corrected by
-LESSON = 0.02  # most that one step teaches of step and time, against the greatest trim
+FREEZE = 0.012  # last part of a step, in which the landing position is fixed [s]
+SHORTEST = 0.03  # shortest horizon of a correction by the ankle [s]
+AIRBORNE = 1e-3  # a foot that is higher than this above the other one is in the air [m]
+FARTHEST = 0.25  # largest distance of a landing foot from the supporting foot [m]
+MAX_LENGTH_CORRECTION = 0.02  # largest learned correction of landing position and step length [m]
+MAX_TIME_CORRECTION = 0.05  # largest learned correction of the step duration [s]
+# these are not scaled
+ZMP_SHARE = 0.85, 0.9  # share of the sole's half-depth and half-width within which the plan keeps the zero-moment point
+CAPTURE_GAIN = 3.0  # shift of the zero-moment point per distance of ξ from the slowest orbit; below 1 the robot would not return
+SLOWEST, QUICKEST = 1.2, 0.8  # period of the allowed orbits, over the period of the gait
+DECAYING = 0.3, 0.8  # range of ζ in widths W_2
+LEARNING = {"landing": 0.3, "step": 0.1, "time": 0.3}  # share of the error of a step by which the correction changes
+MAX_LESSON = 0.02  # largest change of the corrections of step and time after one step, over the largest correction
 INPUT_LIMIT = 0.5  # of u_1 under the paper's rule [m/s²]
-ANKLE_SHARE = 0.7  # g: so much of a sagittal deviation the ankle takes
-SWING_ACCELERATION = 12.0, 18.0  # greatest of the swing foot, near the ground and clear of it [m/s²]
-SPARE = 1.25  # acceleration that the foot may have, over that of the steady gait
-CLEAR = 0.3  # share of its greatest height from which on a foot is clear of the ground
-MINIMUM_JERK_PEAK = 5.7735  # acceleration of a least-jerk motion over a distance d in a time t, at most, over d/t²
+ANKLE_SHARE = 0.7  # g: share of a sagittal deviation that the ankle corrects
+SWING_ACCELERATION = 12.0, 18.0  # largest of the swing foot, near the ground and clear of it [m/s²]
+SPARE = 1.25  # acceleration that the foot may always have, over that of the steady gait
+CLEAR = 0.3  # height, as a share of the largest one, above which the full acceleration is allowed
+MINIMUM_JERK_PEAK = 5.7735  # largest acceleration of a minimum-jerk motion, over d/t²: 10/√3
 
 
 def right_supports(from_left, moving, airborne):
-    """Whether the right foot carries, seen from the left: the left one is in the air, or, amid an exchange, the centre of
-    gravity is nearer to the right one."""
+    """Whether the right foot supports the robot: the left one is in the air, or, during an exchange, the centre of gravity is
+    nearer to the right one."""
     x = from_left.x
     return x[5] < 0 if abs(x[5]) > airborne else moving and x[1] > 0.5 * x[4]
 
 
 @dataclass
 class Plan:
-    """What the lower levels are to do in this period."""
+    """Reference for the lower levels in one control period."""
 
     xdot: np.ndarray  # of (30)
     acceleration: tuple  # of the centre of gravity along axes 1 and 2 [m/s²]
@@ -119,13 +122,13 @@ class Gait:
         self.freeze, self.airborne, self.fading = FREEZE * self.t, AIRBORNE * self.L, 0.01 * self.L / self.t
         self.gamma = constants.gamma
         self.zmp_range = (ZMP_SHARE * chain.sole_half[:2]).tolist()
-        # observers of the pendulums: errors decay as e^(−pt); p = 0 corrects nothing
+        # observers of the pendulums: errors decay as e^(−pt); with p = 0 they correct nothing
         kept = exp(-scene["com_feedback"] * h)
-        self.blind, self.l_x, self.l_v = kept == 1.0, 1 - kept**2, (1 - kept) ** 2 / h
-        # the servo's boundary layer is late by 1/κ, less the delays of the measured rates and of the plan: without this lead
-        # a plan that follows the robot is held back by it
+        self.is_disabled, self.l_x, self.l_v = kept == 1.0, 1 - kept**2, (1 - kept) ** 2 / h
+        # delay of a joint rate after its reference: 1/κ of the boundary layer, less the delays of the measured rates. Without this
+        # lead the observer would hold the plan back
         late = 1 / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
-        self.lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
+        self.servo_lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
         inner = turning_point(self.omega[1], self.width, T)
         self.slowest = turning_point(self.omega[1], self.width, SLOWEST * T) ** 2  # ξ ζ
         self.quickest = lateral_energy(self.omega[1], self.width, QUICKEST * T)
@@ -134,12 +137,13 @@ class Gait:
         self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
-        self.W_1, self.trim = 0.0, dict.fromkeys(LEARNING, 0.0)
-        self.most = {"landing": TRIM * self.L, "step": TRIM * self.L, "time": TIME_TRIM * self.t}
+        self.W_1, self.corrections = 0.0, dict.fromkeys(LEARNING, 0.0)
+        length = MAX_LENGTH_CORRECTION * self.L
+        self.most = {"landing": length, "step": length, "time": MAX_TIME_CORRECTION * self.t}
 
     def resume(self, task, speed):
-        """Goes on amid a step, from the task and its rates: the gait has no clock, and its state can be measured. False if the
-        robot is standing."""
+        """Starts in the middle of a step, from the task and its rates: the gait has no clock, so its state can be measured. Returns
+        False if the robot is standing."""
         x, v = task.x.tolist(), speed.tolist()
         lateral = MinimumJerkState(x[1], v[1])
         exchanging = abs(v[1]) > 0.05 * self.L / self.t and self.f_h(lateral)[0] < 2 * self.airborne
@@ -154,28 +158,28 @@ class Gait:
         return self.time >= self.scene.get("stop_time", float("inf"))
 
     def exchange_due(self):
-        """x_2 has come to W_2/2 and moves on, fast enough that the orbit over the other foot is not too quick to step in."""
+        """Whether x_2 has passed W_2/2 and moves on, and the following orbit is not quicker than the quickest one allowed."""
         lateral = self.com[1]
         if self.phase != WALK or lateral.x < 0.5 * self.width or lateral.v <= 0 or self.since < 0.1 * self.t:
             return False
         return MinimumJerkState(self.width - lateral.x, lateral.v).energy(self.omega[1]) >= self.quickest
 
     def learn(self, landed):
-        """Corrects the next steps by what this one was astray; one that a push disturbed teaches but little."""
-        astray = {"landing": landed - self.landing}
-        if self.steps > 0 and not self.blind:
-            astray |= {"step": self.W_1 - landed, "time": 0.5 * self.T - self.since}
-        for key, error in astray.items():
+        """Updates the corrections by the errors of the step that has just landed. A disturbed step changes them only a little."""
+        deviation = {"landing": landed - self.landing}
+        if self.steps > 0 and not self.is_disabled:
+            deviation |= {"step": self.W_1 - landed, "time": 0.5 * self.T - self.since}
+        for key, error in deviation.items():
             lesson, most = LEARNING[key] * error, self.most[key]
-            lesson = lesson if key == "landing" else clip(lesson, LESSON * most)
-            self.trim[key] = clip(self.trim[key] + lesson, most)
+            lesson = lesson if key == "landing" else clip(lesson, MAX_LESSON * most)
+            self.corrections[key] = clip(self.corrections[key] + lesson, most)
 
     def exchange(self, task):
-        """Hands the plan over to the other support; `task` is measured before, in the old support frame."""
+        """Transforms the plan to the other supporting foot. `task` is the task before the exchange, in the old support frame."""
         t_1, t_3 = task.x[[3, 5]].tolist()
         self.learn(t_1)
         sagittal, lateral = self.com
-        x = self.width - lateral.x  # up to a period late: along the orbit to the other foot
+        x = self.width - lateral.x  # the exchange is up to a period late: same orbit, as far short of W_2/2
         v = -sqrt(max(0.0, lateral.v**2 - self.omega[1] ** 2 * (lateral.x**2 - x**2)))
         self.com = [MinimumJerkState(sagittal.x - t_1, sagittal.v, sagittal.a), MinimumJerkState(x, v, -lateral.a)]
         self.height -= t_3
@@ -192,13 +196,13 @@ class Gait:
         if self.phase in (STAND, REST):
             plan = self.hold(task)
         elif self.phase == SWAY:
-            plan = self.shift(task, (0.0, self.release))
+            plan = self.move_com(task, (0.0, self.release))
         elif self.phase == LIFT:
-            plan = self.rise(task)
+            plan = self.lift_foot(task)
         elif self.phase == WALK:
             plan = self.walk(task)
         else:
-            plan = self.shift(task, (0.5 * task.x[3], 0.5 * task.x[4]))
+            plan = self.move_com(task, (0.5 * task.x[3], 0.5 * task.x[4]))
         self.since += self.h
         self.time += self.h
         return plan
@@ -218,26 +222,26 @@ class Gait:
         return p_1, lateral.x - lateral.a / self.omega[1] ** 2  # (32)
 
     def hold(self, task):
-        """Both feet down."""
-        return self.follow(task, 0.0, 0.0, max(0.0, min(1.0, 1.0 - self.zmp()[1] / self.width)))
+        """Both feet are on the ground."""
+        return self.reference(task, 0.0, 0.0, max(0.0, min(1.0, 1.0 - self.zmp()[1] / self.width)))
 
-    def shift(self, task, target):
-        """Both feet down, the centre of gravity on its way."""
+    def move_com(self, task, target):
+        """Both feet are on the ground; the centre of gravity moves to the target."""
         left = self.duration[self.phase] - self.since
-        move = lambda axis, to: axis.toward(to, left, self.h) if left > self.freeze else MinimumJerkState(axis.x)
+        move = lambda axis, to: axis.advance_toward(to, left, self.h) if left > self.freeze else MinimumJerkState(axis.x)
         self.com = [move(axis, to) for axis, to in zip(self.com, target)]
         return self.hold(task)
 
-    def rise(self, task):
-        """The weight leaves the swing foot, then the foot leaves the ground."""
+    def lift_foot(self, task):
+        """The weight leaves the swing foot; meanwhile the foot rises along a minimum-jerk path."""
         height, _ = self.f_h(self.com[1])
         r = min(1.0, self.since / self.duration[LIFT])
         load = 1.0 - self.com[1].x / self.width * max(0.0, 1.0 - self.since / (0.1 * self.t))
         rate = 30 * r * r * (1 - r) ** 2 / self.duration[LIFT]
-        return self.follow(task, height * r**3 * (10 - 15 * r + 6 * r * r), height * rate, load)
+        return self.reference(task, height * r**3 * (10 - 15 * r + 6 * r * r), height * rate, load)
 
     def walk(self, task):
-        """One period of stepping: both axes are pendulums."""
+        """One control period of walk: both axes are pendulums."""
         self.observe(task)
         sagittal, lateral = self.com
         left = self.time_left(lateral)
@@ -248,23 +252,23 @@ class Gait:
             zmp = self.place_foot(left)
             u_1 = self.gamma * self.foot.a - self.omega[0] ** 2 * zmp
         self.com = [sagittal.propagated(self.omega[0], u_1, self.h), lateral.propagated(self.omega[1], u_2, self.h)]  # (31), (32)
-        return self.follow(task, *self.f_h(self.com[1]), 1.0)  # (43)
+        return self.reference(task, *self.f_h(self.com[1]), 1.0)  # (43)
 
     def observe(self, task):
-        """The plan follows the measured centre of gravity; not along axis 1 under the paper's sagittal rule: mirrored, the foot
-        lands moving, and what that does to the measured speed fells the robot."""
+        """Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule axis 1 is not corrected: the mirrored
+        foot is still moving when it lands, and the jump of the measured speed would make the robot fall."""
         for k in (1,) if self.scene["sagittal"] == "energy" else (0, 1):
             error = task.x[k].item() - self.com[k].x
             self.com[k].x += self.l_x * error
             self.com[k].v += self.l_v * error
 
     def lateral_input(self):
-        """u_2: the energy rule, and the ankle where the rule alone would be too late. E = −ω² ξ ζ/2 with ξ = x + v/ω, which
-        diverges, and ζ = x − v/ω, which decays; pushed out of the slowest orbit, the robot comes back to it at once."""
+        """u_2: the energy rule, and the ankle where that rule alone would act too late. E = −ω² ξ ζ/2 with ξ = x + v/ω, which
+        diverges, and ζ = x − v/ω, which decays. A robot that is pushed out of the slowest orbit returns to it at once."""
         lateral, w = self.com[1], self.omega[1]
         missing, most = self.references()[1] - self.energies()[1], self.zmp_range[1] * w * w
         u_2 = virtual_input(self.scene["energy_gain"], missing, lateral.v, self.fading, most)  # (39)
-        if self.blind:
+        if self.is_disabled:
             return u_2
         least, greatest = (share * self.width for share in DECAYING)
         xi, zeta = lateral.x + lateral.v / w, max(least, min(greatest, lateral.x - lateral.v / w))
@@ -276,7 +280,7 @@ class Gait:
         self.landing = 2 * sagittal.propagated(self.omega[0], 0.0, left).x
         self.foot = MinimumJerkState(2 * sagittal.x, 2 * sagittal.v, 2 * sagittal.a)
         if abs(sagittal.v) < 0.02 * self.L / self.t:
-            return copysign(INPUT_LIMIT, self.W_1) * (self.W_1 != 0.0)  # leave the rest point
+            return copysign(INPUT_LIMIT, self.W_1) * (self.W_1 != 0.0)  # start from rest
         missing = self.references()[0] - self.energies()[0]
         return virtual_input(self.scene["sagittal_energy_gain"], missing, sagittal.v, self.fading, INPUT_LIMIT)
 
@@ -287,61 +291,62 @@ class Gait:
         return h_max * min(r, 1.3) ** 2, -2 * h_max * r * lateral.v / self.reach if r < 1.3 else 0.0
 
     def time_left(self, lateral):
-        """Until the exchange, in whole periods: it comes with the first one that finds x_2 beyond W_2/2."""
+        """Time until the exchange, rounded up to whole periods. It takes place in the first period with x_2 beyond W_2/2."""
         left = lateral.time_to(0.5 * self.width, self.omega[1], self.T)
         return max(1.0, ceil(left / self.h)) * self.h
 
     def place_foot(self, left):
-        """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The prediction
-        holds the foot's own effect γ ẍ_t, in which x_t1 occurs; it is solved for. Returns the zero-moment point for the ankle,
-        p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω: with g = 1 it alone would end a deviation by the touchdown."""
+        """x_t1 = x_e + W_1/2 + K (v_e − v_ref) with the predicted touchdown (x_e, v_e), K = k coth(ωT/2)/ω. The
+        prediction depends on x_t1 through γ ẍ_t; the equation is linear in x_t1 and is solved for it. Returns the zero-moment point
+        for the ankle, p = g (ξ_e − ξ_ref)/(e^(ωt) − 1) with ξ = x + v/ω. With g = 1 it alone would remove a deviation before
+        touchdown."""
         foot, w, gamma = self.foot, self.omega[0], self.gamma
         if left <= self.freeze:
             self.foot = MinimumJerkState(foot.x + self.h * foot.v, foot.v)
             return 0.0
-        quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.trim["step"]
+        quarter, W_1 = 0.25 * w * self.T, self.W_1 + self.corrections["step"]
         K = self.scene["foot_placement_gain"] / (w * tanh(2 * quarter))
         v_ref = w * (0.5 / tanh(quarter) - gamma / sinh(quarter)) * W_1
-        # what a metre of the foot's way adds to x_e and v_e
+        # change of x_e and of v_e per metre of foot motion
         per_x, per_v = gamma * cosh(0.5 * w * left), gamma * w * sinh(0.5 * w * left)
 
         def touchdown(zmp):
-            """x_e, v_e, and the foot's way to where it is to land, with the zero-moment point kept there."""
+            """x_e, v_e, and the distance of the foot to its landing position, for this zero-moment point."""
             e = self.com[0].propagated(w, -w * w * zmp, left)
             x_e, v_e = e.x - gamma * sinh(w * left) * foot.v / w, e.v - gamma * cosh(w * left) * foot.v
-            way = (x_e + 0.5 * W_1 + K * (v_e - v_ref) - foot.x) / (1 - per_x - K * per_v)
-            return x_e + per_x * way, v_e + per_v * way, way
+            distance = (x_e + 0.5 * W_1 + K * (v_e - v_ref) - foot.x) / (1 - per_x - K * per_v)
+            return x_e + per_x * distance, v_e + per_v * distance, distance
 
         zmp = 0.0
-        if not self.blind:
+        if not self.is_disabled:
             x_e, v_e, _ = touchdown(0.0)
-            astray = x_e - 0.5 * W_1 + (v_e - v_ref) / w  # ξ_e − ξ_ref
+            deviation = x_e - 0.5 * W_1 + (v_e - v_ref) / w  # ξ_e − ξ_ref
             growth = expm1(w * max(left, SHORTEST * self.t))
-            zmp = clip(ANKLE_SHARE * astray / growth, self.zmp_range[0])
+            zmp = clip(ANKLE_SHARE * deviation / growth, self.zmp_range[0])
         self.landing = clip(foot.x + touchdown(zmp)[2], FARTHEST * self.L)
-        # no farther than the foot gets by then
+        # the target must be within reach in the time left
         steady = SPARE * MINIMUM_JERK_PEAK * 2 * abs(W_1) / (0.5 * self.T) ** 2
         near_ground, in_the_air = (max(most, steady) for most in SWING_ACCELERATION)
         high = min(1.0, self.f_h(self.com[1])[0] / (CLEAR * self.scene["swing_height"]))
         reach = (near_ground + (in_the_air - near_ground) * high) / MINIMUM_JERK_PEAK * left**2
         coasting = foot.x + 0.5 * foot.v * left
-        target = coasting + clip(self.landing - self.trim["landing"] - coasting, reach)
-        self.foot = foot.toward(target, left, self.h)
+        target = coasting + clip(self.landing - self.corrections["landing"] - coasting, reach)
+        self.foot = foot.advance_toward(target, left, self.h)
         return zmp
 
-    def follow(self, task, lift, lift_rate, load):
-        """(30): task rates that make the measured task follow the plan; in walk as much ahead as the servos are late."""
+    def reference(self, task, lift, lift_rate, load):
+        """Task rates (30) that make the measured task follow the plan; in walk they lead it by the delay of the servos."""
         low = self.scene["com_height"] - self.height
         climb = clip(2.0 * low, 0.1 * self.L) / self.t
         self.height += self.h * climb
         sagittal, lateral = self.com
         command = np.array([sagittal.x, lateral.x, self.height, self.foot.x, self.width, lift, 0.0])
-        v_1, v_2, v_t = (axis.v + self.lag * axis.a * (self.phase == WALK) for axis in (sagittal, lateral, self.foot))
+        v_1, v_2, v_t = (axis.v + self.servo_lag * axis.a * (self.phase == WALK) for axis in (sagittal, lateral, self.foot))
         rate = np.array([v_1, v_2, climb, v_t, 0.0, lift_rate, 0.0])
         c, t = self.scene["com_gain"], self.scene["swing_gain"]
         xdot = np.array([c, c, c, t, t, t, c]) * (command - task.x) + rate  # (30)
         if self.phase not in (WALK, LIFT):
-            xdot[3:6] = 0.0  # a foot on the ground stays where it is
+            xdot[3:6] = 0.0  # a foot on the ground must not move
         return Plan(xdot, (sagittal.a, lateral.a), load, self.zmp())
 
     def energies(self):
@@ -351,5 +356,5 @@ class Gait:
         e = exp(0.5 * self.omega[0] * self.T)
         return [
             (self.omega[0] * self.W_1) ** 2 * e / (2 * (1 - e) ** 2),  # (42)
-            lateral_energy(self.omega[1], self.width, self.T + 2 * self.trim["time"]),  # (40)
+            lateral_energy(self.omega[1], self.width, self.T + 2 * self.corrections["time"]),  # (40)
         ]

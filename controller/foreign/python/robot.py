@@ -1,4 +1,4 @@
-"""The robot seen from its supporting foot, and what follows from it alone: (25)-(29), ω, γ, J_n.
+"""Kinematics of the robot from its supporting foot, the rate QP, and the constants ω, γ, J_n: (25)-(29).
 
 Support frame S: origin at the centre of the supporting sole, axis 1 forward, axis 2 toward the swing foot, axis 3 up.
 Joints s in support order, from the supporting foot to the swing foot.
@@ -12,23 +12,23 @@ import numpy as np
 
 import session
 
-FLIP = np.array([1.0, -1.0, 1.0])  # axis 2 of S points to negative y while the left foot supports
-PITCH_SUM = np.array([0.0, 1, 1, 1, 1, 1, 1, 0])  # s: these angles add up to the swing foot's pitch
-CROUCH = np.array([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])  # near which postures are sought [rad]
+FLIP = np.array([1.0, -1.0, 1.0])  # axis 2 of S is the negative y axis while the left foot supports
+PITCH_SUM = np.array([0.0, 1, 1, 1, 1, 1, 1, 0])  # s: 1 for each joint whose angle is part of the swing foot's pitch
+CROUCH = np.array([0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0])  # initial guess for postures [rad]
 
 
 UPRIGHT = 4.475 / 14  # height of Table 1's centre of gravity at zero angles [m]
 
 
 def mirror(q):
-    """Wire order to support order of the right foot, and back."""
+    """Converts wire order to support order of the right foot, and back."""
     s = -q[::-1]
     s[[0, -1]] *= -1.0  # rolls: reversed and mirrored
     return s
 
 
 def cross(a, b):
-    """a × b, row by row."""
+    """a × b of the rows."""
     (a0, a1, a2), (b0, b1, b2) = a.T, b.T
     return np.array([a1 * b2 - a2 * b1, a2 * b0 - a0 * b2, a0 * b1 - a1 * b0]).T
 
@@ -67,20 +67,20 @@ class Chain:
         self.joint = joint - left
         self.sole = right - left
         self.width = abs(self.sole[1])  # W_2
-        # of another robot than Table 1's, by dynamic similarity: lengths and times are so many times as large
+        # dynamic similarity: ratios of lengths and of times to those of Table 1
         self.length = self.mass @ self.com[:, 2] / self.total / UPRIGHT
         self.time = sqrt(self.length)
         self.sole_half = np.abs(origin[0] + bodies[0]["contacts"] - left).max(axis=0)
-        # outward from each joint to the next, to the centres of mass, and the mass outside
+        # vectors from each joint outward to the next one and to the centre of mass, and the mass outside the joint
         self.step = np.diff(self.joint, axis=0)
         self.arm = self.com[1:] - self.joint
         self.outer_mass = self.mass[:0:-1].cumsum()[::-1]
 
     def forward_kinematics(self, s):
-        """Positions of joints, centres of mass and the swing sole, and directions of the axes, in the frame that rolls with
-        s_0 about joint 0: in it the six joints in the middle turn about y, one plane after the other."""
+        """Positions of joints, centres of mass and swing sole, and directions of the axes. The frame rolls with s_0 about joint 0;
+        in it the six middle joints rotate about y."""
         phi = np.zeros(8)
-        phi[1:7] = np.cumsum(s[1:7])  # pitch of link j + 1; the last link has that of the one before
+        phi[1:7] = np.cumsum(s[1:7])  # pitch of link j + 1; the last link has the pitch of the preceding one
         phi[7] = phi[6]
         c, sn = np.cos(phi), np.sin(phi)
         turn = lambda v, c, sn: np.stack([c * v[:, 0] + sn * v[:, 2], v[:, 1], c * v[:, 2] - sn * v[:, 0]], axis=1)
@@ -100,7 +100,7 @@ class Chain:
     def task(self, s):
         joint, com, sole, axis = self.forward_kinematics(s)
         tilt = roll(s[0])
-        moment = (self.mass[1:, None] * com)[::-1].cumsum(axis=0)[::-1]  # of all that is outside each joint
+        moment = (self.mass[1:, None] * com)[::-1].cumsum(axis=0)[::-1]  # of all links outside each joint
         to_s = lambda v: (v @ tilt.T) * FLIP
         whole = moment[0] + self.mass[0] * (tilt.T @ (self.com[0] - self.joint[0]))
         jacobian = np.zeros((7, 8))
@@ -134,15 +134,15 @@ def resolve(jacobian, xdot, c_0):
 
 
 def level(swing_pitch):
-    """c_0: the joint motion that the task leaves over levels the swing foot."""
+    """c_0: the remaining degree of freedom levels the swing foot."""
     return -LEVEL_WEIGHT * LEVEL_GAIN * swing_pitch * PITCH_SUM
 
 
-SOLE_SHARE = 0.95  # of the sole's half-depth and half-width: the zero-moment point may come so far
+SOLE_SHARE = 0.95  # share of the sole's half-depth and half-width to which the zero-moment point may come
 
 
 class Constants:
-    """ω_1, ω_2, γ, J_n and the ankles' limits, from the robot's full inverse dynamics amid a step, at rest."""
+    """ω_1, ω_2, γ, J_n and the limits of the ankles, from the full inverse dynamics at rest in the posture of the middle of a step."""
 
     def __init__(self, chain, height, plant):
         s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02 * chain.length, 0.0]))
@@ -176,7 +176,7 @@ class Constants:
 
 
 def posture(chain, target):
-    """Angles at which the task is `target`, by Newton's method."""
+    """Joint angles at which the task is `target`, by Newton's method."""
     s = CROUCH.copy()
     for _ in range(50):
         task = chain.task(s)

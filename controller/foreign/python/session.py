@@ -1,5 +1,5 @@
-"""A controller's end of a biped session: iceoryx2 in, iceoryx2 out, and the manners of docs/WIRE.md in between. What a
-plant has in common with it is here as well; the rest of a plant's end is plant/foreign/mujoco/link.py.
+"""The controller's end of a biped session: the protocol of docs/WIRE.md over iceoryx2. The part that a plant also needs is here
+too; the rest of the plant's end is plant/foreign/mujoco/link.py.
 
     python3 -m pip install iceoryx2==0.10.0 numpy xxhash
     biped run stand --controller "python3 controller/foreign/python/stand.py"
@@ -9,7 +9,7 @@ or, from anywhere else that shares /dev/shm, such as a debugger or another termi
     biped plant stand --session lab
     python3 controller/foreign/python/stand.py --session lab
 
-Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 where the contract differs, 130 on TERM.
+Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5 if the contract differs, 130 on SIGTERM.
 """
 
 import fcntl
@@ -24,45 +24,45 @@ from pathlib import Path
 
 try:
     import iceoryx2 as iox2
-    import numpy  # noqa: F401, of those who use this
+    import numpy  # noqa: F401, the controllers that import this module need it
     import xxhash
 except ModuleNotFoundError as missing:
-    print(f"error: Python has no {missing.name}: pip install iceoryx2==0.10.0 numpy xxhash", file=sys.stderr)
+    print(f"error: the Python package {missing.name} is missing: pip install iceoryx2==0.10.0 numpy xxhash", file=sys.stderr)
     sys.exit(2)
 
 import wire
 
 PEER_MISSING, INCOMPATIBLE, INTERRUPTED = 3, 5, 130
-SPIN_NS = 50_000  # how long the writer may count on a reader that looks without pause
-SLICE = iox2.Duration.from_millis(10)  # then it sleeps, but looks around this often
+SPIN_NS = 50_000  # a reader polls for this long before it sleeps
+SLICE = iox2.Duration.from_millis(10)  # longest sleep
 
 
 def fail(code, sentence):
-    """Ends this process; the launcher shows what follows `error: `."""
+    """Ends this process. The launcher shows the text after `error: `."""
     print(f"error: {sentence}", file=sys.stderr)
     sys.exit(code)
 
 
 def check_sum(message):
-    """Lower half of XXH3 (64 bits) of all that follows `check`."""
+    """Lower half of XXH3 (64 bits) of all bytes after the field `check`."""
     return xxhash.xxh3_64_intdigest(bytes(message)[wire.Stamp.schema.offset :]) & 0xFFFF_FFFF
 
 
 def is_sound(message):
-    """Whether magic, schema and check sum are right."""
+    """Whether magic number, schema hash and check sum are right."""
     stamp = message.stamp
     return (stamp.magic, stamp.schema, stamp.check) == (wire.MAGIC, wire.SCHEMA, check_sum(message))
 
 
 def sealed(message):
-    """The message with magic, schema and check sum."""
+    """The message with magic number, schema hash and check sum."""
     message.stamp.magic, message.stamp.schema = wire.MAGIC, wire.SCHEMA
     message.stamp.check = check_sum(message)
     return message
 
 
 class Members:
-    """The lock by which the members of a session know of each other; the last one out clears up."""
+    """The lock by which the members of a session know each other. The last member that leaves removes the session's files."""
 
     def __init__(self, prefix):
         self.prefix = prefix
@@ -73,13 +73,13 @@ class Members:
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError:
-            return  # somebody is still in it
+            return  # another process is still in the session
         for path in Path("/dev/shm").glob(self.prefix + "*"):
             shutil.rmtree(path, ignore_errors=True) if path.is_dir() else path.unlink(missing_ok=True)
 
 
 def prefix_of(name):
-    """How the files of this user's session of a name begin."""
+    """The first part of the names of all files of this user's session of that name."""
     hash = 0xCBF29CE484222325
     for byte in os.getuid().to_bytes(4, "little") + name.encode():
         hash = (hash ^ byte) * 0x100000001B3 & 0xFFFF_FFFF_FFFF_FFFF
@@ -106,14 +106,14 @@ def attach(name, patience=10.0):
             if is_running(prefix):
                 return json.loads(Path(f"/dev/shm/{prefix}environment").read_text()) | {"BIPED_PATIENCE": str(patience)}
         except FileNotFoundError:
-            pass  # it begins just now
+            pass  # the session is just starting
         if time.monotonic() - start > patience:
             fail(PEER_MISSING, f"no session `{name}` is running: start one by biped plant SCENE --session {name}")
         time.sleep(0.005)
 
 
 def environment():
-    """Where to take part: in the session that `--session NAME` or BIPED_SESSION names, or as `biped run` says."""
+    """The environment of the session to join: `--session NAME`, BIPED_SESSION, or what `biped run` has set."""
     if "--session" in sys.argv[:-1]:
         return attach(sys.argv[sys.argv.index("--session") + 1])
     if "BIPED_SESSION" in os.environ and "BIPED_CONTRACT" not in os.environ:
@@ -126,41 +126,41 @@ class Session:
 
     def __init__(self, role="controller", environment=os.environ):
         if "BIPED_SESSION" not in environment:
-            fail(2, f'start me by: biped run SCENE --{role} "python3 …", or with --session NAME of a running session')
+            fail(2, f'start this program by: biped run SCENE --{role} "python3 …", or with --session NAME of a running session')
         env = {key[6:].lower(): value for key, value in environment.items() if key.startswith("BIPED_")}
         self.name, self.succeeds = env["session"], "succeeds" in env
         self.scene, self.patience = json.loads(env["scene"]), float(env["patience"])
         contract = dict(line.split("=", 1) for line in env["contract"].splitlines())
         if contract["wire schema"] != f"{wire.SCHEMA:016x}":
-            fail(INCOMPATIBLE, f"the others speak schema {contract['wire schema']}: make wire.py anew by biped wire python")
+            fail(INCOMPATIBLE, f"the session has the wire schema {contract['wire schema']}: generate wire.py again by biped wire python")
         self.members = Members(env["prefix"])
         iox2.set_log_level(iox2.LogLevel.Fatal)
         config = iox2.config.default()
         config.global_cfg.prefix = iox2.FileName.new(env["prefix"])
         config.global_cfg.root_path = iox2.Path.new(env["root"])
         builder = iox2.NodeBuilder.new().config(config)
-        # iceoryx2's own handler would swallow TERM
+        # the signal handler of iceoryx2 would swallow SIGTERM
         self.node = builder.signal_handling_mode(iox2.SignalHandlingMode.Disabled).create(iox2.ServiceType.Ipc)
         self.contract = iox2.AttributeVerifier.new()
         for key, value in contract.items():
             self.contract = self.contract.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(value))
         topics = [("biped/sensors", wire.Sensors), ("biped/command", wire.Command)]
-        (hears, self.heard), (says, said) = topics if role == "controller" else topics[::-1]
-        self.reader = self.topic(hears, self.heard).subscriber_builder().buffer_size(1).create()
-        self.awaken = self.event(says).notifier_builder().create()
-        self.bell = self.event(hears).listener_builder().create()
-        self.writer = self.place(self.topic(says, said).publisher_builder().max_loaned_samples(1), role)
+        (reads, self.message), (writes, written) = topics if role == "controller" else topics[::-1]
+        self.reader = self.topic(reads, self.message).subscriber_builder().buffer_size(1).create()
+        self.notifier = self.event(writes).notifier_builder().create()
+        self.listener = self.event(reads).listener_builder().create()
+        self.writer = self.only_writer(self.topic(writes, written).publisher_builder().max_loaned_samples(1), role)
 
     def topic(self, name, message, readers=4, buffer=1, history=1, overflow=True):
-        """Opens or makes a topic as docs/WIRE.md has it, with the contract as its attributes."""
+        """Opens or creates a topic as docs/WIRE.md specifies, with the contract as its attributes."""
         builder = self.node.service_builder(iox2.ServiceName.new(name)).publish_subscribe(message)
         builder = builder.max_publishers(1).max_subscribers(readers).history_size(history)
         builder = builder.subscriber_max_buffer_size(buffer).subscriber_max_borrowed_samples(1)
         builder = builder.enable_safe_overflow(overflow)
-        return patiently(lambda: builder.open_or_create_with_attributes(self.contract), name)
+        return with_retries(lambda: builder.open_or_create_with_attributes(self.contract), name)
 
-    def place(self, builder, role):
-        """The one place of a writer: a successor waits until whoever has it leaves."""
+    def only_writer(self, builder, role):
+        """Becomes the only writer of a topic. A successor waits until the present writer has left."""
         while True:
             try:
                 return builder.create()
@@ -170,79 +170,79 @@ class Session:
                 time.sleep(0.0005)
 
     def event(self, name):
-        return patiently(lambda: self.node.service_builder(iox2.ServiceName.new(name)).event().open_or_create(), name)
+        return with_retries(lambda: self.node.service_builder(iox2.ServiceName.new(name)).event().open_or_create(), name)
 
     def read(self):
-        """The newest message, waited for at most a slice: spinning first, then asleep until the other side rings."""
+        """The newest message. Polls first, then sleeps until the other side notifies, at most for one slice."""
         start = time.monotonic_ns()
         while time.monotonic_ns() - start < SPIN_NS:
             message = self.newest()
             if message is not None:
                 return message
         try:
-            self.bell.timed_wait(SLICE)
+            self.listener.timed_wait(SLICE)
         except iox2.ListenerWaitError:
-            pass  # a signal came, such as that to go on after a stop
+            pass  # a signal, such as SIGCONT
         return self.newest()
 
     def newest(self):
-        """A copy of what was written last, if it is new; its place in shared memory is free again at once."""
+        """A copy of the newest message, if there is one. Its shared memory is free again at once."""
         sample = self.reader.receive()
         if sample is None:
             return None
-        message = self.heard.from_buffer_copy(sample.payload().contents)
+        message = self.message.from_buffer_copy(sample.payload().contents)
         sample.delete()
         return message
 
     def send(self, message):
-        """Seals, writes and rings."""
+        """Seals and writes a message, and notifies the reader."""
         self.writer.send_copy(sealed(message))
-        self.awaken.notify()
+        self.notifier.notify()
 
     def close(self):
-        """Ports first, then the node, then the lock: the last made goes first."""
+        """Closes ports, node and lock, in the reverse order of their creation."""
         members = self.members
         for part in reversed(list(vars(self))):
             delattr(self, part)
         members.leave()
 
 
-def patiently(open_it, name):
-    """Tries again for a while: the other side may be making the same thing at this moment."""
+def with_retries(open_it, name):
+    """Retries for two seconds, because the other side may be creating the same topic at this moment."""
     for attempt in range(200):
         try:
             return open_it()
-        except Exception as error:  # iceoryx2's own classes
+        except Exception as error:  # the exception classes of iceoryx2 have no common base
             if "Incompatible" in str(error):
-                fail(INCOMPATIBLE, f"{name} was made with another contract than this program's")
+                fail(INCOMPATIBLE, f"{name} has another contract than this program's")
             last = error
             time.sleep(0.01)
     fail(6, f"{name} cannot be opened: {last}")
 
 
 def serve(make):
-    """Answers the plant until it says goodbye. `make(scene, rate)` gives a controller whose `tick(counts, telemetry)`
-    returns eight torques [N·m] and may fill in the telemetry; a new one is made for each run of the plant."""
+    """Answers the plant until its goodbye. `make(scene, rate)` returns a controller whose `tick(counts, telemetry)` returns eight
+    torques [N·m] and may fill in the telemetry. Each run of the plant gets a new controller."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
     session = Session(environment=environment())
     try:
         answer = wire.Command()
         answer.stamp.epoch = secrets.randbits(64)
-        controller, heard = make(session.scene, session.scene["rate"]), time.monotonic()
+        controller, last_time = make(session.scene, session.scene["rate"]), time.monotonic()
         while True:
             sensors = session.read()
             if sensors is None or not is_sound(sensors):
-                if time.monotonic() - heard > session.patience:
+                if time.monotonic() - last_time > session.patience:
                     fail(PEER_MISSING, f"no plant sent sensors within {session.patience} s")
                 continue
             if sensors.last:
                 return
-            heard, asked, stamp = time.monotonic(), sensors.stamp, answer.stamp
-            if stamp.run != asked.run:  # a plant that began anew
+            last_time, asked, stamp = time.monotonic(), sensors.stamp, answer.stamp
+            if stamp.run != asked.run:  # a new run of the plant
                 if stamp.run:
                     controller = make(session.scene, session.scene["rate"])
                 stamp.run, stamp.seq, stamp.ack = asked.run, 0, 0
-            if stamp.ack != asked.seq:  # sensors that come again get the same answer
+            if stamp.ack != asked.seq:  # repeated sensors get the same answer
                 answer.torques.torque[:] = controller.tick(sensors.encoders.counts[:], answer.telemetry)
             stamp.seq, stamp.ack, stamp.sim_ns = stamp.seq + 1, asked.seq, asked.sim_ns
             stamp.mono_ns = time.monotonic_ns()

@@ -1,5 +1,5 @@
-"""Walks: the controller of Fujimoto & Kawamura (1995), section 3, a second time, in NumPy. Letters and equation numbers are
-the paper's.
+"""The walking controller of Fujimoto & Kawamura (1995), section 3, in NumPy: an independent second implementation. Symbols and
+equation numbers are those of the paper.
 
     biped run walk --controller "python3 controller/foreign/python/walk.py"
 
@@ -8,20 +8,20 @@ robot.py: kinematics (25)-(27), rate QP (28), (29). gait.py: (30)-(43). Here: se
 
 from math import exp, tau
 
-import session  # first: it says what Python lacks
+import session  # first, because it reports missing packages
 import numpy as np
 
 from gait import AIRBORNE, WALK, Gait, right_supports
 from robot import Chain, Constants, level, mirror, resolve
 
-# for the robot of Table 1; another's go with its size, see Chain
-RATE_LIMIT = 12.0  # greatest joint rate that is asked for [rad/s]
-RELAY, SATURATION = 60.0, 180.0  # acceleration that throws a joint back to its surface, by relay or boundary layer [rad/s²]
-LOADING = 0.04  # so long the new stance foot is being loaded [s]
-# these do not go with its size
-FIRST_LOAD = 0.15  # share of the weight on it just after an exchange
-SWING_SHARE = 0.31, 0.8  # pitch and roll torque of the swinging ankle, of a standing one's: level even when pushed
-ANKLES = (1, 0), (0, 1)  # joint, and the axis along which it moves the zero-moment point: pitch forward, roll sideways
+# for the robot of Table 1; scaled for another robot, see Chain
+RATE_LIMIT = 12.0  # largest joint rate reference [rad/s]
+RELAY, SATURATION = 60.0, 180.0  # acceleration toward the sliding surface, by relay or boundary layer [rad/s²]
+LOADING = 0.04  # time in which the new stance foot is loaded [s]
+# these are not scaled
+FIRST_LOAD = 0.15  # share of the weight on the new stance foot immediately after an exchange
+SWING_SHARE = 0.31, 0.8  # pitch and roll torque limit of the swing foot's ankle, over that of a supporting foot at rest
+ANKLES = (1, 0), (0, 1)  # joint, and axis along which it moves the zero-moment point: pitch forward, roll sideways
 
 
 class Servo:
@@ -35,7 +35,7 @@ class Servo:
         self.disturbance, self.effort, self.rate = np.zeros(8), np.zeros(8), None
 
     def observe(self, rate):
-        """What the effort of the last period did not explain."""
+        """Updates the disturbance: the part of the acceleration that the effort of the last period does not explain."""
         if self.rate is not None:
             unexplained = self.effort - self.J_n * (rate - self.rate) / self.h
             self.disturbance = self.disturbance * self.forget + unexplained * (1.0 - self.forget)
@@ -45,11 +45,11 @@ class Servo:
         sigma = rate - reference
         switch = self.reach * np.sign(sigma) if self.relay else np.clip(self.kappa * sigma, -self.reach, self.reach)
         torque = np.clip(feed_forward + self.disturbance - self.J_n * switch, *limits)  # (24)
-        self.effort = torque - feed_forward  # after the limit, or the observer winds up
+        self.effort = torque - feed_forward  # after the limit: otherwise the observer would wind up
         return torque, sigma
 
     def exchange(self):
-        """To the other support order; the new swing leg forgets what it held against the ground."""
+        """Transforms the state to the other support order, with zero disturbance for the new swing leg."""
         self.disturbance, self.effort, self.rate = mirror(self.disturbance), mirror(self.effort), mirror(self.rate)
         self.disturbance[4:] = 0.0
 
@@ -58,7 +58,7 @@ class Walk:
     def __init__(self, scene, rate):
         self.plant, self.scene, self.h = scene["plant"], scene["controller"], 1.0 / rate
         if "rate_limit" in self.scene or "torque_bound" in self.scene:
-            session.fail(2, "controller.rate_limit and torque_bound need a QP with bounds, which walk.py has not")
+            session.fail(2, "controller.rate_limit and torque_bound need a QP with bounds, which walk.py does not have")
         self.chain = Chain(scene["bodies"])
         self.constants = Constants(self.chain, self.scene["com_height"], self.plant)
         self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
@@ -67,14 +67,14 @@ class Walk:
         self.angle, self.rate, self.gait, self.right, self.readings = None, np.zeros(8), None, False, 0
 
     def ordered(self, q):
-        """Wire order to support order and back."""
+        """Converts wire order to support order, and back."""
         return mirror(q) if self.right else q
 
     def new_gait(self, task):
         return Gait(self.scene, self.chain, self.constants, self.h, task)
 
-    def take_over(self):
-        """In the first two ticks: on which foot the robot stands, and whether it is already stepping."""
+    def detect_initial_state(self):
+        """In the first two periods: determines the supporting foot, and whether the robot is already stepping."""
         from_left = self.chain.task(self.angle)
         if self.readings == 1:
             self.right = bool(right_supports(from_left, False, AIRBORNE * self.chain.length))
@@ -95,7 +95,7 @@ class Walk:
             self.rate = self.rate + self.share * ((angle - self.angle) / self.h - self.rate)
         self.angle, self.readings = angle, self.readings + 1
         if self.readings <= 2:
-            self.take_over()
+            self.detect_initial_state()
         task = self.chain.task(self.ordered(angle))  # (25)-(27)
         self.gait = self.gait or self.new_gait(task)
         if self.gait.exchange_due():
@@ -115,9 +115,9 @@ class Walk:
         return self.ordered(torque)
 
     def feed_forward(self, task, plan):
-        """τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ), shared between the feet by load; the ankle of a foot that carries all
-        puts the zero-moment point where the plan has it. With both feet down the swing foot's ankle does not roll, and the
-        stance foot's carries only what the loads leave over."""
+        """τ = M (g J_c3ᵀ + a_1 J_c1ᵀ + a_2 J_c2ᵀ), shared between the feet by the load. If one foot carries the whole
+        weight, its ankle gets the torque of the planned zero-moment point. Otherwise the roll torque of the swing foot's ankle is
+        zero, and that of the stance foot's ankle is the remainder of the balance."""
         if not self.scene["feed_forward"]:
             return np.zeros(8)
         M, g, (a_1, a_2) = self.chain.total, self.plant["gravity"], plan.acceleration
@@ -126,7 +126,7 @@ class Walk:
             for joint, axis in ANKLES:
                 stance[joint] = self.ankle_torque(task, joint, axis, plan.zmp[axis], plan.acceleration[axis])
             return stance
-        other = self.chain.task(mirror(self.ordered(self.angle)))  # seen from it, axis 2 points the other way
+        other = self.chain.task(mirror(self.ordered(self.angle)))  # axis 2 of its support frame points the opposite way
         swing = mirror(M * (np.array([a_1, -a_2, g]) @ other.jacobian[:3]))
         shared = plan.load * stance + (1.0 - plan.load) * swing
         shared[0] = -M * g * (plan.zmp[1] - (1.0 - plan.load) * self.chain.width)
@@ -134,16 +134,16 @@ class Walk:
         return shared
 
     def ankle_torque(self, task, joint, axis, p, a):
-        """Torque at an ankle for the zero-moment point p at the acceleration a: that of a point mass, whose own is at
-        x − a x_3/g, and what moves it to p. The pitch joint rolls with the ankle."""
+        """Torque at an ankle joint for the zero-moment point p and the acceleration a: the torque for a point mass, whose zero-moment
+        point is x − a x_3/g, and a second term that moves that point to p. The pitch axis rolls with the ankle."""
         g, x, lift, lever = self.plant["gravity"], task.x[axis], task.jacobian[2, joint], task.jacobian[axis, joint]
         level = 1.0 if axis == 1 else task.roll_cosine
         return self.chain.total * (g * lift + a * lever + np.copysign(level, lever) * (g * (x - p) - a * task.x[2]))
 
     def limits(self, task, plan):
-        """Least and greatest torques: the drives', and at the ankles those that leave the soles flat on the ground [N·m].
-        A foot that carries all tips where the zero-moment point comes to the edge while a = ω² (x − p), (31), (32); one that
-        shares the load, and the one that swings, has a share of the torque at rest."""
+        """Torque limits: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m]. A foot that
+        carries the whole weight tips when the zero-moment point reaches its edge, with a = ω² (x − p), (31), (32). A foot that
+        shares the load, and the swing foot, get a share of the torque at rest."""
         gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
         loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
         limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))

@@ -20,7 +20,7 @@ REFUSED = ["of another version", "for another run", "of a controller that has be
 
 
 class Stamp(ctypes.Structure):
-    """Head of every message."""
+    """Stamp at the head of every message."""
 
     _fields_ = [
         ("magic", ctypes.c_uint32),
@@ -43,7 +43,7 @@ assert ctypes.sizeof(Stamp) == 64
 
 
 class Encoders(ctypes.Structure):
-    """What a robot's joints report."""
+    """Reading of the joint encoders."""
 
     _fields_ = [
         ("counts", ctypes.c_int64 * 8),
@@ -58,7 +58,7 @@ assert ctypes.sizeof(Encoders) == 64
 
 
 class Torques(ctypes.Structure):
-    """What a robot's drives are asked for."""
+    """Torque command for the drives."""
 
     _fields_ = [
         ("torque", ctypes.c_double * 8),
@@ -73,7 +73,7 @@ assert ctypes.sizeof(Torques) == 64
 
 
 class Telemetry(ctypes.Structure):
-    """What the controller thinks, for people to look at: nothing acts on it."""
+    """State of the controller, for display and recording. The plant does not use it."""
 
     _fields_ = [
         ("phase", ctypes.c_uint32),
@@ -97,7 +97,7 @@ assert ctypes.sizeof(Telemetry) == 200
 
 
 class Sensors(ctypes.Structure):
-    """Plant to controller: all that a robot could know of itself."""
+    """Plant to controller: what a real robot could measure."""
 
     _fields_ = [
         ("stamp", Stamp),
@@ -131,7 +131,7 @@ assert ctypes.sizeof(Command) == 328
 
 
 class Tally(ctypes.Structure):
-    """What the plant met since the start of its run."""
+    """Counters of the plant since the start of its run."""
 
     _fields_ = [
         ("refused", ctypes.c_uint64 * 9),
@@ -154,7 +154,7 @@ assert ctypes.sizeof(Tally) == 136
 
 
 class Truth(ctypes.Structure):
-    """What only a simulation knows; for recording, never for control."""
+    """What only the simulation knows. For recording, never for control."""
 
     _fields_ = [
         ("stamp", Stamp),
@@ -196,7 +196,7 @@ assert ctypes.sizeof(Truth) == 1376
 
 
 class Request(ctypes.Structure):
-    """Somebody at the plant's or the controller's desk."""
+    """Request to the control service of the plant or of the controller."""
 
     _fields_ = [
         ("stamp", Stamp),
@@ -218,7 +218,7 @@ assert ctypes.sizeof(Request) == 136
 
 
 class Reply(ctypes.Structure):
-    """What the desk says."""
+    """Answer of the control service."""
 
     _fields_ = [
         ("stamp", Stamp),
@@ -235,7 +235,7 @@ assert ctypes.sizeof(Reply) == 80
 
 
 class Served(ctypes.Structure):
-    """A request that was answered, for whoever records."""
+    """A request with its answer, for recorders."""
 
     _fields_ = [
         ("stamp", Stamp),

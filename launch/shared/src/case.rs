@@ -4,7 +4,7 @@ use crate::whole::write_whole;
 use messages::scene::Law;
 use plant::PlantError;
 use plant::contact::Problem;
-use plant::process::ProcessError;
+use plant::process::PlantProcessError;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -28,9 +28,9 @@ pub struct Case {
 
 impl Case {
     /// The case that a plant failed with, if it did with one.
-    pub fn of(error: ProcessError) -> Option<Case> {
+    pub fn of(error: PlantProcessError) -> Option<Case> {
         match error {
-            ProcessError::Plant(PlantError::Unsolved { step, time, law, residual, tolerance, problem }) => {
+            PlantProcessError::Plant(PlantError::Unsolved { step, time, law, residual, tolerance, problem }) => {
                 let residual = Some(residual).filter(|residual| residual.is_finite());
                 Some(Case { step, time, law, residual, tolerance, problem: *problem })
             }

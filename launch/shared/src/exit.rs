@@ -136,9 +136,9 @@ impl From<PortError> for Failure {
     }
 }
 
-impl From<plant::process::ProcessError> for Failure {
-    fn from(error: plant::process::ProcessError) -> Self {
-        use plant::process::ProcessError as E;
+impl From<plant::process::PlantProcessError> for Failure {
+    fn from(error: plant::process::PlantProcessError) -> Self {
+        use plant::process::PlantProcessError as E;
         match error {
             E::Port(error) => error.into(),
             E::NoController(..) => Failure::new(Exit::PeerMissing, error),
@@ -150,7 +150,7 @@ impl From<plant::process::ProcessError> for Failure {
     }
 }
 
-fn unsolved(error: plant::process::ProcessError) -> Failure {
+fn unsolved(error: plant::process::PlantProcessError) -> Failure {
     let failure = Failure::new(Exit::Unsolved, &error);
     Failure { case: Case::of(error).map(Box::new), ..failure }
 }
@@ -170,6 +170,6 @@ impl From<controller::process::ProcessError> for Failure {
 
 impl From<PlantError> for Failure {
     fn from(error: PlantError) -> Self {
-        plant::process::ProcessError::from(error).into()
+        plant::process::PlantProcessError::from(error).into()
     }
 }

@@ -1,7 +1,7 @@
 //! Rules for the values of a scene or a robot. Each rule has the sentence of its error.
 
 use super::error::SceneError;
-use crate::robot::{Body, Drives, JointKind, Robot};
+use crate::robot::{Body, DriveParameters, JointKind, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use std::f64::consts::PI;
@@ -43,7 +43,7 @@ pub(super) fn robot(robot: &Robot, origin: &str) -> Checked {
     let table = Value::try_from(robot).map_err(|error| check.fail("robot", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
     check.names(&robot.name, &robot.bodies)?;
-    let Drives { inertia, damping, torque_limit, encoder_bits } = robot.drives;
+    let DriveParameters { inertia, damping, torque_limit, encoder_bits } = robot.drives;
     check.not_negative("drives.inertia", inertia.unwrap_or(0.0))?;
     check.not_negative("drives.damping", damping.unwrap_or(0.0))?;
     check.positive("drives.torque_limit", torque_limit.unwrap_or(1.0))?;

@@ -26,7 +26,7 @@ pub enum SceneError {
         reason: std::io::Error,
     },
     /// The text is not TOML, has an unknown key, or has a value of the wrong type.
-    #[error("{origin}: {}{}", short(reason), suggestion::suggest_from_error(reason.message()))]
+    #[error("{origin}: {}{}", shortened(reason), suggestion::suggest_from_error(reason.message()))]
     Malformed {
         /// File or built-in scene.
         origin: String,
@@ -64,7 +64,7 @@ pub enum SceneError {
 }
 
 /// Text of a parser's error in which quoted lines are cut to [`LONGEST_QUOTE`]. A quoted line follows its number and a bar.
-fn short(error: &toml::de::Error) -> String {
+fn shortened(error: &toml::de::Error) -> String {
     let is_quoted = |line: &str| line.trim_start_matches(|c: char| c == ' ' || c.is_ascii_digit()).starts_with('|');
     let cut = |line: &str| match line.char_indices().nth(LONGEST_QUOTE).filter(|_| is_quoted(line)) {
         Some((end, _)) => format!("{}…\n", &line[..end]),

@@ -139,7 +139,7 @@ fn scaled(from: &ControllerScene, scale: Scale) -> ControllerScene {
 mod tests {
     use super::*;
     use crate::load::parse;
-    use crate::robot::{Drives, table_1};
+    use crate::robot::{DriveParameters, table_1};
 
     fn walk() -> Scene {
         let text = "duration = 14.0\n[initial]\njoints = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, \
@@ -148,7 +148,7 @@ mod tests {
     }
 
     fn paper() -> Robot {
-        Robot { name: "paper".into(), drives: Drives::default(), bodies: table_1() }
+        Robot { name: "paper".into(), drives: DriveParameters::default(), bodies: table_1() }
     }
 
     #[test]
@@ -180,7 +180,7 @@ mod tests {
     fn values_of_a_file_are_kept_and_missing_ones_are_scaled_to_its_robot() {
         let folder = std::env::temp_dir().join(format!("biped-robot-{}", std::process::id()));
         std::fs::create_dir_all(&folder).expect("a folder");
-        let robot = Robot { drives: Drives { inertia: Some(0.5), ..Drives::default() }, ..paper() };
+        let robot = Robot { drives: DriveParameters { inertia: Some(0.5), ..DriveParameters::default() }, ..paper() };
         let text = toml::to_string(&robot).expect("TOML").replace("mass = ", "mass = 1");
         std::fs::write(folder.join("heavy.toml"), text).expect("a file");
         let scene = "robot = \"heavy.toml\"\n[plant]\nfriction = 0.4\n[controller]\nspeed = 0.3\n";

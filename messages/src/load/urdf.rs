@@ -14,7 +14,7 @@
 mod unsupported;
 mod xml;
 
-use crate::robot::{Body, Drives, Joint, JointKind, Robot, Sphere};
+use crate::robot::{Body, DriveParameters, Joint, JointKind, Robot, Sphere};
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 use xml::{Parsed, attribute, child, children, linked, number, optional, vector};
@@ -66,7 +66,7 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
                 .for_each(|joint| joint.damping = *own);
         }
     }
-    let drives = Drives {
+    let drives = DriveParameters {
         inertia: require_common("rotor_inertia", &rotors(root)?)?,
         damping: damping.or(Some(0.0)),
         torque_limit: require_common("effort", &efforts(moving())?)?,
@@ -112,7 +112,7 @@ fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
     if let Some(ball) = child(geometry, "sphere") {
         let radius = number(ball, "radius")?;
         match radius == POINT_RADIUS {
-            true => body.contacts.push([at[0], at[1], below(at[2])]),
+            true => body.contacts.push([at[0], at[1], point_height(at[2])]),
             false => body.spheres.push(Sphere { at, radius }),
         }
     }
@@ -127,7 +127,7 @@ fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
 
 /// Height of a contact point below the centre of its ball. It is rounded to nanometres if that gives the same centre, so that an
 /// exported robot is read back exactly.
-fn below(height: f64) -> f64 {
+fn point_height(height: f64) -> f64 {
     let short = ((height - POINT_RADIUS) * 1e9).round() / 1e9;
     if short + POINT_RADIUS == height { short } else { height - POINT_RADIUS }
 }

@@ -45,7 +45,7 @@ const SERVED_WRITERS: usize = 4;
 /// Number of answered requests by which a recorder may lag behind: more than people send in a few milliseconds.
 pub(super) const SERVED_BUFFER: usize = 64;
 
-pub(super) type Topic<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
+pub(super) type TopicFactory<M> = publish_subscribe::PortFactory<ipc::Service, M, ()>;
 type ServiceFactory = request_response::PortFactory<ipc::Service, Request, (), Reply, ()>;
 
 /// The node of a process in a session.
@@ -95,7 +95,7 @@ impl SessionNode {
         Ok(SessionNode { node, contract, membership })
     }
 
-    fn topic<M: Stamped>(&self, name: &str, shape: TopicSettings) -> Result<Topic<M>, PortError> {
+    fn topic<M: Stamped>(&self, name: &str, shape: TopicSettings) -> Result<TopicFactory<M>, PortError> {
         let service = service_name(name)?;
         let builder = || self.node.service_builder(&service).publish_subscribe::<M>();
         let required = self.required()?;
@@ -132,7 +132,7 @@ impl SessionNode {
     }
 
     /// Topic of the truth.
-    pub fn truth(&self) -> Result<Topic<Truth>, PortError> {
+    pub fn truth(&self) -> Result<TopicFactory<Truth>, PortError> {
         self.topic(
             TRUTH,
             TopicSettings { writers: 1, readers: RECORDERS, buffer: TRUTH_BUFFER, history: 0, overwrite: false },
@@ -140,7 +140,7 @@ impl SessionNode {
     }
 
     /// Topic of the answered requests.
-    pub fn served(&self) -> Result<Topic<Served>, PortError> {
+    pub fn served(&self) -> Result<TopicFactory<Served>, PortError> {
         let shape = TopicSettings {
             writers: SERVED_WRITERS,
             readers: RECORDERS,
@@ -152,7 +152,7 @@ impl SessionNode {
     }
 
     /// Topic of sensors or commands.
-    pub fn link<M: Stamped>(&self, name: &str) -> Result<Topic<M>, PortError> {
+    pub fn link<M: Stamped>(&self, name: &str) -> Result<TopicFactory<M>, PortError> {
         self.topic(name, TopicSettings { writers: 1, readers: LINK_READERS, buffer: 1, history: 1, overwrite: true })
     }
 

@@ -1,7 +1,7 @@
 //! The reading end of a topic. It waits by polling, by sleeping, or by one after the other.
 
 use super::contract::Pace;
-use super::node::{SessionNode, Topic};
+use super::node::{SessionNode, TopicFactory};
 use super::sender::arrival;
 use super::waiting::{SPIN, Waiting};
 use crate::error::PortError;
@@ -136,7 +136,7 @@ type Borrowed<M> = Sample<ipc::Service, M, ()>;
 pub(super) struct TopicReader<M: Stamped>(Subscriber<ipc::Service, M, ()>);
 
 impl<M: Stamped> TopicReader<M> {
-    pub fn open(topic: &Topic<M>, buffer: usize) -> Result<TopicReader<M>, PortError> {
+    pub fn open(topic: &TopicFactory<M>, buffer: usize) -> Result<TopicReader<M>, PortError> {
         let builder = topic.subscriber_builder().buffer_size(buffer);
         builder.create().map(TopicReader).map_err(|e| PortError::failed("reading", e))
     }

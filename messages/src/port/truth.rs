@@ -1,7 +1,7 @@
 //! The topic of the truth, for recorders. In lockstep no message is lost; in real time the plant never waits.
 
 use super::contract::Pace;
-use super::node::{SessionNode, TRUTH, TRUTH_BUFFER, Topic};
+use super::node::{SessionNode, TRUTH, TRUTH_BUFFER, TopicFactory};
 use crate::error::PortError;
 use crate::log;
 use crate::wire::{Stamped, Truth};
@@ -20,7 +20,7 @@ const RECORDER_TIMEOUT: Duration = Duration::from_secs(3);
 /// The writing end of the topic.
 #[derive(Debug)]
 pub(super) struct TruthSender {
-    topic: Topic<Truth>,
+    topic: TopicFactory<Truth>,
     writer: Publisher<ipc::Service, Truth, ()>,
     /// A recorder notifies the plant when it begins to read.
     listener: Listener<ipc::Service>,

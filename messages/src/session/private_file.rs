@@ -20,9 +20,9 @@ pub(super) fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     let file = options.mode(0o600).custom_flags((OFlag::O_NOFOLLOW | OFlag::O_NONBLOCK).bits()).open(path);
     // If the file cannot be opened, its metadata show why: a link, a pipe without a reader, or a file of another user.
     let found = file.as_ref().map_or_else(|_| path.symlink_metadata(), File::metadata);
-    match found.map(|found| (flaw(&found), found.is_file())) {
-        Ok((Some(flaw), _)) => Err(foreign(path, &flaw)),
-        Ok((None, false)) => Err(foreign(path, "is not a regular file")),
+    match found.map(|found| (owner_problem(&found), found.is_file())) {
+        Ok((Some(owner_problem), _)) => Err(access_error(path, &owner_problem)),
+        Ok((None, false)) => Err(access_error(path, "is not a regular file")),
         _ => file,
     }
 }
@@ -41,10 +41,10 @@ pub(super) fn folder(path: &Path) -> io::Result<()> {
         made => return made,
     }
     let found = path.symlink_metadata()?;
-    match flaw(&found) {
-        Some(flaw) => Err(foreign(path, &flaw)),
-        None if !found.is_dir() => Err(foreign(path, "is not a folder")),
-        None if found.mode() & WRITTEN_BY_OTHERS != 0 => Err(foreign(path, "is writable by other users")),
+    match owner_problem(&found) {
+        Some(owner_problem) => Err(access_error(path, &owner_problem)),
+        None if !found.is_dir() => Err(access_error(path, "is not a folder")),
+        None if found.mode() & WRITTEN_BY_OTHERS != 0 => Err(access_error(path, "is writable by other users")),
         None => Ok(()),
     }
 }
@@ -77,15 +77,15 @@ pub(super) fn owner(number: u32) -> String {
 }
 
 /// Why the owner of a file is wrong; `None` if it is right.
-fn flaw(found: &Metadata) -> Option<String> {
+fn owner_problem(found: &Metadata) -> Option<String> {
     let ours = found.uid() == getuid().as_raw();
     (!ours).then(|| format!("belongs to user {}", owner(found.uid())))
 }
 
-fn foreign(path: &Path, flaw: &str) -> io::Error {
+fn access_error(path: &Path, owner_problem: &str) -> io::Error {
     io::Error::new(
         ErrorKind::PermissionDenied,
-        format!("{} {flaw}: remove it, or use another --session", path.display()),
+        format!("{} {owner_problem}: remove it, or use another --session", path.display()),
     )
 }
 

@@ -43,7 +43,7 @@ class Link(session.Session):
         command = self.read()
         if command is None:
             self.writer.update_connections()
-            self.awaken.notify()
+            self.notifier.notify()
         return command
 
     def record(self, truth):

@@ -1,7 +1,7 @@
 //! The plant's side of the exchange with its controller, in lockstep or in real time.
 
 use super::control_loop::{ExchangeOutcome, PeriodTiming};
-use super::error::{Options, ProcessError};
+use super::error::{Options, PlantProcessError};
 use super::log::PlantLog;
 use super::request_handler::RequestHandler;
 use crate::Simulation;
@@ -59,7 +59,7 @@ impl<'a> ControllerConnection<'a> {
         simulation: &mut Simulation,
         sensors: &Sensors,
         timing: &PeriodTiming,
-    ) -> Result<ExchangeOutcome, ProcessError> {
+    ) -> Result<ExchangeOutcome, PlantProcessError> {
         self.port.send(*sensors)?;
         self.port.record(timing.truth(simulation, sensors))?;
         self.log.update(simulation);
@@ -82,7 +82,7 @@ impl<'a> ControllerConnection<'a> {
         &mut self,
         simulation: &mut Simulation,
         sensors: &Sensors,
-    ) -> Result<ExchangeOutcome, ProcessError> {
+    ) -> Result<ExchangeOutcome, PlantProcessError> {
         self.timeout.restart();
         self.last_sent_ns = sensors.stamp.mono_ns;
         while self.has_controller {
@@ -107,7 +107,7 @@ impl<'a> ControllerConnection<'a> {
             if self.timeout.has_expired() {
                 let counters = simulation.commands().tally().to_string();
                 let counters = if counters.is_empty() { counters } else { format!("; {counters}") };
-                return Err(ProcessError::NoController(self.patience, counters));
+                return Err(PlantProcessError::NoController(self.patience, counters));
             }
         }
         Ok(ExchangeOutcome::Advance { late_ns: 0 })
@@ -119,7 +119,7 @@ impl<'a> ControllerConnection<'a> {
         &mut self,
         simulation: &mut Simulation,
         sensors: &Sensors,
-    ) -> Result<ExchangeOutcome, ProcessError> {
+    ) -> Result<ExchangeOutcome, PlantProcessError> {
         if self.deadline == 0 {
             let outcome = self.wait_for_answer(simulation, sensors)?;
             self.deadline = now_ns();
@@ -141,17 +141,17 @@ impl<'a> ControllerConnection<'a> {
     }
 
     /// A plant whose drives are off waits for a request to re-arm them, up to the timeout.
-    fn check_abandoned(&mut self, simulation: &mut Simulation) -> Result<(), ProcessError> {
+    fn check_abandoned(&mut self, simulation: &mut Simulation) -> Result<(), PlantProcessError> {
         if simulation.state() != PlantState::Fault {
             self.timeout.restart();
         } else if self.timeout.has_expired() {
-            return Err(ProcessError::Silent(simulation.commands().age()));
+            return Err(PlantProcessError::Silent(simulation.commands().age()));
         }
         Ok(())
     }
 
     /// Answers requests, and returns only when simulated time may go on.
-    fn serve(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<ExchangeOutcome, ProcessError> {
+    fn serve(&mut self, simulation: &mut Simulation, sensors: &Sensors) -> Result<ExchangeOutcome, PlantProcessError> {
         loop {
             while let Some(pending) = self.port.next_request()? {
                 let (reply, outcome) = self.requests.handle(&pending.request, simulation)?;
@@ -174,7 +174,7 @@ impl<'a> ControllerConnection<'a> {
 
     /// Sends the same sensors again from time to time. The controller learns that the plant is alive, and a connection that
     /// loses messages, such as one to another machine, gets another chance. The controller repeats its answer.
-    fn heartbeat(&mut self, sensors: &Sensors) -> Result<(), ProcessError> {
+    fn heartbeat(&mut self, sensors: &Sensors) -> Result<(), PlantProcessError> {
         if now_ns() - self.last_sent_ns > HEARTBEAT_NS {
             self.last_sent_ns = now_ns();
             self.port.send(Sensors { stamp: Stamp { mono_ns: self.last_sent_ns, ..sensors.stamp }, ..*sensors })?;
@@ -182,7 +182,7 @@ impl<'a> ControllerConnection<'a> {
         Ok(())
     }
 
-    fn check_stop(&self) -> Result<(), ProcessError> {
-        if self.stop.load(Relaxed) { Err(ProcessError::Interrupted) } else { Ok(()) }
+    fn check_stop(&self) -> Result<(), PlantProcessError> {
+        if self.stop.load(Relaxed) { Err(PlantProcessError::Interrupted) } else { Ok(()) }
     }
 }

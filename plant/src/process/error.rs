@@ -6,7 +6,7 @@ use std::time::Duration;
 
 /// Why a plant process ended before the end of its scene.
 #[derive(Debug, thiserror::Error)]
-pub enum ProcessError {
+pub enum PlantProcessError {
     /// The connection could not be opened, or it failed.
     #[error(transparent)]
     Port(#[from] PortError),

@@ -1,7 +1,7 @@
-//! The controller's end of a session, in plain Rust: the manners of docs/WIRE.md around a [`ControllerPort`].
+//! The controller's end of a session in safe Rust: the protocol of docs/WIRE.md around a [`ControllerPort`].
 
-use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, Failure};
-use crate::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, Status};
+use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, CallFailure};
+use crate::status::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, ControllerStatus};
 use controller::{Controller as Planner, ControllerError};
 use messages::clock::{Timeout, now_ns, random};
 use messages::peer_environment::PeerEnvironment;
@@ -14,44 +14,44 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::ThreadId;
 use std::time::Duration;
 
-/// Whether somebody wants an end.
+/// Whether `biped_stop` has been called.
 pub(crate) static STOP: AtomicBool = AtomicBool::new(false);
 
-/// Run, number of the sensors seen last, and the controller.
+/// Number of the run, number of the last sensors, and the controller.
 type Walker = (u64, u64, Box<Planner>);
 
-/// A controller's place in a session.
-pub struct Controller {
+/// A controller in a session.
+pub struct ControllerHandle {
     port: ControllerPort,
-    /// What came last; number 0 before anything came.
+    /// The last sensors; their number is 0 before the first ones.
     sensors: Sensors,
     answer: Command,
     is_answered: bool,
     patience: Duration,
-    /// What does not change of it.
-    robot: Status,
+    /// The constant part of the status.
+    robot: ControllerStatus,
     scene: Scene,
-    /// This project's own controller, once it has been asked, and the number of the sensors that it has seen.
+    /// This project's own controller, after the first call of `biped_plan`.
     walker: Option<Walker>,
     owner: ThreadId,
 }
 
-impl Controller {
-    /// The place that the environment names.
-    pub(crate) fn open() -> Result<Controller, Failure> {
-        Controller::of(PeerEnvironment::from_env(|| !STOP.load(Relaxed))?)
+impl ControllerHandle {
+    /// Joins the session that the environment names.
+    pub(crate) fn open() -> Result<ControllerHandle, CallFailure> {
+        ControllerHandle::join(PeerEnvironment::from_env(|| !STOP.load(Relaxed))?)
     }
 
-    /// The place in a running session, once that is there.
-    pub(crate) fn attach(session: &str, patience: Duration) -> Result<Controller, Failure> {
-        Controller::of(PeerEnvironment::attach(session, patience, || !STOP.load(Relaxed))?)
+    /// Joins a session by its name, once it is running.
+    pub(crate) fn attach(session: &str, patience: Duration) -> Result<ControllerHandle, CallFailure> {
+        ControllerHandle::join(PeerEnvironment::attach(session, patience, || !STOP.load(Relaxed))?)
     }
 
-    fn of(environment: PeerEnvironment) -> Result<Controller, Failure> {
+    fn join(environment: PeerEnvironment) -> Result<ControllerHandle, CallFailure> {
         let PeerEnvironment { session, contract, patience, scene, takes_over } = environment;
-        let waits = || takes_over && !STOP.load(Relaxed);
-        Ok(Controller {
-            port: ControllerPort::open_when_free(&session, &contract, waits)?,
+        let keep_waiting = || takes_over && !STOP.load(Relaxed);
+        Ok(ControllerHandle {
+            port: ControllerPort::open_when_free(&session, &contract, keep_waiting)?,
             sensors: Sensors::default(),
             answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
             is_answered: true,
@@ -68,8 +68,8 @@ impl Controller {
         self.owner == std::thread::current().id()
     }
 
-    /// The next encoders, and what they are.
-    pub(crate) fn wait(&mut self) -> Result<c_int, Failure> {
+    /// Waits for the next sensors, and returns their kind.
+    pub(crate) fn wait(&mut self) -> Result<c_int, CallFailure> {
         let mut waiting = Timeout::new("plant", self.patience);
         while !STOP.load(Relaxed) {
             let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
@@ -87,52 +87,56 @@ impl Controller {
             if begins {
                 self.answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..self.answer.stamp };
             } else if self.answer.stamp.ack == asked.seq {
-                self.send()?; // sensors that come again get the same answer
+                self.send()?; // repeated sensors get the same answer
                 continue;
             }
             (self.sensors, self.is_answered) = (sensors, false);
             return Ok(if begins { BIPED_BEGIN } else { BIPED_TICK });
         }
-        Err(Failure::new(BIPED_STOPPED, "stopped by biped_stop"))
+        Err(CallFailure::new(BIPED_STOPPED, "stopped by biped_stop"))
     }
 
-    /// What this project's own controller would answer, and thinks. It must see all encoders of a run, once each.
-    pub(crate) fn plan(&mut self) -> Result<(Torques, Telemetry), Failure> {
+    /// Torques and telemetry of this project's own controller. It must get every reading of a run exactly once.
+    pub(crate) fn plan(&mut self) -> Result<(Torques, Telemetry), CallFailure> {
         if self.is_answered {
-            return Err(Failure::misuse("nothing waits for an answer: call biped_wait, then biped_plan once"));
+            return Err(CallFailure::misuse("there is no reading to answer: call biped_wait, then biped_plan once"));
         }
-        let fault = |error: ControllerError| Failure::new(BIPED_DEFECT, format!("no torques for this robot: {error}"));
+        let fault = |error: ControllerError| {
+            CallFailure::new(BIPED_DEFECT, format!("biped_plan has no torques for this robot: {error}"))
+        };
         let Stamp { run, seq, .. } = self.sensors.stamp;
         let walker = match self.walker.take().filter(|(of, ..)| *of == run) {
             Some(walker) => self.walker.insert(walker),
             None => self.walker.insert((run, 0, Box::new(Planner::new(&self.scene).map_err(fault)?))),
         };
         if std::mem::replace(&mut walker.1, seq) == seq {
-            return Err(Failure::misuse("biped_plan has seen these encoders: call it once for each biped_wait"));
+            return Err(CallFailure::misuse(
+                "biped_plan was already called for this reading: call it once for each biped_wait",
+            ));
         }
         let torques = walker.2.tick(&self.sensors.encoders).map_err(fault)?;
         Ok((torques, walker.2.telemetry()))
     }
 
-    fn no_plant(&self) -> Failure {
-        Failure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
+    fn no_plant(&self) -> CallFailure {
+        CallFailure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
     }
 
-    /// What the joints report.
-    pub(crate) fn encoders(&self) -> Result<Encoders, Failure> {
+    /// The reading of the encoders.
+    pub(crate) fn encoders(&self) -> Result<Encoders, CallFailure> {
         match self.sensors.stamp.seq {
-            0 => Err(Failure::misuse("there are no encoders yet: call biped_wait first")),
+            0 => Err(CallFailure::misuse("there is no reading of the encoders yet: call biped_wait first")),
             _ => Ok(self.sensors.encoders),
         }
     }
 
-    /// Answers what came last.
-    pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), Failure> {
+    /// Answers the last sensors.
+    pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), CallFailure> {
         if self.is_answered {
-            return Err(Failure::misuse("nothing waits for an answer: call biped_wait, then biped_write once"));
+            return Err(CallFailure::misuse("there is no reading to answer: call biped_wait, then biped_write once"));
         }
         if let Some(joint) = torques.torque.iter().position(|torque| !torque.is_finite()) {
-            return Err(Failure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
+            return Err(CallFailure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
         }
         (self.answer.torques, self.answer.telemetry) = (torques, telemetry);
         self.send()?;
@@ -146,17 +150,23 @@ impl Controller {
         self.port.send(self.answer)
     }
 
-    /// Where it is.
-    pub(crate) fn status(&self) -> Status {
+    /// State of the session.
+    pub(crate) fn status(&self) -> ControllerStatus {
         let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
-        Status { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
+        ControllerStatus { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
     }
 }
 
-/// What a controller needs to know of the robot.
-fn robot(scene: &Scene) -> Status {
+/// The data of the robot that a controller needs.
+fn robot(scene: &Scene) -> ControllerStatus {
     let mut start = [0.0; 8];
     start.iter_mut().zip(&scene.initial.joints).for_each(|(start, &angle)| *start = angle);
     let count = TAU / 2_f64.powi(scene.plant.encoder_bits as i32);
-    Status { rate: scene.rate, count, torque_limit: scene.plant.torque_limit, start, ..Status::default() }
+    ControllerStatus {
+        rate: scene.rate,
+        count,
+        torque_limit: scene.plant.torque_limit,
+        start,
+        ..ControllerStatus::default()
+    }
 }

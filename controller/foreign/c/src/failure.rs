@@ -1,4 +1,4 @@
-//! What may go wrong: a code below zero, and a sentence. Minus the code is the exit code that `biped` itself would end with.
+//! Failures: a negative code and a sentence. The code is minus the exit code of `biped` for the same failure.
 
 use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
@@ -6,54 +6,54 @@ use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// Wrong arguments, calls in a wrong order, or an environment that is not `biped run`'s.
+/// Wrong arguments, calls in the wrong order, or an environment that `biped run` has not set.
 pub const BIPED_MISUSE: c_int = -2;
 /// No plant sent sensors.
 pub const BIPED_NO_PLANT: c_int = -3;
-/// A robot for which `biped_plan` knows no torques, or a defect of this library.
+/// `biped_plan` has no torques for this robot, or this library has a defect.
 pub const BIPED_DEFECT: c_int = -4;
-/// The session has another contract, or a controller already.
+/// The session has another contract, or it already has a controller.
 pub const BIPED_INCOMPATIBLE: c_int = -5;
 /// Shared memory is missing, full or blocked.
 pub const BIPED_SHARED_MEMORY: c_int = -6;
 /// `biped_stop` was called.
 pub const BIPED_STOPPED: c_int = -130;
 
-/// A code and a sentence.
+/// A failure.
 #[derive(Debug, PartialEq)]
-pub struct Failure {
+pub struct CallFailure {
     code: c_int,
     sentence: String,
 }
 
-impl Failure {
-    /// With a code from above.
-    pub fn new(code: c_int, sentence: impl ToString) -> Failure {
-        Failure { code, sentence: sentence.to_string() }
+impl CallFailure {
+    /// A failure with one of the codes above.
+    pub fn new(code: c_int, sentence: impl ToString) -> CallFailure {
+        CallFailure { code, sentence: sentence.to_string() }
     }
 
-    /// The caller's mistake.
-    pub fn misuse(sentence: impl ToString) -> Failure {
-        Failure::new(BIPED_MISUSE, sentence)
+    /// A mistake of the caller.
+    pub fn misuse(sentence: impl ToString) -> CallFailure {
+        CallFailure::new(BIPED_MISUSE, sentence)
     }
 }
 
-impl From<PortError> for Failure {
-    fn from(error: PortError) -> Failure {
+impl From<PortError> for CallFailure {
+    fn from(error: PortError) -> CallFailure {
         let code = match &error {
             PortError::SessionName { .. } => BIPED_MISUSE,
             PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => BIPED_INCOMPATIBLE,
             PortError::NoSession { .. } | PortError::Absent { .. } => BIPED_NO_PLANT,
             PortError::SharedMemory(_) => BIPED_SHARED_MEMORY,
         };
-        Failure::new(code, error)
+        CallFailure::new(code, error)
     }
 }
 
-impl From<PeerEnvironmentError> for Failure {
-    fn from(error: PeerEnvironmentError) -> Failure {
+impl From<PeerEnvironmentError> for CallFailure {
+    fn from(error: PeerEnvironmentError) -> CallFailure {
         match error {
-            PeerEnvironmentError::Malformed(sentence) => Failure::misuse(sentence),
+            PeerEnvironmentError::Malformed(sentence) => CallFailure::misuse(sentence),
             PeerEnvironmentError::Port(error) => error.into(),
         }
     }
@@ -68,11 +68,11 @@ pub(crate) fn last() -> *const c_char {
     LAST.try_with(|last| last.borrow().as_ptr()).unwrap_or(c"".as_ptr())
 }
 
-/// Does it; keeps the sentence if it fails. A panic goes no further.
-pub(crate) fn guarded(what: impl FnOnce() -> Result<c_int, Failure>) -> c_int {
-    let defect = || Failure::new(BIPED_DEFECT, "a defect of this library, told on standard error");
+/// Runs `what`, and stores the sentence if it fails. A panic becomes a failure.
+pub(crate) fn guarded(what: impl FnOnce() -> Result<c_int, CallFailure>) -> c_int {
+    let defect = || CallFailure::new(BIPED_DEFECT, "a defect of this library; standard error has the details");
     let outcome = catch_unwind(AssertUnwindSafe(what)).unwrap_or_else(|_| Err(defect()));
-    outcome.unwrap_or_else(|Failure { code, sentence }| {
+    outcome.unwrap_or_else(|CallFailure { code, sentence }| {
         let sentence = CString::new(sentence.replace('\0', " ")).unwrap_or_default();
         let _ = LAST.try_with(|last| last.replace(sentence));
         code
@@ -88,7 +88,7 @@ mod tests {
     fn a_panic_becomes_a_code_and_a_sentence() {
         assert_eq!(guarded(|| Ok(1)), 1);
         assert_eq!(guarded(|| panic!("on purpose")), BIPED_DEFECT);
-        // SAFETY: of this thread, before the next failure.
+        // SAFETY: the string belongs to this thread and is valid until the next failure.
         assert!(unsafe { CStr::from_ptr(last()) }.to_string_lossy().contains("defect"));
     }
 }
