@@ -4,13 +4,13 @@
 //! |---|---|---|
 //! | (i) | error against CPU time per simulated second | [`precision`] |
 //! | (ii) | CPU time per step of 1 ms | [`steps`] |
-//! | (iii) | where methods fail, and from where on | [`failures`], [`thresholds`] |
+//! | (iii) | where methods fail, and the thresholds of failure | [`failures`], [`thresholds`] |
 //! | (iv) | size of the model against cost | [`models`] |
 //! | `--orders` | order, error and cost of every integration method | [`orders`] |
 //! | `--growth` | how the cost of a step grows | [`growth`] |
 //!
-//! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
-//! drawn ([`draw`], [`page`]) is drawn from these rows alone.
+//! Measurements become rows of one table ([`csv`]). Other engines add their rows ([`peers`]). All drawings ([`draw`], [`page`]) are
+//! made from these rows alone.
 
 mod bounds;
 mod cases;
@@ -47,16 +47,16 @@ pub struct ChartArgs {
     /// Write the table, the drawings and the page into this folder
     #[arg(long, value_name = "DIR", default_value = "out/chart")]
     out: PathBuf,
-    /// Coarse steps and few of them: everything is drawn, within a minute
+    /// Few and coarse steps: every drawing within a minute
     #[arg(long)]
     quick: bool,
-    /// Measure other engines too, installed into a virtual environment of Python; or take a table of them, or a folder of their runs
+    /// Also measure other engines, installed into a Python virtual environment; or read a table or a folder of their runs
     #[arg(long, value_name = "PATH", num_args = 0..=1, require_equals = true)]
     peers: Option<Option<PathBuf>>,
-    /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
+    /// Instead: how the time of a step grows with contacts, links and step length, and the throughput of several processors
     #[arg(long)]
     growth: bool,
-    /// Instead of all that: order, error and cost of every integration method in each kind of motion
+    /// Instead: order, error and cost of every integration method in each kind of motion
     #[arg(long, conflicts_with_all = ["growth", "peers"])]
     orders: bool,
     /// Only these comparison scenes, separated by commas
@@ -101,7 +101,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let remarks = match &args.peers {
         None => vec![alone],
         Some(None) => {
-            write(&rows, &[alone]).map_err(failed)?; // what follows takes minutes, and may fail
+            write(&rows, &[alone]).map_err(failed)?; // the measurement takes minutes and may fail
             let (found, left_out) = peers::rows(&args.out, &chosen, args.quick, &watch)?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()
@@ -124,7 +124,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What is being done.
+/// The stage of the measurement, for the progress display.
 #[derive(Clone, Copy, Debug)]
 enum Job {
     Watching,
@@ -134,7 +134,7 @@ enum Job {
     Sizing,
 }
 
-/// Progress, and the wish to stop.
+/// The progress display and the flag that stops the measurement.
 struct Watch<'a> {
     bar: ProgressBar,
     lines: bool,
@@ -153,12 +153,12 @@ impl<'a> Watch<'a> {
         Watch { bar, lines: !terminal && !quiet, told: Mutex::new(Instant::now()), stop }
     }
 
-    /// So many runs more are to come.
+    /// Adds `runs` to the number of expected runs.
     fn expect(&self, runs: usize) {
         self.bar.inc_length(runs as u64);
     }
 
-    /// One run begins.
+    /// Counts a run that starts.
     fn step(&self, job: Job) -> Result<(), Failure> {
         self.bar.inc(1);
         self.bar.set_message(format!("{job:?}").to_lowercase());
@@ -172,7 +172,7 @@ impl<'a> Watch<'a> {
         unless(self.stop)
     }
 
-    /// Says a line beside the bar.
+    /// Prints a line above the progress bar.
     fn tell(&self, line: &str) {
         match self.lines {
             true => tell(line),
