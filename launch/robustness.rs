@@ -1,14 +1,14 @@
-//! `biped robustness`: how much delay, jitter and loss of commands the walk bears, as a map.
+//! `biped robustness`: a map of the delay, jitter and loss of commands with which the robot still walks.
 //!
 //! | what | where |
 //! |---|---|
-//! | which runs | [`grid`] |
-//! | their table: written as it goes, resumed, merged | [`table`] |
-//! | what came out, cell by cell | [`cells`] |
-//! | the drawing, with the survival contour and the servo's own limit | [`map`] |
+//! | the list of runs | [`grid`] |
+//! | their table: appended to, resumed, merged | [`table`] |
+//! | results by cell | [`cells`] |
+//! | the drawing, with the survival contour and the stability limit of the servos | [`map`] |
 //!
-//! Every run is a case with a number, the same in every shard; its row in the table depends on nothing else. So shards
-//! that ran anywhere merge to the very file that one machine would have written.
+//! Every run is a case with a number that is the same in every shard. Its row in the table depends on nothing else. Shards from
+//! several machines therefore merge into the same file that one machine would have written.
 
 mod cells;
 mod grid;
@@ -39,29 +39,29 @@ pub struct RobustnessArgs {
     /// Delays of every command, ascending [ms]
     #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
     delay: Vec<f64>,
-    /// Jitters, ascending; --set link.jitter=normal or =burst for another kind than uniform [ms]
+    /// Jitters, ascending [ms]; their distribution is uniform, or that of --set link.jitter=normal or =burst
     #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
     jitter: Vec<f64>,
     /// Probabilities that a command is lost, ascending
     #[arg(long, value_name = "P,…", value_delimiter = ',', allow_negative_numbers = true)]
     loss: Vec<f64>,
-    /// Repeat the map for each value of a key, say plant.friction=0.7,0.3 or plant.payload_kg=0,2 or
-    /// plant.push_impulse=[0,2,0],[0,-2,0]; given twice, for each combination
+    /// Repeat the map for each value of a key, for example plant.friction=0.7,0.3 or plant.payload_kg=0,2 or
+    /// plant.push_impulse=[0,2,0],[0,-2,0]; if repeated, for each combination
     #[arg(long, value_name = "KEY=V,…")]
     with: Vec<String>,
-    /// Runs of each cell, every one with another seed
+    /// Runs of each cell, each with its own seed
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
     seeds: Option<u64>,
-    /// A coarse map of short walks, within seconds
+    /// A coarse map of short walks: takes seconds
     #[arg(long)]
     quick: bool,
-    /// Do only the i-th of n equal shares of the runs
+    /// Run only the i-th of n equal shares
     #[arg(long, value_name = "I/N")]
     shard: Option<grid::Shard>,
-    /// Do none, but put the tables of all shards together and draw the map; with the options that they were made with
+    /// Run nothing: merge the tables of all shards and draw the map; needs the options of the shards
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "shard")]
     merge: Vec<PathBuf>,
-    /// Write the table and the map into this folder; what its table has already is not done again
+    /// Write the table and the map into this folder; runs that its table has already are not repeated
     #[arg(long, value_name = "DIR", default_value = "out/robustness")]
     out: PathBuf,
     /// Show no progress
@@ -69,10 +69,10 @@ pub struct RobustnessArgs {
     quiet: bool,
 }
 
-/// Does the runs that are missing from the table, then draws the map; with a shard or after Ctrl-C, only the table.
+/// Runs the cases that are missing in the table, then draws the map. With a shard, or after Ctrl-C, it writes only the table.
 ///
 /// # Errors
-/// Ctrl-C, a bad wish, tables that do not belong together, or a folder that cannot be written.
+/// Ctrl-C, a bad argument, tables that do not belong together, or a folder that cannot be written.
 pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let grid = Grid::new(args)?;
     let cases = grid.cases();
@@ -99,18 +99,26 @@ pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     done.map_err(|failure: Failure| match failure.exit {
         Exit::Interrupted => Failure::new(
             Exit::Interrupted,
-            format!("interrupted: {count} of {} runs are in {}; the same command goes on", mine.len(), path.display()),
+            format!(
+                "interrupted: {count} of {} runs are in {}; run the same command again to go on",
+                mine.len(),
+                path.display()
+            ),
         ),
         _ => failure,
     })?;
     match args.shard {
-        Some(_) => say(format!("{count} runs in {}; --merge puts the shards together\n", path.display())),
+        Some(_) => say(format!(
+            "{count} runs in {}; --merge merges the shards
+",
+            path.display()
+        )),
         None => draw(args, &grid, &cases, &rows)?,
     }
     Ok(())
 }
 
-/// Writes the whole table and the map, and says what they show.
+/// Writes the whole table and the map, and prints a summary.
 fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[Case], rows: &[Option<String>]) -> Result<(), Failure> {
     let cells = Cells::new(grid, cases, rows)?;
     let files = [("robustness.csv", table::text(grid, rows)), ("robustness.svg", map::survival(grid, &cells))];

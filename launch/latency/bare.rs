@@ -1,4 +1,4 @@
-//! A conversation of the same messages, neither stamped, sealed nor checked: over iceoryx2 alone, and over our ports.
+//! An exchange of the same messages without stamps, check sums and checks, over iceoryx2 alone and over our ports.
 
 use super::bench::{LOST, PATIENCE};
 use super::carrier::null_plant;
@@ -9,14 +9,14 @@ use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp};
 use std::time::Instant;
 
-/// Looks at the clock once in so many looks for a message.
+/// Polls between two readings of the clock.
 const LOOKS: u32 = 1 << 12;
 
 /// The plant's end.
 pub enum Plant {
     /// iceoryx2 as its own examples use it.
     Bare(BarePort<Sensors, Command>),
-    /// Our port, which takes room for messages beforehand and gives it back later.
+    /// Our port, which reserves memory for messages in advance and releases it later.
     Ours(Box<PlantPort>),
 }
 
@@ -27,7 +27,7 @@ pub enum Controller {
 }
 
 impl Plant {
-    /// Takes the place in a session.
+    /// Joins a session.
     ///
     /// # Errors
     /// If the session cannot be made.
@@ -39,10 +39,10 @@ impl Plant {
         })
     }
 
-    /// Sends sensors and waits for the command that answers them.
+    /// Sends sensors and waits for the answering command.
     ///
     /// # Errors
-    /// If the link breaks or nobody answers for long.
+    /// A link that breaks, or no answer in time.
     #[inline]
     pub fn ask(&mut self, seq: u32) -> Result<(), Failure> {
         let stamp = Stamp { seq: seq.into(), ..Stamp::default() };
@@ -55,7 +55,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Says that there are no more.
+    /// Announces the end.
     ///
     /// # Errors
     /// If the link breaks.
@@ -73,7 +73,7 @@ impl Plant {
 }
 
 impl Controller {
-    /// Takes the place in a session.
+    /// Joins a session.
     ///
     /// # Errors
     /// If the session cannot be made.
@@ -85,10 +85,10 @@ impl Controller {
         })
     }
 
-    /// Answers all sensors until the last.
+    /// Answers all sensors until the end.
     ///
     /// # Errors
-    /// If the link breaks or nobody asks for long.
+    /// A link that breaks, or no question in time.
     pub fn serve(&mut self) -> Result<(), Failure> {
         loop {
             let mut look = || match self {
@@ -108,7 +108,7 @@ impl Controller {
     }
 }
 
-/// Looks until there is a message.
+/// Polls until there is a message.
 #[inline]
 fn hear<M>(look: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
     let mut start = None;

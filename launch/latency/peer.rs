@@ -1,4 +1,4 @@
-//! The other process: the same program in a hidden role, which answers as it is ordered to, line by line.
+//! The other process: the same program in a hidden role. It reads orders line by line and answers accordingly.
 
 use super::bare;
 use super::bench::{LOST, PATIENCE};
@@ -23,10 +23,10 @@ use std::process::{Child, ChildStdin, ChildStdout, Command as Process, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// Time that the other process gets to end in order.
+/// Time limit for the other process to end by itself.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// What the other process is to do next, until it is told that this is over.
+/// An order: what the other process does until the end is announced.
 #[derive(Serialize, Deserialize)]
 pub enum Order {
     /// Answer over two cache lines.
@@ -35,18 +35,18 @@ pub enum Order {
     Unix { name: String, spins: bool },
     /// Answer over UDP.
     Udp { port: u16, spins: bool },
-    /// Answer sensors by commands that are neither stamped nor sealed, over iceoryx2 alone or our ports.
+    /// Answer sensors by commands without stamps and check sums, over iceoryx2 alone or our ports.
     Bare { session: String, ours: bool },
     /// Answer sensors by commands at once.
     Echo { session: String, waiting: Waiting, system: RealtimeArgs },
-    /// Be the controller of a walk in lockstep.
+    /// Run the controller of a walk in lockstep.
     Walk { session: String, waiting: Waiting, seconds: f64 },
 }
 
-/// The other process, as the first one sees it.
+/// The first process's handle of the other process.
 pub struct Peer {
     process: Child,
-    /// Its end tells the other process to end.
+    /// Closing it ends the other process.
     orders: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
@@ -55,7 +55,7 @@ impl Peer {
     /// Starts it.
     ///
     /// # Errors
-    /// If the system cannot.
+    /// A system that cannot start it.
     pub fn start() -> Result<Peer, Failure> {
         let failed = |error: &dyn std::fmt::Display| {
             Failure::new(Exit::Fault, format!("the other process of the measurement cannot be started: {error}"))
@@ -72,10 +72,10 @@ impl Peer {
         }
     }
 
-    /// Gives an order, and waits until it is ready to answer.
+    /// Sends an order and waits until the other process is ready.
     ///
     /// # Errors
-    /// If it has ended.
+    /// A process that has ended.
     pub fn order(&mut self, order: &Order) -> Result<(), Failure> {
         let lost = || Failure::new(Exit::PeerMissing, LOST);
         let line = serde_json::to_string(order).map_err(|error| Failure::new(Exit::Fault, error))?;
@@ -87,7 +87,7 @@ impl Peer {
 }
 
 impl Drop for Peer {
-    /// Never leaves it behind.
+    /// Ends the process, by force if necessary.
     fn drop(&mut self) {
         drop(self.orders.take());
         let start = Instant::now();
@@ -102,15 +102,15 @@ impl Drop for Peer {
 /// Arguments of the hidden role.
 #[derive(Args)]
 pub struct PeerArgs {
-    /// Process to die with
+    /// Process whose end ends this one
     #[arg(long)]
     parent: i32,
 }
 
-/// The role: obeys until there are no more orders.
+/// The role: executes orders until there are no more.
 ///
 /// # Errors
-/// Whatever a link breaks with.
+/// The failure of a link.
 pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
     children::die_with(args.parent)?;
     keep_to(1);
@@ -120,7 +120,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Tells the first process that it may begin.
+/// Tells the first process that this one is ready.
 fn ready() {
     say("ready\n");
 }
@@ -164,7 +164,7 @@ fn serve_socket(mut socket: Socket) -> Result<(), Failure> {
     socket.serve()
 }
 
-/// A controller that does not think: its time stamp is when the sensors came.
+/// A controller without computation. Its time stamp is the arrival time of the sensors.
 fn echo(mut port: ControllerPort, stop: &AtomicBool) -> Result<(), Failure> {
     ready();
     let mut heard = now_ns();
