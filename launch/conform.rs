@@ -1,13 +1,13 @@
-//! `biped conform`: whether somebody else's controller or plant keeps to docs/WIRE.md, rule by rule. The program is started as
-//! `biped run` would start it; we are the other side.
+//! `biped conform`: checks an external controller or plant against docs/WIRE.md, rule by rule. The program is started as `biped run` would
+//! start it; `biped conform` is its peer.
 //!
 //! | what | where |
 //! |---|---|
 //! | the program under test | [`guest`] |
-//! | what every message must be | [`stamps`] |
-//! | the other side: a robot, or its driver | [`robot`], [`driver`] |
+//! | rules for every message | [`stamps`] |
+//! | the peer: a robot, or its controller | [`robot`], [`driver`] |
 //! | the rules of a controller, and of a plant | [`controller`], [`plant`] |
-//! | whom it must refuse, and when it must give up | [`company`] |
+//! | peers that it must refuse, and when it must give up | [`company`] |
 
 mod company;
 mod controller;
@@ -42,18 +42,18 @@ pub struct ConformArgs {
     /// Plant to check, likewise
     #[arg(long, value_name = "COMMAND")]
     plant: Option<String>,
-    /// How long it may take to start or to answer [s]
+    /// Time limit for its start and its answers [s]
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = crate::seconds)]
     patience: f64,
 }
 
-/// What was found on a rule: a remark, or what was done instead.
+/// The result of a rule: a remark, or the observed violation.
 type Finding = Result<String, String>;
 
-/// Some of the rules.
+/// A group of rules.
 type Part = fn(&Host, &mut Report) -> Result<(), String>;
 
-/// The rules, told one by one.
+/// The report: a line for each rule.
 struct Report<'a> {
     kept: usize,
     broken: usize,
@@ -61,7 +61,7 @@ struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Tells whether a rule, which stands in a section of docs/WIRE.md, was kept.
+    /// Reports whether a rule of a section of docs/WIRE.md was kept.
     fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
         match &finding {
             Ok(remark) if remark.is_empty() => say(format_args!("ok      {rule}\n")),
@@ -73,12 +73,12 @@ impl Report<'_> {
         finding.is_ok()
     }
 
-    /// What is worth knowing and breaks no rule.
+    /// Reports an observation that breaks no rule.
     fn note(&self, text: &str) {
         say(format_args!("note    {text}\n"));
     }
 
-    /// Checks one part after the other, until Ctrl-C.
+    /// Checks one group after the other, until Ctrl-C.
     fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
         for (nth, part) in parts.iter().enumerate().take_while(|_| !self.stop.load(Relaxed)) {
             part(host, self)?;
@@ -102,7 +102,7 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if host.scene.controller.is_none() {
         return Err(Failure::new(
             Exit::Usage,
-            format!("scene `{}` has no controller: nothing is said in it", args.scene),
+            format!("scene `{}` has no controller, so its processes exchange no messages", args.scene),
         ));
     }
     match args.plant {

@@ -1,4 +1,4 @@
-//! `biped study`: tables that the documents quote, each case a scene with some values changed.
+//! `biped study`: tables that the documents quote. Each case is a scene with some values changed.
 
 use crate::exit::{Exit, Failure};
 use crate::list::SCENES;
@@ -35,7 +35,7 @@ pub struct StudyArgs {
     /// Show no progress
     #[arg(long)]
     quiet: bool,
-    /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
+    /// Number of contact problems of all families together [1000000]; for `problems`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     count: Option<u64>,
     #[command(flatten)]
@@ -45,27 +45,27 @@ pub struct StudyArgs {
 /// Which table.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Study {
-    /// How far the robot, its sensors and the ground may be off before it falls
+    /// Tolerance of the walk against errors of the robot, its sensors and the ground
     Margins,
     /// The same walk under each contact law
     Laws,
-    /// Where the lateral orbit is attracted to, with and without the energy rule (39)
+    /// Attraction of the lateral orbit, with and without the energy rule (39)
     Attraction,
     /// Long walks
     Endurance,
-    /// How well contact problems of every kind are solved
+    /// Accuracy of the solution of contact problems of every kind
     Problems,
-    /// How hard the robot may be pushed, beside what a pendulum on its feet could bear
+    /// Greatest push without a fall, compared with the limit of a pendulum on feet
     Pushes,
 }
 
-/// What became of it: a summary, also of a fall, or why there is none.
+/// The result: a summary, also of a fall, or why there is none.
 pub type Outcome = Result<Summary, String>;
 
-/// Runs the cases of a study on all cores, prints the table and writes it, if asked to.
+/// Runs the cases of a study on all cores, prints the table, and writes it if `--out` is given.
 ///
 /// # Errors
-/// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
+/// Ctrl-C, a folder that cannot be written, or a bad case (excluded by a test). Falls and simulations that blow up
 /// are rows of the table.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let solves = matches!(args.study, Study::Problems);
@@ -102,7 +102,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     hand_out(args, &(markdown(&rows, &outcomes) + &more), &csv(rows, &cases))
 }
 
-/// An option was given to a study that has no use for it.
+/// The failure of an option that the study does not have.
 fn belongs_to(option: &str, study: &str) -> Failure {
     Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
 }
@@ -115,7 +115,7 @@ fn bar(args: &StudyArgs, length: usize, what: &str) -> ProgressBar {
     bar
 }
 
-/// Prints a table and writes it, if asked to.
+/// Prints a table, and writes it if `--out` is given.
 fn hand_out(args: &StudyArgs, markdown: &str, csv: &str) -> Result<(), Failure> {
     say(markdown);
     match &args.out {
@@ -137,7 +137,7 @@ fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
 /// Runs a scene in this process, to its end or its fall.
 ///
 /// # Errors
-/// Ctrl-C alone: whatever else goes wrong is an outcome.
+/// Ctrl-C alone. Every other failure is an outcome.
 pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
     let (mut recorder, start) = (Recorder::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
@@ -146,7 +146,7 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, 
     });
     match result {
         Err(failure) if failure.exit == Exit::Interrupted => Err(failure),
-        // What fails after a fall fails because of it.
+        // a failure after a fall is a consequence of the fall
         Err(failure) if recorder.extremes.fall.is_none() => Ok(Err(failure.message)),
         _ => Ok(Ok(Summary::new(name, &recorder, start.elapsed(), 1))),
     }
@@ -181,12 +181,12 @@ fn columns(study: Study) -> Vec<Column> {
     all.iter().chain(more).copied().collect()
 }
 
-/// A number; a dash if it could not be measured, or is what remains of a simulation that blew up after a fall.
+/// A number; a dash if it could not be measured, or if the simulation blew up after a fall.
 fn fixed(value: f64, digits: usize) -> String {
     if value.abs() < 1e6 { format!("{value:.digits$}") } else { "-".into() }
 }
 
-/// The table as cells, the first row naming the columns.
+/// The table as cells. The first row names the columns.
 fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> {
     let columns = columns(study);
     let names = ["case", "outcome"].into_iter().chain(columns.iter().map(|column| column.0));
@@ -222,7 +222,7 @@ pub fn table(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// The same with the command line of each case, to run it again.
+/// The same with the command line that repeats each case.
 fn csv(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
     let command = |case: &Case| {
         let settings = case.settings.iter().map(|setting| format!(" --set '{setting}'"));
@@ -257,7 +257,7 @@ mod tests {
 
     #[test]
     fn a_simulation_that_blows_up_is_a_row_and_not_the_end_of_the_study() {
-        // Friction makes it spin as no step can tell.
+        // friction makes it spin too fast for any step
         let wild = case("too fast", "drop", &["initial.velocity=[1e30, 1e30, -1e30]"]);
         let calm = case("as it is", "drop", &["duration=0.01"]);
         let stop = AtomicBool::new(false);

@@ -1,4 +1,4 @@
-//! The program under test: started as `biped run` starts it, and ended whatever it does.
+//! The program under test: started as `biped run` starts it, and always ended.
 
 use crate::children;
 use crate::faults::stage::{Process, eventually};
@@ -12,25 +12,25 @@ use std::os::unix::process::ExitStatusExt;
 use std::process::{Command, ExitStatus};
 use std::time::Duration;
 
-/// Within this time it must have ended, once it knows that it should.
+/// Time limit for its end after it was told to end.
 pub const GOODBYE: Duration = Duration::from_secs(3);
 
-/// What is tested, in which scene.
+/// The tested program and the scene.
 pub struct Host {
     pub command: String,
     pub scene: Scene,
-    /// How long it may take to start or to answer.
+    /// Time limit for its start and its answers.
     pub patience: Duration,
 }
 
 impl Host {
-    /// A session that nobody else has, with the scene's contract.
+    /// A unique session with the scene's contract.
     pub fn invitation(&self, pace: Pace) -> Invitation {
         let (scene, session) = (self.scene.clone(), Session::unique());
         Invitation { session, contract: Contract::of(&scene, pace), patience: self.patience, scene, succeeds: false }
     }
 
-    /// Starts it there.
+    /// Starts the program in the session.
     pub fn invite(&self, invitation: &Invitation) -> Result<Guest, String> {
         let environment = children::environment(invitation).map_err(|failure| failure.message)?;
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
@@ -40,7 +40,7 @@ impl Host {
     }
 }
 
-/// One process of it, with whatever it starts.
+/// A process of the program, with its child processes.
 pub struct Guest {
     process: Option<Process>,
 }
@@ -51,9 +51,9 @@ impl Guest {
         self.process.as_mut().is_none_or(Process::has_ended)
     }
 
-    /// Signals the process and all it has started.
+    /// Sends a signal to the process and its child processes.
     pub fn signal(&mut self, signal: Signal) {
-        // only while it is not reaped: its number belongs to it
+        // only before it is reaped, while the number is still its own
         if self.has_ended() {
             return;
         }
@@ -62,12 +62,12 @@ impl Guest {
         }
     }
 
-    /// Whether it, or what it has started, holds the session's lock.
+    /// Whether the process or one of its children holds the session's lock.
     pub fn is_member_of(&self, session: &Session) -> bool {
         session.members().iter().any(|member| *member != std::process::id())
     }
 
-    /// Waits for its end: how it ended, and what it said.
+    /// Waits for its end; returns exit status and standard error.
     pub fn end(&mut self, limit: Duration) -> Result<Ended, String> {
         eventually("its end", limit, || self.has_ended())
             .map_err(|_| format!("it was still there after {} s", limit.as_secs_f64()))?;
@@ -83,14 +83,14 @@ impl Drop for Guest {
     }
 }
 
-/// How a guest ended.
+/// The end of a program under test.
 pub struct Ended {
     status: ExitStatus,
     words: String,
 }
 
 impl Ended {
-    /// In order: exit code 0, or one of the others that are allowed here.
+    /// A regular end: exit code 0, or another one that is allowed here.
     pub fn in_order(&self, others: &[i32]) -> Result<String, String> {
         match self.status.code() {
             Some(code) if code == 0 || others.contains(&code) => Ok(format!("exit code {code}")),
@@ -98,7 +98,7 @@ impl Ended {
         }
     }
 
-    /// By refusing: an exit code that is not 0, and a sentence.
+    /// A refusal: an exit code other than 0, and a sentence.
     pub fn by_refusing(&self) -> Result<String, String> {
         if self.words.contains("Traceback ") || self.words.contains("panicked at") {
             return Err(format!("it crashed, {self}"));
@@ -110,7 +110,7 @@ impl Ended {
         }
     }
 
-    /// What it said of its end: its error if it told one, else its last line.
+    /// Its explanation: its error message, or else its last line.
     fn sentence(&self) -> Option<&str> {
         let error = self.words.lines().find_map(|line| line.strip_prefix("error: "));
         error.or_else(|| self.words.lines().rfind(|line| !line.trim().is_empty()))

@@ -1,4 +1,4 @@
-//! Real processes under test: started, found by their session's name, hurt, and watched to their end.
+//! Real processes under test: started, found by the name of their session, signalled, and observed until they end.
 
 use crate::SceneArgs;
 use crate::children::{end_rest, hear};
@@ -14,20 +14,20 @@ use std::process::{Child, Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Nothing may hang for longer.
+/// Time limit for the processes under test.
 pub const LIMIT: Duration = Duration::from_secs(3);
-/// Longest wait for what is not under test: a busy machine starts processes slowly.
+/// Time limit for everything else: a busy machine starts processes slowly.
 const LONG: Duration = Duration::from_secs(60);
 
-/// What a trial showed: a time and a remark, or a sentence on what went wrong.
+/// The result of a trial: a time and a remark, or a sentence about the failure.
 pub type Trial = Result<Outcome, String>;
 
-/// What a good trial showed.
+/// The result of a successful trial.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// What was measured, if something was.
+    /// The measured time, if any.
     pub time: Option<Duration>,
-    /// Whatever else is worth a word.
+    /// A remark.
     pub remark: String,
 }
 
@@ -49,7 +49,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// As the command line has it.
+    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Role::Plant => "plant",
@@ -58,17 +58,17 @@ impl Role {
         }
     }
 
-    /// As people say.
+    /// Its name in messages.
     pub fn title(self) -> &'static str {
         if self == Role::Launcher { "launcher" } else { self.name() }
     }
 }
 
-/// A process of ours, and what it says on standard error.
+/// A child process and its standard error.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
-    /// The first of a group of its own, whose rest ends with it.
+    /// The leader of a process group. The group is ended with it.
     grouped: bool,
     words: Option<JoinHandle<String>>,
 }
@@ -80,7 +80,7 @@ impl Process {
         Process::start(Command::new(program).args(arguments))
     }
 
-    /// Starts a command, with whatever that starts.
+    /// Starts a command in a process group of its own.
     pub fn group(command: &mut Command) -> Result<Process, String> {
         let mut process = Process::start(command.process_group(0))?;
         process.grouped = true;
@@ -95,7 +95,7 @@ impl Process {
         Ok(Process { child, grouped: false, words })
     }
 
-    /// Its number.
+    /// Its process number.
     pub fn number(&self) -> u32 {
         self.child.id()
     }
@@ -108,12 +108,12 @@ impl Process {
         matches!(self.child.try_wait(), Ok(Some(_)) | Err(_))
     }
 
-    /// What it said, once it has ended.
+    /// Its standard error, after its end.
     pub fn words(&mut self) -> String {
         self.words.take().and_then(|listener| listener.join().ok()).unwrap_or_default()
     }
 
-    /// Waits for its end; what it said.
+    /// Waits for its end; returns its standard error.
     pub fn end(mut self, limit: Duration) -> Result<(ExitStatus, String), String> {
         eventually("the process ends", limit, || self.has_ended())?;
         let status = self.child.wait().map_err(|error| error.to_string())?;
@@ -138,7 +138,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Nobody is on it yet.
+    /// A session without processes.
     pub fn empty() -> Stage {
         Stage { session: Session::unique(), launcher: None }
     }
@@ -172,7 +172,7 @@ impl Stage {
         self.living().into_iter().filter(|(_, found)| found == role.name()).map(|(number, _)| number).collect()
     }
 
-    /// Number of the process of a role, once it has begun.
+    /// Waits for the process of a role and returns its number.
     pub fn wait_for(&self, role: Role) -> Result<u32, String> {
         let mut found = None;
         eventually("the process begins", LONG, || {
@@ -195,8 +195,8 @@ impl Stage {
         numbers.filter_map(of_it).collect()
     }
 
-    /// The launcher and all it started must end within the limit and leave nothing; how long it took since `start`, and
-    /// what was said.
+    /// Checks that the launcher and its child processes end within the limit and leave no files. Returns the time since `start` and the
+    /// standard error.
     pub fn must_end(self, start: Instant) -> Result<(Duration, ExitStatus, String), String> {
         let (took, status, words) = self.must_end_some_time(start)?;
         match took > LIMIT {
@@ -220,7 +220,7 @@ impl Stage {
 }
 
 impl Drop for Stage {
-    /// Whatever a failed trial leaves is not in the way of the next.
+    /// Removes the remains of a failed trial.
     fn drop(&mut self) {
         self.launcher = None;
         self.living().iter().for_each(|(number, _)| _ = send(*number, Signal::SIGKILL));
@@ -235,13 +235,13 @@ pub fn send(number: u32, signal: Signal) -> Result<(), String> {
     kill(Pid::from_raw(number), signal).map_err(|error| format!("{signal} cannot be sent: {error}"))
 }
 
-/// A zombie has ended, even if nobody reaps it.
+/// Whether a process has ended. A zombie counts as ended.
 fn is_alive(number: u32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
     stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
 }
 
-/// Looks until something holds.
+/// Polls until a condition holds.
 pub fn eventually(what: &str, limit: Duration, mut holds: impl FnMut() -> bool) -> Result<(), String> {
     let start = Instant::now();
     while !holds() {
@@ -261,7 +261,7 @@ pub fn walk(settings: &[&str]) -> Result<(SceneArgs, Scene), String> {
     Ok((args, scene))
 }
 
-/// That no number of the robot's state is infinite or none.
+/// Checks that the robot's state is finite.
 pub fn is_finite(truth: &Truth) -> Result<(), String> {
     let parts: [&[f64]; 7] = [
         &truth.base_position,

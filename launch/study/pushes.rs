@@ -1,7 +1,7 @@
-//! `biped study pushes`: how hard the robot may be pushed, by phase and direction, beside what a pendulum on its feet could bear.
+//! `biped study pushes`: greatest push without a fall, by phase and direction, compared with the limit of a pendulum on feet.
 //!
-//! The impulse grows in steps until the first one fells the robot: what stays up beyond that does not count, for survival is not
-//! monotonic. Then come long walks with pushes by chance, which punish what only bears a single one.
+//! The impulse grows in steps until the robot falls. Survival is not monotonic, so greater impulses without a fall do not count. Long walks
+//! with random pushes follow; they reveal controllers that withstand only a single push.
 
 mod limit;
 mod trial;
@@ -18,7 +18,7 @@ use std::f64::consts::{FRAC_1_SQRT_2, TAU};
 use std::sync::atomic::AtomicBool;
 pub use trial::{Push, disturbed};
 
-/// What else `biped study pushes` can be asked.
+/// Further options of `biped study pushes`.
 #[derive(Args)]
 pub struct PushArgs {
     /// Phases of a period at which the robot is pushed [12]; for `pushes`
@@ -40,7 +40,7 @@ pub struct PushArgs {
 
 impl PushArgs {
     /// # Errors
-    /// What is asked of another study, and an offset that is none.
+    /// Refuses these options for other studies, and an offset outside its range.
     pub fn check(&self, study: Study) -> Result<(), Failure> {
         let given = [
             ("--phases", self.phases.is_some()),
@@ -69,7 +69,7 @@ impl PushArgs {
     }
 }
 
-/// Whither it is pushed.
+/// Direction of a push.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Direction {
     /// Along x
@@ -101,22 +101,22 @@ impl Direction {
     }
 }
 
-/// Gaits that are pushed.
+/// The gaits of the study.
 const GAITS: [(&str, &str); 2] = [("walk", "walking"), ("stamp", "stepping in place")];
-/// The first phase begins when the gait is steady [s].
+/// Start of the first phase, when the gait is steady [s].
 const BEGIN: f64 = 4.5;
-/// So long after the push the robot must still be up [s].
+/// Time after the push for which the robot must not fall [s].
 const AFTER: f64 = 6.0;
-/// By how much the impulse grows, and how far [N·s].
+/// Step and limit of the impulse [N·s].
 const GROWTH: f64 = 0.5;
 const GREATEST: f64 = 12.0;
-/// A push lasts this long [s].
+/// Duration of a push [s].
 const DURATION: f64 = 0.05;
-/// Long walks: how many, of which length [s], pushed how hard at most [N·s], every so often [s].
+/// Long walks: number, duration [s], greatest impulses [N·s], interval of the pushes [s].
 const WALKS: [(usize, f64, f64); 2] = [(10, 600.0, 3.0), (10, 120.0, 5.0)];
 const EVERY: f64 = 5.0;
 
-/// Runs all of it on all cores, prints the tables and writes them, if asked to.
+/// Runs everything on all cores, prints the tables, and writes them if `--out` is given.
 ///
 /// # Errors
 /// A bad setting, Ctrl-C, or a folder that cannot be written.
@@ -173,7 +173,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     hand_out(args, &text, &(comma_separated(&rows) + &comma_separated(&walked)))
 }
 
-/// Greatest impulse [N·s] up to which every smaller one is borne, pushed `share` of a period after [`BEGIN`].
+/// Impulse [N·s] up to which the robot does not fall, for a push at `share` of a period after [`BEGIN`].
 fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> Result<f64, Failure> {
     let period = scene.controller.as_ref().map_or(0.0, |controller| controller.period);
     let time = BEGIN + share * period;
@@ -189,7 +189,7 @@ fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> 
     Ok(borne)
 }
 
-/// When a walk fell [s] that is pushed by up to `most` [N·s] at random, and its greatest yaw [deg].
+/// Time of the fall [s] of a walk with random pushes up to `most` [N·s], and its greatest yaw [deg].
 fn long_walk(scene: &Scene, most: f64, seed: u64, stop: &AtomicBool) -> Result<(Option<f64>, f64), Failure> {
     let mut random = fastrand::Rng::with_seed(seed);
     let count = ((scene.duration - BEGIN) / EVERY) as usize;
