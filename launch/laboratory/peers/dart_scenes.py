@@ -1,6 +1,6 @@
 """DART: the ground is a large box, servos are springs and dampers in the joints (implicit).
 
-Time is CPU time of a Python loop over `World.step`, some tenths of a microsecond a step more than DART itself takes.
+Time is CPU time of a Python loop over `World.step`, which adds some tenths of a microsecond per step.
 """
 
 import dartpy as dart
@@ -25,7 +25,7 @@ class Simulation(Traced):
         self.reset()
 
     def reset(self):
-        """The scene, built anew."""
+        """Builds the scene again."""
         scene = self.scene
         body = dart.utils.DartLoader().parseSkeletonString(scene.urdf, dart.common.Uri())
         base = body.getRootJoint()

@@ -12,7 +12,7 @@ STEPS, BUDGET, LEAST = 100, 0.1, 5
 
 
 def main():
-    """Goes on in the virtual environment that has MuJoCo."""
+    """Runs itself again in the virtual environment that has MuJoCo."""
     if sys.argv[1] == "--inside":
         for file in sys.argv[2:]:
             print(f"us {microseconds(file):.4f}", flush=True)
@@ -28,7 +28,7 @@ def main():
 
 
 def microseconds(file):
-    """Of one step."""
+    """Time of one step."""
     import mujoco
 
     model = mujoco.MjModel.from_xml_path(file)

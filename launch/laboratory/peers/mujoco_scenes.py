@@ -27,7 +27,7 @@ QUICK = ["default", "stiff discrete"]
 
 
 class Simulation:
-    """One scene under one method; contacts keep `solref` step lengths of compliance, where given."""
+    """One scene with one method; `solref`, where given, is the time constant of contacts in step lengths."""
 
     def __init__(self, scene, method, dt):
         settings = dict(METHODS[method])
@@ -69,7 +69,7 @@ class Simulation:
         self.model.opt.disableflags &= ~SENSOR
         start = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_FULLPHYSICS))
         mujoco.mj_getState(self.model, self.data, start, mujoco.mjtState.mjSTATE_FULLPHYSICS)
-        # A row of sensors belongs to the state before its step, so one step more gives the last one.
+        # A row of sensors belongs to the state before its step, so one more step gives the last state.
         _, sensors = rollout.rollout(self.model, self.data, start[None], nstep=steps + 1)
         self.model.opt.disableflags |= SENSOR
         blown_up = any(self.data.warning[int(bad)].number for bad in BAD)  # a rollout then repeats its last row
@@ -77,7 +77,7 @@ class Simulation:
 
 
 def _spec(scene):
-    """The scene's bodies on a plane; what is recorded are sensors."""
+    """The scene's bodies on a plane, with sensors for the trace."""
     spec = mujoco.MjSpec()
     spec.compiler.degree = False  # rest angles of springs
     spec.worldbody.add_geom(type=mujoco.mjtGeom.mjGEOM_PLANE, size=[0, 0, 1], contype=2, conaffinity=1, condim=3)

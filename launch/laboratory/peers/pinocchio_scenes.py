@@ -1,4 +1,4 @@
-"""Pinocchio's cone solvers with a stepper of our own around them, for Pinocchio itself steps nothing.
+"""Pinocchio's cone solvers in a stepper of our own, because Pinocchio has no stepper.
 
 The step is semi-implicit Euler: free velocity, contact impulses of Coulomb's cone (De Saxce's form) at the points that
 touch, configuration with the new velocity. What has sunk in is not pushed out. Servos are implicit: their stiffness and
@@ -19,7 +19,7 @@ ENGINE = "Pinocchio"
 VERSION = pin.__version__
 DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
 METHODS = {"ADMM 1e-6": ("ADMM", 1e-6), "ADMM 1e-9": ("ADMM", 1e-9), "PGS 1e-9": ("PGS", 1e-9)}
-NEAR = 1e-6  # what is no higher above the ground touches [m]
+NEAR = 1e-6  # a point no higher than this touches [m]
 
 
 class Simulation(Timed):
@@ -30,7 +30,7 @@ class Simulation(Timed):
         self.model = pin.buildModelFromXML(scene.urdf, pin.JointModelFreeFlyer())
         self.stiffness, self.damping, self.rest, angles, rates = np.array(
             [(joint.stiffness, joint.damping, joint.rest, joint.angle, joint.rate) for joint in scene.joints]
-        ).reshape(-1, 5).T  # in the model's order, which is that of the bodies
+        ).reshape(-1, 5).T  # the model has the joints in the order of the bodies
         self.model.armature[6:] = dt * self.damping + dt**2 * self.stiffness
         self.start = angles, rates
         self.watched = [self.model.getJointId(body.joint.name) if body.joint else 1 for body in scene.touching]
@@ -109,7 +109,7 @@ class Simulation(Timed):
         self.active = None
 
     def _solver(self, active):
-        """Constraints, decomposition, solver and result of a set of points; begun anew when the set changes."""
+        """Constraints, decomposition, solver and result of a set of points; solver and result are new when the set changes."""
         if active not in self.solvers:
             constraints, values = pin.StdVec_ConstraintModel(), pin.StdVec_ConstraintData()
             for i in active:

@@ -33,7 +33,7 @@ class Simulation:
         })
 
     def reset(self):
-        """Nothing: every run begins at the start."""
+        """Does nothing: every run starts at the beginning."""
 
     def seconds(self, steps):
         """CPU time of a step."""
@@ -97,7 +97,7 @@ def _rotation(axis, angle):
 
 
 def _quaternion(turn):
-    """Of a turn by less than half, w first."""
+    """Quaternion of a rotation by less than half a turn, w first."""
     w = np.sqrt(1 + np.trace(turn)) / 2
     axis = [turn[2, 1] - turn[1, 2], turn[0, 2] - turn[2, 0], turn[1, 0] - turn[0, 1]]
     return [w, *(part / (4 * w) for part in axis)]

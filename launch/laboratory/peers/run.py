@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs other engines on the scenes that `biped chart --peers` wrote, and writes what they did and what it cost.
+"""Runs other engines on the scenes that `biped chart --peers` wrote, and writes their traces and costs.
 
     python3 run.py FOLDER [--quick] [--engines mujoco drake] [--venv FOLDER]
 
@@ -75,7 +75,7 @@ def main():
 
 
 def environment(folder):
-    """Interpreter of the virtual environment, made if need be; None if that cannot be."""
+    """Interpreter of the virtual environment, which is created if necessary; None if that fails."""
     python = folder / "bin" / "python"
     if not python.exists():
         say(f"making a virtual environment in {folder}")
@@ -99,7 +99,7 @@ def measure(python, engine, folder, quick):
 
 
 def installed(python, engine):
-    """Whether the engine is there, or could be installed."""
+    """Whether the engine is installed, now or before."""
     if python == DEBIAN:
         there = DEBIAN.exists() and subprocess.run([DEBIAN, "-c", "import siconos.numerics"], capture_output=True)
         if not there or there.returncode:
@@ -121,7 +121,7 @@ def installed(python, engine):
 
 
 def built(folder):
-    """Whether the program that drives rapier could be built, into the folder of the environment."""
+    """Builds the program that drives rapier into the folder of the environment; whether this succeeded."""
     say("building rapier")
     cargo = ["cargo", "build", "--release", "--quiet", "--manifest-path", HERE / "rapier" / "Cargo.toml"]
     target = os.environ | {"CARGO_TARGET_DIR": str(folder / "rapier")}
@@ -163,7 +163,7 @@ def run(python, engine, part, core, quick):
                 shown, line = time.monotonic(), doing
             if line.startswith("version "):
                 VERSIONS.append(line.removeprefix("version ").strip())
-            if line.startswith(("version ", "left out: ", doing)):  # the rest is an engine's own talk
+            if line.startswith(("version ", "left out: ", doing)):  # the rest is output of the engine
                 say(f"{engine}: {line.strip()}")
         code = process.wait()
         if code == 0:
@@ -183,12 +183,12 @@ def machine():
 
 
 def last_line(text):
-    """The line of a log that says most."""
+    """The last non-empty line of a log."""
     return next((line.strip() for line in reversed(text.splitlines()) if line.strip()), "no reason given")
 
 
 def say(text):
-    """Progress, at once."""
+    """Prints progress without delay."""
     print(text, flush=True)
 
 

@@ -21,7 +21,7 @@ DTS = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4]
 METHODS = {"NSGS (solver time alone)": numerics.SICONOS_FRICTION_3D_NSGS}
 TOLERANCE = 1e-12
 SINGLE_BODIES = True  # has no stepper for joints
-NEAR = 1e-9  # what is no higher above the ground touches [m]
+NEAR = 1e-9  # a point no higher than this touches [m]
 
 
 class Simulation(Timed):

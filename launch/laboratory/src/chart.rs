@@ -4,13 +4,13 @@
 //! |---|---|---|
 //! | (i) | error against CPU time per simulated second | [`precision`] |
 //! | (ii) | CPU time per step of 1 ms | [`steps`] |
-//! | (iii) | where methods fail, and from where on | [`failures`], [`thresholds`] |
+//! | (iii) | where methods fail, and the thresholds of failure | [`failures`], [`thresholds`] |
 //! | (iv) | size of the model against cost | [`models`] |
 //! | `--orders` | order, error and cost of every integration method | [`orders`] |
 //! | `--growth` | how the cost of a step grows | [`growth`] |
 //!
-//! Measurements become rows of one table ([`csv`]), to which other engines add theirs ([`peers`]); everything that is
-//! drawn ([`draw`], [`page`]) is drawn from these rows alone.
+//! Measurements become rows of one table ([`csv`]). Other engines add their rows ([`peers`]). All drawings ([`draw`], [`page`]) are
+//! made from these rows alone.
 
 mod args;
 mod bounds;
@@ -74,7 +74,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let remarks = match &args.peers {
         None => vec![alone],
         Some(None) => {
-            write(&rows, &[alone]).map_err(failed)?; // what follows takes minutes, and may fail
+            write(&rows, &[alone]).map_err(failed)?; // the measurement takes minutes and may fail
             let (found, left_out) = peers::rows(&args.out, &chosen, args.quick, &watch)?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()

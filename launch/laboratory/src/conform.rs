@@ -1,13 +1,13 @@
-//! `biped conform`: whether somebody else's controller or plant keeps to docs/WIRE.md, rule by rule. The program is started as
-//! `biped run` would start it; we are the other side.
+//! `biped conform`: checks an external controller or plant against docs/WIRE.md, rule by rule. The program is started as `biped run` would
+//! start it; `biped conform` is its peer.
 //!
 //! | what | where |
 //! |---|---|
 //! | the program under test | [`guest`] |
-//! | what every message must be | [`stamps`] |
-//! | the other side: a robot, or its driver | [`robot`], [`driver`] |
+//! | rules for every message | [`stamps`] |
+//! | the peer: a robot, or its controller | [`robot`], [`driver`] |
 //! | the rules of a controller, and of a plant | [`controller`], [`plant`] |
-//! | whom it must refuse, and when it must give up | [`company`] |
+//! | peers that it must refuse, and when it must give up | [`company`] |
 
 mod company;
 mod controller;
@@ -44,7 +44,7 @@ pub struct ConformArgs {
     /// Plant to check, likewise
     #[arg(long, value_name = "COMMAND")]
     plant: Option<String>,
-    /// How long it may take to start or to answer [s]
+    /// Time limit for its start and its answers [s]
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::seconds)]
     patience: f64,
 }
@@ -61,7 +61,7 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if host.scene.controller.is_none() {
         return Err(Failure::new(
             Exit::Usage,
-            format!("scene `{}` has no controller: nothing is said in it", args.scene),
+            format!("scene `{}` has no controller, so its processes exchange no messages", args.scene),
         ));
     }
     match args.plant {

@@ -1,14 +1,15 @@
-//! `biped faults`: hurts real processes in every way of [`Fault`], and checks that nothing hangs, lies or is left.
+//! `biped faults`: injects every [`Fault`] into real processes. It checks that nothing hangs, that reports are true, and that nothing is left
+//! behind.
 //!
 //! | what | where |
 //! |---|---|
-//! | starting, finding and hurting processes | [`stage`] |
-//! | trials side by side | [`abreast`] |
-//! | kill −9, and processes started anew | [`kill`] |
+//! | starting, finding and signalling processes | [`stage`] |
+//! | trials in parallel | [`abreast`] |
+//! | kill −9, and restarted processes | [`kill`] |
 //! | SIGSTOP, stalled recorders | [`stop`] |
 //! | bad commands | [`commands`] |
-//! | who does not belong into a session | [`peers`] |
-//! | others who start it at once, lay files in its place, or shout | [`neighbours`] |
+//! | processes that do not belong to a session | [`peers`] |
+//! | concurrent launchers, foreign files in place of the session's, and noisy controllers | [`neighbours`] |
 //! | full shared memory | [`memory`] |
 //! | a full disk under a recording | [`disk`] |
 
@@ -33,9 +34,9 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// A process started anew is to drive within this time.
+/// Time limit for a restarted process to drive the robot.
 const RESPAWN: Duration = Duration::from_millis(250);
-/// Failures that are told of each kind.
+/// Number of failures that are reported for each kind.
 const TOLD: usize = 3;
 
 /// Arguments of `biped faults`.
@@ -47,7 +48,7 @@ pub struct FaultsArgs {
     /// Write the table into this folder, as faults.md and faults.csv
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Seed of when and how faults strike; without it, another one each time
+    /// Seed of the times and kinds of faults; default: random
     #[arg(long)]
     seed: Option<u64>,
     /// Show no progress
@@ -85,7 +86,7 @@ enum Fault {
 use Fault::*;
 use Role::{Controller, Launcher, Plant};
 
-/// All of them, with trials of the whole and of the quick run; those of [`KillAtCall`] are at most as many as calls.
+/// All kinds, with the number of trials of the full and of the quick run. [`KillAtCall`] has at most as many trials as there are calls.
 const FAULTS: [(Fault, usize, usize); 28] = [
     (Second(Plant), 5, 1),
     (Second(Controller), 5, 1),
@@ -143,7 +144,7 @@ impl fmt::Display for Fault {
     }
 }
 
-/// What came out of one kind of fault.
+/// The results of one kind of fault.
 struct Row {
     fault: Fault,
     trials: usize,
@@ -187,7 +188,7 @@ const HEAD: &str = "| fault | trials | passed | median ms | greatest ms | |\n|--
 /// Runs the table.
 ///
 /// # Errors
-/// If something hung, lied or was left.
+/// A trial that failed.
 pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let wanted = |fault: Fault| args.only.as_ref().is_none_or(|words| fault.to_string().contains(words));
     if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
@@ -237,7 +238,7 @@ fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<(
 }
 
 impl Fault {
-    /// Strikes `count` times.
+    /// Runs `count` trials.
     fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<Trial> {
         let chance = &mut random.fork(); // the same for this kind, whatever the others draw
         let times = |count: usize, trial: &mut dyn FnMut(usize) -> Trial| {

@@ -1,15 +1,14 @@
-//! `biped latency`: what the link between two processes costs, how late it may be, and how near that is to what the host
-//! can do at all.
+//! `biped latency`: cost and delay of the link between two processes, compared with the limits of the host.
 //!
 //! | what | where |
 //! |---|---|
 //! | round trips: our ports, sockets, and the limits in shared memory | [`carrier`], [`bare`], [`lines`], [`sockets`] |
-//! | what a round trip over our ports is made of | [`breakdown`] |
+//! | the parts of a round trip over our ports | [`breakdown`] |
 //! | the walk in lockstep | [`walk`] |
-//! | what the clock paces at 1 kHz, beside the host's floor | [`paced`], [`floor`], [`watch`] |
-//! | both ends of a conversation | [`talk`], [`peer`], [`serve`] |
+//! | runs at 1 kHz of the clock, and the host's floor | [`paced`], [`floor`], [`watch`] |
+//! | both ends of a connection | [`talk`], [`peer`], [`serve`] |
 //! | histograms, tables, drawings | [`spread`], [`results`], [`draw`], [`page`] |
-//! | the machine, and who else uses it | [`host`] |
+//! | the machine and its other load | [`host`] |
 
 mod bare;
 mod bench;
@@ -49,21 +48,21 @@ use std::sync::atomic::AtomicBool;
 /// Arguments of `biped latency`.
 #[derive(Args)]
 pub struct LatencyArgs {
-    /// Write the figures as `latency.json`, the drawings and the page into this folder
+    /// Write the numbers as `latency.json`, the drawings and the page into this folder
     #[arg(long, value_name = "DIR", default_value = "out/latency")]
     out: PathBuf,
-    /// Few samples of everything: a few seconds instead of a minute
+    /// Few samples of each measurement: seconds instead of a minute
     #[arg(long)]
     quick: bool,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
-    /// For what the clock paces
+    /// Real-time settings of the runs that the clock paces
     #[command(flatten)]
     system: RealtimeArgs,
 }
 
-/// Measures everything, prints it and draws it.
+/// Measures, prints and draws everything.
 ///
 /// # Errors
 /// A link that breaks, a folder that cannot be written, or Ctrl-C.
@@ -75,7 +74,7 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     bench.expect(bench.plan.rounds as usize * Carrier::ALL.len() + walk::count() + 2);
     breakdown::alone(&mut results)?;
     bench::apart(|| {
-        keep_to(0); // the other process keeps to another: all links are compared over the same distance
+        keep_to(0); // the other process uses another processor, so that all links are compared over the same distance
         carrier::measure(&mut bench, &mut results)?;
         walk::measure(&mut bench, &mut results)
     })?;
@@ -95,7 +94,7 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Absolute times are the host's; what is ours are ratios to what it can do.
+/// The targets. Absolute times depend on the host, so targets are ratios to the host's limits.
 fn judge(results: &mut Results) {
     let trip = |carrier: Carrier| (carrier.name(), "round trip");
     let spinning = [trip(Carrier::Port(Waiting::Spin)), trip(Carrier::Lines(Wake::Spin))];

@@ -1,14 +1,14 @@
-//! `biped robustness`: how much delay, jitter and loss of commands the walk bears, as a map.
+//! `biped robustness`: a map of the delay, jitter and loss of commands with which the robot still walks.
 //!
 //! | what | where |
 //! |---|---|
-//! | which runs | [`grid`] |
-//! | their table: written as it goes, resumed, merged | [`table`] |
-//! | what came out, cell by cell | [`cells`] |
-//! | the drawing, with the survival contour and the servo's own limit | [`map`] |
+//! | the list of runs | [`grid`] |
+//! | their table: appended to, resumed, merged | [`table`] |
+//! | results by cell | [`cells`] |
+//! | the drawing, with the survival contour and the stability limit of the servos | [`map`] |
 //!
-//! Every run is a case with a number, the same in every shard; its row in the table depends on nothing else. So shards
-//! that ran anywhere merge to the very file that one machine would have written.
+//! Every run is a case with a number that is the same in every shard. Its row in the table depends on nothing else. Shards from
+//! several machines therefore merge into the same file that one machine would have written.
 
 mod args;
 mod cells;
@@ -31,7 +31,7 @@ use table::Table;
 /// Does the runs that are missing from the table, then draws the map; with a shard or after Ctrl-C, only the table.
 ///
 /// # Errors
-/// Ctrl-C, a bad wish, tables that do not belong together, or a folder that cannot be written.
+/// Ctrl-C, a bad argument, tables that do not belong together, or a folder that cannot be written.
 pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let grid = Grid::new(args)?;
     let cases = grid.cases();
@@ -58,18 +58,26 @@ pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     done.map_err(|failure: Failure| match failure.exit {
         Exit::Interrupted => Failure::new(
             Exit::Interrupted,
-            format!("interrupted: {count} of {} runs are in {}; the same command goes on", mine.len(), path.display()),
+            format!(
+                "interrupted: {count} of {} runs are in {}; run the same command again to go on",
+                mine.len(),
+                path.display()
+            ),
         ),
         _ => failure,
     })?;
     match args.shard {
-        Some(_) => say(format!("{count} runs in {}; --merge puts the shards together\n", path.display())),
+        Some(_) => say(format!(
+            "{count} runs in {}; --merge merges the shards
+",
+            path.display()
+        )),
         None => draw(args, &grid, &cases, &rows)?,
     }
     Ok(())
 }
 
-/// Writes the whole table and the map, and says what they show.
+/// Writes the whole table and the map, and prints a summary.
 fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[Case], rows: &[Option<String>]) -> Result<(), Failure> {
     let cells = Cells::new(grid, cases, rows)?;
     let files = [("robustness.csv", table::text(grid, rows)), ("robustness.svg", map::survival(grid, &cells))];

@@ -1,4 +1,4 @@
-//! `biped soak`: the walk for a long time, while memory, open files, shared memory and latency of its processes are watched.
+//! `biped soak`: a long walk during which memory, open files, shared memory and latency of the processes are monitored.
 
 use crate::faults::stage::{Role, Stage, is_finite, walk};
 use crate::subject::Subject;
@@ -16,22 +16,22 @@ use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// Looks, at even times.
+/// Number of samples, at equal intervals.
 const SAMPLES: u32 = 30;
-/// The walk begins anew after this long, so that resets are soaked as well [simulated s].
+/// The walk is reset after this time, so that resets are tested as well [simulated s].
 const WALK: f64 = 600.0;
-/// And when the trunk is lower than ever in a walk: on a machine that is too busy for real time the robot falls [m].
+/// The walk is also reset when the trunk is below this height: on a machine that is too busy for real time the robot falls [m].
 const UP: f64 = 0.5;
-/// Memory that a process may gain between the first sample and the last [kB].
+/// Allowed growth of a process's memory between the first and the last sample [kB].
 const FLAT: f64 = 1024.0;
 
 /// Arguments of `biped soak`.
 #[derive(Args)]
 pub struct SoakArgs {
-    /// For so long [min]
+    /// Duration [min]
     #[arg(long, default_value_t = 60.0, value_name = "M", value_parser = minutes, allow_negative_numbers = true)]
     minutes: f64,
-    /// At the pace of the clock instead of as fast as possible
+    /// In real time instead of as fast as possible
     #[arg(long)]
     realtime: bool,
     #[command(flatten)]
@@ -41,7 +41,7 @@ pub struct SoakArgs {
     out: Option<PathBuf>,
 }
 
-/// What is watched, and by how much it may grow.
+/// A monitored quantity and its allowed growth.
 const COLUMNS: [(&str, f64); 8] = [
     ("memory of the plant [kB]", FLAT),
     ("memory of the controller [kB]", FLAT),
@@ -53,7 +53,7 @@ const COLUMNS: [(&str, f64); 8] = [
     ("sensors to command, p99 [µs]", f64::INFINITY),
 ];
 
-/// One look at everything: the time since the start [s], and the columns.
+/// A sample: the time since the start [s], and the columns.
 type Sample = (f64, [f64; COLUMNS.len()]);
 
 fn minutes(text: &str) -> Result<f64, String> {
@@ -61,10 +61,10 @@ fn minutes(text: &str) -> Result<f64, String> {
     good.ok_or_else(|| "a number of minutes from 0.1 to 1000000 is needed".into())
 }
 
-/// Soaks.
+/// Runs the soak test.
 ///
 /// # Errors
-/// If something grows, or ends.
+/// A quantity that grows, or a process that ends.
 pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.out.as_deref().map_or(Ok(()), folder)?;
     let fault = |error: String| Failure::new(Exit::Fault, error);
@@ -99,12 +99,12 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
 }
 
-/// What came out.
+/// The result.
 struct Soaked {
     samples: Vec<Sample>,
-    /// How long the robot walked meanwhile [s].
+    /// Simulated time of walking [s].
     simulated: f64,
-    /// How often it fell.
+    /// Number of falls.
     falls: u32,
     /// Why the recording ended before the walk.
     end: Option<RecordingEnd>,
@@ -118,7 +118,7 @@ fn table(samples: &[Sample]) -> String {
     csv::text([names].into_iter().chain(samples.iter().map(row)))
 }
 
-/// Walks for a time.
+/// Walks for a time and takes samples.
 fn soak(
     scene: &Scene,
     mut tape: Option<McapRecorder>,
@@ -141,7 +141,7 @@ fn soak(
     let (start, interval) = (Instant::now(), time / SAMPLES);
     let (mut samples, mut replies, mut truth, mut walked) = (vec![], vec![], Truth::default(), 0.0);
     let (mut reset, mut falls, mut end) = (0, 0, None); // the last run that was ended
-    // The first interval is for warming up.
+    // the first interval is a warm-up
     let mut due = interval;
     while start.elapsed() < time + interval && !stop.load(Relaxed) {
         while let Some(next) = port.read().map_err(|e| words(&e))? {
@@ -200,8 +200,8 @@ fn seconds(truth: &Truth) -> f64 {
     truth.stamp.sim_ns as f64 * 1e-9
 }
 
-/// Resident memory of a process but for shared memory, which is all taken at the start and counted by itself: its pages
-/// become resident as they are first used, when a recorder lags further behind than ever [kB].
+/// Resident memory of a process without shared memory [kB]. Shared memory is reserved at the start and counted separately; its pages
+/// become resident at their first use, for example when a recorder lags.
 fn memory(number: u32) -> f64 {
     let status = std::fs::read_to_string(format!("/proc/{number}/status")).unwrap_or_default();
     let kilobytes = |key: &str| -> Option<f64> {

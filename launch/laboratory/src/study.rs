@@ -1,4 +1,4 @@
-//! `biped study`: tables that the documents quote, each case a scene with some values changed.
+//! `biped study`: tables that the documents quote. Each case is a scene with some values changed.
 
 use messages::load::load;
 use messages::scene::Scene;
@@ -26,13 +26,13 @@ use args::{Study, belongs_to};
 use cases::{Case, cases};
 use tables::{hand_out, table};
 
-/// What became of it: a summary, also of a fall, or why there is none.
+/// The result: a summary, also of a fall, or why there is none.
 pub type Outcome = Result<Summary, String>;
 
-/// Runs the cases of a study on all cores, prints the table and writes it, if asked to.
+/// Runs the cases of a study on all cores, prints the table, and writes it if `--out` is given.
 ///
 /// # Errors
-/// Ctrl-C, a folder that cannot be written, or a bad case, which a test excludes. Falls and simulations that blow up
+/// Ctrl-C, a folder that cannot be written, or a bad case (excluded by a test). Falls and simulations that blow up
 /// are rows of the table.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let solves = matches!(args.study, Study::Problems);
@@ -76,7 +76,7 @@ fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
 /// Runs a scene in this process, to its end or its fall.
 ///
 /// # Errors
-/// Ctrl-C alone: whatever else goes wrong is an outcome.
+/// Ctrl-C alone. Every other failure is an outcome.
 pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
     let (mut recorder, start) = (RunAnalysis::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
@@ -85,7 +85,7 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, 
     });
     match result {
         Err(failure) if failure.exit == Exit::Interrupted => Err(failure),
-        // What fails after a fall fails because of it.
+        // a failure after a fall is a consequence of the fall
         Err(failure) if recorder.extrema.fall.is_none() => Ok(Err(failure.message)),
         _ => Ok(Ok(Summary::new(name, &recorder, start.elapsed(), 1))),
     }
@@ -120,12 +120,12 @@ fn columns(study: Study) -> Vec<Column> {
     all.iter().chain(more).copied().collect()
 }
 
-/// A number; a dash if it could not be measured, or is what remains of a simulation that blew up after a fall.
+/// A number; a dash if it could not be measured, or if the simulation blew up after a fall.
 fn fixed(value: f64, digits: usize) -> String {
     if value.abs() < 1e6 { format!("{value:.digits$}") } else { "-".into() }
 }
 
-/// The table as cells, the first row naming the columns.
+/// The table as cells. The first row names the columns.
 fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> {
     let columns = columns(study);
     let names = ["case", "outcome"].into_iter().chain(columns.iter().map(|column| column.0));
@@ -145,7 +145,7 @@ fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
     format!("{}\n{up} of {} stay up.\n", table(rows), outcomes.len())
 }
 
-/// The same with the command line of each case, to run it again.
+/// The same with the command line that repeats each case.
 fn with_commands(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
     let command = |case: &Case| {
         let settings = case.settings.iter().map(|setting| format!(" --set '{setting}'"));
@@ -175,7 +175,7 @@ mod tests {
 
     #[test]
     fn a_simulation_that_blows_up_is_a_row_and_not_the_end_of_the_study() {
-        // Friction makes it spin as no step can tell.
+        // friction makes it spin too fast for any step
         let wild = case("too fast", "drop", &["initial.velocity=[1e30, 1e30, -1e30]"]);
         let calm = case("as it is", "drop", &["duration=0.01"]);
         let stop = AtomicBool::new(false);

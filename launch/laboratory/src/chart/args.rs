@@ -18,7 +18,7 @@ pub struct ChartArgs {
     /// Instead of all that: how the time of a step grows with contacts, links and step length, and what processors bring
     #[arg(long)]
     pub(super) growth: bool,
-    /// Instead of all that: order, error and cost of every integration method in each kind of motion
+    /// Instead: order, error and cost of every integration method in each kind of motion
     #[arg(long, conflicts_with_all = ["growth", "peers"])]
     pub(super) orders: bool,
     /// Only these comparison scenes, separated by commas

@@ -1,20 +1,20 @@
-//! What it costs to come below a small error, beside what another engine costs that does not.
+//! The cost of an error below a bound, compared with the cost of another engine that does not reach the bound.
 
 use super::cases::Case;
 use super::csv::{OURS, Row, View};
 
-/// The engine whose cost is the measure, and its step [s].
+/// The engine to compare with, and its step [s].
 const MEASURE: (&str, f64) = ("MuJoCo", 1e-3);
 
-/// One run of a scene: how far off it was, and at what cost.
+/// One run of a scene: its error and its cost.
 #[derive(Clone, Debug, PartialEq)]
 struct Run<'a> {
     row: &'a Row,
     error: f64,
 }
 
-/// A table, its first row naming the columns: of each scene our cheapest run within its bound, and the fastest and the nearest of
-/// the other engine's settings at its usual step. Costs are CPU time per simulated time. Without that engine there is none.
+/// A table whose first row names the columns. For each scene it has our cheapest run within the bound, and the fastest and the most
+/// accurate setting of the other engine at its usual step. Costs are CPU time per simulated time. Without that engine it is empty.
 pub fn table(chosen: &[Case], rows: &[Row]) -> Vec<Vec<String>> {
     let names = [
         "scene",
@@ -51,7 +51,7 @@ pub fn table(chosen: &[Case], rows: &[Row]) -> Vec<Vec<String>> {
     if table.len() > 1 { table } else { Vec::new() }
 }
 
-/// Every run of a scene that was measured, with the greatest of its errors.
+/// Every measured run of a scene, with its largest error.
 fn runs<'a>(case: &Case, rows: &'a [Row]) -> Vec<Run<'a>> {
     let metrics = case.question.metrics();
     let of_case = |row: &&Row| row.view == View::Precision && row.scene == case.name;

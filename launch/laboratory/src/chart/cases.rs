@@ -1,4 +1,4 @@
-//! What is compared: the scenes with their exact answers, the ways to simulate them, and the steps to do it with.
+//! The comparison: scenes with exact answers, combinations of contact law and integrator, and step lengths.
 
 use messages::load::{load, validate};
 use messages::scene::{Law, Method, Scene};
@@ -13,41 +13,41 @@ pub struct Case {
     pub name: &'static str,
     /// Heading.
     pub title: &'static str,
-    /// The error that it is about, for an axis.
+    /// Label of the error axis.
     pub words: &'static str,
-    /// What is asked of it.
+    /// The question that it answers.
     pub question: Question,
-    /// An error to come below.
+    /// The error bound to reach.
     pub bound: f64,
 }
 
-/// What is asked of a scene.
+/// The question that a scene answers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Question {
     /// Does free flight keep its energy?
     Flight,
-    /// Where does what slides flat end up?
+    /// Where does a sliding body stop?
     Slide,
-    /// How far does what slips slide down?
+    /// How far does a body slide down a slope?
     Descend,
-    /// Does what sticks stay?
+    /// Does a sticking body stay in place?
     Stick,
-    /// Does what falls stop at the ground?
+    /// Does a falling body stop at the ground?
     Drop,
-    /// Do the feet stay?
+    /// Do the feet stay in place?
     Stand,
     /// How high does the block rock after its impact?
     Rock,
     /// How fast does the wheel roll?
     Wheel,
-    /// How far does what slides and turns get, and turn?
+    /// How far does a sliding, turning body travel and turn?
     Turn,
-    /// Where is the ball that rolls, and how has it turned?
+    /// How far does a rolling ball travel and turn?
     Roll,
 }
 
 impl Question {
-    /// Metrics that answer it, the same for every engine; the greatest of them is drawn.
+    /// Metrics that answer it, the same for every engine. The largest of them is drawn.
     pub fn metrics(self) -> &'static [&'static str] {
         match self {
             Question::Flight => &["energy"],
@@ -67,16 +67,16 @@ impl Question {
         self.has_formula() || self == Question::Turn
     }
 
-    /// Whether its centre of mass moves by a formula besides.
+    /// Whether a closed formula gives the motion of its centre of mass.
     pub fn has_formula(self) -> bool {
         matches!(self, Question::Slide | Question::Descend | Question::Stick | Question::Drop)
     }
 }
 
-/// How deep something sinks into the ground [m].
+/// Greatest penetration depth [m].
 pub const PENETRATION: &str = "penetration_m";
 
-/// How high above the ground something rises that should touch it [m].
+/// Greatest height above the ground of a body that should touch it [m].
 pub const HOP: &str = "hop_m";
 
 const fn case(name: &'static str, title: &'static str, words: &'static str, question: Question, bound: f64) -> Case {
@@ -99,10 +99,10 @@ pub const CASES: [Case; 12] = [
     case("ball", "ball: a loaded ball rolls", "error of the angle, or of the way [-]", Question::Roll, 1e-3),
 ];
 
-/// Steps that the finest run may take.
+/// Greatest number of steps of a run.
 const PATIENCE: f64 = 1e4;
 
-/// A contact law with an integrator.
+/// A combination of contact law and integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Way {
     /// The law.
@@ -117,12 +117,12 @@ pub const LAW: Law = Law::DEFAULT;
 pub const METHOD: Method = Method::MoreauJean;
 
 impl Way {
-    /// As tables have it: `Cone/MoreauJean`.
+    /// Its name in tables: `Cone/MoreauJean`.
     pub fn name(self) -> String {
         format!("{}/{}", word(&self.law), word(&self.method))
     }
 
-    /// Share of the steps that it is given: what takes many times as long gets as many times fewer.
+    /// Share of the greatest number of steps: a method that takes many times as long gets as many times fewer steps.
     pub fn share(self) -> f64 {
         match (self.law, self.method) {
             (Law::FixedPoint(_), _) => 0.05,
@@ -134,14 +134,16 @@ impl Way {
     }
 }
 
-/// A setting as a scene has it.
+/// A setting as it is written in a scene.
 pub fn word(value: &impl Serialize) -> String {
     let json = serde_json::to_value(value).unwrap_or_default();
     json.as_str().map_or(json.to_string(), String::from)
 }
 
-/// Every integrator under one law, and every law with one integrator. In flight there is no law; where points come and
-/// go, or eight of them share a load, step doubling takes the shortest of its steps throughout; the page says so.
+/// Every integrator under one law, and every law with one integrator.
+///
+/// In flight laws make no difference. Step doubling is left out where contacts open and close, or where eight points share a load: it
+/// would take its shortest step throughout. The page says so.
 pub fn ways(case: &Case) -> Vec<Way> {
     let steady = !matches!(case.question, Question::Rock | Question::Wheel | Question::Stand);
     let methods = Method::ALL.iter().filter(|&&method| steady || method != Method::StepDoubling);
@@ -152,7 +154,7 @@ pub fn ways(case: &Case) -> Vec<Way> {
     ways
 }
 
-/// Steps h for a case, coarse to fine [s]; the coarsest in any case.
+/// Steps h of a case, coarse to fine [s]. The coarsest step is always included.
 pub fn steps(case: &Case, way: Way, duration: f64, quick: bool) -> Vec<f64> {
     let fits = |h: &f64| duration / h <= 1.001 * way.share() * PATIENCE;
     let grid = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
@@ -163,10 +165,10 @@ pub fn steps(case: &Case, way: Way, duration: f64, quick: bool) -> Vec<f64> {
     }
 }
 
-/// The cases called `names`; all of them for none.
+/// The cases with these names; all cases if there are no names.
 ///
 /// # Errors
-/// One sentence on a name that is no comparison scene.
+/// A name that is not a comparison scene.
 pub fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
     let known = || CASES.map(|case| case.name).join(", ");
     if let Some(name) = names.iter().find(|name| CASES.iter().all(|case| case.name != **name)) {
@@ -176,7 +178,7 @@ pub fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
     Ok(CASES.into_iter().filter(|case| names.is_empty() || names.iter().any(|name| name == case.name)).collect())
 }
 
-/// The scene, simulated this way with this step: one step to a control period.
+/// The scene with this law, integrator and step: one step per control period.
 ///
 /// # Errors
 /// A scene that is refused.

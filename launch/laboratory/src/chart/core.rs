@@ -1,13 +1,13 @@
-//! One core for the thread that measures.
+//! Pins the measuring thread to one core.
 
 use nix::sched::{CpuSet, sched_getaffinity, sched_getcpu, sched_setaffinity};
 use nix::unistd::Pid;
 
-/// The thread that made this stays on one core until this is dropped, where the system allows it.
+/// Keeps the thread that creates it on one core until it is dropped, if the system allows this.
 pub struct Core(Option<(usize, CpuSet)>);
 
 impl Core {
-    /// Holds this thread on the core that it runs on.
+    /// Pins this thread to the core that it runs on.
     pub fn hold() -> Core {
         let this = Pid::from_raw(0);
         let held = || -> nix::Result<(usize, CpuSet)> {
@@ -20,7 +20,7 @@ impl Core {
         Core(held().ok())
     }
 
-    /// Whether it could, in a sentence.
+    /// A sentence that says whether the thread was pinned.
     pub fn remark(&self) -> String {
         match self.0 {
             Some((number, _)) => format!("The thread that measures was held on core {number}."),

@@ -1,4 +1,4 @@
-//! `chart.csv`: everything that is drawn, one measurement a row.
+//! `chart.csv`: one row for each measurement; the source of all drawings.
 
 use shared::csv;
 use strum::VariantArray;
@@ -11,23 +11,23 @@ pub const OURS: &str = "biped";
 /// The chart that a row is drawn in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum View {
-    /// Error against cost, the step swept.
+    /// Error against cost over step lengths.
     Precision,
     /// Time per step of 1 ms.
     Steps,
-    /// Where methods fail, and thresholds.
+    /// Failures and thresholds.
     Failures,
     /// Size of the model against cost.
     Models,
 }
 
 impl View {
-    /// The view that the table calls so.
+    /// The view with this name in the table.
     pub fn named(name: &str) -> Option<View> {
         View::VARIANTS.iter().copied().find(|view| view.name() == name)
     }
 
-    /// As the table has it.
+    /// Its name in the table.
     pub fn name(self) -> &'static str {
         match self {
             View::Precision => "precision",
@@ -38,20 +38,20 @@ impl View {
     }
 }
 
-/// One measurement. A number that does not apply is NaN and its cell empty.
+/// One measurement. A number that does not apply is NaN, and its cell is empty.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Row {
-    /// What it is drawn in.
+    /// The chart that it is drawn in.
     pub view: View,
     /// Scene.
     pub scene: String,
     /// Simulator.
     pub engine: String,
-    /// Law and integrator, or the simulator's setting.
+    /// Law and integrator, or the setting of another simulator.
     pub method: String,
     /// Step [s].
     pub dt: f64,
-    /// What was measured.
+    /// The measured quantity.
     pub metric: String,
     /// Its value.
     pub error: f64,
@@ -64,7 +64,7 @@ pub struct Row {
 /// The whole table.
 pub fn table(rows: &[Row]) -> String {
     let cells = |row: &Row| {
-        // Two runs never take the same time: three digits are all that is known of it.
+        // Times vary between runs: three digits are significant.
         let [cost, us] = [row.cost, row.us_per_step].map(|time| format!("{time:.2e}").parse().unwrap_or(time));
         let [scene, engine, method, metric] = [&row.scene, &row.engine, &row.method, &row.metric].map(String::clone);
         let [dt, error, cost, us] = [row.dt, row.error, cost, us].map(number);
@@ -74,10 +74,10 @@ pub fn table(rows: &[Row]) -> String {
     csv::text([header].into_iter().chain(rows.iter().map(cells)))
 }
 
-/// The rows of a table, whose first lines may be remarks.
+/// The rows of a table. Its first lines may be remarks that start with `#`.
 ///
 /// # Errors
-/// One sentence on the first line that is none.
+/// The first line that is not a row.
 pub fn parse(text: &str) -> Result<Vec<Row>, String> {
     let lines = csv::rows(text)?;
     let header = lines.first().map_or(String::new(), |cells| cells.join(","));

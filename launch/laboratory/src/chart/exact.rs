@@ -1,4 +1,4 @@
-//! Exact answers of the comparison scenes, from the numbers of the scene itself.
+//! Exact answers of the comparison scenes, computed from the numbers of the scene.
 
 mod motion;
 
@@ -7,15 +7,15 @@ pub use motion::{Ball, Puck, gravity};
 use messages::scene::Scene;
 use nalgebra::Vector3;
 
-/// When a body dropped from its clearance lands [s]; at once if it has none.
+/// Time at which a body that is dropped from its clearance lands [s]; 0 without clearance.
 pub fn landing(scene: &Scene) -> f64 {
     (2.0 * scene.initial.clearance.unwrap_or(0.0) / gravity(scene)[1]).sqrt()
 }
 
-/// Displacement and velocity of a body that slides flat, or rests, on the ground after its fall [m, m/s].
+/// Displacement and velocity of a body that slides or rests on the ground after its fall [m, m/s].
 ///
-/// Down the slope it gains g (sin α - μ cos α), if that is positive; otherwise friction takes the velocity at μ g cos α
-/// less g sin α until it rests.
+/// Its acceleration down the slope is g (sin α - μ cos α) if this is positive. Otherwise friction decelerates it by
+/// μ g cos α - g sin α until it rests.
 pub fn sliding(scene: &Scene, time: f64) -> [Vector3<f64>; 2] {
     let ([down, into], fall) = (gravity(scene), landing(scene));
     if time < fall {
@@ -32,19 +32,19 @@ pub fn sliding(scene: &Scene, time: f64) -> [Vector3<f64>; 2] {
     [travel, direction * (speed + gain * moving)]
 }
 
-/// Ratio of the spins after and before the impact of a block that rocks on its edges (Housner), b wide and h tall.
+/// Ratio of the angular velocities after and before the impact of a rocking block (Housner).
 pub fn rocking_ratio(width: f64, height: f64) -> f64 {
     1.0 - 1.5 * width * width / (width * width + height * height)
 }
 
-/// A wheel of spokes without a rim that rolls down a slope: spokes from hub to tip, all of its mass and inertia at the hub.
+/// A rimless wheel that rolls down a slope, with all of its mass and inertia at the hub.
 #[derive(Clone, Copy, Debug)]
 pub struct Wheel {
     /// Length of a spoke [m].
     pub spoke: f64,
     /// Half the angle between spokes [rad].
     pub half: f64,
-    /// Mass and moment of inertia, as the square of the gyration radius over that of the spoke [-].
+    /// Square of the ratio of gyration radius to spoke length [-].
     pub gyration: f64,
     /// Slope [rad].
     pub slope: f64,
@@ -53,7 +53,7 @@ pub struct Wheel {
 }
 
 impl Wheel {
-    /// The wheel of a scene: its tips are the contact points of its one body.
+    /// The wheel of a scene. The tips of its spokes are the contact points of its one body.
     pub fn of(scene: &Scene) -> Wheel {
         let body = &scene.bodies[0];
         let radii = body.contacts.iter().map(|tip| tip[0].hypot(tip[2]));
@@ -68,7 +68,7 @@ impl Wheel {
         }
     }
 
-    /// Ratio of the spins after and before an impact.
+    /// Ratio of the angular velocities after and before an impact.
     pub fn ratio(&self) -> f64 {
         (self.gyration + (2.0 * self.half).cos()) / (1.0 + self.gyration)
     }
@@ -78,7 +78,7 @@ impl Wheel {
         self.gravity / (self.spoke * (1.0 + self.gyration))
     }
 
-    /// Mean speed on the limit cycle [m/s]: a step is 2 l sin(half) long and lasts ∫ dφ/ω.
+    /// Mean speed on the limit cycle [m/s]. A step has length 2 l sin(half) and duration ∫ dφ/ω.
     pub fn speed(&self) -> f64 {
         let (ratio, pull) = (self.ratio(), self.pull());
         let before = 4.0 * pull * self.half.sin() * self.slope.sin() / (1.0 - ratio * ratio);

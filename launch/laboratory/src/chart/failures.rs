@@ -12,9 +12,9 @@ use rayon::prelude::*;
 use shared::exit::Failure;
 use strum::VariantArray;
 
-/// The step [s]; where a way has not run with it, the nearest.
+/// The step [s]. A method that has not run with it is judged at the nearest step.
 const H: f64 = 1e-3;
-/// The scene with infinitely many impacts.
+/// The scene with infinitely many impacts in finite time.
 pub const ZENO: &str = "zeno";
 
 /// Why a method fails.
@@ -22,24 +22,24 @@ pub const ZENO: &str = "zeno";
 pub enum Cause {
     /// The state grows without bound.
     BlowUp,
-    /// The solver finds no solution by its own means.
+    /// The solver needs its fallback.
     NoSolution,
-    /// Infinitely many impacts in finite time are not got over.
+    /// Infinitely many impacts in finite time are not resolved.
     Zeno,
-    /// What should stay on the ground rises.
+    /// A body that should stay on the ground rises.
     Hop,
-    /// What touches sinks in.
+    /// A body penetrates the ground.
     Tunnelling,
-    /// What sticks moves.
+    /// A sticking body moves.
     Creep,
-    /// The answer is wrong by a per cent, the energy by a thousandth.
+    /// The answer is wrong by 1 %, or the energy by 0.1 %.
     Drift,
-    /// Contacts in another order give another motion.
+    /// The motion depends on the order of the contacts.
     Order,
 }
 
 impl Cause {
-    /// In the table, the first letter being that of the map.
+    /// Its name in the table. The map shows the first letter.
     pub fn name(self) -> &'static str {
         match self {
             Cause::BlowUp => "B blow-up",
@@ -53,21 +53,21 @@ impl Cause {
         }
     }
 
-    /// What counts as failing, in words.
+    /// The criterion in words.
     pub fn rule(self) -> &'static str {
         match self {
             Cause::BlowUp => "the state or the error grows without bound",
             Cause::NoSolution => "the solver needs its fallback, or gives up",
-            Cause::Zeno => "the bouncing ball, which rests after 1.355 s, never does",
-            Cause::Hop => "what lies on the ground rises by more than 0.1 mm",
-            Cause::Tunnelling => "something sinks in by more than 0.1 mm",
-            Cause::Creep => "what sticks creeps faster than 1 µm/s",
-            Cause::Drift => "the answer is off by more than 1 %, in flight the energy by 0.1 %",
-            Cause::Order => "the same contacts in another order end elsewhere by more than 1 nm",
+            Cause::Zeno => "the bouncing ball, which should rest after 1.355 s, does not",
+            Cause::Hop => "a body on the ground rises by more than 0.1 mm",
+            Cause::Tunnelling => "a body penetrates the ground by more than 0.1 mm",
+            Cause::Creep => "a sticking body creeps faster than 1 µm/s",
+            Cause::Drift => "the answer is wrong by more than 1 %, in flight the energy by 0.1 %",
+            Cause::Order => "with the contacts in another order the final position differs by more than 1 nm",
         }
     }
 
-    /// The same as a number.
+    /// The criterion as a number.
     pub fn limit(self) -> f64 {
         match self {
             Cause::BlowUp | Cause::NoSolution => 0.0,
@@ -79,19 +79,19 @@ impl Cause {
     }
 }
 
-/// Ends of the metrics that thresholds have in the table.
+/// Suffix of a measured threshold in the metric column.
 pub const MEASURED: &str = " measured";
-/// The other one.
+/// Suffix of an exact threshold.
 pub const EXACT: &str = " exact";
-/// In the table, of a method that passes.
+/// Metric of a method without failures.
 pub const SOUND: &str = "sound";
-/// In the table, of a method that a scene cannot be simulated with.
+/// Metric of a method that cannot simulate the scene.
 pub const REFUSED: &str = "refused";
 
-/// A row for each cause of each failure, and one for each method and scene without any.
+/// A row for each cause of each failure, and one row for each method and scene without failures.
 ///
 /// # Errors
-/// Ctrl-C, or a scene that is refused for other reasons than its law or method.
+/// Ctrl-C, or a scene that is refused for a reason other than its law or method.
 pub fn rows(trials: &[Trial], progress: &Watch) -> Result<Vec<Row>, Failure> {
     let mut ways: Vec<Way> = Vec::new();
     let mut at_h: Vec<&Trial> = Vec::new();
@@ -111,7 +111,7 @@ pub fn rows(trials: &[Trial], progress: &Watch) -> Result<Vec<Row>, Failure> {
         progress.step(Job::Failing)?;
         Ok(self::row(trial.case.name, trial.way, trial.h, &causes(trial)))
     });
-    ways.retain(|way| way.method != Method::StepDoubling); // as of the cases where points come and go
+    ways.retain(|way| way.method != Method::StepDoubling); // as in the cases where contacts open and close
     let zeno = ways.par_iter().map(|&way| {
         progress.step(Job::Failing)?;
         Ok(self::row(ZENO, way, H, &bouncing(way)?))
@@ -141,7 +141,7 @@ fn row(scene: &str, way: Way, h: f64, causes: &Causes) -> Vec<Row> {
     }
 }
 
-/// Why a run fails, the gravest first; none if it was refused.
+/// The causes of failure of a run, the most serious first; none if the scene was refused.
 fn causes(trial: &Trial) -> Causes {
     let metrics = match &trial.result {
         Err(Fate::Refused) => return None,
@@ -150,7 +150,7 @@ fn causes(trial: &Trial) -> Causes {
     };
     let metric = |name: &str| metrics.iter().find(|metric| metric.0 == name).map_or(0.0, |metric| metric.1);
     let wrong = trial.case.question.metrics().iter().map(|name| metric(name)).fold(0.0, f64::max);
-    // A thousandth of the energy counts as much as a hundredth of a distance.
+    // An error of 0.1 % of the energy counts as much as one of 1 % of a distance.
     let drift = match trial.case.question {
         Question::Flight => 10.0 * wrong,
         Question::Stick | Question::Stand | Question::Drop => 0.0,
@@ -168,7 +168,7 @@ fn causes(trial: &Trial) -> Causes {
     Some(failing(&found))
 }
 
-/// The causes whose amount is beyond the limit, or no number.
+/// The causes whose amount exceeds the limit or is NaN.
 fn failing(found: &[(Cause, f64)]) -> Vec<(Cause, f64)> {
     found.iter().copied().filter(|(cause, amount)| amount.is_nan() || *amount > cause.limit()).collect()
 }
@@ -180,7 +180,7 @@ fn broken(error: &PlantError) -> Cause {
     }
 }
 
-/// How far the centre of mass ends from where it ends with the contact points of each body in reverse order [m].
+/// Distance of the final centre of mass from that of a run with the contact points of each body in reverse order [m].
 fn disorder(trial: &Trial) -> f64 {
     let mut scene = trial.scene.clone();
     scene.bodies.iter_mut().for_each(|body| body.contacts.reverse());
@@ -190,7 +190,7 @@ fn disorder(trial: &Trial) -> f64 {
     }
 }
 
-/// The ball that bounces to rest within 1.355 s: whether it does, and stays.
+/// Failures with the bouncing ball, which should come to rest within 1.355 s and stay at rest.
 fn bouncing(way: Way) -> Result<Causes, Failure> {
     let scene = scene(ZENO, way, H, &[])?;
     let log = match watch(&scene, &[]) {
@@ -209,7 +209,7 @@ fn bouncing(way: Way) -> Result<Causes, Failure> {
     Ok(Some(failing(&found)))
 }
 
-/// The case that a column of the map belongs to, for its order.
+/// Position of a case among the columns of the map.
 pub fn columns(chosen: &[Case]) -> Vec<&'static str> {
     chosen.iter().map(|case| case.name).chain([ZENO]).collect()
 }

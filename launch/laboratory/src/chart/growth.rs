@@ -1,5 +1,5 @@
-//! `biped chart --growth`: how the cost of a step grows with contacts, links and step length, also MuJoCo's of the same
-//! robots, and how much more several processors sweep through.
+//! `biped chart --growth`: how the cost of a step grows with contacts, links and step length, compared with MuJoCo on the same
+//! robots, and the throughput of several processors.
 
 mod drawing;
 mod peers;
@@ -24,13 +24,13 @@ use shared::list::SCENES;
 use shared::output::{say, unwritten, write_whole};
 use std::time::Instant;
 
-/// All is measured so often, and the least counts: a machine may be slower for seconds.
+/// Number of measurements, of which the least counts, because the machine may be slow for seconds.
 const ROUNDS: usize = 4;
 
 /// Measures, prints, and writes a table and a drawing of each curve into the folder.
 ///
 /// # Errors
-/// Ctrl-C, a table of peers, peers that cannot be measured, or a folder that cannot be written.
+/// Ctrl-C, a table of other engines, engines that cannot be measured, or a folder that cannot be written.
 pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     let failed = |error| unwritten(&args.out, &error);
     if let Some(Some(table)) = &args.peers {
@@ -94,7 +94,7 @@ fn exponents(points: &[Point]) -> String {
     table(&rows)
 }
 
-/// Simulated time of walks by time taken, on one processor and on more, the most of three turns.
+/// Simulated time per wall time of parallel walks, on one processor and on more; the best of three measurements.
 fn sweeps(seconds: f64, watch: &Watch) -> Result<Vec<(usize, f64)>, Failure> {
     let scene = load("walk", &[format!("duration={seconds}")], SCENES)?;
     let all = std::thread::available_parallelism().map_or(1, usize::from);
@@ -141,7 +141,7 @@ mod tests {
         }
     }
 
-    /// Twenty-four equations hold ten degrees of freedom: what is redundant has to be told from rounding.
+    /// 24 equations constrain ten degrees of freedom: redundant equations must be distinguished from rounding.
     #[test]
     fn a_table_that_does_not_tip_is_welded_and_stands_as_corner_by_corner() {
         for (points, scene) in Curve::ALL[0].scenes(false).expect("good scenes") {

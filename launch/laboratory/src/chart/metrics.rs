@@ -1,4 +1,4 @@
-//! How far a run is from the truth: first the error that the scene is about, then what every run reports.
+//! Errors of a run: first the metrics that answer the scene's question, then metrics that every run has.
 
 use super::cases::{HOP, PENETRATION, Question};
 use super::exact::{Ball, Puck, Wheel, gravity, landing, rocking_ratio, sliding};
@@ -6,7 +6,7 @@ use super::trial::{Log, Sight};
 use messages::scene::Scene;
 use nalgebra::Vector3;
 
-/// Weight of a velocity error beside a position error, tau of the error in the mean [s].
+/// Weight of a velocity error relative to a position error, tau of the mean error [s].
 const TAU: f64 = 0.1;
 /// Steps of the wheel over which its speed is averaged.
 const ROUNDS: usize = 5;
@@ -14,7 +14,7 @@ const ROUNDS: usize = 5;
 /// A quantity and its value.
 pub type Metric = (&'static str, f64);
 
-/// Every metric of a run, those that the scene is about first.
+/// Every metric of a run, those that answer the scene's question first.
 pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
     let mut list = errors(question, scene, log);
     match question {
@@ -39,12 +39,12 @@ pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
 /// Residual of (19).
 pub const SIGNORINI: &str = "signorini";
 
-/// The errors that the scene is about. Every engine's runs are judged by them.
+/// The metrics that answer the scene's question. The runs of every engine are judged by them.
 pub fn errors(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
     question.metrics().iter().copied().zip(values(question, scene, log)).collect()
 }
 
-/// Values of [`Question::metrics`], the second one 0 where there is one.
+/// Values of [`Question::metrics`]; the second value is 0 where there is only one metric.
 fn values(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
     let sights = &log.sights;
     match question {
@@ -81,7 +81,7 @@ fn values(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
     }
 }
 
-/// How far the contact point went that went farthest in the second half of the run [m].
+/// Greatest displacement of a contact point in the second half of the run [m].
 fn creep([middle, end]: &[Vec<Vector3<f64>>; 2]) -> f64 {
     middle.iter().zip(end).fold(0.0, |worst: f64, (middle, end)| worst.max((end - middle).norm()))
 }
@@ -97,14 +97,14 @@ fn across(vector: &Vector3<f64>) -> Vector3<f64> {
     Vector3::new(vector.x, vector.y, 0.0)
 }
 
-/// When the lowest point of the run was deepest, as an index, and how high it was then [m].
+/// Index of the sample with the lowest contact point, and the height of that point [m].
 fn least(sights: &[Sight]) -> (usize, f64) {
     let deeper =
         |least: (usize, f64), (i, sight): (usize, &Sight)| if sight.low < least.1 { (i, sight.low) } else { least };
     sights.iter().enumerate().fold((0, f64::INFINITY), deeper)
 }
 
-/// Greatest change of the angular momentum, relative.
+/// Greatest relative change of the angular momentum [-].
 fn momentum_drift(sights: &[Sight]) -> f64 {
     let first = sights.first().map_or(Vector3::zeros(), |sight| sight.totals.angular);
     sights.iter().fold(0.0, |worst: f64, sight| worst.max((sight.totals.angular - first).norm())) / first.norm()
@@ -120,7 +120,7 @@ fn mean_error(scene: &Scene, sights: &[Sight]) -> f64 {
     sights.iter().map(error).sum::<f64>() / sights.len() as f64
 }
 
-/// sup |∫f_N - ∫f_N*| / (m g T): the ground carries the weight from the landing on, and all momentum of the fall.
+/// sup |∫f_N - ∫f_N*| / (m g T). The exact impulse is that of the weight since the start, from the landing on.
 fn impulse_error(scene: &Scene, sights: &[Sight]) -> f64 {
     let ([_, into], fall) = (gravity(scene), landing(scene));
     let weight = sights.first().map_or(f64::NAN, |sight| sight.totals.mass) * into;
@@ -130,13 +130,13 @@ fn impulse_error(scene: &Scene, sights: &[Sight]) -> f64 {
     worst / (weight * scene.duration)
 }
 
-/// How high rises what should touch the ground [m]: any point of a flat body, the lowest point of the others.
+/// Greatest height above the ground [m]: of any point of a flat body, of the lowest point of other bodies.
 fn hop(question: Question, sights: &[Sight]) -> f64 {
     let height = |sight: &Sight| if question.is_flat() { sight.high } else { sight.low };
     sights.iter().fold(0.0, |hop: f64, sight| hop.max(height(sight)))
 }
 
-/// Error of the angle to which a rocking block rises on its other edge: by Housner's ratio of the spins at the impact.
+/// Relative error of the angle to which a rocking block rises on its other edge; Housner's ratio gives the exact angle.
 fn rocking_error(scene: &Scene, sights: &[Sight]) -> f64 {
     let [width, _, height] = scene.bodies[0].size;
     let (tipping, ratio) = (width.atan2(height), rocking_ratio(width, height));
@@ -151,13 +151,13 @@ fn rocking_error(scene: &Scene, sights: &[Sight]) -> f64 {
     (apex / wanted - 1.0).abs()
 }
 
-/// Top of the parabola through three equidistant values, the middle one being the greatest.
+/// Maximum of the parabola through three equidistant values, of which the middle one is the greatest.
 fn peak([a, b, c]: [f64; 3]) -> f64 {
     let bend = a - 2.0 * b + c;
     if bend < 0.0 { b - (a - c).powi(2) / (8.0 * bend) } else { b }
 }
 
-/// Times and places of the hub where it stands above a tip: smooth instants, so that interpolation finds them well.
+/// Times and places at which the hub is above a tip. The motion is smooth there, so linear interpolation is accurate.
 fn upright(sights: &[Sight]) -> Vec<[f64; 2]> {
     let passes = sights.windows(2).filter(|pair| pair[0].ahead > 0.0 && pair[1].ahead <= 0.0);
     let pass = |pair: &[Sight]| {
@@ -168,7 +168,7 @@ fn upright(sights: &[Sight]) -> Vec<[f64; 2]> {
     passes.map(pass).collect()
 }
 
-/// Mean speed of the last rounds of the wheel [m/s].
+/// Mean speed over the last [`ROUNDS`] steps of the wheel [m/s].
 fn wheel_speed(sights: &[Sight]) -> f64 {
     let passes = upright(sights);
     let from = passes.len().saturating_sub(ROUNDS + 1);
@@ -178,7 +178,7 @@ fn wheel_speed(sights: &[Sight]) -> f64 {
     }
 }
 
-/// Error of the ratio of spins at the last impact, both extrapolated to the middle of the step that it fell in.
+/// Relative error of the ratio of angular velocities at the last impact, both extrapolated to the middle of the step with the impact.
 fn spin_ratio(scene: &Scene, sights: &[Sight]) -> f64 {
     let wanted = Wheel::of(scene).ratio();
     let mut impacts = sights.windows(4).filter(|part| part[2].spin < 0.9 * part[1].spin);

@@ -1,4 +1,4 @@
-//! View (iv): model no more than a scene needs. The same scene on models of growing size: the same answer, at what cost?
+//! View (iv): the same scene on models of growing size: difference of the answer, and cost.
 
 use super::cases::{self, LAW, METHOD, Way};
 use super::core::Core;
@@ -12,19 +12,19 @@ use shared::exit::{Exit, Failure};
 /// The step [s].
 const H: f64 = 1e-3;
 
-/// Models of one scene from small to large; the last one is the full model, whose answer the others are held to.
+/// Models of one scene from small to large. The answer of the last one, the full model, is the reference.
 pub struct Group {
     /// Its name in the table.
     pub name: &'static str,
-    /// What grows.
+    /// Heading: what grows.
     pub title: &'static str,
     models: fn() -> Result<Vec<Model>, Failure>,
 }
 
-/// A model: what it is called, its scene, and the law.
+/// A model: its name, its scene, and the law.
 type Model = (String, Scene, Law);
 
-/// The groups, in the order of the page.
+/// The groups as the page shows them.
 pub const GROUPS: [Group; 5] = [
     Group { name: "pendulum", title: "base: an inverted pendulum on its foot", models: pendulum },
     Group { name: "base", title: "base: a cube slides along x", models: bases },
@@ -33,7 +33,7 @@ pub const GROUPS: [Group; 5] = [
     Group { name: "directions", title: "directions of friction: a cube slides across the axes", models: directions },
 ];
 
-/// Difference of the answer and cost of every model.
+/// A row for each model: difference from the full model, and cost.
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is refused.
@@ -83,7 +83,7 @@ fn difference(answer: [f64; 4], full: [f64; 4]) -> f64 {
     norm(std::array::from_fn(|i| answer[i] - full[i])) / norm(full)
 }
 
-/// One of the scenes for a time in which everything still moves.
+/// A comparison scene with a duration in which the bodies do not come to rest.
 fn scene(name: &str, duration: f64) -> Result<Scene, Failure> {
     let mut scene = cases::scene(name, Way { law: LAW, method: METHOD }, H, &[])?;
     scene.duration = duration;
@@ -150,7 +150,7 @@ fn bases() -> Result<Vec<Model>, Failure> {
     Ok(names.into_iter().map(|(base, name)| (name.into(), on(base, &slide), LAW)).collect())
 }
 
-/// On a planar base an edge of the cube is one point; the upper corners are never needed.
+/// On a planar base one point stands for an edge of the cube. The upper corners never touch.
 fn points() -> Result<Vec<Model>, Failure> {
     let slide = scene("slide", 0.3)?;
     let (mut two, mut eight) = (on(Base::Planar, &slide), slide.clone());

@@ -1,7 +1,8 @@
-//! `biped chart --orders`: how fast each integration method comes nearer to the answer as its step shrinks, and what it costs.
+//! `biped chart --orders`: order of convergence, error and cost of each integration method.
 //!
-//! The error is the greatest of the final state, in proportion to 1 + |entry|, against `EventDriven` in steps of 1e-12. The order is the
-//! slope of its logarithm between 4 ms and .5 ms, fitted, for at a landing the error also hangs on where in a step that falls.
+//! The error is the greatest error of an entry of the final state relative to 1 + |entry|. The reference is `EventDriven` with a
+//! tolerance of 1e-12 per step. The order is the fitted slope of the error's logarithm between 4 ms and 0.5 ms. It is fitted because the
+//! error also depends on where within a step an impact falls.
 
 use super::cases::{LAW, word};
 use super::watch::{Job, Watch};
@@ -15,7 +16,7 @@ use shared::output::{say, unwritten, write_whole};
 use std::path::Path;
 use std::time::Instant;
 
-/// Motions that a method must follow, with the scenes of them.
+/// Kinds of motion, each with its scene.
 pub const MOTIONS: [(&str, &str); 11] = [
     ("flight", include_str!("orders/flight.toml")),
     ("spin", include_str!("orders/spin.toml")),
@@ -32,14 +33,14 @@ pub const MOTIONS: [(&str, &str); 11] = [
 
 /// Steps, coarse to fine [s].
 const STEPS: [f64; 4] = [4e-3, 2e-3, 1e-3, 5e-4];
-/// The one whose error is told.
+/// Index of the step whose error is printed.
 const TOLD: usize = 2;
-/// Errors below this are rounding, and have no order [-].
+/// Errors below this are rounding, and no order is fitted [-].
 const EXACT: f64 = 1e-11;
 /// The reference's error in a step [-].
 const REFERENCE: f64 = 1e-12;
 
-/// What a method makes of a motion.
+/// Result of a method for a motion.
 pub struct Found {
     /// Errors with each of [`STEPS`].
     pub errors: [f64; STEPS.len()],
@@ -93,7 +94,7 @@ fn reference(scene: &Scene) -> Result<Vec<f64>, PlantError> {
 /// Errors and cost of a method.
 ///
 /// # Errors
-/// If it cannot have the scene, or breaks off.
+/// A method that cannot simulate the scene, or a run that breaks off.
 pub fn measure(scene: &Scene, method: Method, truth: &[f64]) -> Result<Found, PlantError> {
     let mut found = Found { errors: [0.0; STEPS.len()], cost: 0.0 };
     for (error, h) in found.errors.iter_mut().zip(STEPS) {
@@ -117,7 +118,7 @@ fn end(scene: &Scene, method: Method, h: f64) -> Result<(Vec<f64>, f64), PlantEr
 }
 
 impl Found {
-    /// Slope of log error over log step; none where the error is rounding.
+    /// Slope of log error over log step; `None` where the error is rounding.
     pub fn order(&self) -> Option<f64> {
         if self.errors[TOLD] < EXACT {
             return None;
@@ -134,7 +135,7 @@ impl Found {
     }
 }
 
-/// Why there is no figure.
+/// Why there is no result.
 fn word_of(error: &PlantError) -> &'static str {
     match error {
         PlantError::Value { .. } => "refused",
@@ -146,7 +147,7 @@ fn word_of(error: &PlantError) -> &'static str {
 mod tests {
     use super::*;
 
-    /// What a method makes of a motion.
+    /// Result of a method for a motion.
     fn found(name: &str, method: Method) -> Result<Found, PlantError> {
         let (_, text) = MOTIONS.iter().find(|(known, _)| *known == name).unwrap_or_else(|| panic!("{name}"));
         let scene = parse(text, name).unwrap_or_else(|error| panic!("{error}"));

@@ -1,4 +1,4 @@
-//! The page: every drawing, with what to read in it, complete in itself.
+//! The page: every drawing with an explanation, in one self-contained file.
 
 use super::cases::{Case, LAW, word};
 use super::csv::{OURS, Row, View};
@@ -15,10 +15,10 @@ use std::io;
 use std::path::Path;
 use strum::VariantArray;
 
-/// Draws all views and writes them, alone as SVG and together as `chart.html`, into the folder.
+/// Draws all views and writes them into the folder, each as SVG and all together as `chart.html`.
 ///
 /// # Errors
-/// As the file system has them, with the file's name.
+/// Errors of the file system, with the file's name.
 pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::Result<()> {
     let views = [precision(chosen, rows), steps(rows), failures(chosen, rows), models(rows)];
     for (name, svg) in views.iter().flatten() {
@@ -62,7 +62,7 @@ fn models(rows: &[Row]) -> Drawings {
     GROUPS.iter().filter_map(|group| Some((format!("model-{}", group.name), draw::models(group, rows)?))).collect()
 }
 
-/// The table of what it costs to come below a small error, if others were measured.
+/// The table of costs below an error bound, if other engines were measured.
 fn bounds(chosen: &[Case], rows: &[Row]) -> String {
     let lines = bounds::table(chosen, rows);
     let line = |(i, cells): (usize, &Vec<String>)| {
@@ -73,7 +73,7 @@ fn bounds(chosen: &[Case], rows: &[Row]) -> String {
     lines.iter().enumerate().map(line).collect()
 }
 
-/// The letters of the map.
+/// The legend of the map.
 fn causes() -> String {
     Cause::VARIANTS.iter().fold(String::new(), |mut text, cause| {
         let (letter, name) = cause.name().split_at(1);
@@ -82,7 +82,7 @@ fn causes() -> String {
     })
 }
 
-/// The table of thresholds, as measured and exact side by side.
+/// The table of thresholds, measured and exact.
 fn thresholds(rows: &[Row]) -> String {
     let mut text = String::new();
     let of = |row: &Row, kind: &str| row.view == View::Failures && row.engine == OURS && row.metric.ends_with(kind);

@@ -1,4 +1,4 @@
-//! Other simulators on the same scenes, by scripts of their own, in the same session on the same machine.
+//! Other simulators on the same scenes, run by Python scripts in the same session on the same machine.
 
 mod resolved;
 mod runs;
@@ -12,22 +12,22 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// The script, in the folder that this was built from.
+/// The script, in the source folder of this build.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/run.py");
 
-/// The first line of a table of theirs.
+/// The first line of a table of other simulators.
 const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
 
 /// A remark for the page.
 pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \
     bodies only, and for the time of its solver alone.";
 
-/// Runs the script in the folder `peers` below `folder`, and computes errors; also a sentence for each engine that is missing.
+/// Runs the script in the folder `peers` below `folder`, and computes errors. Also returns a sentence for each engine that is left out.
 ///
-/// `peers.csv` gets the rows, below day, machine and versions, for [`read`].
+/// Writes the rows to `peers.csv`, below day, machine and versions. [`read`] reads this file.
 ///
 /// # Errors
-/// Ctrl-C, no Python, a script that fails, or a table that is none.
+/// Ctrl-C, no Python, a script that fails, or runs that cannot be read.
 pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
     let files = folder.join("peers");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
@@ -63,7 +63,7 @@ pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Resul
 /// The rows of a table that was measured before, or of a folder in which the script ran.
 ///
 /// # Errors
-/// A file that cannot be read, or is no such table.
+/// A file that cannot be read or is not such a table.
 pub fn read(table: &Path) -> Result<Vec<Row>, Failure> {
     if table.is_dir() {
         return runs::rows(table);

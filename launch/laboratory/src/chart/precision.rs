@@ -1,4 +1,4 @@
-//! View (i): error against CPU time per simulated second, the step swept from coarse to fine.
+//! View (i): error against CPU time per simulated second, for steps from coarse to fine.
 
 use super::cases::{self, Case, HOP, PENETRATION, Way, steps, ways};
 use super::core::Core;
@@ -15,7 +15,7 @@ use shared::exit::{Exit, Failure};
 /// Why a run has no metrics.
 #[derive(Clone, Debug)]
 pub enum Fate {
-    /// The scene cannot be simulated this way, so nothing ran.
+    /// The method cannot simulate the scene.
     Refused,
     /// The run broke off.
     Broken(PlantError),
@@ -32,7 +32,7 @@ pub struct Trial {
     pub h: f64,
     /// The scene as it ran.
     pub scene: Scene,
-    /// What came out.
+    /// Its metrics, or why there are none.
     pub result: Result<Vec<Metric>, Fate>,
     /// Steps that needed the solver's fallback.
     pub fallbacks: u64,
@@ -44,10 +44,10 @@ pub struct Trial {
     pub seconds: f64,
 }
 
-/// Every way to simulate every case, with every step: watched in parallel, then timed one after the other.
+/// Every case with every method and step: first recorded in parallel, then timed one after the other.
 ///
 /// # Errors
-/// Ctrl-C, a scene that is refused, or a timed run that differs from the watched one.
+/// Ctrl-C, a scene that is refused, or a timed run that differs from the recorded one.
 pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>, Failure> {
     let mut plan = Vec::new();
     for case in chosen {
@@ -90,7 +90,7 @@ fn run((case, way, h): (Case, Way, f64), progress: &Watch) -> Result<Trial, Fail
 }
 
 impl Trial {
-    /// Its rows of the table; of a run that broke off the errors are infinite.
+    /// Its rows of the table. The errors of a run that broke off are infinite.
     pub fn rows(&self) -> Vec<Row> {
         let row = |metric: &str, error: f64| Row {
             view: View::Precision,

@@ -1,4 +1,4 @@
-//! View (ii): CPU time per step of 1 ms, for scenes of growing contact.
+//! View (ii): CPU time per step of 1 ms, for scenes with more and more contacts.
 
 use super::cases::{self, LAW, METHOD, Way};
 use super::core::Core;
@@ -9,7 +9,7 @@ use messages::scene::{Law, Method, Scene};
 use messages::wire::Torques;
 use shared::exit::{Exit, Failure};
 
-/// A scene whose step is timed, what it shows, and for how long [s].
+/// Timed scenes: name, title, and duration [s].
 pub const LOADS: [(&str, &str, f64); 4] = [
     ("free", "flight", 1.0),
     ("slide", "a cube slides", 0.4),
@@ -18,15 +18,15 @@ pub const LOADS: [(&str, &str, f64); 4] = [
 ];
 /// The step [s].
 pub const H: f64 = 1e-3;
-/// What half of all steps do not exceed, in the table.
+/// Metric: median of the step times.
 pub const MEDIAN: &str = "median";
-/// What 99 of 100 steps do not exceed.
+/// Metric: 99th percentile of the step times.
 pub const P99: &str = "p99";
 
-/// The time per step of every law, and of every integrator under one law.
+/// Time per step of every law, and of every integrator under one law.
 ///
 /// # Errors
-/// Ctrl-C, or a scene that is refused. A way that cannot do a scene, or in which the robot falls, has no row.
+/// Ctrl-C, or a scene that is refused. A method that cannot simulate a scene, or with which the robot falls, has no row.
 pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
     let mut rows = Vec::new();
     let _core = Core::hold();
@@ -58,7 +58,7 @@ pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
     Ok(rows)
 }
 
-/// Every integrator, then every law. Flight knows none, and what takes milliseconds a step would walk for minutes.
+/// Every integrator, then every law. Laws make no difference in flight. Methods that take milliseconds per step are not used for walking.
 fn ways(name: &str, quick: bool) -> Vec<Way> {
     let methods = Method::ALL.iter().map(|&method| Way { law: LAW, method });
     let laws = Law::ALL.iter().filter(|&&law| law != LAW && name != "free").map(|&law| Way { law, method: METHOD });
@@ -66,7 +66,7 @@ fn ways(name: &str, quick: bool) -> Vec<Way> {
     if quick { ways.skip(1).take(3).collect() } else { ways.collect() }
 }
 
-/// Time of every step [s]: torques are those that the scene's controller gave in a run before, whose states must come again.
+/// Time of every step [s]. The torques are those of the scene's controller in an earlier run; its states must be reproduced.
 fn measure(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
     let Some(torques) = driven(scene) else { return Ok(None) };
     let Outcome::Done(log) = watch(scene, &torques) else { return Ok(None) };
@@ -76,7 +76,7 @@ fn measure(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
     }
 }
 
-/// The torques of each control period; none if the controller or the plant gives up.
+/// The torques of each control period; `None` if the controller or the plant fails.
 fn driven(scene: &Scene) -> Option<Vec<Torques>> {
     if scene.controller.is_none() {
         return Some(Vec::new());

@@ -1,5 +1,5 @@
-//! View (iii), thresholds: from which step, friction, stiffness or mass ratio on a method fails, found by bisection,
-//! beside the exact value.
+//! View (iii), thresholds: the step, friction, stiffness or mass ratio from which on a method fails, found by bisection and compared
+//! with the exact value.
 
 use super::cases::{LAW, METHOD, Way, scene, word};
 use super::csv::{OURS, Row, View};
@@ -13,11 +13,11 @@ use shared::exit::Failure;
 
 /// One threshold.
 struct Threshold {
-    /// Where it is met.
+    /// Scene.
     scene: &'static str,
-    /// By whom.
+    /// Law and integrator.
     method: String,
-    /// Of what.
+    /// Quantity.
     quantity: &'static str,
     exact: f64,
     measured: f64,
@@ -25,7 +25,7 @@ struct Threshold {
 
 type Found = Result<Vec<Threshold>, Failure>;
 
-/// A ball on one point, pressed into its spring by its weight and nudged; rows of ω²h² decide whether it settles.
+/// A ball on one point, pressed into its spring by its weight and nudged; ω²h² decides whether it comes to rest.
 const SPRING: &str = r#"
 [plant]
 base = "planar"
@@ -39,7 +39,7 @@ size = [0.1, 0.1, 0.1]
 contacts = [[0.0, 0.0, 0.0]]
 "#;
 
-/// A rod on its tip, leaning so that tan θ = 2 and sliding with its foot ahead.
+/// A rod on its tip, inclined with tan θ = 2, sliding with its foot ahead.
 const ROD: &str = r#"
 [plant]
 base = "planar"
@@ -56,10 +56,10 @@ inertia = [0.3333333333333333, 0.3333333333333333, 0.3333333333333333]
 contacts = [[FOOT, 0.0, -0.8944271909999159]]
 "#;
 
-/// Each threshold as two rows, as measured and exact.
+/// Each threshold as two rows, measured and exact.
 ///
 /// # Errors
-/// Ctrl-C, or a bad scene, which a test excludes.
+/// Ctrl-C, or a bad scene (excluded by a test).
 pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
     let jobs: [fn() -> Found; 4] = [springs, sticking, painleve, masses];
     progress.expect(jobs.len());
@@ -85,7 +85,7 @@ pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
     Ok(rows)
 }
 
-/// Where a property that holds at `low` and not at `high` ends, to a part in 10⁷.
+/// The limit of a property that holds at `low` and not at `high`, by bisection to a relative accuracy of 1e-7.
 fn bisect(mut low: f64, mut high: f64, mut holds: impl FnMut(f64) -> Result<bool, Failure>) -> Result<f64, Failure> {
     while high / low > 1.0 + 1e-7 {
         let middle = (low * high).sqrt();
@@ -148,7 +148,7 @@ fn sticking() -> Found {
     };
     let rocks = |friction: f64| -> Result<bool, Failure> {
         let slip = |(_, log): (Scene, Log)| log.sights.iter().fold(0.0, |slip: f64, sight| slip.max(sight.slip));
-        // An edge that sticks has the velocity ω²lh, 2e-5 m/s, at the end of a step that it turned in.
+        // A sticking edge has the velocity ω²lh = 2e-5 m/s at the end of a step in which the block turned about it.
         Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > 1e-4))
     };
     let threshold =
@@ -177,7 +177,7 @@ fn painleve() -> Found {
     Ok(found)
 }
 
-/// r* of sweeps: the heavy on the light, mass ratio r, is solved to 1 % if (r/(1 + r))ⁿ < .01.
+/// r* of iterative sweeps: a heavy mass on a light one, mass ratio r, is solved to 1 % if (r/(1 + r))ⁿ < 0.01.
 fn masses() -> Found {
     let mut found = Vec::new();
     for sweeps in [4_u16, 8, 50] {
@@ -189,7 +189,7 @@ fn masses() -> Found {
     Ok(found)
 }
 
-/// Relative error of the ground's impulse below two masses on top of each other, the upper one `ratio` times the lower.
+/// Relative error of the ground's impulse below two stacked masses, the upper one `ratio` times the lower one.
 fn stacked(law: Law, ratio: f64) -> f64 {
     let mut problem = Problem::default();
     problem.reset(2, plant::contact::tangents(law));

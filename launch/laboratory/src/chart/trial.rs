@@ -1,4 +1,4 @@
-//! One run of a scene, twice: once watched, for its accuracy, and once as fast as it goes, for its cost.
+//! A scene is run twice: once recorded, for its accuracy, and once without a record, for its cost.
 
 use messages::scene::Scene;
 use messages::wire::Torques;
@@ -8,7 +8,7 @@ use plant::kinematics::{self, Pose, Totals};
 use plant::{Plant, PlantError};
 use std::time::Instant;
 
-/// What is seen of the robot after a step.
+/// A sample of the robot's state after a step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Sight {
     /// Simulated time [s].
@@ -19,7 +19,7 @@ pub struct Sight {
     pub low: f64,
     /// Height of the highest contact point [m].
     pub high: f64,
-    /// How far ahead of the base's origin the lowest contact point is [m].
+    /// x of the lowest contact point relative to the base's origin [m].
     pub ahead: f64,
     /// Horizontal speed of that point [m/s].
     pub slip: f64,
@@ -33,7 +33,7 @@ pub struct Sight {
     pub load: f64,
 }
 
-/// A run as it was watched.
+/// The record of a run.
 #[derive(Clone, Debug, Default)]
 pub struct Log {
     /// The start and every step after it.
@@ -57,13 +57,13 @@ pub struct Log {
 pub enum Outcome {
     /// It reached its end.
     Done(Log),
-    /// The scene cannot be simulated this way.
+    /// The method cannot simulate the scene.
     Refused,
     /// It broke off.
     Broken(PlantError),
 }
 
-/// Runs a scene whose control periods are driven by `torques`, without torques once they are used up.
+/// Runs a scene with the `torques` of each control period, and without torques after the last of them; keeps a record.
 pub fn watch(scene: &Scene, torques: &[Torques]) -> Outcome {
     let Ok(mut plant) = Plant::new(scene) else { return Outcome::Refused };
     let mut pose = Pose::new(plant.model());
@@ -83,7 +83,7 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> Outcome {
     Outcome::Done(log)
 }
 
-/// CPU time of the same run [s], the least of several if it is short, and the hash of its states: no record is kept.
+/// CPU time of the same run without a record [s], the least of several if it is short, and the hash of its states.
 ///
 /// # Errors
 /// If the run breaks off.
@@ -103,10 +103,11 @@ pub fn time(scene: &Scene, torques: &[Torques]) -> Result<(f64, u64), PlantError
     Ok((least, hash))
 }
 
-/// Time of every step of the same run, the shortest of three if they are short [s], and the hash of its states; one step to a
-/// control period.
+/// Time of every step of the same run [s], and the hash of its states. The run has one step per control period. Of three short runs
+/// the fastest counts.
 ///
-/// By the clock, for the thread's own takes too long to ask: what interrupts it is in few steps and beyond the 99th percentile.
+/// Times are wall times, because reading the thread's CPU clock takes too long. Interruptions affect few steps, beyond the 99th
+/// percentile.
 ///
 /// # Errors
 /// If the run breaks off.
@@ -133,19 +134,19 @@ pub fn times(scene: &Scene, torques: &[Torques]) -> Result<(Vec<f64>, u64), Plan
     Ok(shortest)
 }
 
-/// The value in the middle.
+/// The median.
 pub fn median(values: &mut [f64]) -> f64 {
     quantile(values, 0.5)
 }
 
-/// The value that a share of them is no greater than.
+/// The quantile of a share of the values.
 pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     let last = values.len().saturating_sub(1);
     values.get(((share * values.len() as f64) as usize).min(last)).copied().unwrap_or(f64::NAN)
 }
 
-/// Control periods of a scene.
+/// Number of control periods of a scene.
 pub fn periods(scene: &Scene) -> usize {
     (scene.duration * scene.rate).round() as usize
 }

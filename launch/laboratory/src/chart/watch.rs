@@ -4,7 +4,7 @@ use shared::exit::{Failure, unless};
 use shared::progress::Counter;
 use std::sync::atomic::AtomicBool;
 
-/// What is being done.
+/// The stage of the measurement, for the progress display.
 #[derive(Clone, Copy, Debug)]
 pub enum Job {
     /// A run, for its errors.
@@ -19,7 +19,7 @@ pub enum Job {
     Sizing,
 }
 
-/// Progress, and the wish to stop.
+/// The progress display and the flag that stops the measurement.
 pub struct Watch<'a> {
     counter: Counter,
     /// Whether the user wants to stop.

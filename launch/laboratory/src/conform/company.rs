@@ -1,4 +1,4 @@
-//! Whom a program must refuse, and when it must give up: the same for plant and controller.
+//! Peers that a program must refuse, and when it must give up: the same for plant and controller.
 
 use super::guest::{GOODBYE, Guest, Host};
 use super::report::Report;
@@ -8,7 +8,7 @@ use std::time::{Duration, Instant};
 
 /// Exit code after TERM.
 pub const INTERRUPTED: i32 = 130;
-/// How long those wait who are left alone.
+/// Time after which a process without a peer gives up.
 const LONELY: Duration = Duration::from_secs(1);
 const REFUSAL: &str = "Topics";
 
@@ -19,7 +19,7 @@ pub enum Role {
     Controller,
 }
 
-/// The other side's place, taken and not used.
+/// A silent peer: its role is taken but not used.
 #[expect(dead_code, reason = "held, not used")]
 enum Held {
     Plant(Box<PlantPort>),
@@ -39,7 +39,7 @@ impl Role {
     }
 }
 
-/// Contracts that must be refused by whoever brings this one, each otherwise in one part.
+/// Contracts that a holder of this contract must refuse. Each differs in one part.
 pub fn others(ours: &Contract) -> [(&'static str, Contract); 4] {
     [
         ("a wire schema that it was not built for", Contract { schema: ours.schema ^ 1, ..*ours }),
@@ -49,7 +49,7 @@ pub fn others(ours: &Contract) -> [(&'static str, Contract); 4] {
     ]
 }
 
-/// Sessions with another contract, and sessions where nobody is: all at once.
+/// Sessions with another contract and sessions without a peer, all in parallel.
 pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String> {
     let mut alone = host.invitation(Pace::Lockstep);
     alone.patience = LONELY;
@@ -59,7 +59,7 @@ pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String>
     let mut refused = vec![];
     for (what, other) in others(&ours) {
         let mut invitation = host.invitation(Pace::Lockstep);
-        // its contract comes with the invitation; what it was built for cannot be told to it
+        // its contract comes with the invitation; the schema that it was built for does not
         invitation.contract.schema = other.schema;
         let held = role.hold_other_side(&invitation.session, &other).map_err(|error| error.to_string())?;
         refused.push((what, held, host.invite(&invitation)?));

@@ -1,4 +1,4 @@
-//! The rules of a controller. We are its plant, with a robot of our own.
+//! The rules of a controller. This program is its plant, with a simulated robot.
 
 use super::company::{self, Role};
 use super::guest::{GOODBYE, Guest, Host};
@@ -13,13 +13,13 @@ use std::time::{Duration, Instant};
 
 const ENVIRONMENT: &str = "Your own controller";
 const PERIOD: &str = "A control period, step 2";
-/// Control periods of a conversation.
+/// Control periods of a session.
 const LONG: usize = 300;
-/// Of one that shows whether a robot is taken as a new one.
+/// Control periods of a session that checks whether a new run resets the controller.
 const SHORT: usize = 50;
-/// Sensors that are sent at once.
+/// Number of sensor messages that are sent at once.
 const BURST: u64 = 5;
-/// Real time over which answers on time are counted.
+/// Duration in real time over which punctual answers are counted.
 const ON_TIME: Duration = Duration::from_secs(1);
 
 /// Checks them all.
@@ -28,7 +28,7 @@ pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
     report.each(host, &[conversation, succession, company, on_time])
 }
 
-/// One session from beginning to end.
+/// One session from start to end.
 fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
     let mut robot = Robot::new(host, &invitation)?;
@@ -96,10 +96,10 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// What is wrong with sensors, and how it comes about.
+/// A defect of sensors and the function that causes it.
 type Flaw = (&'static str, fn(&mut Sensors));
 
-/// Damaged sensors are not answered; good ones afterwards are.
+/// Damaged sensors must not be answered; good ones afterwards must be.
 fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
     let good = robot.simulation.sensors().sealed();
     let kinds: [Flaw; 3] = [
@@ -124,7 +124,7 @@ fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
     report.rule("good ones afterwards are", "Every message", answer);
 }
 
-/// Of several sensors at once the newest is answered.
+/// Of several sensors at once, the newest must be answered.
 fn burst(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
     let first = robot.simulation.sensors();
     let nth = |nth: u64| {
@@ -145,13 +145,13 @@ fn burst(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
     report.rule(&format!("of {BURST} sensors at once it answers the newest"), PERIOD, finding);
 }
 
-/// A controller that is killed and started anew, a second one beside it, and TERM.
+/// A killed and restarted controller, a second controller, and TERM.
 fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
     let mut robot = Robot::new(host, &invitation)?;
     let mut guest = host.invite(&invitation)?;
     if robot.walk(&mut guest, SHORT).is_err() {
-        return Ok(()); // told before
+        return Ok(()); // already reported
     }
     let epoch = robot.ask(&mut guest, robot.simulation.sensors())?.stamp.epoch;
     guest.signal(Signal::SIGKILL);
@@ -189,7 +189,7 @@ fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// In real time: a figure, for how fast it is breaks no rule.
+/// In real time. The result is a remark, because speed is not a rule.
 fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
     let invitation = host.invitation(Pace::RealTime);
     let mut robot = Robot::new(host, &invitation)?;

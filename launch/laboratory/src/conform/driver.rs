@@ -1,4 +1,4 @@
-//! Our side of a plant's session: its controller, and a recorder.
+//! The peer of a plant: its controller and a recorder.
 
 use super::guest::{GOODBYE, Guest, Host};
 use super::report::Finding;
@@ -10,10 +10,10 @@ use messages::port::{ControllerPort, PortError, RecorderPort};
 use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use std::time::{Duration, Instant};
 
-/// What does not come within this time does not come at all.
+/// Time after which a message counts as absent.
 const SILENCE: Duration = Duration::from_millis(100);
 
-/// Our side of a session, and what was heard of its plant.
+/// The peer's side of a session, with the messages of the plant.
 pub struct Driver {
     port: ControllerPort,
     recorder: RecorderPort,
@@ -21,10 +21,10 @@ pub struct Driver {
     rate: f64,
     patience: Duration,
     pub stamps: Stamps,
-    /// The latest sensors; number 0 before any came.
+    /// The latest sensors; number 0 before the first ones.
     pub sensors: Sensors,
     pub truths: Vec<Truth>,
-    /// Stamp of our last command.
+    /// Stamp of the last command.
     pub stamp: Stamp,
     since_ns: u64,
 }
@@ -46,7 +46,7 @@ impl Driver {
         })
     }
 
-    /// Waits a slice for sensors that are new; what comes again is not.
+    /// Waits a short time for new sensors; repeated ones do not count.
     pub fn look(&mut self) -> Result<bool, String> {
         while let Some(truth) = self.recorder.read().map_err(|error| error.to_string())? {
             self.truths.push(*truth);
@@ -65,7 +65,7 @@ impl Driver {
         Ok(true)
     }
 
-    /// The next sensors; why none came.
+    /// The next sensors, or why there are none.
     pub fn next(&mut self, guest: &mut Guest) -> Result<Sensors, String> {
         let start = Instant::now();
         while !self.look()? {
@@ -80,7 +80,7 @@ impl Driver {
         Ok(self.sensors)
     }
 
-    /// That none come.
+    /// Checks that no sensors arrive.
     pub fn silence(&mut self) -> Finding {
         let start = Instant::now();
         while start.elapsed() < SILENCE {
@@ -104,7 +104,7 @@ impl Driver {
         self.port.send_raw(command).map_err(|error| error.to_string())
     }
 
-    /// Control periods in lockstep, until these sensors have come or the last ones.
+    /// Runs control periods in lockstep until these sensors or the last ones.
     pub fn drive(&mut self, guest: &mut Guest, until: u64) -> Result<(), String> {
         while self.sensors.stamp.seq < until && self.sensors.last == 0 {
             let command = self.answer()?;

@@ -1,4 +1,4 @@
-//! The program under test: started as `biped run` starts it, and ended whatever it does.
+//! The program under test: started as `biped run` starts it, and always ended.
 
 use crate::subject::Subject;
 use messages::peer_environment::PeerEnvironment;
@@ -11,19 +11,19 @@ use std::os::unix::process::ExitStatusExt;
 use std::process::{Command, ExitStatus};
 use std::time::Duration;
 
-/// Within this time it must have ended, once it knows that it should.
+/// Time limit for its end after it was told to end.
 pub const GOODBYE: Duration = Duration::from_secs(3);
 
-/// What is tested, in which scene.
+/// The tested program and the scene.
 pub struct Host {
     pub command: String,
     pub scene: Scene,
-    /// How long it may take to start or to answer.
+    /// Time limit for its start and its answers.
     pub patience: Duration,
 }
 
 impl Host {
-    /// A session that nobody else has, with the scene's contract.
+    /// A unique session with the scene's contract.
     pub fn invitation(&self, pace: Pace) -> PeerEnvironment {
         let (scene, session) = (self.scene.clone(), Session::unique());
         PeerEnvironment {
@@ -35,7 +35,7 @@ impl Host {
         }
     }
 
-    /// Starts it there.
+    /// Starts the program in the session.
     pub fn invite(&self, invitation: &PeerEnvironment) -> Result<Guest, String> {
         let environment = children::environment(invitation).map_err(|failure| failure.message)?;
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
@@ -45,7 +45,7 @@ impl Host {
     }
 }
 
-/// One process of it, with whatever it starts.
+/// A process of the program, with its child processes.
 pub struct Guest {
     process: Option<Subject>,
 }
@@ -56,19 +56,19 @@ impl Guest {
         self.process.as_mut().is_none_or(Subject::has_ended)
     }
 
-    /// Signals the process and all it has started.
+    /// Sends a signal to the process and its child processes.
     pub fn signal(&mut self, signal: Signal) {
         if let Some(process) = &mut self.process {
             process.signal(signal);
         }
     }
 
-    /// Whether it, or what it has started, holds the session's lock.
+    /// Whether the process or one of its children holds the session's lock.
     pub fn is_member_of(&self, session: &Session) -> bool {
         session.members().iter().any(|member| *member != std::process::id())
     }
 
-    /// Waits for its end: how it ended, and what it said.
+    /// Waits for its end; returns exit status and standard error.
     pub fn end(&mut self, limit: Duration) -> Result<Ended, String> {
         let process = self.process.take().ok_or("it has ended already")?;
         let (status, words) =
@@ -77,14 +77,14 @@ impl Guest {
     }
 }
 
-/// How a guest ended.
+/// The end of a program under test.
 pub struct Ended {
     status: ExitStatus,
     words: String,
 }
 
 impl Ended {
-    /// In order: exit code 0, or one of the others that are allowed here.
+    /// A regular end: exit code 0, or another one that is allowed here.
     pub fn in_order(&self, others: &[i32]) -> Result<String, String> {
         match self.status.code() {
             Some(code) if code == 0 || others.contains(&code) => Ok(format!("exit code {code}")),
@@ -92,7 +92,7 @@ impl Ended {
         }
     }
 
-    /// By refusing: an exit code that is not 0, and a sentence.
+    /// A refusal: an exit code other than 0, and a sentence.
     pub fn by_refusing(&self) -> Result<String, String> {
         if self.words.contains("Traceback ") || self.words.contains("panicked at") {
             return Err(format!("it crashed, {self}"));
@@ -104,7 +104,7 @@ impl Ended {
         }
     }
 
-    /// What it said of its end: its error if it told one, else its last line.
+    /// Its explanation: its error message, or else its last line.
     fn sentence(&self) -> Option<&str> {
         let error = self.words.lines().find_map(|line| line.strip_prefix("error: "));
         error.or_else(|| self.words.lines().rfind(|line| !line.trim().is_empty()))

@@ -1,4 +1,4 @@
-//! The rules of a plant. We are its controller, and a recorder.
+//! The rules of a plant. This program is its controller and a recorder.
 
 use super::company::{self, Role};
 use super::driver::Driver;
@@ -18,7 +18,7 @@ const LOCKSTEP: &str = "A control period, step 3";
 const GATE: &str = "A control period, step 4";
 /// Simulated time of a run [s].
 const DURATION: f64 = 0.5;
-/// Control periods before something happens.
+/// Control periods before an event.
 const SHORT: u64 = 20;
 
 /// Checks them all.
@@ -30,7 +30,7 @@ pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
     report.each(host, &[conversation, succession, company, silence, on_time])
 }
 
-/// Commands that must not be taken for the answer, before any has been: what, index into [`REFUSALS`], how.
+/// Commands that must not be accepted before the first good one: description, index into [`REFUSALS`], and the defect.
 type Flaw = (&'static str, usize, fn(&mut Command));
 const RAW: [Flaw; 2] = [
     ("without the magic", 0, |command| command.stamp.magic ^= 1),
@@ -44,7 +44,7 @@ const SEALED: [Flaw; 5] = [
     ("of another schema", 0, |command| command.stamp.schema ^= 1),
 ];
 
-/// One session from beginning to end.
+/// One session from start to end.
 fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
     let mut driver = Driver::new(host, &invitation)?;
@@ -100,7 +100,7 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     }
     let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[]));
     report.rule("then ends in order within 3 s, with exit code 0", YOURS, ended);
-    driver.look()?; // what is left of the truth
+    driver.look()?; // the rest of the truth messages
     std::mem::take(&mut driver.stamps).report(report, false);
     report.rule(
         "records a Truth with each Sensors, with the same stamp",
@@ -121,7 +121,7 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// The first counts are those of the scene's start, to one count.
+/// The first encoder counts must be those of the scene's start, to one count.
 fn at_the_start(host: &Host, sensors: &Sensors) -> Finding {
     let count = TAU / f64::from(host.scene.plant.encoder_bits).exp2();
     for (joint, (&angle, &counts)) in host.scene.initial.joints.iter().zip(&sensors.encoders.counts).enumerate() {
@@ -133,7 +133,7 @@ fn at_the_start(host: &Host, sensors: &Sensors) -> Finding {
     Ok(String::new())
 }
 
-/// As many truths as sensors, each sealed, of one run.
+/// There must be as many truth messages as sensors, each with a valid check sum and of the same run.
 fn is_complete(truths: &[Truth], wanted: u64) -> Finding {
     for (truth, number) in truths.iter().zip(1..) {
         if !truth.is_sound() {
@@ -149,13 +149,13 @@ fn is_complete(truths: &[Truth], wanted: u64) -> Finding {
     }
 }
 
-/// A plant that is killed and started anew, a second one beside it, and TERM.
+/// A killed and restarted plant, a second plant, and TERM.
 fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
     let mut driver = Driver::new(host, &invitation)?;
     let mut guest = host.invite(&invitation)?;
     if driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT)).is_err() {
-        return Ok(()); // told before
+        return Ok(()); // already reported
     }
     let run = driver.sensors.stamp.run;
     guest.signal(Signal::SIGKILL);
@@ -181,7 +181,7 @@ fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// It ends within a time, in some way, and its last sensors say so.
+/// Checks that it ends within a time and in an allowed way, and that its last sensors announce the end.
 fn farewell(
     driver: &mut Driver,
     guest: &mut Guest,
@@ -204,7 +204,7 @@ fn farewell(
     report.rule("and its last sensors have `last` = 1", YOURS, last);
 }
 
-/// A controller that falls silent in lockstep.
+/// A controller that becomes silent in lockstep.
 fn silence(host: &Host, report: &mut Report) -> Result<(), String> {
     let mut invitation = host.invitation(Pace::Lockstep);
     invitation.patience = Duration::from_secs(1);
@@ -218,7 +218,7 @@ fn silence(host: &Host, report: &mut Report) -> Result<(), String> {
     Ok(())
 }
 
-/// In real time: how many sensors come, and what the drives do when no command comes any more.
+/// In real time: the number of sensors, and the state of the drives when commands stop.
 fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
     let mut host = Host { command: host.command.clone(), scene: host.scene.clone(), patience: host.patience };
     host.scene.duration = 1e6;

@@ -4,13 +4,13 @@ use super::guest::Host;
 use shared::output::say;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// What was found on a rule: a remark, or what was done instead.
+/// The result of a rule: a remark, or the observed violation.
 pub type Finding = Result<String, String>;
 
-/// Some of the rules.
+/// A group of rules.
 pub type Part = fn(&Host, &mut Report) -> Result<(), String>;
 
-/// The rules, told one by one.
+/// The report: a line for each rule.
 pub struct Report<'a> {
     pub kept: usize,
     pub broken: usize,
@@ -18,7 +18,7 @@ pub struct Report<'a> {
 }
 
 impl Report<'_> {
-    /// Tells whether a rule, which stands in a section of docs/WIRE.md, was kept.
+    /// Reports whether a rule of a section of docs/WIRE.md was kept.
     pub fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
         match &finding {
             Ok(remark) if remark.is_empty() => say(format_args!("ok      {rule}\n")),
@@ -30,12 +30,12 @@ impl Report<'_> {
         finding.is_ok()
     }
 
-    /// What is worth knowing and breaks no rule.
+    /// Reports an observation that breaks no rule.
     pub fn note(&self, text: &str) {
         say(format_args!("note    {text}\n"));
     }
 
-    /// Checks one part after the other, until Ctrl-C.
+    /// Checks one group after the other, until Ctrl-C.
     pub fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
         for (nth, part) in parts.iter().enumerate().take_while(|_| !self.stop.load(Relaxed)) {
             part(host, self)?;

@@ -1,4 +1,4 @@
-//! Our side of a controller's session: the robot.
+//! The peer of a controller: a simulated robot.
 
 use super::guest::{GOODBYE, Guest, Host};
 use super::report::Finding;
@@ -10,10 +10,10 @@ use messages::wire::{Command, Sensors, Stamp, Torques};
 use plant::Simulation;
 use std::time::{Duration, Instant};
 
-/// What is not answered within this time is not answered at all.
+/// Time after which an answer counts as absent.
 pub const SILENCE: Duration = Duration::from_millis(100);
 
-/// Our side of a session: the robot, and what was heard of its controller.
+/// The peer's side of a session: the robot, and the messages of the controller.
 pub struct Robot {
     pub port: PlantPort,
     pub simulation: Simulation,
@@ -32,7 +32,7 @@ impl Robot {
         Ok(Robot { port, simulation, stamps, limit, patience: host.patience, torques: Torques::default() })
     }
 
-    /// Sends these sensors and waits for a command; why none came.
+    /// Sends these sensors and waits for a command; an error says why there is none.
     pub fn ask(&mut self, guest: &mut Guest, sensors: Sensors) -> Result<Command, String> {
         let sensors = Sensors { stamp: Stamp { mono_ns: now_ns(), ..sensors.stamp }, ..sensors };
         self.port.send(sensors).map_err(|error| error.to_string())?;
@@ -60,7 +60,7 @@ impl Robot {
         }
     }
 
-    /// Control periods in lockstep; the torques of each.
+    /// Runs control periods in lockstep; returns the torques of each.
     pub fn walk(&mut self, guest: &mut Guest, periods: usize) -> Result<Vec<Torques>, String> {
         let mut torques = vec![];
         for _ in 0..periods {
@@ -72,7 +72,7 @@ impl Robot {
         Ok(torques)
     }
 
-    /// That nothing more comes.
+    /// Checks that no more commands arrive.
     pub fn silence(&mut self) -> Finding {
         let start = Instant::now();
         while start.elapsed() < SILENCE {
@@ -84,7 +84,7 @@ impl Robot {
     }
 }
 
-/// A robot at the scene's beginning, in a run that ends when we say so.
+/// A robot at the start of the scene, in a run without a fixed end.
 pub fn simulation(host: &Host) -> Result<Simulation, String> {
     let mut scene = host.scene.clone();
     scene.duration = 1e6;

@@ -1,15 +1,15 @@
-//! What every message must be, whoever sends it; and every command.
+//! Rules for every message of either sender, and for every command.
 
 use super::report::Report;
 use messages::wire::{Command, JOINTS, Stamp, Stamped};
 
 const MESSAGE: &str = "Every message";
 const PERIOD: &str = "A control period";
-/// Torques that pass the gate [torque limits].
+/// Greatest accepted torque [torque limits].
 const NONSENSE: f64 = 4.0;
 const FULL_SWING: f64 = 2.0;
 
-/// Rules of single messages, and their sections.
+/// Rules for single messages, and their sections.
 const RULES: [(&str, &str); 7] = [
     ("every message is sealed: magic, schema, check sum", MESSAGE),
     ("run is the plant's run, and epoch stays the same", MESSAGE),
@@ -20,32 +20,32 @@ const RULES: [(&str, &str); 7] = [
     ("torques pass the gate: at most four times the torque limit, no jump beyond twice", PERIOD),
 ];
 
-/// What the messages of one process broke first of each rule.
+/// The first violation of each rule by the messages of one process.
 #[derive(Default)]
 pub struct Stamps {
     broken: [Option<String>; RULES.len()],
-    /// Of the last one.
+    /// Stamp of the last message.
     before: Stamp,
     torque: [f64; JOINTS],
-    /// How many commands had a torque that the drives clamp.
+    /// Number of commands with a torque that the drives clamp.
     pub clamped: usize,
-    /// How many were looked at.
+    /// Number of checked messages.
     pub count: usize,
 }
 
-/// What a stamp should say.
+/// The expected stamp.
 #[derive(Clone, Copy)]
 pub struct Expected {
-    /// 0 if it is the sender's to choose.
+    /// 0 if the sender chooses it.
     pub run: u64,
     pub ack: u64,
     pub sim_ns: u64,
-    /// Between what times it must have been sent.
+    /// Earliest and latest time of sending.
     pub sent_ns: [u64; 2],
 }
 
 impl Stamps {
-    /// Looks at a message; whether it is sealed.
+    /// Checks a message; returns whether its check sum is valid.
     pub fn look<M: Stamped>(&mut self, message: &M, expected: Expected) -> bool {
         let (stamp, before) = (*message.stamp(), self.before);
         self.count += 1;
@@ -83,7 +83,7 @@ impl Stamps {
         true
     }
 
-    /// Looks at a command; whether it is sealed.
+    /// Checks a command; returns whether its check sum is valid.
     pub fn look_at_command(&mut self, command: &Command, expected: Expected, limit: f64) -> bool {
         let begins = self.before.run != command.stamp.run;
         if !self.look(command, expected) {
@@ -107,17 +107,17 @@ impl Stamps {
         true
     }
 
-    /// Keeps the first break of a rule.
+    /// Keeps the first violation of a rule.
     fn tell(&mut self, rule: usize, what: impl FnOnce() -> String) {
         self.broken[rule].get_or_insert_with(what);
     }
 
-    /// What was broken first, if anything was.
+    /// The first violation, if any.
     pub fn first_break(self) -> Option<String> {
         self.broken.into_iter().flatten().next()
     }
 
-    /// Tells all rules; `commands` if torques are among them.
+    /// Reports all rules; those about torques only with `commands`.
     pub fn report(self, report: &mut Report, commands: bool) {
         let count = if commands { RULES.len() } else { 5 };
         for ((rule, section), broken) in RULES.into_iter().zip(self.broken).take(count) {

@@ -1,15 +1,15 @@
-//! Trials that mostly wait, side by side.
+//! Parallel trials, for those that mostly wait.
 
 use super::memory;
 use super::stage::Trial;
 use shared::progress::Counter;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
-/// Trials at a time of those that mostly wait.
+/// Number of parallel trials.
 const ABREAST: usize = 4;
 
-/// Trials that mostly wait, [`ABREAST`] at a time, each worker with a shared memory of its own; one by one, where that is
-/// not permitted.
+/// Runs trials that mostly wait, [`ABREAST`] in parallel, each worker with its own shared memory; one after the other where the system does
+/// not permit this.
 pub fn side_by_side(
     count: usize,
     random: &mut fastrand::Rng,
@@ -22,7 +22,7 @@ pub fn side_by_side(
     let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
     let work = &|first: bool| {
         let mut told: Vec<(usize, Trial)> = vec![];
-        // the first may work in the memory of all
+        // the first worker may use the common shared memory
         if memory::of_ones_own().is_err() && !first {
             return told;
         }

@@ -1,4 +1,4 @@
-//! Bad commands over the real wire: a rogue sits in the controller's place and speaks to a real plant.
+//! Bad commands over the real link: a faulty controller is connected to a real plant.
 
 use super::stage::{LIMIT, Outcome, Stage, Trial, is_finite, walk};
 use crate::subject::Subject;
@@ -10,37 +10,37 @@ use plant::Simulation;
 use std::time::{Duration, Instant};
 use strum::VariantArray;
 
-/// Bad commands that come before each good one.
+/// Bad commands before each good one.
 const BEFORE: usize = 8;
-/// Time that the plant gets to read a bad one before the next replaces it, unread.
+/// Time for the plant to read a bad command before the next one replaces it.
 const READ: Duration = Duration::from_micros(10);
 
-/// A flood lasts no longer.
+/// Time limit of a flood.
 const LONGEST: Duration = Duration::from_secs(1800);
 
-/// How a command is bad.
+/// The defect of a bad command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Flaw {
     /// A torque is not a number.
     NotANumber,
     /// A torque is infinite.
     Infinite,
-    /// A torque that no drive has.
+    /// A torque beyond every drive's limit.
     Huge,
-    /// It has been sent before.
+    /// A repeated command.
     Duplicated,
-    /// Older than the one before.
+    /// A sequence number below the previous one.
     Stale,
-    /// A bit of it has flipped.
+    /// A flipped bit.
     Flipped,
-    /// For another run.
+    /// A wrong run number.
     WrongRun,
-    /// Answers what has not been sent.
+    /// An answer to sensors that have not been sent.
     Early,
 }
 
 impl Flaw {
-    /// The bad brother of a good command, whose predecessor is `sent`.
+    /// Gives a good command this defect; `sent` is the previous command.
     fn spoil(self, good: Command, sent: &Command, random: &mut fastrand::Rng) -> Command {
         let (mut bad, joint) = (good, random.usize(0..good.torques.torque.len()));
         let torque = &mut bad.torques.torque[joint];
@@ -63,7 +63,7 @@ impl Flaw {
     }
 }
 
-/// A controller that is up to no good, a real plant, and a listener.
+/// A faulty controller, a real plant, and a recorder.
 struct Rogue {
     port: ControllerPort,
     listener: RecorderPort,
@@ -88,7 +88,7 @@ impl Rogue {
         Ok(Rogue { port, listener, plant, controller, sent, truth, _stage: stage })
     }
 
-    /// The next sensors, other than those answered last.
+    /// The next sensors after those answered last.
     fn ask(&mut self) -> Result<Sensors, String> {
         let start = Instant::now();
         loop {
@@ -101,7 +101,7 @@ impl Rogue {
         }
     }
 
-    /// The right answer, not yet sent; its number leaves room for bad ones before it.
+    /// The correct answer, not yet sent. Its sequence number leaves room for bad commands before it.
     fn answer(&mut self, sensors: &Sensors) -> Result<Command, String> {
         let torques = self.controller.tick(&sensors.encoders).map_err(words)?;
         let (asked, seq) = (sensors.stamp, self.sent.stamp.seq + 1 + BEFORE as u64);
@@ -137,8 +137,8 @@ fn words(error: impl ToString) -> String {
     error.to_string()
 }
 
-/// Floods a walk with bad commands, [`BEFORE`] before each good one: all are refused, and the walk is the one without
-/// them, bit for bit.
+/// Floods a walk with bad commands, [`BEFORE`] before each good one. All must be refused, and the walk must equal the one without them bit
+/// for bit.
 pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
     let (_, scene) = walk(&["duration=100000"])?;
     let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
@@ -151,15 +151,15 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
         }
         let sensors = rogue.ask()?;
         let good = rogue.answer(&sensors)?;
-        // none before the first: nothing is older yet, or a duplicate
+        // none before the first good command: there is no older one and no duplicate yet
         for _ in 0..if rogue.sent.stamp.ack > 0 { BEFORE } else { 0 } {
             let flaw = Flaw::VARIANTS[random.usize(0..Flaw::VARIANTS.len())];
-            // It claims to answer the sensors before these, so that the plant goes on waiting for the good one.
+            // it answers the previous sensors, so that the plant continues to wait for the good command
             let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
             rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;
             let begin = Instant::now();
             while begin.elapsed() < READ {
-                std::thread::yield_now(); // the plant may need this very processor
+                std::thread::yield_now(); // the plant may need this processor
             }
         }
         rogue.port.send_raw(good).map_err(words)?;
@@ -176,7 +176,7 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
     Ok(rogue.told("bit for bit as without them", start))
 }
 
-/// Every other answer is one that the gate must refuse: the walk goes on with torques of the period before.
+/// Every second answer must be refused. The walk continues with the torques of the previous period.
 pub fn every_other(count: u64, random: &mut fastrand::Rng) -> Trial {
     let (_, scene) = walk(&["duration=100000"])?;
     let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());

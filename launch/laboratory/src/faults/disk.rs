@@ -1,4 +1,4 @@
-//! Disks and limits that are too small for a recording: the robot walks on, and all that was recorded can be read.
+//! Disks and file size limits that are too small for a recording. The robot must keep walking, and the recorded part must be readable.
 
 use super::stage::{LIMIT, Outcome, Trial, is};
 use crate::subject::Subject;
@@ -6,24 +6,24 @@ use shared::exit::Exit;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Records on a disk of some megabytes, of which somebody else takes all that is left after a while, if `fill` says when.
+/// Records on a disk of some megabytes; with `fill`, another process fills the rest of the disk after that time.
 pub fn small(megabytes: u64, fill: Option<Duration>) -> Trial {
     let fill = fill.map_or(String::new(), |after| {
         let after = after.as_secs_f64();
         format!("(sleep {after}; head -c {megabytes}M /dev/zero > disk/filler) 2>&- &")
     });
     let mount = format!("mount -t tmpfs -o size={megabytes}M tmpfs disk || exit 98; {fill}");
-    // where somebody else has filled the disk, there is no room for a report
+    // a filled disk has no room for a report
     let (seconds, out) = if fill.is_empty() { (40, "disk/out") } else { (80, "out") };
     trial(&["--user", "--map-root-user", "--mount"], &mount, seconds, out)
 }
 
-/// Records where no file may be longer than some megabytes.
+/// Records under a file size limit of some megabytes.
 pub fn limited(megabytes: u64) -> Trial {
     trial(&[], &format!("ulimit -f {}", megabytes * 2048), 80, "out")
 }
 
-/// What is done before the walk, in a folder of its own, in namespaces of its own if any are named. A second of a walk takes a megabyte.
+/// Runs commands and then a recorded walk in a new folder, and in new namespaces if any are named. A second of a walk takes a megabyte.
 fn trial(namespaces: &[&str], before: &str, seconds: u32, out: &str) -> Trial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let folder = std::env::temp_dir().join(format!("biped-disk-{}", fastrand::u64(..)));

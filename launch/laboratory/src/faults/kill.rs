@@ -1,4 +1,4 @@
-//! kill −9: at random times, at every system call of start-up, and of a session that is to go on.
+//! kill −9: at random times, at every system call of start-up, and in a session with restarts.
 
 use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is_finite, send, walk};
 use crate::subject::{Subject, eventually};
@@ -11,10 +11,10 @@ use plant::Simulation;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
-/// Kills come within this time of a start, which is over after a fifth of it [ms].
+/// Range of the time of a kill after the start [ms]. The start-up takes a fifth of it.
 const SPAN: u64 = 600;
 
-/// Kills one process of a run at a random time: the others must say so, and end.
+/// Kills one process of a run at a random time. The others must report it and end.
 pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
     let stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
@@ -24,7 +24,7 @@ pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
     let start = Instant::now();
     send(number, Signal::SIGKILL)?;
     let (took, _, words) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
-    // The launcher's own last words died with it.
+    // a killed launcher reports nothing
     match victim {
         Role::Launcher => Ok(took.into()),
         _ if words.contains(&format!("the {} failed", victim.name())) && words.contains("SIGKILL") => Ok(took.into()),
@@ -32,7 +32,7 @@ pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
     }
 }
 
-/// The system calls that a role makes until it begins to wait for the other: name, and how many of that name so far.
+/// The system calls of a role until it waits for the other one: name, and number of calls with this name so far.
 pub fn calls(role: Role) -> Result<Vec<(String, u32)>, String> {
     let stage = Stage::empty();
     let list = std::env::temp_dir().join(format!("biped-calls-{}", stage.session.name()));
@@ -53,8 +53,8 @@ pub fn calls(role: Role) -> Result<Vec<(String, u32)>, String> {
     Ok(names.map(count).collect())
 }
 
-/// Kills a role just before a system call of its start-up, in a session that somebody else is in: whoever takes its place
-/// must not be hindered by what it left. Measures from the new process's start to its first exchange.
+/// Kills a role just before a system call of its start-up, in a session that has another member. Its remains must not hinder a new process.
+/// Measures the time from the start of the new process to its first exchange.
 pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
     let stage = Stage::empty();
     let (_, scene) = walk(&["duration=0.02"])?;
@@ -103,12 +103,12 @@ pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
     }
 }
 
-/// Us in the place of the process that the victim speaks to.
+/// This program in the role of the victim's peer.
 struct Peer {
     place: Place,
-    /// What the robot reports, if we are its plant.
+    /// The sensors of the robot, if this program is the plant.
     sensors: Sensors,
-    /// Whether the other side has been heard to the end.
+    /// Whether all messages of the other side have been read.
     done: bool,
 }
 
@@ -130,7 +130,7 @@ impl Peer {
         Ok(Peer { place: place.map_err(|error| error.to_string())?, sensors, done: false })
     }
 
-    /// One exchange, or a slice of waiting.
+    /// One exchange, or a short wait.
     fn answer(&mut self) -> Result<(), String> {
         let told = match &mut self.place {
             Place::Controller(port) => port.wait().and_then(|sensors| {
@@ -149,8 +149,8 @@ impl Peer {
     }
 }
 
-/// Kills plant or controller of a lockstep walk that starts them anew, time and again; measures from each kill to the first
-/// command of the new process that the plant accepts, beside what the host takes to run this program at all.
+/// Repeatedly kills plant or controller of a lockstep walk with restarts. Measures the time from each kill to the first accepted command of
+/// the new process, and for comparison the time that the host takes to start this program.
 pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> Result<Vec<Trial>, String> {
     let most = trials.to_string();
     let mut stage = Stage::run(&["--respawn", &most, "--set", "duration=100000"])?;
@@ -204,7 +204,7 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
     Ok(results)
 }
 
-/// Time to start this program and have it do nothing.
+/// Time to start this program without doing anything.
 fn start_of_a_process() -> Result<Duration, String> {
     let start = Instant::now();
     let program = std::env::current_exe().map_err(|error| error.to_string())?;

@@ -1,4 +1,4 @@
-//! Mount namespaces, in which /dev/shm is as small as one likes, or one's own.
+//! Mount namespaces with a small or private /dev/shm.
 
 use super::stage::{LIMIT, Outcome, Trial};
 use crate::subject::Subject;
@@ -7,13 +7,13 @@ use nix::sched::{CloneFlags, unshare};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
-/// Runs a short walk where shared memory has `kilobytes`, all of it filled after a while if `fill` says when.
+/// Runs a short walk with `kilobytes` of shared memory; with `fill`, another process fills it after that time.
 pub fn full(kilobytes: u64, fill: Option<Duration>) -> Trial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let fill = fill.map_or(String::new(), |after| {
         format!("(sleep {}; head -c {}k /dev/zero > /dev/shm/filler) 2>&- &", after.as_secs_f64(), kilobytes)
     });
-    // What is left is told by the exit code 99, with the names.
+    // exit code 99 with names: files are left
     let script = format!(
         "mount -t tmpfs -o size={kilobytes}k tmpfs /dev/shm || exit 98; {fill} \
          '{}' run walk --quiet --set duration=20; code=$?; wait; rm -f /dev/shm/filler; \
@@ -35,18 +35,18 @@ pub fn full(kilobytes: u64, fill: Option<Duration>) -> Trial {
     }
 }
 
-/// Whether the system lets us.
+/// Whether the system permits mount namespaces.
 pub fn is_permitted() -> bool {
     let mut try_it = Command::new("unshare");
     try_it.args(["--user", "--map-root-user", "--mount", "mount", "-t", "tmpfs", "tmpfs", "/dev/shm"]);
     Subject::start(&mut try_it).and_then(|tried| tried.end(LIMIT)).is_ok_and(|(status, _)| status.success())
 }
 
-/// Gives the calling thread, and whatever it starts, a shared memory of its own, so that trials side by side neither see
-/// nor sweep each other's files.
+/// Gives the calling thread and its child processes a private shared memory, so that parallel trials neither see nor remove each other's
+/// files.
 ///
 /// # Errors
-/// If the system does not let us: only root may.
+/// A system that does not permit it: only root may.
 pub fn of_ones_own() -> nix::Result<()> {
     const NOTHING: Option<&str> = None;
     unshare(CloneFlags::CLONE_NEWNS)?;

@@ -1,4 +1,4 @@
-//! Those beside a session: another who starts it at the same time, files that are laid in its place, and a controller that shouts.
+//! Disturbances beside a session: concurrent launchers, foreign files in place of its own, and a controller with much output.
 
 use super::stage::{LIMIT, Outcome, Trial, is};
 use crate::subject::Subject;
@@ -10,12 +10,12 @@ use std::os::unix::fs::symlink;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// Launchers of one session at once.
+/// Concurrent launchers of one session.
 const RACERS: usize = 3;
-/// The walk that they start: longer than it takes until the last of them has looked [s].
+/// Duration of their walk: it must not end before the last of them has started [s].
 const WALK: &str = "duration=20";
 
-/// Of launchers of one session one must run to its end, and the others must be refused.
+/// Of the concurrent launchers of one session, one must run to its end, and the others must be refused.
 pub fn race() -> Trial {
     let session = Session::unique();
     let start = || Subject::biped(&["run", "walk", "--quiet", "--set", WALK, "--session", session.name()]);
@@ -23,14 +23,14 @@ pub fn race() -> Trial {
     let ends = racers.into_iter().map(|racer| racer.end(LIMIT * 20)).collect::<Result<Vec<_>, _>>()?;
     let count = |exit| ends.iter().filter(|(status, _)| is(*status, exit)).count();
     let (ran, refused) = (count(Exit::Ok), count(Exit::Incompatible));
-    // who comes when the first has ended runs, too
+    // a launcher that starts after the end of the first one also runs
     if ran == 0 || ran + refused < RACERS {
         return Err(format!("{ran} ran and {refused} were refused: {ends:?}"));
     }
     cleared(&session, Outcome { time: None, remark: "one runs, the others are refused".into() })
 }
 
-/// A pipe, a link or a folder where the list of a session's members belongs must be told, and neither waited for nor followed.
+/// A pipe, a link or a folder in place of a session's member list must be reported, and neither waited for nor followed.
 pub fn laid(random: &mut fastrand::Rng) -> Trial {
     let session = Session::unique();
     let list = Path::new("/dev/shm").join(session.prefix() + "members");
@@ -52,7 +52,7 @@ pub fn laid(random: &mut fastrand::Rng) -> Trial {
     }
 }
 
-/// A controller that writes bytes that are no text, and a line without end, to its standard error must be heard to its end.
+/// The standard error of a controller must be read to its end, even if it contains non-text bytes and an endless line.
 pub fn loud(random: &mut fastrand::Rng) -> Trial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let bytes = random.u32(1 << 20..1 << 24);
@@ -70,7 +70,7 @@ pub fn loud(random: &mut fastrand::Rng) -> Trial {
     }
 }
 
-/// Nothing of the session may be left.
+/// Checks that no file of the session is left.
 fn cleared(session: &Session, outcome: Outcome) -> Trial {
     let start = Instant::now();
     let mut left: Vec<PathBuf> = session.shm_files();

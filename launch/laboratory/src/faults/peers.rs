@@ -1,4 +1,4 @@
-//! Processes that do not belong into a session: a second of a role, and one that speaks otherwise.
+//! Processes that do not belong to a session: a second one in a role, and one with another contract.
 
 use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is, walk};
 use crate::conform;
@@ -7,10 +7,10 @@ use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use shared::exit::Exit;
 use std::time::{Duration, Instant};
 
-/// The walk that is intruded upon.
+/// The disturbed walk.
 const WALK: [&str; 2] = ["--set", "duration=1000"];
 
-/// A second process of a role must be refused with a sentence, and the first must walk on.
+/// A second process in a role must be refused with a sentence, and the first one must go on.
 pub fn second(role: Role) -> Trial {
     let mut stage = Stage::run(&WALK)?;
     stage.is_set()?;
@@ -29,7 +29,7 @@ pub fn second(role: Role) -> Trial {
     Ok(took.into())
 }
 
-/// A peer with another wire schema, model, rate or pace must be refused with both values, and the first must walk on.
+/// A peer with another wire schema, model, rate or pace must be refused with both values, and the first one must go on.
 pub fn other_contract() -> Trial {
     let mut stage = Stage::run(&WALK)?;
     stage.is_set()?;
@@ -51,7 +51,7 @@ pub fn other_contract() -> Trial {
     Ok(Outcome { time: None, remark: format!("each refused with both values: {}", told.join(", ")) })
 }
 
-/// The processes of before are still there a moment later.
+/// Checks that the original processes are still running a moment later.
 fn walks_on(stage: &Stage) -> Result<(), String> {
     std::thread::sleep(Duration::from_millis(200));
     let there = [Role::Plant, Role::Controller, Role::Launcher].map(|role| stage.find(role).len());

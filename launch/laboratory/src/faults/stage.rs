@@ -1,4 +1,4 @@
-//! Real processes under test: started, found by their session's name, hurt, and watched to their end.
+//! Real processes under test: started, found by the name of their session, signalled, and observed until they end.
 
 use crate::subject::{Subject, eventually};
 use messages::port::{Action, ask};
@@ -12,20 +12,20 @@ use shared::exit::{Exit, Failure};
 use std::process::ExitStatus;
 use std::time::{Duration, Instant};
 
-/// Nothing may hang for longer.
+/// Time limit for the processes under test.
 pub const LIMIT: Duration = Duration::from_secs(3);
-/// Longest wait for what is not under test: a busy machine starts processes slowly.
+/// Time limit for everything else: a busy machine starts processes slowly.
 const LONG: Duration = Duration::from_secs(60);
 
-/// What a trial showed: a time and a remark, or a sentence on what went wrong.
+/// The result of a trial: a time and a remark, or a sentence about the failure.
 pub type Trial = Result<Outcome, String>;
 
-/// What a good trial showed.
+/// The result of a successful trial.
 #[derive(Clone, Debug, Default)]
 pub struct Outcome {
-    /// What was measured, if something was.
+    /// The measured time, if any.
     pub time: Option<Duration>,
-    /// Whatever else is worth a word.
+    /// A remark.
     pub remark: String,
 }
 
@@ -47,7 +47,7 @@ pub enum Role {
 }
 
 impl Role {
-    /// As the command line has it.
+    /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Role::Plant => "plant",
@@ -56,7 +56,7 @@ impl Role {
         }
     }
 
-    /// As people say.
+    /// Its name in messages.
     pub fn title(self) -> &'static str {
         if self == Role::Launcher { "launcher" } else { self.name() }
     }
@@ -70,7 +70,7 @@ pub struct Stage {
 }
 
 impl Stage {
-    /// Nobody is on it yet.
+    /// A session without processes.
     pub fn empty() -> Stage {
         Stage { session: Session::unique(), launcher: None }
     }
@@ -104,7 +104,7 @@ impl Stage {
         self.living().into_iter().filter(|(_, found)| found == role.name()).map(|(number, _)| number).collect()
     }
 
-    /// Number of the process of a role, once it has begun.
+    /// Waits for the process of a role and returns its number.
     pub fn wait_for(&self, role: Role) -> Result<u32, String> {
         let mut found = None;
         eventually("the process begins", LONG, || {
@@ -127,8 +127,8 @@ impl Stage {
         numbers.filter_map(of_it).collect()
     }
 
-    /// The launcher and all it started must end within the limit and leave nothing; how long it took since `start`, and
-    /// what was said.
+    /// Checks that the launcher and its child processes end within the limit and leave no files. Returns the time since `start` and the
+    /// standard error.
     pub fn must_end(self, start: Instant) -> Result<(Duration, ExitStatus, String), String> {
         let (took, status, words) = self.must_end_some_time(start)?;
         match took > LIMIT {
@@ -152,7 +152,7 @@ impl Stage {
 }
 
 impl Drop for Stage {
-    /// Whatever a failed trial leaves is not in the way of the next.
+    /// Removes the remains of a failed trial.
     fn drop(&mut self) {
         self.launcher = None;
         self.living().iter().for_each(|(number, _)| _ = send(*number, Signal::SIGKILL));
@@ -167,7 +167,7 @@ pub fn send(number: u32, signal: Signal) -> Result<(), String> {
     kill(Pid::from_raw(number), signal).map_err(|error| format!("{signal} cannot be sent: {error}"))
 }
 
-/// A zombie has ended, even if nobody reaps it.
+/// Whether a process has ended. A zombie counts as ended.
 fn is_alive(number: u32) -> bool {
     let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
     stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
@@ -181,7 +181,7 @@ pub fn walk(settings: &[&str]) -> Result<(SceneArgs, Scene), String> {
     Ok((args, scene))
 }
 
-/// That no number of the robot's state is infinite or none.
+/// Checks that the robot's state is finite.
 pub fn is_finite(truth: &Truth) -> Result<(), String> {
     let parts: [&[f64]; 7] = [
         &truth.base_position,

@@ -1,4 +1,4 @@
-//! SIGSTOP and SIGCONT: processes that are alive and silent.
+//! SIGSTOP and SIGCONT: processes that are alive but silent.
 
 use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is, is_finite, send};
 use crate::subject::eventually;
@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 
 /// A stopped recorder's buffer of 1024 periods is full after this long.
 const FULL: Duration = Duration::from_millis(1500);
-/// Simulated time of a lockstep run that is still under way when it has been seen to begin: seconds of real time [s].
+/// Simulated duration of a lockstep run that takes seconds of real time, so that it can be stopped before its end [s].
 const LENGTH: &str = "duration=200";
-/// What the loop's lateness is measured over.
+/// Window for the lateness of the loop.
 const WINDOW: Duration = Duration::from_secs(3);
 
-/// Stops one process of a lockstep run for a while: the run must come to the same end, bit for bit.
+/// Stops one process of a lockstep run for a while. The run must end in the same state, bit for bit.
 pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -> Trial {
     let folder = std::env::temp_dir().join(format!("biped-stop-{}-{:x}", std::process::id(), random.u32(..)));
     let out = folder.to_string_lossy().into_owned();
@@ -54,8 +54,8 @@ fn hash(folder: &std::path::Path) -> Result<String, String> {
     Ok(json["trajectory_hash"].to_string())
 }
 
-/// Stops plant or controller for ever: the others must say who is silent, and all must end. The time is from the end of
-/// their patience.
+/// Stops plant or controller for good. The others must report the silent process, and all must end. The time counts from the end of their
+/// time limit.
 pub fn for_ever(victim: Role, random: &mut fastrand::Rng) -> Trial {
     let patience = Duration::from_secs(1);
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
@@ -71,12 +71,12 @@ pub fn for_ever(victim: Role, random: &mut fastrand::Rng) -> Trial {
     }
 }
 
-/// Lateness of the loop's periods in real time while the recorder reads and while it is stopped, in turns; medians over
-/// the turns, for what else the machine does comes and goes.
+/// Lateness of the loop in real time, alternately with a reading and with a stopped recorder. Medians are used because the load of the
+/// machine varies.
 pub fn the_recorder(rounds: usize) -> Trial {
     let mut stage = Stage::run(&["--realtime", "--set", "duration=100000", "--set", "controller.gait=\"stand\""])?;
     stage.is_set()?;
-    // The launcher records; we are another recorder, who goes on reading.
+    // The launcher records. This process is a second recorder, which continues to read.
     let launcher = stage.wait_for(Role::Launcher)?;
     let mut port = RecorderPort::attach(&stage.session).map_err(|error| error.to_string())?;
     let mut listen = |span: Duration| -> Result<[f64; 2], String> {
@@ -119,13 +119,13 @@ pub fn the_recorder(rounds: usize) -> Trial {
     }
 }
 
-/// The value below which this share of all lies.
+/// A quantile.
 fn at(values: &mut [f64], share: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get((values.len() as f64 * share) as usize).copied().unwrap_or(f64::NAN)
 }
 
-/// Stops the launcher for good, once, and lets its processes find that out: they go on without a recorder.
+/// Stops the launcher for good. Its processes must detect this and go on without a recorder.
 pub fn the_launcher_for_ever() -> Trial {
     let mut stage = Stage::run(&["--realtime", "--set", "duration=8"])?;
     stage.is_set()?;

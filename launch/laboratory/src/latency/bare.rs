@@ -1,4 +1,4 @@
-//! A conversation of the same messages, neither stamped, sealed nor checked: over iceoryx2 alone, and over our ports.
+//! An exchange of the same messages without stamps, check sums and checks, over iceoryx2 alone and over our ports.
 
 use super::terms::{LOST, PATIENCE, null_plant};
 use messages::port::{BarePort, ControllerPort, PlantPort, PortError, Waiting};
@@ -8,14 +8,14 @@ use sessions::opening::guarded;
 use shared::exit::{Exit, Failure};
 use std::time::Instant;
 
-/// Looks at the clock once in so many looks for a message.
+/// Polls between two readings of the clock.
 const LOOKS: u32 = 1 << 12;
 
 /// The plant's end.
 pub enum Plant {
     /// iceoryx2 as its own examples use it.
     Bare(BarePort<Sensors, Command>),
-    /// Our port, which takes room for messages beforehand and gives it back later.
+    /// Our port, which reserves memory for messages in advance and releases it later.
     Ours(Box<PlantPort>),
 }
 
@@ -26,7 +26,7 @@ pub enum Controller {
 }
 
 impl Plant {
-    /// Takes the place in a session.
+    /// Joins a session.
     ///
     /// # Errors
     /// If the session cannot be made.
@@ -38,10 +38,10 @@ impl Plant {
         })
     }
 
-    /// Sends sensors and waits for the command that answers them.
+    /// Sends sensors and waits for the answering command.
     ///
     /// # Errors
-    /// If the link breaks or nobody answers for long.
+    /// A link that breaks, or no answer in time.
     #[inline]
     pub fn ask(&mut self, seq: u32) -> Result<(), Failure> {
         let stamp = Stamp { seq: seq.into(), ..Stamp::default() };
@@ -54,7 +54,7 @@ impl Plant {
         Ok(())
     }
 
-    /// Says that there are no more.
+    /// Announces the end.
     ///
     /// # Errors
     /// If the link breaks.
@@ -72,7 +72,7 @@ impl Plant {
 }
 
 impl Controller {
-    /// Takes the place in a session.
+    /// Joins a session.
     ///
     /// # Errors
     /// If the session cannot be made.
@@ -84,10 +84,10 @@ impl Controller {
         })
     }
 
-    /// Answers all sensors until the last.
+    /// Answers all sensors until the end.
     ///
     /// # Errors
-    /// If the link breaks or nobody asks for long.
+    /// A link that breaks, or no question in time.
     pub fn serve(&mut self) -> Result<(), Failure> {
         loop {
             let mut look = || match self {
@@ -107,7 +107,7 @@ impl Controller {
     }
 }
 
-/// Looks until there is a message.
+/// Polls until there is a message.
 #[inline]
 fn hear<M>(look: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
     let mut start = None;

@@ -1,4 +1,4 @@
-//! What every measurement needs: how much of it, the other process, progress, and the wish to stop.
+//! The context of all measurements: their extent, the other process, the progress display and the stop flag.
 
 use super::lines::{self, Lines};
 use super::peer::Peer;
@@ -11,19 +11,19 @@ use std::sync::atomic::AtomicBool;
 
 const SECOND: u64 = 1_000_000_000;
 
-/// How much is measured.
+/// The extent of the measurement.
 #[derive(Clone, Copy, Debug)]
 pub struct Plan {
-    /// Links take turns this often, so that whatever else the host does meets all of them.
+    /// Number of rounds. All links are measured in each round, so that other load of the host affects all of them.
     pub rounds: u32,
-    /// Round trips of a turn that spins, and of one that sleeps; fewer, if that takes long.
+    /// Round trips of a measurement that spins and of one that sleeps; fewer if it takes long.
     pub trips: [u32; 2],
-    /// How long a turn may take at most [ns]: two that spin on one processor are slow.
+    /// Time limit of a measurement [ns]: two processes that spin on one processor are slow.
     pub turn_ns: u64,
-    /// Simulated time of a walk in lockstep [s], and the time that it may take [ns].
+    /// Simulated time of a walk in lockstep [s], and its time limit [ns].
     pub walk_s: f64,
     pub walk_ns: u64,
-    /// Real time of what the clock paces [s].
+    /// Duration of a run paced by the clock [s].
     pub paced_s: f64,
 }
 
@@ -36,23 +36,23 @@ impl Plan {
         Plan { rounds: 3, trips: [2_000, 200], turn_ns: SECOND / 2, walk_s: 1.0, walk_ns: SECOND, paced_s: 1.0 };
 }
 
-/// Does something on a thread of its own, with which its scheduling ends.
+/// Runs a function on a thread of its own, so that its scheduling ends with this thread.
 ///
 /// # Errors
-/// What that fails with.
+/// The failure of the function.
 pub fn apart(job: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
     let ended = std::thread::scope(|scope| scope.spawn(job).join());
     ended.unwrap_or_else(|_| Err(Failure::new(Exit::Fault, "the thread of the measurement failed")))
 }
 
-/// A measurement under way.
+/// A measurement in progress.
 pub struct Bench<'a> {
     pub plan: Plan,
-    /// Two cache lines, and the number by which the other process, started after them, knows them.
+    /// Two shared cache lines, and the file number by which the other process, started later, opens them.
     pub lines: &'static Lines,
     pub number: RawFd,
     pub peer: Peer,
-    /// Every session that was made; cleared away once the other process has ended.
+    /// Every session that was made; removed when the other process has ended.
     pub sessions: Vec<Swept>,
     pub stop: &'a AtomicBool,
     pub counter: Counter,
@@ -62,7 +62,7 @@ impl<'a> Bench<'a> {
     /// Starts the other process.
     ///
     /// # Errors
-    /// If the system cannot.
+    /// A system that cannot start it.
     pub fn start(plan: Plan, quiet: bool, stop: &'a AtomicBool) -> Result<Bench<'a>, Failure> {
         let counter = Counter::new(quiet, 0, 0, "measurements");
         let (file, lines) = lines::create()?; // open while the other process starts
@@ -70,22 +70,22 @@ impl<'a> Bench<'a> {
         Ok(Bench { plan, lines, number, peer, sessions: vec![], stop, counter })
     }
 
-    /// A session that nobody else has: `latency-PROCESS-COUNT`.
+    /// A unique session: `latency-PROCESS-COUNT`.
     ///
     /// # Errors
-    /// Never: that is a good name.
+    /// None: the name is valid.
     pub fn session(&mut self) -> Result<Session, Failure> {
         let session = Session::named(&format!("latency-{}-{}", std::process::id(), self.sessions.len()))?;
         self.sessions.push(Swept(session.clone()));
         Ok(session)
     }
 
-    /// So many measurements are to come.
+    /// Sets the number of measurements.
     pub fn expect(&self, count: usize) {
         self.counter.expect(count);
     }
 
-    /// One measurement begins.
+    /// Starts a measurement.
     ///
     /// # Errors
     /// Ctrl-C.
@@ -103,7 +103,7 @@ impl<'a> Bench<'a> {
         unless(self.stop)
     }
 
-    /// A group of measurements begins.
+    /// Starts a group of measurements.
     pub fn tell(&self, what: &str) {
         self.counter.tell_without_bar(&format!("measuring {what}"));
     }

@@ -1,4 +1,4 @@
-//! What a round trip over our ports is made of: the transfer itself, iceoryx2, and what we add to it.
+//! The parts of a round trip over our ports: the transfer itself, iceoryx2, and our own additions.
 
 use super::carrier::Carrier;
 use super::lines::Wake;
@@ -10,15 +10,15 @@ use messages::wire::{Command, Sensors, Stamped};
 use shared::exit::Failure;
 use std::hint::black_box;
 
-/// Repetitions that are timed together: one takes about as long as a reading of the clock.
+/// Repetitions that are timed together, because one takes about as long as a reading of the clock.
 const BATCH: u64 = 100;
 const SAMPLES: usize = 2_000;
 const PARTS: &str = "round trip over pub/sub, spin, medians [µs]";
 
-/// Times in this process alone: a reading of the clock, which is part of every sample, and the check sums of a round trip.
+/// Times within this process: a reading of the clock, which is part of every sample, and the check sums of a round trip.
 ///
 /// # Errors
-/// Never; see [`Spread::new`].
+/// None; see [`Spread::new`].
 pub fn alone(results: &mut Results) -> Result<(), Failure> {
     results.put("clock", "one reading", &batches(|| _ = black_box(now_ns()))?);
     let (mut sensors, mut command) = (Sensors::default(), Command::default());
@@ -40,7 +40,7 @@ fn batches(mut job: impl FnMut()) -> Result<Spread, Failure> {
     Spread::of((0..SAMPLES).map(batch))
 }
 
-/// Each part of the whole, by differences of medians.
+/// Each part of a round trip, as a difference of medians.
 pub fn parts(results: &mut Results) {
     let median = |carrier: Carrier| {
         results.spread(carrier.name(), "round trip").map_or(f64::NAN, |spread| spread.quantile(0.5) as f64)

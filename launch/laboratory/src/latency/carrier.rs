@@ -1,4 +1,4 @@
-//! Every way of carrying a message there and back between two processes, measured one like the other.
+//! Every transport of a message between two processes and back, all measured in the same way.
 
 use super::bare;
 use super::bench::Bench;
@@ -15,12 +15,12 @@ use messages::wire::{Sensors, Stamp};
 use sessions::realtime::RealtimeArgs;
 use shared::exit::Failure;
 
-/// One of them.
+/// A transport.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Carrier {
-    /// Two cache lines: the limits.
+    /// Two cache lines: the lower limits.
     Lines(Wake),
-    /// Our messages, neither stamped, sealed nor checked, spinning: over iceoryx2 alone or our ports.
+    /// Our messages without stamps, check sums and checks, spinning, over iceoryx2 alone or our ports.
     Bare { ours: bool },
     /// Our own ports.
     Port(Waiting),
@@ -51,15 +51,15 @@ impl Carrier {
         Self::ALL.into_iter().find(|(carrier, _)| *carrier == self).map_or("unknown", |(_, name)| name)
     }
 
-    /// Whether it sleeps in every wait.
+    /// Whether every wait sleeps.
     pub fn sleeps(self) -> bool {
         use Carrier::{Lines, Port, Udp, Unix};
         matches!(self, Lines(Wake::Futex) | Port(Waiting::Event) | Unix { spins: false } | Udp { spins: false })
     }
 }
 
-/// Round trips over every carrier in turn. Each begins when the one before has ended, so all time is in one of them and
-/// no stall is hidden.
+/// Round trips over every carrier in turn. Each starts when the previous one has ended: every stall falls into one of them, and none
+/// is hidden.
 ///
 /// # Errors
 /// A link that breaks, or Ctrl-C.
@@ -141,7 +141,7 @@ fn sockets(bench: &Bench, results: &mut Results, carrier: Carrier, mut socket: S
     Ok(())
 }
 
-/// Times each of many round trips, the first one excepted, for which the other side may just be waking up.
+/// Times each of many round trips, except the first one, during which the other side may still be starting.
 fn trips(count: u32, limit_ns: u64, mut trip: impl FnMut(u32) -> Result<(), Failure>) -> Result<Spread, Failure> {
     let mut times = Vec::with_capacity(count as usize);
     trip(1)?;

@@ -1,4 +1,4 @@
-//! The drawings: how each duration is spread, what is compared in one drawing.
+//! The drawings: distributions of durations. Quantities that are compared share a drawing.
 
 use super::carrier::Carrier;
 use super::lines::Wake;
@@ -11,12 +11,12 @@ use plotters::style::RGBColor;
 use records::report::draw::plot;
 use records::report::plot::{Axis, COM, Frame, GREEN, GREY, LEFT, Mark, RIGHT, ZMP};
 
-/// Bins to a power of ten.
+/// Bins per power of ten.
 const BINS: f64 = 20.0;
-/// Least share that is drawn: one sample in a million.
+/// The smallest share that is drawn: one sample in a million.
 const LEAST: f64 = -6.0;
 
-/// Section and metric of a series, and what it is called in the drawing.
+/// Section and metric of a series, and its label.
 type Part = (&'static str, &'static str, &'static str);
 
 /// Several series in one frame.
@@ -69,12 +69,12 @@ fn drawings() -> Vec<Drawing> {
     ]
 }
 
-/// Each drawing with the name of its file.
+/// Each drawing with its file name.
 pub fn all(results: &Results) -> Vec<(&'static str, String)> {
     drawings().iter().filter_map(|drawing| Some((drawing.name, draw(drawing, results)?))).collect()
 }
 
-/// None without samples.
+/// `None` without samples.
 fn draw(drawing: &Drawing, results: &Results) -> Option<String> {
     let colours = [GREY, LEFT, RIGHT, GREEN, COM, ZMP];
     let found = |&(section, metric, name): &Part| Some((name, results.spread(section, metric)?));
@@ -106,7 +106,7 @@ fn draw(drawing: &Drawing, results: &Results) -> Option<String> {
     Some(plot(&frame, &marks))
 }
 
-/// The histogram as the line over its bars.
+/// The histogram as the outline of its bars.
 fn outline(spread: &Spread, colour: RGBColor) -> Mark {
     let mut line: Vec<(f64, f64)> = Vec::new();
     for (edge, share) in spread.bins(BINS) {

@@ -1,4 +1,4 @@
-//! How well the host itself keeps time: a thread that does nothing but sleep until each deadline, as cyclictest does.
+//! The timing accuracy of the host itself: a thread that only sleeps until each deadline, as cyclictest does.
 
 use super::spread::Spread;
 use messages::clock::{now_ns, sleep_until};
@@ -8,18 +8,18 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
 
-/// Control period that everything here is paced by [ns].
+/// The control period [ns].
 pub const PERIOD_NS: u64 = 1_000_000;
 
-/// The thread, until it is asked what it found.
+/// The running thread.
 pub struct Floor {
     stop: Arc<AtomicBool>,
     thread: JoinHandle<Result<Spread, Failure>>,
 }
 
 impl Floor {
-    /// Begins, scheduled as the loops beside it are, half a period apart from whatever begins at `start_ns`: both meet
-    /// the same host, and neither meets the other.
+    /// Starts it with the scheduling of the measured loops, half a period after `start_ns`. Both then share the load of the host but do
+    /// not disturb each other.
     pub fn start(start_ns: u64, system: RealtimeArgs) -> Floor {
         let stop = Arc::new(AtomicBool::new(false));
         let asked = stop.clone();
@@ -38,17 +38,17 @@ impl Floor {
         Floor { stop, thread }
     }
 
-    /// Ends it: how late it woke.
+    /// Ends it and returns how late it woke.
     ///
     /// # Errors
-    /// If real time was required and refused.
+    /// Real-time scheduling that was required but refused.
     pub fn finish(self) -> Result<Spread, Failure> {
         self.stop.store(true, Relaxed);
         self.thread.join().unwrap_or_else(|_| Err(Failure::new(Exit::Fault, "the thread of the host's floor failed")))
     }
 }
 
-/// Sleeps until a deadline; returns by how much it was missed [ns].
+/// Sleeps until a deadline; returns the delay [ns].
 pub fn late(deadline_ns: u64) -> u64 {
     let mut now = now_ns();
     while now < deadline_ns {

@@ -1,28 +1,28 @@
-//! The machine, and who else used it meanwhile.
+//! The machine, and its other load during the measurement.
 
 use serde::Serialize;
 use std::fmt;
 
-/// Share of time that a hypervisor may take before figures mean nothing.
+/// Share of time taken by the hypervisor above which the results are invalid.
 const STEAL: f64 = 0.01;
-/// Share that other programs may take before figures need a remark.
+/// Share of time taken by other programs above which the results get a remark.
 const OTHERS: f64 = 0.1;
 
-/// What the machine is, and where its processors' time went.
+/// The machine, and how its processor time was used.
 #[derive(Clone, Debug, Serialize)]
 pub struct Host {
     pub processor: String,
     pub processors: usize,
     pub kernel: String,
-    /// Share of all processors' time that a hypervisor gave to others.
+    /// Share of processor time that the hypervisor gave to other guests.
     pub steal: f64,
-    /// Share that other programs of this machine took.
+    /// Share taken by other programs on this machine.
     pub others: f64,
     #[serde(skip)]
     begin: Times,
 }
 
-/// Processor time so far, in ticks of the system.
+/// Processor time since boot [ticks].
 #[derive(Clone, Copy, Debug, Default)]
 struct Times {
     all: f64,
@@ -32,7 +32,7 @@ struct Times {
 }
 
 impl Host {
-    /// This machine, watched from now on.
+    /// This machine; its load is measured from now on.
     pub fn watch() -> Host {
         let read = |path: &str| std::fs::read_to_string(path).unwrap_or_default();
         let info = read("/proc/cpuinfo");
@@ -50,7 +50,7 @@ impl Host {
         }
     }
 
-    /// Ends the watch, once every process of ours has been reaped.
+    /// Ends the measurement of load, after every process of ours has been reaped.
     pub fn finish(&mut self) {
         let (begin, end) = (self.begin, Times::now());
         let all = (end.all - begin.all).max(1.0);
@@ -59,12 +59,12 @@ impl Host {
         self.others = ((busy - (end.ours - begin.ours)) / all).clamp(0.0, 1.0);
     }
 
-    /// Whether the figures mean anything.
+    /// Whether the results are valid.
     pub fn is_valid(&self) -> bool {
         self.steal <= STEAL
     }
 
-    /// What is to be thought of the figures.
+    /// An assessment of the results.
     pub fn remark(&self) -> String {
         let [steal, others] = [self.steal, self.others].map(|share| 100.0 * share);
         if !self.is_valid() {
@@ -93,22 +93,22 @@ impl Times {
     }
 }
 
-/// What a process has had of the system so far.
+/// Resources that a process has used.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Usage {
-    /// Pages that had to be found for it, without and with a disk.
+    /// Minor and major page faults.
     pub faults: [f64; 2],
-    /// Times that it gave up the processor, and that it was taken away.
+    /// Voluntary and involuntary context switches.
     pub switches: [f64; 2],
-    /// Processor time, also of its children that were reaped.
+    /// Processor time, including its reaped children.
     ticks: f64,
 }
 
 impl Usage {
-    /// Of a process by its number; all zero if there is none.
+    /// Of the process with this number; zeros if it does not exist.
     pub fn of(process: &str) -> Usage {
         let read = |name: &str| std::fs::read_to_string(format!("/proc/{process}/{name}")).unwrap_or_default();
-        // Fields 10, 12 and 14 to 17 of man proc_pid_stat; the name before them may hold anything.
+        // Fields 10, 12 and 14 to 17 of man proc_pid_stat. The process name before them may contain any character.
         let stat = read("stat");
         let fields: Vec<f64> =
             stat.rsplit(')').next().unwrap_or_default().split_whitespace().map(|w| w.parse().unwrap_or(0.0)).collect();
@@ -125,7 +125,7 @@ impl Usage {
         }
     }
 
-    /// What came since.
+    /// The difference since an earlier reading.
     pub fn since(self, before: Usage) -> Usage {
         let less = |now: [f64; 2], then: [f64; 2]| [(now[0] - then[0]).max(0.0), (now[1] - then[1]).max(0.0)];
         Usage {

@@ -1,5 +1,5 @@
-//! The limits that no link can beat: a word in shared memory that another processor writes, and one that a sleeping
-//! process is woken for.
+//! Lower limits for any link: a word in shared memory that another processor writes, and the same with a sleeping process that is
+//! woken.
 
 use super::terms::{LOST, PATIENCE};
 use nix::sys::memfd::{MFdFlags, memfd_create};
@@ -13,13 +13,13 @@ use std::os::fd::{OwnedFd, RawFd};
 use std::sync::atomic::{AtomicU32, Ordering::Acquire, Ordering::Release};
 use std::time::Instant;
 
-/// Looks at the clock once in so many looks at the line.
+/// Polls between two readings of the clock.
 const LOOKS: u32 = 1 << 14;
 
-/// In place of a question: there will be no more.
+/// The value that announces the end.
 const END: u32 = u32::MAX;
 
-/// Two cache lines, far enough apart that no processor fetches both at once.
+/// Two cache lines, far enough apart that no processor prefetches both.
 #[repr(C)]
 pub struct Lines {
     ask: Line,
@@ -29,17 +29,16 @@ pub struct Lines {
 #[repr(C, align(128))]
 struct Line(AtomicU32);
 
-/// How one waits for the other.
+/// How a process waits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Wake {
-    /// Looks without pause.
+    /// Polls without pause.
     Spin,
-    /// Sleeps until it is woken.
+    /// Sleeps on a futex.
     Futex,
 }
 
-/// Lines that a child can open by the number of the file, which it inherits if it is started later; they have no name
-/// and leave nothing.
+/// Lines in an anonymous memory file. A child that is started later inherits the file number and opens them by it.
 ///
 /// # Errors
 /// If the system has no memory.
@@ -53,7 +52,7 @@ pub fn create() -> Result<(OwnedFd, &'static Lines), Failure> {
 /// The lines of the parent.
 ///
 /// # Errors
-/// If there are none of this number.
+/// No memory file with this number.
 pub fn open(number: RawFd) -> Result<&'static Lines, Failure> {
     let path = format!("/proc/self/fd/{number}");
     map(&File::options().read(true).write(true).open(path).map_err(unshared)?.into())
@@ -76,7 +75,7 @@ fn unshared(error: impl std::fmt::Display) -> Failure {
 }
 
 impl Lines {
-    /// Before each run.
+    /// Resets both lines before a run.
     pub fn clear(&self) {
         self.ask.0.store(0, Release);
         self.answer.0.store(0, Release);
@@ -85,13 +84,13 @@ impl Lines {
     /// Asks question `seq`, counted from 1, and waits for the answer.
     ///
     /// # Errors
-    /// If nobody answers for long.
+    /// No answer in time.
     pub fn ask(&self, seq: u32, wake: Wake) -> Result<(), Failure> {
         self.ask.set(seq, wake);
         self.answer.wait(seq - 1, wake).map(drop)
     }
 
-    /// Says that there are no more questions.
+    /// Announces the end.
     pub fn end(&self, wake: Wake) {
         self.ask.set(END, wake);
     }
@@ -99,7 +98,7 @@ impl Lines {
     /// Answers every question until the end.
     ///
     /// # Errors
-    /// If nobody asks for long.
+    /// No question in time.
     pub fn serve(&self, wake: Wake) -> Result<(), Failure> {
         let mut seq = 0;
         loop {
@@ -120,7 +119,7 @@ impl Line {
         }
     }
 
-    /// Waits until it is no longer `before`.
+    /// Waits until the value differs from `before`.
     fn wait(&self, before: u32, wake: Wake) -> Result<u32, Failure> {
         let start = Instant::now();
         let limit = futex::Timespec { tv_sec: 1, tv_nsec: 0 };
@@ -131,7 +130,7 @@ impl Line {
             }
             match wake {
                 Wake::Spin => std::hint::spin_loop(),
-                // Woken, changed meanwhile, or nobody came: the next look tells.
+                // woken, changed or timed out: the next poll decides
                 Wake::Futex => drop(futex::wait(&self.0, futex::Flags::empty(), found, Some(&limit))),
             }
             if (wake == Wake::Futex || looks % LOOKS == 0) && start.elapsed() > PATIENCE {

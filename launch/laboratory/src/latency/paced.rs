@@ -1,5 +1,4 @@
-//! What the clock paces, a thousand times a second: a link without a plant, then the whole walk, each beside the host's
-//! floor at the same time.
+//! Runs at 1 kHz of the clock: a link without a plant, then the whole walk. The host's floor is measured at the same time.
 
 use super::bench::Bench;
 use super::floor::{Floor, PERIOD_NS, late};
@@ -24,14 +23,14 @@ use std::time::Duration;
 /// The sections.
 pub const LINK: &str = "1 kHz, no plant";
 pub const WALK: &str = "1 kHz, walk";
-/// The host's floor in each of them.
+/// Metric of the host's floor in each section.
 pub const FLOOR: &str = "wake of the host's floor";
-/// A look at the truth this often; its buffer holds 4 s.
+/// Interval between two readings of the truth topic; its buffer holds 4 s.
 const LOOK: Duration = Duration::from_millis(20);
-/// Time for the controller to hear the plant's goodbye.
+/// Time for the controller to receive the plant's end message.
 const GOODBYE: Duration = Duration::from_secs(1);
 
-/// Sensors at each deadline, answered at once: round trips count from when they should have begun.
+/// Sends sensors at each deadline; they are answered at once. Round trips count from their deadline.
 ///
 /// # Errors
 /// A link that breaks, a refusal of required real time, or Ctrl-C.
@@ -71,7 +70,7 @@ pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     Ok(())
 }
 
-/// The walk at the pace of the clock, plant and controller in processes of their own, this one recording.
+/// The walk paced by the clock. Plant and controller have processes of their own; this process records.
 ///
 /// # Errors
 /// A role that fails, a robot that falls, or Ctrl-C.
@@ -99,7 +98,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
             watch.take(&truth);
         }
         match roles.iter_mut().find_map(|role| role.verdict().err()) {
-            // On a host too busy for a control loop the watchdog ends it, or the robot falls: a result like any other.
+            // On a busy host the watchdog may end the run, or the robot may fall. This is a result, not an error.
             Some(failure) if failure.exit == Exit::Fault => {
                 bench.counter.bar.suspend(|| tell(format_args!("{WALK}: ended early: {}", failure.message)));
                 ended_early = true;

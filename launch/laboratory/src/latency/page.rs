@@ -1,4 +1,4 @@
-//! The page: the drawings, the table, the targets, complete in itself.
+//! The page: drawings, table and targets in one self-contained file.
 
 use super::draw;
 use super::results::{Results, micros};
@@ -10,10 +10,10 @@ use std::fmt::Write;
 use std::io;
 use std::path::Path;
 
-/// Draws all, and writes them alone as SVG and together as `latency.html` into the folder.
+/// Draws everything and writes it into the folder, each drawing as SVG and all together as `latency.html`.
 ///
 /// # Errors
-/// As the file system has them, with the file's name.
+/// Errors of the file system, with the file's name.
 pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
     let drawings = draw::all(results);
     for (name, svg) in &drawings {

@@ -12,10 +12,10 @@ use std::os::fd::RawFd;
 use std::process::{ChildStdin, ChildStdout, Stdio};
 use std::time::Duration;
 
-/// Time that the other process gets to end in order.
+/// Time limit for the other process to end by itself.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// What the other process is to do next, until it is told that this is over.
+/// An order: what the other process does until the end is announced.
 #[derive(Serialize, Deserialize)]
 pub enum Order {
     /// Answer over two cache lines.
@@ -24,18 +24,18 @@ pub enum Order {
     Unix { name: String, spins: bool },
     /// Answer over UDP.
     Udp { port: u16, spins: bool },
-    /// Answer sensors by commands that are neither stamped nor sealed, over iceoryx2 alone or our ports.
+    /// Answer sensors by commands without stamps and check sums, over iceoryx2 alone or our ports.
     Bare { session: String, ours: bool },
     /// Answer sensors by commands at once.
     Echo { session: String, waiting: Waiting, system: RealtimeArgs },
-    /// Be the controller of a walk in lockstep.
+    /// Run the controller of a walk in lockstep.
     Walk { session: String, waiting: Waiting, seconds: f64 },
 }
 
-/// The other process, as the first one sees it.
+/// The first process's handle of the other process.
 pub struct Peer {
     process: Process,
-    /// Its end tells the other process to end.
+    /// Closing it ends the other process.
     orders: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
@@ -44,7 +44,7 @@ impl Peer {
     /// Starts it.
     ///
     /// # Errors
-    /// If the system cannot.
+    /// A system that cannot start it.
     pub fn start() -> Result<Peer, Failure> {
         let failed = |error: &dyn std::fmt::Display| {
             Failure::new(Exit::Fault, format!("the other process of the measurement cannot be started: {error}"))
@@ -62,10 +62,10 @@ impl Peer {
         }
     }
 
-    /// Gives an order, and waits until it is ready to answer.
+    /// Sends an order and waits until the other process is ready.
     ///
     /// # Errors
-    /// If it has ended.
+    /// A process that has ended.
     pub fn order(&mut self, order: &Order) -> Result<(), Failure> {
         let lost = || Failure::new(Exit::PeerMissing, LOST);
         let line = serde_json::to_string(order).map_err(|error| Failure::new(Exit::Fault, error))?;

@@ -1,4 +1,4 @@
-//! What came out: spreads, counts, and how the targets were met; as text and as JSON.
+//! The results: distributions, counts and targets, as text and as JSON.
 
 use super::host::Host;
 use super::spread::{Numbers, Spread};
@@ -16,14 +16,14 @@ pub struct Results {
 
 /// One quantity in one measurement.
 pub struct Series {
-    /// What was measured.
+    /// The measurement.
     pub section: &'static str,
-    /// Of it what.
+    /// The quantity.
     pub metric: &'static str,
     pub spread: Spread,
 }
 
-/// Something that was counted, or a share.
+/// A count or a share.
 #[derive(Serialize)]
 pub struct Count {
     pub section: &'static str,
@@ -31,7 +31,7 @@ pub struct Count {
     pub value: f64,
 }
 
-/// A ratio within this run, and what it should be at most.
+/// A ratio within this run, and its upper limit.
 #[derive(Serialize)]
 pub struct Target {
     pub name: &'static str,
@@ -40,7 +40,7 @@ pub struct Target {
     pub met: bool,
 }
 
-/// A series as it is written.
+/// The written form of a series.
 #[derive(Serialize)]
 struct Row {
     section: &'static str,
@@ -60,12 +60,12 @@ struct Page<'a> {
 }
 
 impl Results {
-    /// Nothing yet, on this host from now on.
+    /// Empty results; the load of the host is measured from now on.
     pub fn new(host: Host) -> Results {
         Results { series: vec![], counts: vec![], targets: vec![], host }
     }
 
-    /// Adds samples to a series, which begins with the first of them.
+    /// Adds samples to a series. The first samples create it.
     pub fn put(&mut self, section: &'static str, metric: &'static str, spread: &Spread) {
         match self.series.iter_mut().find(|series| (series.section, series.metric) == (section, metric)) {
             Some(series) => series.spread.merge(spread),
@@ -78,7 +78,7 @@ impl Results {
         self.counts.push(Count { section, metric, value });
     }
 
-    /// A series by its names.
+    /// The series with these names.
     pub fn spread(&self, section: &str, metric: &str) -> Option<&Spread> {
         let mut found = self.series.iter().filter(|series| (series.section, series.metric) == (section, metric));
         found.next().map(|series| &series.spread)
@@ -94,7 +94,7 @@ impl Results {
     /// As JSON.
     ///
     /// # Errors
-    /// If it cannot be written so.
+    /// Results that cannot be written as JSON.
     pub fn json(&self) -> Result<String, Failure> {
         let row =
             |series: &Series| Row { section: series.section, metric: series.metric, numbers: series.spread.numbers() };
@@ -110,7 +110,7 @@ impl Results {
     }
 }
 
-/// A duration in microseconds, with as many digits as mean something.
+/// A duration in microseconds with its significant digits.
 pub fn micros(ns: u64) -> String {
     let us = ns as f64 * 1e-3;
     match us {

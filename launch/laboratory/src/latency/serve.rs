@@ -1,4 +1,4 @@
-//! The other process: the same program in a hidden role, which answers as it is ordered to, line by line.
+//! The other process: the same program in a hidden role. It reads orders line by line and answers accordingly.
 
 use super::bare;
 use super::lines;
@@ -22,15 +22,15 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 /// Arguments of the hidden role.
 #[derive(Args)]
 pub struct PeerArgs {
-    /// Process to die with
+    /// Process whose end ends this one
     #[arg(long)]
     parent: i32,
 }
 
-/// The role: obeys until there are no more orders.
+/// The role: executes orders until there are no more.
 ///
 /// # Errors
-/// Whatever a link breaks with.
+/// The failure of a link.
 pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
     children::die_with(args.parent)?;
     keep_to(1);
@@ -40,7 +40,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Tells the first process that it may begin.
+/// Tells the first process that this one is ready.
 fn ready() {
     say("ready\n");
 }
@@ -84,7 +84,7 @@ fn serve_socket(mut socket: Socket) -> Result<(), Failure> {
     socket.serve()
 }
 
-/// A controller that does not think: its time stamp is when the sensors came.
+/// A controller without computation. Its time stamp is the arrival time of the sensors.
 fn echo(mut port: ControllerPort, stop: &AtomicBool) -> Result<(), Failure> {
     ready();
     let mut heard = now_ns();

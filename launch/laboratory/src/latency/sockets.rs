@@ -1,4 +1,4 @@
-//! What the same messages cost over sockets, which the system copies and wakes for.
+//! The same messages over sockets, for which the kernel copies data and wakes processes.
 
 use super::terms::{LOST, PATIENCE};
 use shared::exit::{Exit, Failure};
@@ -11,7 +11,7 @@ use std::time::Instant;
 /// Size of a message [bytes]: between sensors and command.
 pub const SIZE: usize = 200;
 
-/// What a last message is filled with.
+/// The fill byte of the last message.
 const END: u8 = u8::MAX;
 
 /// One end of a connection.
@@ -22,9 +22,9 @@ pub enum Socket {
     Udp(UdpSocket),
 }
 
-/// A place where a peer can be met.
+/// A listening socket.
 pub enum Meeting {
-    /// A Unix socket by its name, which is in no file system.
+    /// A Unix socket with an abstract name.
     Unix(UnixListener),
     /// A UDP port.
     Udp(UdpSocket),
@@ -38,26 +38,26 @@ impl Meeting {
     /// A Unix socket called `name`.
     ///
     /// # Errors
-    /// If the system refuses it.
+    /// A system that refuses it.
     pub fn unix(name: &str) -> Result<Meeting, Failure> {
         let address = SocketAddr::from_abstract_name(name).map_err(broken)?;
         UnixListener::bind_addr(&address).map(Meeting::Unix).map_err(broken)
     }
 
-    /// A UDP port, whose number is returned.
+    /// A UDP port; returns its number.
     ///
     /// # Errors
-    /// If the system refuses it.
+    /// A system that refuses it.
     pub fn udp() -> Result<(Meeting, u16), Failure> {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).map_err(broken)?;
         let port = socket.local_addr().map_err(broken)?.port();
         Ok((Meeting::Udp(socket), port))
     }
 
-    /// Waits for the peer, which says a word first.
+    /// Waits for the peer, which sends a message first.
     ///
     /// # Errors
-    /// If it does not come.
+    /// A peer that does not connect.
     pub fn accept(self, spins: bool) -> Result<Socket, Failure> {
         match self {
             Meeting::Unix(listener) => Socket::Unix(listener.accept().map_err(broken)?.0).set(spins),
@@ -72,19 +72,19 @@ impl Meeting {
 }
 
 impl Socket {
-    /// Meets the asker at its Unix socket.
+    /// Connects to the Unix socket.
     ///
     /// # Errors
-    /// If it is not there.
+    /// A socket that does not exist.
     pub fn unix(name: &str, spins: bool) -> Result<Socket, Failure> {
         let address = SocketAddr::from_abstract_name(name).map_err(broken)?;
         Socket::Unix(UnixStream::connect_addr(&address).map_err(broken)?).set(spins)
     }
 
-    /// Meets the asker at its UDP port.
+    /// Connects to the UDP port.
     ///
     /// # Errors
-    /// If the system refuses it.
+    /// A system that refuses it.
     pub fn udp(port: u16, spins: bool) -> Result<Socket, Failure> {
         let socket = UdpSocket::bind((Ipv4Addr::LOCALHOST, 0)).map_err(broken)?;
         socket.connect((Ipv4Addr::LOCALHOST, port)).map_err(broken)?;
@@ -102,16 +102,16 @@ impl Socket {
         Ok(self)
     }
 
-    /// Sends a message, and waits for one.
+    /// Sends a message and waits for the answer.
     ///
     /// # Errors
-    /// If nobody answers for long.
+    /// No answer in time.
     pub fn ask(&mut self, message: &mut [u8; SIZE]) -> Result<(), Failure> {
         self.send(message)?;
         self.receive(message)
     }
 
-    /// Says that there are no more messages.
+    /// Announces the end.
     ///
     /// # Errors
     /// If the connection breaks.
@@ -122,7 +122,7 @@ impl Socket {
     /// Sends every message back until the end.
     ///
     /// # Errors
-    /// If nobody asks for long.
+    /// No message in time.
     pub fn serve(&mut self) -> Result<(), Failure> {
         let mut message = [0; SIZE];
         loop {

@@ -1,21 +1,21 @@
-//! How a duration is spread over many samples.
+//! The distribution of a duration over many samples.
 
 use hdrhistogram::Histogram;
 use serde::Serialize;
 use shared::exit::{Exit, Failure};
 
-/// What the histogram tells apart: from 1 ns to 100 s, to a part in a thousand.
+/// Range and resolution of the histogram: 1 ns to 100 s, three digits.
 const LONGEST: u64 = 100_000_000_000;
 const DIGITS: u8 = 3;
 
-/// Durations in nanoseconds, counted.
+/// A histogram of durations in nanoseconds.
 #[derive(Clone, Debug)]
 pub struct Spread(Histogram<u64>);
 
-/// A spread in a few numbers [ns].
+/// A distribution in a few numbers [ns].
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Numbers {
-    /// Number of samples, among them those that a stall swallowed.
+    /// Number of samples, including those that a stall has suppressed.
     pub samples: u64,
     pub min_ns: u64,
     pub mean_ns: f64,
@@ -26,10 +26,10 @@ pub struct Numbers {
 }
 
 impl Spread {
-    /// Nothing yet.
+    /// An empty distribution.
     ///
     /// # Errors
-    /// Never, with the constants above.
+    /// None with the constants above.
     pub fn new() -> Result<Spread, Failure> {
         let made = Histogram::new_with_bounds(1, LONGEST, DIGITS);
         made.map(Spread).map_err(|error| Failure::new(Exit::Fault, error))
@@ -38,7 +38,7 @@ impl Spread {
     /// Counts durations.
     ///
     /// # Errors
-    /// Never; see [`Spread::new`].
+    /// None; see [`Spread::new`].
     pub fn of(times: impl IntoIterator<Item = u64>) -> Result<Spread, Failure> {
         let mut spread = Spread::new()?;
         times.into_iter().for_each(|ns| spread.add(ns));
@@ -50,19 +50,19 @@ impl Spread {
         self.0.saturating_record(ns);
     }
 
-    /// Counts how late something came that is due every `interval` ns, and with it those that were due in the meantime
-    /// and came no sooner: otherwise a stall of ten intervals would count as one late sample instead of ten.
+    /// Counts the delay of an event that is due every `interval` ns, together with the events that were due meanwhile. Otherwise a stall
+    /// of ten intervals would count as one late sample instead of ten.
     pub fn add_due(&mut self, late: u64, interval: u64) {
         (0..=late / interval.max(1)).for_each(|missed| self.add(late - missed * interval));
     }
 
-    /// Counts all that another has counted.
+    /// Adds the counts of another distribution.
     pub fn merge(&mut self, other: &Spread) {
-        // Both have the same bounds, so there is nothing that could fail.
+        // cannot fail, because both have the same bounds
         let _ = self.0.add(&other.0);
     }
 
-    /// Duration below which the share `q` of all samples lies [ns].
+    /// The quantile `q` [ns].
     pub fn quantile(&self, q: f64) -> u64 {
         self.0.value_at_quantile(q)
     }
@@ -85,8 +85,7 @@ impl Spread {
         }
     }
 
-    /// Share of all samples in each bin that holds any, `per_decade` bins to a power of ten: decimal logarithm of the
-    /// bin's lower edge in ns, and share.
+    /// The non-empty bins, `per_decade` of them per power of ten: decimal logarithm of the lower edge in ns, and share of all samples.
     pub fn bins(&self, per_decade: f64) -> Vec<(f64, f64)> {
         let mut bins: Vec<(f64, f64)> = Vec::new();
         for value in self.0.iter_recorded() {

@@ -1,4 +1,4 @@
-//! The plant's end of a conversation whose every message is timed.
+//! The plant's end of a connection on which every message is timed.
 
 use super::results::Results;
 use super::spread::Spread;
@@ -11,22 +11,22 @@ use sessions::opening::guarded;
 use shared::exit::{Exit, Failure, unless};
 use std::sync::atomic::AtomicBool;
 
-/// The conversation, and what it took so far.
+/// The connection and its measured times.
 pub struct Talk<'a> {
     port: PlantPort,
     stop: &'a AtomicBool,
     latest: Stamp,
-    /// When the last command came.
+    /// Arrival time of the last command.
     pub heard_ns: u64,
-    /// Times there, back and of the whole trip [ns]; made histograms of at the end, which would take part of them.
+    /// Times of the way there, the way back and the round trip [ns]. Histograms are made at the end, because they cost time.
     times: Vec<[u64; 3]>,
 }
 
-/// More exchanges than a conversation has.
+/// An upper limit on the number of exchanges.
 const MOST: usize = 1 << 16;
 
 impl<'a> Talk<'a> {
-    /// Takes the plant's place in a session.
+    /// Joins a session as the plant.
     ///
     /// # Errors
     /// If the session cannot be made.
@@ -40,7 +40,7 @@ impl<'a> Talk<'a> {
         Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, times: Vec::with_capacity(MOST) })
     }
 
-    /// A first exchange, which is not counted: until it has come, the other side may not have.
+    /// A first exchange, which is not counted: the other side may still be starting.
     ///
     /// # Errors
     /// As [`Talk::exchange`].
@@ -49,10 +49,10 @@ impl<'a> Talk<'a> {
         self.ask(&Sensors { stamp, ..Sensors::default() }).map(drop)
     }
 
-    /// Sends sensors, stamped with the time at which they are sent, waits for their answer, and counts.
+    /// Sends sensors with the time of sending, waits for the answer, and counts the times.
     ///
     /// # Errors
-    /// If the link breaks, nobody answers for long, or the user wants to stop.
+    /// A link that breaks, no answer in time, or Ctrl-C.
     #[inline]
     pub fn exchange(&mut self, sensors: Sensors) -> Result<Command, Failure> {
         let command = self.ask(&sensors)?;
@@ -84,7 +84,7 @@ impl<'a> Talk<'a> {
         }
     }
 
-    /// Says goodbye, and puts what was counted into the results.
+    /// Sends the end message and adds the counts to the results.
     ///
     /// # Errors
     /// If the link breaks.

@@ -4,9 +4,9 @@ use messages::port::{Contract, Pace};
 use messages::scene::Scene;
 use std::time::Duration;
 
-/// Patience with the other process.
+/// Time limit for the other process.
 pub const PATIENCE: Duration = Duration::from_secs(3);
-/// What is said when it is over.
+/// The message when this limit is exceeded.
 pub const LOST: &str = "the other process of the measurement has fallen silent";
 
 /// Contract of a link without a plant.

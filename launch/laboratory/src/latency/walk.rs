@@ -1,4 +1,4 @@
-//! The whole walk over the link in lockstep: what a control period costs when the plant waits for each answer.
+//! The whole walk over the link in lockstep: the cost of a control period if the plant waits for each answer.
 
 use super::bench::Bench;
 use super::peer::Order;
@@ -14,22 +14,22 @@ use plant::process::ExchangeOutcome;
 use shared::exit::Failure;
 use shared::list;
 
-/// The walk, so long.
+/// The walk with this duration.
 ///
 /// # Errors
-/// Never: the scene comes with the program.
+/// None: the scene is built in.
 pub fn scene(seconds: f64) -> Result<Scene, Failure> {
     Ok(load("walk", &[format!("duration={seconds}")], list::SCENES)?)
 }
 
-/// Each way of waiting, and its section.
+/// Each wait mode with its section.
 pub const WAYS: [(Waiting, &str); 3] = [
     (Waiting::Spin, "walk in lockstep, spin"),
     (Waiting::Hybrid, "walk in lockstep, hybrid"),
     (Waiting::Event, "walk in lockstep, event"),
 ];
 
-/// Why a walk ends.
+/// How a walk ends.
 enum End {
     Time,
     Failed(Failure),
@@ -41,7 +41,7 @@ impl<E: Into<Failure>> From<E> for End {
     }
 }
 
-/// The walk, plant here and controller in the other process, each way of waiting in turn.
+/// The walk with the plant here and the controller in the other process, for each wait mode in turn.
 ///
 /// # Errors
 /// A link that breaks, or Ctrl-C.
@@ -63,7 +63,7 @@ pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> 
                 return Err(End::Time);
             }
             let command = match begun {
-                0 => talk.ask(sensors)?, // the other side may just be coming
+                0 => talk.ask(sensors)?, // the other side may still be starting
                 _ => talk.exchange(*sensors)?,
             };
             simulation.receive(&command);
@@ -83,7 +83,7 @@ pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> 
     Ok(())
 }
 
-/// How many measurements that is.
+/// Number of measurements.
 pub fn count() -> usize {
     WAYS.len()
 }

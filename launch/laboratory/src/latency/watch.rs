@@ -1,4 +1,4 @@
-//! What a recorder learns of a run in real time.
+//! Statistics of a real-time run, as a recorder sees it.
 
 use super::floor::PERIOD_NS;
 use super::results::Results;
@@ -6,7 +6,7 @@ use super::spread::Spread;
 use messages::wire::Truth;
 use shared::exit::Failure;
 
-/// Periods over which the success rate is taken.
+/// Control periods in the window of the success rate.
 const WINDOW: u64 = 100;
 
 /// Counts over every control period.
@@ -19,16 +19,16 @@ pub struct Watch {
     misses: Misses,
 }
 
-/// Control periods for which no new command came in time.
+/// Control periods without a new command in time.
 #[derive(Clone, Copy, Debug, Default)]
 struct Misses {
     all: u64,
-    /// Since the last answer, and the most so far.
+    /// Control periods since the last answer, and the greatest number of them.
     now: u64,
     longest: u64,
     /// Answers among the last periods, one bit each.
     recent: u128,
-    /// Least number of them, once there have been so many periods.
+    /// The least number of answers in a full window.
     fewest: Option<u32>,
     periods: u64,
 }
@@ -48,10 +48,10 @@ impl Misses {
 }
 
 impl Watch {
-    /// Nothing yet.
+    /// Empty statistics.
     ///
     /// # Errors
-    /// Never; see [`Spread::new`].
+    /// None; see [`Spread::new`].
     pub fn new() -> Result<Watch, Failure> {
         Ok(Watch {
             wake: Spread::new()?,
@@ -63,7 +63,7 @@ impl Watch {
         })
     }
 
-    /// Takes the truth of a control period. The first two are of the time before the clock paces.
+    /// Adds the truth of a control period. The first two precede the pacing by the clock.
     pub fn take(&mut self, truth: &Truth) {
         self.latest = *truth;
         if truth.stamp.seq <= 2 {
@@ -83,12 +83,12 @@ impl Watch {
         self.latest.stamp.seq
     }
 
-    /// When the latest one began.
+    /// Start of the latest control period.
     pub fn begin_ns(&self) -> u64 {
         self.latest.stamp.mono_ns
     }
 
-    /// Puts all of it into the results.
+    /// Adds the statistics to the results.
     pub fn report(&self, results: &mut Results, section: &'static str) {
         results.put(section, "wake", &self.wake);
         results.put(section, "sensors to command", &self.answer);

@@ -22,23 +22,23 @@ pub struct RobustnessArgs {
     /// Probabilities that a command is lost, ascending
     #[arg(long, value_name = "P,…", value_delimiter = ',', allow_negative_numbers = true)]
     pub(super) loss: Vec<f64>,
-    /// Repeat the map for each value of a key, say plant.friction=0.7,0.3 or plant.payload_kg=0,2 or
-    /// plant.push_impulse=[0,2,0],[0,-2,0]; given twice, for each combination
+    /// Repeat the map for each value of a key, for example plant.friction=0.7,0.3 or plant.payload_kg=0,2 or
+    /// plant.push_impulse=[0,2,0],[0,-2,0]; if repeated, for each combination
     #[arg(long, value_name = "KEY=V,…")]
     pub(super) with: Vec<String>,
-    /// Runs of each cell, every one with another seed
+    /// Runs of each cell, each with its own seed
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub(super) seeds: Option<u64>,
     /// A coarse map of short walks, within seconds
     #[arg(long)]
     pub(super) quick: bool,
-    /// Do only the i-th of n equal shares of the runs
+    /// Run only the i-th of n equal shares
     #[arg(long, value_name = "I/N")]
     pub(super) shard: Option<Shard>,
-    /// Do none, but put the tables of all shards together and draw the map; with the options that they were made with
+    /// Run nothing: merge the tables of all shards and draw the map; needs the options of the shards
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "shard")]
     pub(super) merge: Vec<PathBuf>,
-    /// Write the table and the map into this folder; what its table has already is not done again
+    /// Write the table and the map into this folder; runs that its table has already are not repeated
     #[arg(long, value_name = "DIR", default_value = "out/robustness")]
     pub(super) out: PathBuf,
     /// Show no progress

@@ -1,4 +1,4 @@
-//! What came out, cell by cell: a cell is all runs that differ in their seed alone.
+//! Results by cell. A cell contains all runs that differ only in their seed.
 
 use super::grid::{Case, Grid};
 use super::table::{self, UP};
@@ -11,18 +11,18 @@ use shared::exit::{Exit, Failure};
 /// One cell.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Cell {
-    /// Share of the runs that stayed up.
+    /// Share of the runs without a fall.
     pub up: f64,
-    /// Share of the runs that walked evenly too, the period of two steps varying by less than [`EVEN_MS`].
+    /// Share of the runs without a fall in which the period of two steps varied by less than [`EVEN_MS`].
     pub even: f64,
-    /// Mean age of the command in force, in periods: what loss and jitter amount to as a delay.
+    /// Mean age of the applied command [control periods]: the delay that loss and jitter are equivalent to.
     pub age: f64,
 }
 
-/// Every cell, in the order of the grid.
+/// Every cell, ordered as in the grid.
 pub struct Cells {
     cells: Vec<Cell>,
-    /// Critical delay of the worst servo in each variation, by linear analysis [control periods].
+    /// Critical delay of the least stable servo in each variation, by linear analysis [control periods].
     pub critical: Vec<f64>,
 }
 
@@ -32,10 +32,10 @@ pub const EVEN_MS: f64 = 1.0;
 const AGES: u64 = 20_000;
 
 impl Cells {
-    /// Sums up the rows of a complete table.
+    /// Summarises the rows of a complete table.
     ///
     /// # Errors
-    /// A row that is missing, or a scene whose servos cannot be had.
+    /// A missing row, or a scene whose servos cannot be analysed.
     pub fn new(grid: &Grid, cases: &[Case], rows: &[Option<String>]) -> Result<Cells, Failure> {
         let critical = grid.variations.iter().map(|variation| {
             let loops = stability::loops(&variation.scene).map_err(controller::process::ProcessError::from)?;
@@ -66,7 +66,7 @@ impl Cells {
         &self.cells[row * grid.delays.len() + delay]
     }
 
-    /// What the map shows, as a table in Markdown: a row for each loss.
+    /// The map as a Markdown table with a row for each loss.
     pub fn summary(&self, grid: &Grid) -> String {
         let heads = ["with", "loss", "up", "evenly", "evenly at delays to", "evenly at jitters to", "servo bears"];
         let mut rows = vec![heads.map(String::from).to_vec()];

@@ -3,7 +3,7 @@
     pip install distributed
     python launch/robustness/dask_sweep.py --shards 8 --out out/robustness -- --seeds 10
 
-Without --scheduler two workers on this machine do the work. What follows -- goes to every `biped robustness` as it is.
+Without --scheduler two workers on this machine do the work. Options after -- go to every `biped robustness` unchanged.
 The workers need the program under the same path and nothing else: tables come back through Dask.
 """
 
@@ -28,7 +28,7 @@ def shard(program, options, i, n):
 def main():
     arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     arguments.add_argument("--scheduler", help="address of a running Dask scheduler, as tcp://host:8786")
-    arguments.add_argument("--shards", type=int, default=8, help="a few for each worker, so that all end together")
+    arguments.add_argument("--shards", type=int, default=8, help="a few per worker, so that all workers end at about the same time")
     arguments.add_argument("--program", default="target/release/biped")
     arguments.add_argument("--out", type=pathlib.Path, default=pathlib.Path("out/robustness"))
     arguments.add_argument("options", nargs="*", help="options of biped robustness, after --")

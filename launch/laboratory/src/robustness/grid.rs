@@ -1,4 +1,4 @@
-//! Which runs: every combination of the axes, numbered.
+//! The list of runs: every combination of the axes, numbered.
 
 use super::args::RobustnessArgs;
 use messages::load::{load, text, validate};
@@ -15,7 +15,7 @@ pub struct Grid {
     pub jitters: Vec<f64>,
     /// Losses [-].
     pub losses: Vec<f64>,
-    /// What else differs.
+    /// Variations of the scene.
     pub variations: Vec<Variation>,
     /// Runs of each cell.
     pub seeds: u64,
@@ -23,7 +23,7 @@ pub struct Grid {
 
 /// The scene with other values.
 pub struct Variation {
-    /// The settings that make it; empty for the scene as it is.
+    /// Its settings; empty for the scene itself.
     pub name: String,
     /// The scene.
     pub scene: Scene,
@@ -31,15 +31,15 @@ pub struct Variation {
 
 /// One run.
 pub struct Case<'a> {
-    /// Its place among all runs of the grid.
+    /// Its number in the grid.
     pub number: usize,
-    /// What else differs.
+    /// Variations of the scene.
     pub variation: &'a Variation,
-    /// What happens to its commands.
+    /// The disturbance of its commands.
     pub link: LinkScene,
 }
 
-/// Axes if none are given; and quick ones, for walks of so many seconds.
+/// Default axes, and quick ones with the duration of their walks.
 const DELAYS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 const JITTERS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
 const LOSSES: [f64; 6] = [0.0, 0.2, 0.4, 0.6, 0.7, 0.8];
@@ -48,10 +48,10 @@ const QUICK: ([f64; 4], [f64; 2], [f64; 2], u64) = ([0.0, 2.0, 4.0, 8.0], [0.0, 
 const QUICK_DURATION: &str = "duration=6";
 
 impl Grid {
-    /// The grid that is asked for.
+    /// The grid of the arguments.
     ///
     /// # Errors
-    /// One sentence on a wish that cannot be.
+    /// A bad argument.
     pub fn new(args: &RobustnessArgs) -> Result<Grid, Failure> {
         let (delays, jitters, losses, seeds) = match args.quick {
             true => (&QUICK.0[..], &QUICK.1[..], &QUICK.2[..], QUICK.3),
@@ -64,7 +64,7 @@ impl Grid {
             variations: variations(args)?,
             seeds: args.seeds.unwrap_or(seeds),
         };
-        // A link as bad as any of the grid: if that is a good scene, all are.
+        // The worst link of the grid. If this scene is valid, all are.
         for variation in &grid.variations {
             let last = |axis: &[f64]| axis.last().copied().unwrap_or_default();
             let first = |axis: &[f64]| axis.first().copied().unwrap_or_default();
@@ -95,7 +95,7 @@ impl Grid {
         cases
     }
 
-    /// A number that differs where axes or scenes do.
+    /// A hash of axes and scenes.
     pub fn hash(&self) -> u64 {
         let axes = format!("{:?}{:?}{:?}{}", self.delays, self.jitters, self.losses, self.seeds);
         let scenes = self.variations.iter().map(|variation| text(&variation.scene));
@@ -110,7 +110,7 @@ impl Case<'_> {
     }
 }
 
-/// Values of an axis, ascending.
+/// Checks that the values of an axis ascend.
 fn axis(name: &str, wished: &[f64], usual: &[f64]) -> Result<Vec<f64>, Failure> {
     let values = if wished.is_empty() { usual } else { wished };
     match values.windows(2).find(|pair| pair[0].partial_cmp(&pair[1]) != Some(std::cmp::Ordering::Less)) {
@@ -129,7 +129,7 @@ fn variations(args: &RobustnessArgs) -> Result<Vec<Variation>, Failure> {
         let (key, values) = wish.split_once('=').filter(|(_, values)| !values.is_empty()).ok_or_else(|| {
             Failure::new(
                 Exit::Usage,
-                format!("--with {wish}: a key with its values is needed, as plant.friction=0.7,0.3"),
+                format!("--with {wish}: give a key with its values, for example plant.friction=0.7,0.3"),
             )
         })?;
         let settings: Vec<_> = outside_brackets(values).into_iter().map(|value| format!("{key}={value}")).collect();
@@ -153,7 +153,7 @@ fn variations(args: &RobustnessArgs) -> Result<Vec<Variation>, Failure> {
     combinations.iter().map(|settings| Ok(Variation { name: settings.join(" "), scene: scene(settings)? })).collect()
 }
 
-/// The parts between commas that are not within brackets.
+/// Splits at the commas that are not within brackets.
 fn outside_brackets(values: &str) -> Vec<String> {
     let (mut parts, mut depth) = (vec![String::new()], 0);
     for letter in values.chars() {

@@ -1,5 +1,5 @@
-//! The map: a panel for each loss, delay across and jitter up; who stays up, the contour of survival, and where the
-//! servo alone would become unstable.
+//! The map: a panel for each loss, with delay as x and jitter as y. It shows the share of runs without a fall, the survival contour,
+//! and the stability limit of the servo alone.
 
 use super::cells::{Cell, Cells};
 use super::grid::Grid;
@@ -7,15 +7,15 @@ use plotters::style::RGBColor;
 use records::report::draw::plot;
 use records::report::plot::{Axis, COM, Frame, GREEN, INK, Mark, RIGHT, ZMP};
 
-/// Panels side by side.
+/// Panels in a row.
 const ACROSS: usize = 2;
-/// Room left of a panel and between panels, above and below, in cells' widths and heights.
+/// Margins of a panel: left, between panels, above and below [cells].
 const GAP: [f64; 3] = [2.2, 1.7, 1.9];
 /// Height of a row of cells, and of title and legend [px].
 const ROW: [f64; 2] = [17.0, 110.0];
 /// Opacity of a cell.
 const STRENGTH: f64 = 0.45;
-/// Share of the runs of a cell that must stay up for it to lie within the contour.
+/// Share of runs without a fall from which on a cell lies within the survival contour.
 const MOST: f64 = 0.5;
 
 /// The map of survival.
@@ -39,7 +39,7 @@ pub fn survival(grid: &Grid, cells: &Cells) -> String {
     plot(&frame, &marks)
 }
 
-/// What the legend names, as marks too small to be seen.
+/// Invisible marks that make the entries of the legend.
 fn legend() -> [Mark; 5] {
     let speck = vec![(0.0, 0.0); 2];
     let area = |colour| Mark::area(speck.clone(), colour).faint(STRENGTH);
@@ -94,7 +94,7 @@ impl Panel<'_> {
         marks.push(Mark::dashes(self.critical(), COM));
     }
 
-    /// Edges between cells that mostly stay up and cells that do not.
+    /// Edges between cells inside and outside the survival contour.
     fn contour(&self) -> Vec<[(f64, f64); 2]> {
         let is_up = |jitter: usize, delay: usize| self.cell(jitter, delay).up >= MOST;
         let mut edges = Vec::new();
@@ -112,7 +112,7 @@ impl Panel<'_> {
         edges
     }
 
-    /// Where the mean age of the command in force is the servo's critical delay, through the middle of each row.
+    /// The line on which the mean age of the applied command equals the critical delay of the servo, through the middle of each row.
     fn critical(&self) -> Vec<(f64, f64)> {
         let critical = self.cells.critical[self.variation];
         let ages = |jitter: usize| (0..self.grid.delays.len()).map(move |delay| self.cell(jitter, delay).age);
@@ -127,7 +127,7 @@ impl Panel<'_> {
     }
 }
 
-/// Mixed by how many runs walk evenly, stagger and fall.
+/// A colour mixed from the shares of even walks, uneven walks and falls.
 fn colour(cell: &Cell) -> RGBColor {
     let parts = [(GREEN, cell.even), (RIGHT, cell.up - cell.even), (ZMP, 1.0 - cell.up)];
     let mix =

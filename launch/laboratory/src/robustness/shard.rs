@@ -10,7 +10,7 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Whether it has a run: neighbours go to different shards, which then take about as long.
+    /// Whether it contains a run. Neighbouring runs go to different shards, so that all shards take about the same time.
     pub fn has(self, number: usize) -> bool {
         number % self.count == self.index - 1
     }

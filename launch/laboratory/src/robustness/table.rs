@@ -1,4 +1,4 @@
-//! The table: one row for each run, appended as runs end, sorted when all have.
+//! The table: one row for each run. Rows are appended as runs end and sorted at the end.
 
 use super::grid::{Case, Grid};
 use crate::study::Outcome;
@@ -12,12 +12,12 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 
 const HEADER: &str = "case,with,delay_ms,jitter_ms,jitter,loss,seed,outcome,fall_s,speed_mps,period_s,period_std_ms,drift_m,tilt_deg,hash";
-/// Cells of a row that say what came out.
+/// Number of result cells of a row.
 const RESULTS: usize = 8;
-/// A run that stayed up.
+/// Result of a run without a fall.
 pub const UP: &str = "up";
 
-/// The rows of runs that have ended, by number; a file that grows with them, and is locked meanwhile.
+/// The rows of finished runs by number, and the locked file to which they are appended.
 pub struct Table {
     path: PathBuf,
     begin: String,
@@ -25,10 +25,10 @@ pub struct Table {
 }
 
 impl Table {
-    /// Opens a table, with the rows that an earlier run of the same sweep has left; a row that was cut short is dropped.
+    /// Opens a table with the rows of an earlier run of the same sweep. An incomplete last row is dropped.
     ///
     /// # Errors
-    /// A file of another sweep, one that somebody writes just now, or one that cannot be written.
+    /// A file of another sweep, a file that another process is writing, or one that cannot be written.
     pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
         let failed = |error: std::io::Error| unwritten(path, &error);
         let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
@@ -45,12 +45,12 @@ impl Table {
         Ok(Table { path: path.into(), begin, growing: Mutex::new((file, rows)) })
     }
 
-    /// Whether a run is there.
+    /// Whether a run has a row.
     pub fn has(&self, number: usize) -> bool {
         self.growing.lock().unwrap_or_else(PoisonError::into_inner).1[number].is_some()
     }
 
-    /// Takes the outcome of a run, into the file too.
+    /// Adds the outcome of a run, also to the file.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -62,7 +62,7 @@ impl Table {
         Ok(())
     }
 
-    /// Sorts the file, and gives the rows.
+    /// Sorts the file and returns the rows.
     ///
     /// # Errors
     /// If it cannot be written.
@@ -76,7 +76,7 @@ impl Table {
 /// The rows of several tables of one sweep.
 ///
 /// # Errors
-/// A file of another sweep, rows that contradict each other, or a run that none of them has.
+/// A file of another sweep, rows that contradict each other, or a run without a row.
 pub fn merge(paths: &[PathBuf], grid: &Grid, cases: &[Case]) -> Result<Vec<Option<String>>, Failure> {
     let mut rows = vec![None; cases.len()];
     for path in paths {
@@ -108,7 +108,7 @@ fn joined(begin: &str, rows: &[Option<String>]) -> String {
     [begin].into_iter().chain(rows.iter().flatten().map(String::as_str)).collect()
 }
 
-/// The first two lines: which sweep this is, and the names of the columns.
+/// The first two lines: the sweep, and the names of the columns.
 fn begin(grid: &Grid) -> String {
     format!("# biped {} robustness, sweep {:016x}\n{HEADER}\n", env!("CARGO_PKG_VERSION"), grid.hash())
 }
@@ -147,7 +147,7 @@ fn results(outcome: &Outcome) -> [String; RESULTS] {
     cells
 }
 
-/// Takes the rows of a file into `rows`.
+/// Reads the rows of a file into `rows`.
 fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option<String>]) -> Result<(), Failure> {
     let refuse = |words: String| Failure::new(Exit::Usage, format!("{} {words}", path.display()));
     let (whole, begin) = (whole(text), begin(grid));
@@ -160,7 +160,7 @@ fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option
     for line in body.split_inclusive('\n') {
         let case = line.split(',').next().and_then(|number| cases.get(number.parse::<usize>().ok()?));
         let Some(case) = case.filter(|case| cells(case, line).len() == RESULTS) else {
-            return Err(refuse(format!("has a line that is no row of this sweep: `{}`", line.trim_end())));
+            return Err(refuse(format!("has a line that is not a row of this sweep: `{}`", line.trim_end())));
         };
         match &rows[case.number] {
             Some(known) if known != line => {
@@ -172,7 +172,7 @@ fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option
     Ok(())
 }
 
-/// Without a row that was cut short.
+/// The text without an incomplete last row.
 fn whole(text: &str) -> &str {
     text.rfind('\n').map_or("", |end| &text[..=end])
 }

@@ -16,7 +16,7 @@ pub struct StudyArgs {
     /// Show no progress
     #[arg(long)]
     pub(super) quiet: bool,
-    /// Contact problems to solve, of all families together; for `problems`, which without it solves a million
+    /// Number of contact problems of all families together [1000000]; for `problems`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]
     pub(super) count: Option<u64>,
     #[command(flatten)]
@@ -26,21 +26,21 @@ pub struct StudyArgs {
 /// Which table.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Study {
-    /// How far the robot, its sensors and the ground may be off before it falls
+    /// Tolerance of the walk against errors of the robot, its sensors and the ground
     Margins,
     /// The same walk under each contact law
     Laws,
-    /// Where the lateral orbit is attracted to, with and without the energy rule (39)
+    /// Attraction of the lateral orbit, with and without the energy rule (39)
     Attraction,
     /// Long walks
     Endurance,
-    /// How well contact problems of every kind are solved
+    /// Accuracy of the solution of contact problems of every kind
     Problems,
-    /// How hard the robot may be pushed, beside what a pendulum on its feet could bear
+    /// Greatest push without a fall, compared with the limit of a pendulum on feet
     Pushes,
 }
 
-/// What else `biped study pushes` can be asked.
+/// Further options of `biped study pushes`.
 #[derive(Args)]
 pub struct PushArgs {
     /// Phases of a period at which the robot is pushed [12]; for `pushes`
@@ -62,7 +62,7 @@ pub struct PushArgs {
 
 impl PushArgs {
     /// # Errors
-    /// What is asked of another study, and an offset that is none.
+    /// Refuses these options for other studies, and an offset outside its range.
     pub fn check(&self, study: Study) -> Result<(), Failure> {
         let given = [
             ("--phases", self.phases.is_some()),
@@ -91,7 +91,7 @@ impl PushArgs {
     }
 }
 
-/// Whither it is pushed.
+/// Direction of a push.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum Direction {
     /// Along x
@@ -123,7 +123,7 @@ impl Direction {
     }
 }
 
-/// An option was given to a study that has no use for it.
+/// The failure of an option that the study does not have.
 pub fn belongs_to(option: &str, study: &str) -> Failure {
     Failure::new(Exit::Usage, format!("{option} is of `study {study}`: other tables have their cases"))
 }

@@ -5,11 +5,11 @@ use messages::scene::Law;
 
 /// One run of a table.
 pub struct Case {
-    /// What the row is called.
+    /// Name of the row.
     pub name: String,
-    /// The scene it starts from …
+    /// The scene.
     pub scene: &'static str,
-    /// … and what is changed in it.
+    /// Its changed settings.
     pub settings: Vec<String>,
 }
 

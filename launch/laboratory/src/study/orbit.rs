@@ -1,8 +1,8 @@
-//! Second table of `biped study attraction`: how the robot itself comes back to its orbit.
+//! Second table of `biped study attraction`: the return of the simulated robot to its orbit.
 //!
-//! Stepping in place, it is pushed sideways, once to each side. At the turning point of a step E_2 = −ω_2² x_2²/2, x_2 being the distance of
-//! the robot's centre of mass from its sole, as the simulation knows it; nothing here is asked of the controller. Half the difference of the
-//! two runs is the deviation, free of what both have in common. By (41) it decays as e^(−k_E t).
+//! The robot steps in place and is pushed sideways, in one run to each side. At the turning point of a step E_2 = −ω_2² x_2²/2, where x_2 is
+//! the simulated distance of the centre of mass from the sole; the controller's estimates are not used. The deviation is half the difference
+//! of the two runs, in which common effects cancel. By (41) it decays as e^(−k_E t).
 
 use super::pushes::{Push, disturbed};
 use controller::constants::Constants;
@@ -15,18 +15,18 @@ use std::sync::atomic::AtomicBool;
 
 /// Gains k_E of (39) [1/s].
 const GAINS: [f64; 3] = [4.0, 2.0, 0.0];
-/// Impulse of the push [N·s], its time, amid the way from a turning point to an exchange, and the end of the run [s].
+/// Impulse of the push [N·s], its time, halfway between a turning point and an exchange of support, and the end of the run [s].
 const IMPULSE: f64 = 1.0;
 const TIME: f64 = 5.02;
 const END: f64 = 7.5;
-/// Steps that are shown, and those over which the rate is measured.
+/// Steps in the table, and the steps over which the rate is measured.
 const SHOWN: usize = 6;
 const MEASURED: usize = 2;
 
-/// The rows, the first one naming the columns.
+/// The rows. The first one names the columns.
 ///
 /// # Errors
-/// Ctrl-C, or a bad scene, which a test excludes.
+/// Ctrl-C, or a bad scene (excluded by a test).
 pub fn rows(stop: &AtomicBool) -> Result<Vec<Vec<String>>, Failure> {
     let headings = (0..SHOWN).map(|step| format!("step {step}"));
     let first = ["E_2 after a push, of its first deviation".into()];

@@ -1,8 +1,7 @@
-//! `biped study problems`: contact problems by the million, from whatever a robot or a heap of bodies can get into.
+//! `biped study problems`: millions of contact problems, from situations of robots and of loose bodies.
 //!
-//! A family is a way to make scenes by chance. Each of its episodes is one scene, simulated for some steps; the problem
-//! of each step is solved again under each law, every fourth time without the basis of the last step. The impulse is
-//! then judged afresh: what a solver says of itself counts for nothing.
+//! A family generates random scenes. Each episode simulates one scene for some steps. The problem of each step is solved again under each
+//! law, every fourth time without a warm start. The residual of the impulse is then computed independently of the solver's own report.
 
 mod families;
 mod tally;
@@ -21,9 +20,9 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use strum::VariantArray;
 
-/// Episodes of a family at least.
+/// Least number of episodes of a family.
 const EPISODES: usize = 20;
-/// Problems of one episode.
+/// Least and greatest number of problems of an episode.
 const EPISODE: (usize, usize) = (25, 200);
 
 /// One episode: simulates a scene and solves its problems under each law.
@@ -44,12 +43,12 @@ fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result
     while tallies[0].count < count && step < 50_000 {
         unless(stop)?;
         if let Some(controller) = &mut controller {
-            // A controller that gives up after a fall leaves the joints to themselves.
+            // after a fall the controller may fail; the torques are then zero
             torques = controller.tick(&encoders).unwrap_or_default();
         }
         match plant.advance(&torques) {
             Ok(read) => encoders = read,
-            Err(_) => break, // what was thrown too hard blows up
+            Err(_) => break, // a body that was thrown too fast blows up
         }
         step += 1;
         let problem = plant.problem();

@@ -1,7 +1,7 @@
-//! `biped study pushes`: how hard the robot may be pushed, by phase and direction, beside what a pendulum on its feet could bear.
+//! `biped study pushes`: greatest push without a fall, by phase and direction, compared with the limit of a pendulum on feet.
 //!
-//! The impulse grows in steps until the first one fells the robot: what stays up beyond that does not count, for survival is not
-//! monotonic. Then come long walks with pushes by chance, which punish what only bears a single one.
+//! The impulse grows in steps until the robot falls. Survival is not monotonic, so greater impulses without a fall do not count. Long walks
+//! with random pushes follow; they reveal controllers that withstand only a single push.
 
 mod limit;
 mod trial;
@@ -22,18 +22,18 @@ use std::sync::atomic::AtomicBool;
 use trial::BEGIN;
 pub use trial::{Push, disturbed};
 
-/// Gaits that are pushed.
+/// The gaits of the study.
 const GAITS: [(&str, &str); 2] = [("walk", "walking"), ("stamp", "stepping in place")];
-/// So long after the push the robot must still be up [s].
+/// Time after the push for which the robot must not fall [s].
 const AFTER: f64 = 6.0;
-/// By how much the impulse grows, and how far [N·s].
+/// Step and limit of the impulse [N·s].
 const GROWTH: f64 = 0.5;
 const GREATEST: f64 = 12.0;
-/// Long walks: how many, of which length [s], pushed how hard at most [N·s], every so often [s].
+/// Long walks: number, duration [s], greatest impulses [N·s], interval of the pushes [s].
 const WALKS: [(usize, f64, f64); 2] = [(10, 600.0, 3.0), (10, 120.0, 5.0)];
 const EVERY: f64 = 5.0;
 
-/// Runs all of it on all cores, prints the tables and writes them, if asked to.
+/// Runs everything on all cores, prints the tables, and writes them if `--out` is given.
 ///
 /// # Errors
 /// A bad setting, Ctrl-C, or a folder that cannot be written.
@@ -90,7 +90,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     hand_out(args, &text, &[("", csv::text(&rows)), ("-walks", csv::text(&walked))])
 }
 
-/// Greatest impulse [N·s] up to which every smaller one is borne, pushed `share` of a period after [`BEGIN`].
+/// Impulse [N·s] up to which the robot does not fall, for a push at `share` of a period after [`BEGIN`].
 fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> Result<f64, Failure> {
     let period = scene.controller.as_ref().map_or(0.0, |controller| controller.period);
     let time = BEGIN + share * period;
@@ -106,7 +106,7 @@ fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> 
     Ok(borne)
 }
 
-/// When a walk fell [s] that is pushed by up to `most` [N·s] at random, and its greatest yaw [deg].
+/// Time of the fall [s] of a walk with random pushes up to `most` [N·s], and its greatest yaw [deg].
 fn long_walk(scene: &Scene, most: f64, seed: u64, stop: &AtomicBool) -> Result<(Option<f64>, f64), Failure> {
     let mut random = fastrand::Rng::with_seed(seed);
     let count = ((scene.duration - BEGIN) / EVERY) as usize;

@@ -1,4 +1,4 @@
-//! Views (ii) and (iv): a bar for each cost, named and numbered where it ends.
+//! Views (ii) and (iv): a bar for each cost, with name and number at its end.
 
 use super::style::{Family, label};
 use crate::chart::csv::{Row, View};
@@ -8,12 +8,12 @@ use plotters::style::RGBColor;
 use records::report::draw::plot;
 use records::report::plot::{Axis, Frame, LEFT, Mark};
 
-/// Height of a bar with the space to the next, and of what surrounds them [px].
+/// Height of a bar with its space, and of the surroundings of all bars [px].
 const ROW: [f64; 2] = [17.0, 96.0];
 /// Share of the axis that bars may take; the rest is for the names.
 const REACH: f64 = 0.52;
 
-/// View (ii) of a scene; none without measurements.
+/// View (ii) of a scene; `None` without measurements.
 pub fn steps(scene: &str, title: &str, rows: &[Row]) -> Option<String> {
     let of_scene = || rows.iter().filter(|row| row.view == View::Steps && row.scene == scene);
     let bars = of_scene().filter(|row| row.metric != P99).map(|row| {
@@ -24,7 +24,7 @@ pub fn steps(scene: &str, title: &str, rows: &[Row]) -> Option<String> {
     draw(title, "time per step of 1 ms [µs]", bars.collect(), true)
 }
 
-/// View (iv) of a group; none without measurements.
+/// View (iv) of a group; `None` without measurements.
 pub fn models(group: &Group, rows: &[Row]) -> Option<String> {
     let bars = rows.iter().filter(|row| row.view == View::Models && row.scene == group.name).map(|row| {
         let same = if row.error < 1e-13 { "the same".into() } else { format!("{:.0e} off", row.error) };
@@ -33,7 +33,7 @@ pub fn models(group: &Group, rows: &[Row]) -> Option<String> {
     draw(group.title, "CPU time per step of 1 ms [µs]", bars.collect(), false)
 }
 
-/// A cost, what it may reach (a thin line to there; NaN for none), whose it is.
+/// A cost with its 99th percentile (a thin line; NaN for none), its name and its colour.
 struct Bar {
     us: f64,
     reach: f64,

@@ -1,4 +1,4 @@
-//! View (i) of a scene: a curve for each method, named where it ends.
+//! View (i) of a scene: a curve for each method, with its name at the end.
 
 use super::style::{Family, label};
 use crate::chart::cases::Case;
@@ -7,7 +7,7 @@ use crate::chart::precision::is_hollow;
 use records::report::draw::plot;
 use records::report::plot::{Axis, Frame, Mark};
 
-/// An error that is as good as none: the rounding of a double.
+/// An error of this size is rounding of a double.
 const NOTHING: f64 = 1e-16;
 /// Width of a label beside the curves, as a share of the axis.
 const MARGIN: f64 = 0.62;
@@ -30,7 +30,7 @@ struct Curve {
     named: bool,
 }
 
-/// View (i) of a scene; none without measurements.
+/// View (i) of a scene; `None` without measurements.
 pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
     let mut curves = distinct(curves(case, rows));
     name_peers(&mut curves);
@@ -72,7 +72,7 @@ pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
     Some(plot(&frame, &marks))
 }
 
-/// Of each other engine only the setting with the least error at 1 ms is named; ties go to the fastest.
+/// Names only the setting of each other engine with the least error at 1 ms, and the fastest of equal ones.
 fn name_peers(curves: &mut [Curve]) {
     let merit = |curve: &Curve| curve.at_1_ms.1.max(-14.0) + 1e-3 * curve.at_1_ms.0;
     for i in 0..curves.len() {
@@ -81,7 +81,7 @@ fn name_peers(curves: &mut [Curve]) {
     }
 }
 
-/// The power of ten at or below the least.
+/// The greatest power of ten that does not exceed the least value.
 fn floor(values: impl Iterator<Item = f64>) -> f64 {
     values.fold(f64::INFINITY, f64::min).floor()
 }
@@ -129,7 +129,7 @@ fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, (f64, f64))> {
     steps.into_iter().map(point).filter(|(_, point)| point.0.is_finite() && point.1 < 3.0).collect()
 }
 
-/// Curves of one family with the same errors become one, at the cost of the fastest, with all their names.
+/// Merges curves of one kind with equal errors into one curve with all names and the cost of the fastest.
 fn distinct(curves: Vec<Curve>) -> Vec<Curve> {
     let mut kept: Vec<Curve> = Vec::new();
     for curve in curves {
@@ -170,12 +170,12 @@ fn short(label: &str) -> String {
     }
 }
 
-/// The places nearest to the wanted ones that are `gap` apart, between `low` and `high`.
+/// Places between `low` and `high`, at least `gap` apart, as close as possible to the wanted ones.
 fn apart(wanted: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
     let mut places = wanted.to_vec();
-    // Pushed up in order, then down from the top, a few times: settles near the wanted places.
+    // A few passes, upwards and then downwards, end close to the wanted places.
     for _ in 0..60 {
         for pair in order.windows(2) {
             let lack = gap - (places[pair[1]] - places[pair[0]]);

@@ -10,10 +10,10 @@ use strum::VariantArray;
 
 /// Width of the names, in columns of the map.
 const NAMES: f64 = 3.6;
-/// Height of a row, and of what surrounds them [px].
+/// Height of a row, and of the surroundings of all rows [px].
 const ROW: [f64; 2] = [22.0, 72.0];
 
-/// The map with these scenes for columns; none without measurements.
+/// The map with these scenes as columns; `None` without measurements.
 pub fn failures(columns: &[&str], rows: &[Row]) -> Option<String> {
     let judged: Vec<_> = rows.iter().filter(|row| row.view == View::Failures && row.dt > 0.0).collect();
     let mut methods: Vec<&Row> = Vec::new();
@@ -52,7 +52,7 @@ pub fn failures(columns: &[&str], rows: &[Row]) -> Option<String> {
     (!methods.is_empty()).then(|| plot(&frame, &marks))
 }
 
-/// Colour and strength of a cell.
+/// Colour and opacity of a cell.
 fn colour(metric: &str) -> (RGBColor, f64) {
     match Cause::VARIANTS.iter().copied().find(|cause| cause.name() == metric) {
         Some(Cause::BlowUp | Cause::NoSolution | Cause::Zeno) => (ZMP, 0.6),

@@ -5,14 +5,14 @@ use crate::chart::csv::{OURS, Row};
 use plotters::style::RGBColor;
 use records::report::plot::{GREEN, GREY, LEFT, RIGHT};
 
-/// Whose curve it is.
+/// The kind of method that a curve shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Family {
     /// Another simulator.
     Peer,
-    /// A law, with the integrator that all laws are compared with.
+    /// A law, with the integrator used to compare laws.
     Law,
-    /// An integrator, under the law that all are compared under.
+    /// An integrator, under the law used to compare integrators.
     Integrator,
 }
 
@@ -26,7 +26,7 @@ impl Family {
         }
     }
 
-    /// Its colour: one for each family, another for what does not converge.
+    /// Its colour: one for each kind, another one for methods that do not converge.
     pub fn colour(self, hollow: bool) -> RGBColor {
         match self {
             Family::Peer => GREY,
@@ -37,7 +37,7 @@ impl Family {
     }
 }
 
-/// What a method is called beside its curve: of ours the part that varies, of others no remark.
+/// The label beside a curve: of our methods the part that varies, of other engines the name without the remark in brackets.
 pub fn label(row: &Row) -> String {
     match (Family::of(row), row.method.split_once('/')) {
         (Family::Integrator, Some((_, method))) => method.into(),

@@ -1,20 +1,20 @@
-//! Motion that obeys a smooth equation without a closed solution: a puck that slides and turns, a loaded ball that rolls.
+//! Motions with a smooth equation but no closed solution: a sliding, turning puck and a rolling, loaded ball.
 //!
-//! The equation is integrated by the classical method of Runge and Kutta, in so many steps that what is left is rounding.
+//! The equation is integrated by the classical Runge-Kutta method with so many steps that only rounding remains.
 
 use messages::scene::Scene;
 use nalgebra::{Rotation2, Vector2, Vector3};
 
-/// Downhill and into the ground: components of gravity [m/s²].
+/// Components of gravity downhill and into the ground [m/s²].
 pub fn gravity(scene: &Scene) -> [f64; 2] {
     let slope = scene.plant.incline_deg.to_radians();
     [scene.plant.gravity * slope.sin(), scene.plant.gravity * slope.cos()]
 }
 
-/// Steps: with half as many no answer differs by 1e-12.
+/// Number of steps. With half as many, no answer differs by 1e-12.
 const STEPS: u32 = 16_000;
 
-/// The state after `time`, from `state` on, by the classical method of fourth order.
+/// The state at `time`, starting from `state`, by the classical method of fourth order.
 fn integrate<const N: usize>(state: [f64; N], time: f64, steps: u32, rate: impl Fn(&[f64; N]) -> [f64; N]) -> [f64; N] {
     let h = time / f64::from(steps);
     let ahead = |state: &[f64; N], slope: &[f64; N], by: f64| std::array::from_fn(|i| state[i] + by * slope[i]);
@@ -28,22 +28,22 @@ fn integrate<const N: usize>(state: [f64; N], time: f64, steps: u32, rate: impl 
     })
 }
 
-/// A puck that slides and turns on legs which share its weight evenly: friction opposes the velocity of each leg.
+/// A puck that slides and turns on legs that share its weight evenly. Friction opposes the velocity of each leg.
 ///
-/// Three legs 120° apart do so if its centre of mass lies amid them at the height of the ground, for then friction has no moment
-/// that would shift their loads.
+/// Three legs 120° apart share the weight evenly if the centre of mass lies in their middle at ground level: then friction has no
+/// moment that would shift the loads.
 #[derive(Clone, Debug)]
 pub struct Puck {
     legs: Vec<Vector2<f64>>,
     /// Radius of gyration about the vertical, squared [m²].
     gyration: f64,
-    /// Deceleration by friction of what slides without turning [m/s²].
+    /// Deceleration by friction without rotation [m/s²].
     friction: f64,
     velocity: [f64; 2],
     spin: f64,
 }
 
-/// Where a puck has got to.
+/// Displacement of a puck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Place {
     /// Of the centre of mass [m].
@@ -65,13 +65,13 @@ impl Puck {
         }
     }
 
-    /// Where it is after a time in which it has not come to rest.
+    /// Its displacement at a time before it comes to rest.
     pub fn at(&self, time: f64) -> Place {
         let [x, y, yaw, ..] = self.after(time, STEPS);
         Place { travel: Vector3::new(x, y, 0.0), yaw }
     }
 
-    /// Place and attitude, then their rates.
+    /// Position and yaw, then their rates.
     fn after(&self, time: f64, steps: u32) -> [f64; 6] {
         let start = [0.0, 0.0, 0.0, self.velocity[0], self.velocity[1], self.spin];
         integrate(start, time, steps, |&[_, _, yaw, vx, vy, spin]| {
@@ -89,12 +89,12 @@ impl Puck {
     }
 }
 
-/// A ball whose centre of mass lies beside its middle, let go at rest, that rolls to and fro without slipping.
+/// A ball with an eccentric centre of mass, released at rest, that rolls to and fro without slipping.
 #[derive(Clone, Copy, Debug)]
 pub struct Ball {
     /// Radius [m].
     pub radius: f64,
-    /// From its middle to its centre of mass [m].
+    /// Distance from its centre to its centre of mass [m].
     offset: f64,
     /// Radius of gyration about the centre of mass, squared [m²].
     gyration: f64,
@@ -121,17 +121,17 @@ impl Ball {
         self.after(time, STEPS)[0]
     }
 
-    /// How far its centre of mass has got along x when it has come to an angle [m].
+    /// Displacement of its centre of mass along x at an angle [m].
     pub fn way(&self, angle: f64) -> f64 {
         self.radius * (angle - self.start) - self.offset * (angle.sin() - self.start.sin())
     }
 
-    /// Square of the distance of the centre of mass from where the ball touches, about which it turns [m²].
+    /// Square of the distance of the centre of mass from the contact point, the instantaneous centre of rotation [m²].
     fn arm(&self, angle: f64) -> f64 {
         self.radius * self.radius + self.offset * self.offset - 2.0 * self.radius * self.offset * angle.cos()
     }
 
-    /// Lagrange's equation of the angle φ, of ½ (k² + arm²) φ'² - g d (1 - cos φ); φ and φ'.
+    /// φ and φ' after a time, by Lagrange's equation of ½ (k² + arm²) φ'² - g d (1 - cos φ).
     fn after(&self, time: f64, steps: u32) -> [f64; 2] {
         integrate([self.start, 0.0], time, steps, |&[angle, rate]| {
             let pull = self.offset * angle.sin() * (self.radius * rate * rate + self.gravity);
@@ -168,7 +168,7 @@ mod tests {
         assert!((angle + 1.198_763_45).abs() < 1e-8 && (rate - 0.290_818_29).abs() < 1e-8, "{angle} {rate}");
     }
 
-    /// What does not slide turns ever slower by μ g r/k²; what does not turn slides as a cube does.
+    /// Without sliding the yaw rate falls by μ g r/k² per second; without rotation the puck slides as a cube does.
     #[test]
     fn a_puck_that_turns_alone_or_slides_alone_is_braked_evenly() {
         let puck = Puck::of(&scene("turn"));
@@ -178,7 +178,7 @@ mod tests {
         assert!((sliding[0] - (2.0 * 0.5 - 0.5 * 0.2 * 9.81 * 0.25)).abs() < 1e-12, "{sliding:?}");
     }
 
-    /// What it has fallen by it has in motion, wherever it is.
+    /// Its kinetic energy equals the potential energy that it has lost, at any time.
     #[test]
     fn a_ball_that_rolls_keeps_its_energy() {
         let ball = Ball::of(&scene("ball"));

@@ -1,4 +1,4 @@
-//! A drawing of a curve: ours, and MuJoCo's where it was measured, each with its exponent.
+//! A drawing of a curve: this simulator and, where measured, MuJoCo, each with its exponent.
 
 use super::peers;
 use super::points::{Point, exponent, of};
@@ -7,14 +7,14 @@ use crate::chart::csv::OURS;
 use records::report::draw::plot;
 use records::report::plot::{Axis, Frame, GREY, LEFT, Mark};
 
-/// Share of the axis that is left for names.
+/// Share of the axis that is kept free for names.
 const MARGIN: f64 = 0.45;
 /// Share of the height that a line of text takes.
 const LINE: f64 = 0.065;
-/// Room above and below the curves, in powers of ten.
+/// Space above and below the curves, in powers of ten.
 const EDGE: f64 = 0.3;
 
-/// The drawing: time of a step over what grows, both as logarithms but for contacts, of which there may be none.
+/// The drawing: time of a step over the growing quantity. Both axes are logarithmic, except that of contacts, which may be 0.
 pub fn draw(curve: &Curve, points: &[Point]) -> String {
     let linear = curve.name == "contacts";
     let place = |point: &&Point| (if linear { point.x } else { point.x.log10() }, point.us.log10());

@@ -1,4 +1,4 @@
-//! MuJoCo on the same robots: each goes as MJCF to a script, which loops in C.
+//! MuJoCo on the same robots: a script reads each of them as MJCF and steps it in C.
 
 use super::points::Point;
 use super::scenes::Curve;
@@ -9,12 +9,12 @@ use shared::exit::{Exit, Failure};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Whose points they are.
+/// The engine's name.
 pub const NAME: &str = "MuJoCo";
-/// The script, in the folder that this was built from.
+/// The script, in the source folder of this build.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/growth.py");
 
-/// Points of a curve; none, said aloud, where MuJoCo does not install.
+/// Points of a curve; none, with a message, if MuJoCo does not install.
 ///
 /// # Errors
 /// No Python, or a file that cannot be written.
@@ -27,7 +27,7 @@ pub fn points(curve: &Curve, scenes: &[(f64, Scene)], watch: &Watch) -> Result<V
     ended
 }
 
-/// The same, with files in a folder of their own.
+/// The same, with its files in `folder`.
 fn measured(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Watch) -> Result<Vec<Point>, Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
     let mut files: Vec<PathBuf> = Vec::new();

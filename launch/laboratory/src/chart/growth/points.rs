@@ -14,7 +14,7 @@ pub struct Point {
     pub us: f64,
 }
 
-/// A measurement, or the least of one and those before it.
+/// Adds a measurement; of several at the same place the least counts.
 pub fn keep_least(points: &mut Vec<Point>, new: Point) {
     let same = |old: &&mut Point| (old.curve, old.engine, old.x) == (new.curve, new.engine, new.x);
     match points.iter_mut().find(same) {
@@ -28,7 +28,7 @@ pub fn of<'a>(points: &'a [Point], curve: &Curve, engine: &str) -> Vec<&'a Point
     points.iter().filter(|point| point.curve == curve.name && point.engine == engine).collect()
 }
 
-/// The p of us ~ xᵖ to two digits, by least squares of logarithms from where the curve says on; none of fewer than two points.
+/// The exponent p of us ~ xᵖ to two digits, by a least-squares fit of logarithms for x >= `from`; `None` for fewer than two points.
 pub fn exponent(points: &[&Point], from: f64) -> Option<f64> {
     let logs = points.iter().filter(|point| point.x >= from).map(|point| (point.x.ln(), point.us.ln()));
     let logs: Vec<_> = logs.collect();

@@ -1,4 +1,4 @@
-//! What grows: a table on four sprung feet gets contact points, a chain gets links, a standing biped gets longer steps.
+//! Growing problems: contact points of a table on four sprung feet, links of a chain, step length of a standing biped.
 
 use crate::chart::cases::{LAW, Way, scene};
 use messages::robot::{Body, Joint};
@@ -7,10 +7,10 @@ use shared::exit::Failure;
 
 /// Steps of a run.
 const STEPS: f64 = 100.0;
-/// How all of it is simulated, as MuJoCo's Euler is.
+/// Law and integrator: the one that corresponds to MuJoCo's Euler.
 const WAY: Way = Way { law: LAW, method: Method::SemiImplicitEuler };
 
-/// What grows, and the exponent from where on.
+/// A growing quantity. The exponent is fitted for values from `from` on.
 pub struct Curve {
     pub name: &'static str,
     pub title: &'static str,
@@ -48,10 +48,10 @@ impl Curve {
         },
     ];
 
-    /// What it grows to, and the scenes.
+    /// The values, each with its scene.
     ///
     /// # Errors
-    /// Never: they are good.
+    /// None: the scenes are good.
     pub fn scenes(&self, quick: bool) -> Result<Vec<(f64, Scene)>, Failure> {
         let values = self.values.iter().step_by(if quick { 3 } else { 1 });
         let scene = |&value| {
@@ -62,7 +62,7 @@ impl Curve {
     }
 }
 
-/// The rest of a scene of these bodies.
+/// A scene of these bodies.
 fn of(bodies: Vec<Body>, base: Base) -> Scene {
     let mut scene = Scene { bodies, ..Scene::default() };
     scene.plant.base = base;
@@ -71,7 +71,7 @@ fn of(bodies: Vec<Body>, base: Base) -> Scene {
     scene
 }
 
-/// Four feet that hang from a trunk by springs, and so many of their sixteen corners, spread over the feet.
+/// Four feet on springs below a trunk, with `points` of their sixteen corners, distributed over the feet.
 fn table(points: usize) -> Scene {
     let sides = [[1.0, 1.0], [-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0]];
     let mut bodies = vec![Body { name: "trunk".into(), mass: 4.0, size: [0.4, 0.3, 0.1], ..Body::default() }];
@@ -99,7 +99,7 @@ fn table(points: usize) -> Scene {
     scene
 }
 
-/// Links that hang from a hook, their axes across each other, let go bent.
+/// A chain of links below a hook, with alternating perpendicular axes, released bent.
 fn chain(links: usize) -> Scene {
     let mut bodies = vec![Body { name: "0".into(), mass: 1.0, size: [0.05; 3], ..Body::default() }];
     for i in 1..=links {

@@ -150,10 +150,11 @@ mod tests {
     use super::*;
     use crate::chart::cases::CASES;
     use crate::chart::trial::{Outcome, watch};
+    use messages::robot::Body;
     use plant::Plant;
     use plant::kinematics::{self, Pose};
 
-    /// Poses of the bodies that may touch the ground, or the kinetic energy, as an engine's script leaves them.
+    /// Poses of the bodies that may touch the ground, that of the base at its centre of mass, or the kinetic energy.
     fn row(plant: &Plant, scene: &Scene, question: Question) -> Vec<f64> {
         let (model, mut pose) = (plant.model(), Pose::new(plant.model()));
         kinematics::pose(model, plant.state(), &mut pose);
@@ -162,49 +163,41 @@ mod tests {
         }
         let bodies =
             scene.bodies.iter().zip(&model.body_link).filter(|(body, _)| body.contact_spheres().next().is_some());
-        bodies
-            .flat_map(|(_, &link)| {
-                [pose.point(link, &Vector3::zeros()).as_slice(), &pose.orientation(link)[..]].concat()
-            })
-            .collect()
+        let pose = |(body, &link): (&Body, &usize)| {
+            let origin = if body.joint.is_none() { Vector3::from(body.com) } else { Vector3::zeros() };
+            [pose.point(link, &origin).as_slice(), &pose.orientation(link)[..]].concat()
+        };
+        bodies.flat_map(pose).collect()
     }
 
-    /// A run of ours that is written as a trace has the errors that it has as it was watched.
+    /// Our own run, written as a trace, has the errors that its record has.
     #[test]
     fn a_trace_is_judged_as_our_own_run_is() {
+        let file = std::env::temp_dir().join(format!("biped-trace-{}", std::process::id()));
+        let write = |values: &[f64]| {
+            let bytes: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+            std::fs::write(&file, bytes).expect("a file");
+        };
         for case in CASES {
-            let way = Way { law: LAW, method: METHOD };
-            let (given, mut scene) =
-                (cases::scene(case.name, way, 1e-3, &[]).expect("it"), resolved::scene(case.name).expect("it"));
-            scene.duration = given.duration;
-            let Outcome::Done(log) = watch(&given, &[]) else { panic!("{} breaks off", case.name) };
+            let scene = cases::scene(case.name, Way { law: LAW, method: METHOD }, 1e-3, &[]).expect("a scene");
+            let Outcome::Done(log) = watch(&scene, &[]) else { panic!("{} breaks off", case.name) };
             let mut plant = Plant::new(&scene).expect("a plant");
             let mut trace = row(&plant, &scene, case.question);
             for _ in 1..log.sights.len() {
                 plant.advance(&messages::wire::Torques::default()).expect("a step");
                 trace.extend(row(&plant, &scene, case.question));
             }
-            let file = std::env::temp_dir().join(format!("biped-trace-{}-{}", std::process::id(), case.name));
-            std::fs::write(&file, trace.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<_>>())
-                .expect("a file");
+            write(&trace);
             let found = errors(case, &file, 1e-3).expect("errors");
-            std::fs::write(&file, [0; 12]).expect("a file");
-            assert!(errors(case, &file, 1e-3).expect_err("twelve bytes").contains("no trace"), "{}", case.name);
-            std::fs::write(
-                &file,
-                vec![f64::NAN; trace.len()].iter().flat_map(|nan| nan.to_le_bytes()).collect::<Vec<_>>(),
-            )
-            .expect("a file");
-            assert!(
-                errors(case, &file, 1e-3).expect("errors").iter().all(|metric| metric.1 == f64::INFINITY),
-                "{}",
-                case.name
-            );
-            std::fs::remove_file(&file).expect("our own file");
-            let own = metrics::errors(case.question, &given, &log);
-            for ((metric, found), (_, own)) in found.into_iter().zip(own) {
-                assert!((found - own).abs() < 1e-9 + 1e-6 * own, "{} {metric}: {found:e}, watched {own:e}", case.name);
+            for ((metric, found), (_, own)) in found.into_iter().zip(metrics::errors(case.question, &scene, &log)) {
+                assert!((found - own).abs() < 1e-9 + 1e-6 * own, "{} {metric}: {found:e}, recorded {own:e}", case.name);
             }
+            write(&vec![f64::NAN; trace.len()]);
+            let blown_up = errors(case, &file, 1e-3).expect("errors");
+            assert!(blown_up.iter().all(|metric| metric.1 == f64::INFINITY), "{}", case.name);
+            write(&trace[1..=1]);
+            assert!(errors(case, &file, 1e-3).expect_err("one number").contains("no trace"), "{}", case.name);
         }
+        std::fs::remove_file(&file).expect("our own file");
     }
 }

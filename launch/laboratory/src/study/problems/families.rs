@@ -1,4 +1,4 @@
-//! Families of contact problems: ways to make scenes by chance.
+//! Families of contact problems: generators of random scenes.
 
 use fastrand::Rng;
 use messages::load::load;
@@ -8,44 +8,44 @@ use shared::exit::Failure;
 use shared::list::SCENES;
 use strum::VariantArray;
 
-/// Where problems come from.
+/// A generator of contact problems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
 pub enum Family {
-    /// The robot stands on both feet: eight corners, rank eleven at most.
+    /// The robot stands on both feet: eight contact points, rank at most eleven.
     Standing,
-    /// Its weight goes from both feet to one.
+    /// Its weight shifts from both feet to one.
     Swaying,
-    /// It walks, on ground of any friction, in any direction.
+    /// It walks in any direction on ground with any friction.
     Walking,
     /// It is pushed while it walks.
     Pushed,
-    /// It walks without foot placement, pushed hard, until long after it fell.
+    /// It walks without foot placement, falls after a hard push, and is simulated long after the fall.
     Falling,
-    /// A box with two limbs, contacts all over, is thrown on the ground.
+    /// A box with two limbs and contact points at all corners is thrown onto the ground.
     Tumbling,
-    /// One body on 64 corners.
+    /// One body on 64 contact points.
     Corners,
     /// A chain of bodies whose masses differ by up to 1e9.
     IllScaled,
-    /// Rods that slide fast on rough ground: the jams of Painlevé.
+    /// Rods that slide fast on rough ground: Painlevé's paradox.
     Jams,
-    /// Trees of bodies without any order.
+    /// Random trees of bodies.
     Chains,
     /// The same with masses that differ by up to 1e14.
     Conditioned,
-    /// Two legs hinged at the top that press their feet apart.
+    /// Two legs, hinged at the top, that push their feet apart.
     Wedged,
-    /// A tumbling box that has each of its corners up to four times.
+    /// A tumbling box with up to four copies of each contact point.
     Duplicated,
-    /// The tumbling box where friction is anything from none to 1000, or so great that all sticks.
+    /// The tumbling box with friction from 0 to 1000, or with [`STICKS`].
     Rough,
 }
 
-/// Friction so great that nothing slips [-].
+/// Friction coefficient at which nothing slips [-].
 const STICKS: f64 = 1e6;
 
 impl Family {
-    /// A scene of this family, and the time at which its problems begin to count.
+    /// A scene of this family, and the time from which its problems count [s].
     pub(super) fn scene(self, random: &mut Rng) -> Result<(Scene, f64), Failure> {
         let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
         Ok(match self {
@@ -101,7 +101,7 @@ impl Family {
     }
 }
 
-/// The robot of Table 1 in one of the built-in scenes, on unknown ground with unknown load.
+/// The robot of Table 1 in a built-in scene, with random ground and load.
 fn robot(name: &str, random: &mut Rng) -> Result<Scene, Failure> {
     let mut scene = load(name, &[], SCENES)?;
     scene.plant.method = Method::SemiImplicitEuler;
@@ -119,7 +119,7 @@ fn robot(name: &str, random: &mut Rng) -> Result<Scene, Failure> {
     Ok(scene)
 }
 
-/// Bodies near the ground, in any attitude and motion; `speed` in m/s and, tenfold, rad/s.
+/// Bodies near the ground with random attitude and motion: up to `speed` m/s and 10 `speed` rad/s.
 fn thrown(bodies: Vec<Body>, speed: f64, random: &mut Rng) -> Scene {
     let dt = 10f64.powf(-2.0 - 2.0 * random.f64());
     let joints = bodies.len() - 1;
@@ -137,7 +137,7 @@ fn thrown(bodies: Vec<Body>, speed: f64, random: &mut Rng) -> Scene {
     let plant = PlantScene {
         dt,
         base: Base::Quaternion,
-        method: Method::SemiImplicitEuler, // a problem in every step, and none split at landings
+        method: Method::SemiImplicitEuler, // one problem per step: steps are not split at impacts
         friction: *random.choice(&[0.0, 0.1, 0.3, 0.5, 0.7, 1.0, 1.5]).unwrap_or(&0.5),
         drive_inertia: if random.bool() { 0.0 } else { 0.1 },
         ..PlantScene::default()
@@ -174,7 +174,7 @@ fn hinge(parent: &str, axis: [f64; 3], at: [f64; 3]) -> Joint {
     Joint { parent: parent.into(), axis, at, ..Joint::default() }
 }
 
-/// A plate on 64 corners, in a grid or anywhere.
+/// A plate with 64 contact points, in a grid or at random places.
 fn many_corners(random: &mut Rng) -> Body {
     let (grid, [a, b]) = (random.bool(), [0.05 + random.f64(), 0.05 + random.f64()]);
     let place = |k: usize| (k as f64) / 7.0 - 0.5;
@@ -186,7 +186,7 @@ fn many_corners(random: &mut Rng) -> Body {
     body("plate".into(), 3.0, [a, b, 0.1], contacts)
 }
 
-/// Three to eight bodies, each hung from one before it; masses spread over `decades`.
+/// Three to eight bodies, each with an earlier one as its parent; masses vary over `decades` powers of ten.
 fn tree(random: &mut Rng, decades: f64) -> Vec<Body> {
     let mut bodies: Vec<Body> = Vec::new();
     for i in 0..random.usize(3..=8) {
@@ -211,7 +211,7 @@ fn tree(random: &mut Rng, decades: f64) -> Vec<Body> {
     bodies
 }
 
-/// A rod, or one with a second hinged to it, pushed along rough ground at an angle at which it may jam.
+/// A rod, perhaps with a second one hinged to it, pushed along rough ground at an angle at which it may jam.
 fn jam(random: &mut Rng) -> Scene {
     let ends = |length: f64| vec![[0.5 * length, 0.0, 0.0], [-0.5 * length, 0.0, 0.0]];
     let mut bodies = vec![body("rod".into(), 1.0, [2.0, 0.02, 0.02], ends(2.0))];
@@ -228,7 +228,7 @@ fn jam(random: &mut Rng) -> Scene {
     scene
 }
 
-/// An A-frame: two legs hinged at the top, with a load there and feet of one to four corners, on ground that holds them apart or does not.
+/// An A-frame: two legs hinged at the top, a load there, and feet with one to four contact points. Friction may or may not hold it.
 fn wedge(random: &mut Rng) -> Scene {
     let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
     let (spread, load, friction) = (between(0.2, 1.3), 10f64.powf(between(-1.0, 3.0)), 10f64.powf(between(-1.0, 1.0)));

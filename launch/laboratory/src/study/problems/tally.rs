@@ -1,31 +1,31 @@
-//! What the solver did with the problems of a family, and the table of it.
+//! Statistics of the solver on the problems of a family, and their table.
 
 use super::families::Family;
 use messages::scene::Law;
 use plant::contact::{PROMISED, Problem, Report};
 use strum::VariantArray;
 
-/// Laws that are asked.
+/// The laws of the study.
 pub const LAWS: [Law; 2] = [Law::Cone, Law::Aligned];
 
-/// What was found about one law on one family.
+/// Statistics of one law on one family.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
-    /// Problems.
+    /// Number of problems.
     pub count: usize,
-    /// Those that were given the basis of the step before …
+    /// Problems with a warm start.
     pub remembered: usize,
-    /// … and those of which it was right.
+    /// Problems in which the warm start was already the solution.
     pub warm: usize,
-    /// Most rows of a problem.
+    /// Greatest number of rows of a problem.
     pub rows: usize,
-    /// Greatest natural map of the law's own cone.
+    /// Greatest residual of the natural map of the law's own cone.
     pub natural_map: f64,
-    /// Those with a natural map beyond 1e-10, or none.
+    /// Problems whose residual exceeds 1e-10 or is NaN.
     pub unsolved: usize,
-    /// Those that went through a regularised problem.
+    /// Problems that were solved by way of a regularised problem.
     pub fallbacks: usize,
-    /// Pivots of each problem, and the same in units of its complementary pairs: its order as a complementarity problem.
+    /// Pivots of each problem, and the same divided by its number of complementary pairs.
     pub pivots: Vec<(u32, f64)>,
     /// Time of all solves [s].
     pub time: f64,
@@ -58,7 +58,7 @@ impl Tally {
     }
 }
 
-/// Rows of the table, the first naming the columns.
+/// Rows of the table. The first one names the columns.
 pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
     let columns = [
         "family",

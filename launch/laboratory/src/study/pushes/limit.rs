@@ -1,14 +1,19 @@
-//! What the pendulum (31), (32) on finite feet could bear, with steps that are due when the undisturbed gait has them.
+//! The limit of the pendulum (31), (32) on finite feet, with steps at the times of the undisturbed gait.
 //!
 //! ```text
 //!   ξ = x + v/ω,   dξ/dt = ω (ξ − p) + F g_e/(M ω)     |p| ≤ edge of the sole
 //! ```
-//! A push F at the height z acts on the pendulum as M g_e F, g_e = z ω²/g: its moment about the foot counts. During the push and after
-//! it the zero-moment point p is at the edge against it. *Sagittal*: the next touchdown is due when the lateral plane has it; the foot gets
-//! as far as its acceleration and the legs' reach allow; then ξ from the new foot must be in the set from which steps of full length, one
-//! each half period, still catch it: |ξ| ≤ p + r/(e^(ωT/2) − 1). *Lateral*: the feet are W_2 apart and there is no hip roll, so ξ must
-//! stay between the outer edges of the two soles; the zero-moment point goes to the other foot when the centre of gravity is nearer to it.
-//! The diagonals have no bound of their own.
+//! A push F at the height z acts on the pendulum as M g_e F with g_e = z ω²/g, because its moment about the foot counts. During the push and
+//! after it, the zero-moment point p is at the edge of the sole that opposes the push.
+//!
+//! *Sagittal*: the next touchdown occurs at the time given by the lateral plane. The acceleration of the foot and the reach of the legs limit
+//! the step. Then ξ, measured from the new foot, must lie in the set from which steps of full length, one each half period, can still
+//! capture it: |ξ| ≤ p + r/(e^(ωT/2) − 1).
+//!
+//! *Lateral*: the feet are W_2 apart and there is no hip roll, so ξ must stay between the outer edges of the two soles. The zero-moment point
+//! moves to the other foot when the centre of gravity is nearer to it.
+//!
+//! The diagonal directions have no bound.
 
 use super::trial::{BEGIN, DURATION};
 use crate::study::args::Direction;
@@ -25,10 +30,10 @@ use sessions::run::in_process;
 use shared::exit::{Failure, unless};
 use std::sync::atomic::AtomicBool;
 
-/// Farthest that a leg reaches, in heights of the centre of gravity [-], and greatest acceleration of a foot [m/s²].
+/// Reach of a leg, as a multiple of the height of the centre of gravity [-], and greatest acceleration of a foot [m/s²].
 const REACH: f64 = 0.93;
 const SWING: f64 = 25.0;
-/// Impulse that no phase bears from the side [N·s], and how often the interval up to it is halved.
+/// Impulse from the side that exceeds the limit in every phase [N·s], and number of bisections below it.
 const LATERAL_MOST: f64 = 50.0;
 const HALVINGS: usize = 30;
 
@@ -50,7 +55,7 @@ pub struct Pendulum {
 }
 
 impl Pendulum {
-    /// Of a scene's robot and its gait.
+    /// The limits of a scene's robot and gait.
     ///
     /// # Errors
     /// A bad scene, or Ctrl-C.
@@ -82,7 +87,7 @@ impl Pendulum {
         })
     }
 
-    /// Greatest impulse [N·s] that it could bear `share` of a period after [`BEGIN`]; infinite where there is no bound.
+    /// Greatest impulse [N·s] at `share` of a period after [`BEGIN`]; infinite where there is no bound.
     pub fn limit(&self, direction: Direction, share: f64) -> f64 {
         let at = ((share * 2.0 * self.step / self.h) as usize).min(self.states.len().saturating_sub(1));
         let Some(state) = self.states.get(at) else { return f64::NAN };
@@ -96,7 +101,7 @@ impl Pendulum {
         }
     }
 
-    /// Shift of ξ by the push [m] that brings it from `from` to `to` at its end, the zero-moment point being at `p`.
+    /// Shift of ξ by a push [m] that moves it from `from` to `to` at the end of the push, with the zero-moment point at `p`.
     fn shift(omega: f64, p: f64, from: f64, to: f64) -> f64 {
         let growth = (omega * DURATION).exp();
         (to - p - (from - p) * growth) * omega * DURATION / (growth - 1.0)

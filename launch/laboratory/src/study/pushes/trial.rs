@@ -9,32 +9,32 @@ use std::sync::atomic::AtomicBool;
 
 /// The first push may come when the gait is steady [s].
 pub const BEGIN: f64 = 4.5;
-/// A push lasts this long [s].
+/// Duration of a push [s].
 pub const DURATION: f64 = 0.05;
 
 /// A push of the base.
 #[derive(Clone, Copy)]
 pub struct Push {
-    /// When it begins [s].
+    /// Start [s].
     pub time: f64,
-    /// In W [N·s].
+    /// Impulse in W [N·s].
     pub impulse: [f64; 3],
 }
 
-/// What became of a run.
+/// The result of a run.
 pub struct Trial {
-    /// All that was recorded, but for rows.
+    /// The record, without rows.
     pub recorder: RunAnalysis,
-    /// When the robot fell [s].
+    /// Time of the fall [s].
     pub fall: Option<f64>,
     /// Greatest angle of the trunk about the vertical [deg].
     pub yaw: f64,
 }
 
-/// Runs a scene with pushes, in the order of their times, to its end or its fall.
+/// Runs a scene with pushes, which are sorted by time, to its end or to the fall.
 ///
 /// # Errors
-/// Ctrl-C, or a scene that is bad. What fails otherwise is a fall.
+/// Ctrl-C, or a bad scene. Any other failure counts as a fall.
 pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, Failure> {
     let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
     let mut recorder = RunAnalysis::without_rows(scene);
