@@ -2,10 +2,10 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, last_seconds, series};
-use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, around};
+use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
-/// Longest time that is drawn [s]; of longer runs, the end.
+/// Longest time that the figure shows [s]: the length of the built-in walk. Of a longer run it shows the end.
 const WINDOW: f64 = 14.0;
 
 /// LateralState position and velocity over time, with the supporting foot behind them.
@@ -14,8 +14,8 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     let rows = last_seconds(&analysis.rows, WINDOW);
     Some(Figure {
         title: "Figure 8: lateral position and velocity",
-        caption: "The centre of gravity swings between the feet with the period of two steps; each swing turns back \
-                  before it reaches the supporting foot, whose time is shaded (paper, Fig. 8).",
+        caption: "The centre of gravity oscillates between the feet with the period of two steps. It turns back before it \
+                  reaches the support foot. Shading shows which foot supports (paper, Fig. 8).",
         panels: vec![
             FigurePanel::new(
                 "lateral-position",
@@ -37,8 +37,8 @@ fn over_time(
     value: fn(&TrajectoryRow) -> f64,
 ) -> String {
     let points = series(rows, value);
-    let time = around(points.iter().map(|point| point.0), 0.0, 1e-3);
-    let reach = around(points.iter().map(|point| point.1), 0.08, 1e-3);
+    let time = padded_range(points.iter().map(|point| point.0), 0.0, 1e-3);
+    let reach = padded_range(points.iter().map(|point| point.1), 0.08, 1e-3);
     let steps = &analysis.gait.steps;
     let ends = steps.iter().skip(1).map(|step| step.start).chain([time.end]);
     let mut marks: Vec<Mark> = (steps.iter().zip(ends))
