@@ -199,12 +199,12 @@ impl Summary {
     }
 
     /// Adds the size of the simulated model and its relative computing time.
-    pub fn on(self, model: String, model_cost_ratio: f64) -> Self {
+    pub fn with_model(self, model: String, model_cost_ratio: f64) -> Self {
         Summary { model, model_cost_ratio, ..self }
     }
 
     /// Adds the cause of an early end.
-    pub fn ended(self, failure: Option<&Failure>) -> Self {
+    pub fn with_end(self, failure: Option<&Failure>) -> Self {
         Summary { cut_short_by: failure.and_then(|failure| failure.exit.cause()), ..self }
     }
 

@@ -21,8 +21,8 @@ const RESERVED_BYTES: u64 = 16_000_000;
 const NEXT_CHUNK_BYTES: u64 = 2_000_000;
 /// Compressed size of a control period of a walk [bytes], measured: the estimate of the size of a recording.
 const BYTES_PER_PERIOD: f64 = 950.0;
-/// The index grows with the recording: it is a thousandth of its length [-].
-const INDEX_SHARE: u64 = 1000;
+/// Length of a recording divided by the length of its index [-].
+const LENGTH_PER_INDEX: u64 = 1000;
 
 /// Options of a recording.
 #[derive(Args, Clone, Default)]
@@ -104,10 +104,10 @@ impl McapRecorder {
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path);
         let file = file.map_err(|error| unwritten(path, &error))?;
         let about = file.metadata().map_err(|error| unwritten(path, &error))?;
-        let mut begin = vec![];
+        let mut first_bytes = vec![];
         if about.is_file() && about.len() > 0 {
-            let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
-            if read.is_err() || begin != MAGIC {
+            let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut first_bytes));
+            if read.is_err() || first_bytes != MAGIC {
                 return refuse("exists and is not a recording, so it is not overwritten: name another file");
             }
         }
@@ -182,7 +182,7 @@ impl McapRecorder {
     /// The reason why the file cannot take another chunk, if there is one.
     fn is_full(&self) -> Option<(Exit, String)> {
         let length = self.file.metadata().map_or(0, |about| about.len());
-        let next = NEXT_CHUNK_BYTES + length / INDEX_SHARE;
+        let next = NEXT_CHUNK_BYTES + length / LENGTH_PER_INDEX;
         match (self.limit, self.free()) {
             (Some(limit), _) if length + next > limit => {
                 Some((Exit::Ok, format!("--record-limit of {} is reached", megabytes(limit))))

@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-/// Number of sensor messages that are stored for late commands: four seconds at 1 kHz, far beyond the age limit.
+/// Number of sensor messages that are stored for late commands: four seconds at 1 kHz.
 const MAX_STORED_SENSORS: usize = 4096;
 
 /// Arguments of `biped replay`.

@@ -8,7 +8,7 @@ use crate::analysis::{RunAnalysis, TrajectoryRow};
 /// Longest time that the figure shows [s]: the length of the built-in walk. Of a longer run it shows the end.
 const WINDOW: f64 = 14.0;
 
-/// LateralState position and velocity over time, with the supporting foot behind them.
+/// Lateral position and velocity over time, with the support phases shaded.
 pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     analysis.robot.feet.as_ref()?;
     let rows = last_seconds(&analysis.rows, WINDOW);

@@ -44,7 +44,7 @@ fn portrait(analysis: &RunAnalysis) -> String {
     plot(&frame, &marks)
 }
 
-/// LateralState states, broken where the support changes.
+/// Lateral states, interrupted where the support foot changes.
 fn orbit<'a>(rows: impl Iterator<Item = &'a TrajectoryRow>) -> Vec<(f64, f64)> {
     let (mut points, mut previous) = (Vec::new(), None);
     for now in rows.filter_map(|row| LateralState::new(&row.derived)) {

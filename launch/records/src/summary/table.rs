@@ -113,7 +113,7 @@ mod tests {
         let outcome = |exit| {
             let walk = SyntheticWalk::new(0.06);
             let truths = (0..500).map(|seq| walk.truth(seq, seq as f64 * 1e-3));
-            summary(truths).ended(Some(&Failure::new(exit, "why"))).lines()[0].1.clone()
+            summary(truths).with_end(Some(&Failure::new(exit, "why"))).lines()[0].1.clone()
         };
         for exit in [Exit::PeerMissing, Exit::Fault, Exit::SharedMemory, Exit::Unsolved, Exit::Interrupted] {
             let text = outcome(exit);

@@ -1,5 +1,5 @@
-//! The page of a running session. It is served by a separate process that only receives. Frames that a browser does not
-//! fetch in time are dropped here, so no browser can delay a run.
+//! The page of a running session. A separate process subscribes to the session and serves the page. It drops frames that
+//! a browser does not fetch in time, so no browser can delay a run.
 
 use super::access::{Answer, Query, data, html, not_found, text, with};
 use super::frame::{bytes, frame, run_info};
