@@ -155,7 +155,10 @@ fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
 
     let (folder, address) = report(&["duration=2"], &[]);
     let mut page = open(&address, 1280, 720);
-    assert_eq!(page.value("trajectory.fall === undefined && plots.panels.every(({ fall }) => fall.hidden)"), json!(true));
+    assert_eq!(
+        page.value("trajectory.fall === undefined && plots.panels.every(({ fall }) => fall.hidden)"),
+        json!(true)
+    );
     assert_eq!(page.number("byId('falls').options.length"), 0.0);
     drop(page);
     std::fs::remove_dir_all(folder).unwrap();

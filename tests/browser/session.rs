@@ -31,7 +31,8 @@ fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
 /// Goes on for 100 periods: what the robot has got along x that the ground has not given, m Δv − ∫ F dt [N s].
 fn gained(page: &mut Browser, walk: &mut Running) -> f64 {
     let ground = step(page, walk, 100);
-    14.0 * page.number("trajectory.get(trajectory.length - 1, 'velocity', 0) - trajectory.get(from, 'velocity', 0)") - ground
+    14.0 * page.number("trajectory.get(trajectory.length - 1, 'velocity', 0) - trajectory.get(from, 'velocity', 0)")
+        - ground
 }
 
 #[test]
@@ -46,7 +47,9 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
     // The token has left the address; a reload comes without it, and gets in all the same.
     assert_eq!(page.value("location.search + document.cookie"), json!(""));
     page.value("globalThis.isOld = true, location.reload()");
-    page.until("!globalThis.isOld && typeof trajectory === 'object' && trajectory.length > 200 && location.search === ''");
+    page.until(
+        "!globalThis.isOld && typeof trajectory === 'object' && trajectory.length > 200 && location.search === ''",
+    );
     page.until("performance.getEntriesByName('open').length === 1");
     page.complaints.retain(|complaint| !complaint.contains("403")); // of which it was told
 

@@ -272,8 +272,8 @@ mod tests {
     #[test]
     fn all_documented_keys_exist_in_order() {
         let json = summary([]).json();
-        let places: Vec<_> = KEYS.iter().map(|key| json.find(&format!("\n  \"{key}\":"))).collect();
-        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{json}");
+        let positions: Vec<_> = KEYS.iter().map(|key| json.find(&format!("\n  \"{key}\":"))).collect();
+        assert!(positions.iter().all(Option::is_some) && positions.is_sorted(), "{json}");
     }
 
     #[test]

@@ -47,17 +47,17 @@ pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
             std::thread::sleep(POLL_INTERVAL);
             continue;
         }
-        let shown = if term.is_term() {
+        let written = if term.is_term() {
             let lines = statistics.lines(&session);
             let width = usize::from(term.size().1); // a wrapped line would count as two when it is cleared
             let text: String = lines.iter().map(|line| format!("{}\n", truncate_str(line, width, "…"))).collect();
-            let shown = term.clear_last_lines(shown_lines).and_then(|()| term.write_all(text.as_bytes()));
+            let written = term.clear_last_lines(shown_lines).and_then(|()| term.write_all(text.as_bytes()));
             shown_lines = lines.len();
-            shown
+            written
         } else {
             writeln!(term, "{}", statistics.line())
         };
-        if shown.is_err() {
+        if written.is_err() {
             break; // the reader of a pipe has closed it
         }
         statistics = Interval { latest: statistics.latest, received: statistics.received, ..Interval::new() };
@@ -198,12 +198,12 @@ impl Interval {
 struct DurationStats {
     sum: u64,
     count: u64,
-    most: u64,
+    greatest: u64,
 }
 
 impl DurationStats {
     fn add(&mut self, ns: u64) {
-        (self.sum, self.count, self.most) = (self.sum + ns, self.count + 1, self.most.max(ns));
+        (self.sum, self.count, self.greatest) = (self.sum + ns, self.count + 1, self.greatest.max(ns));
     }
 
     /// Mean [µs].
@@ -213,7 +213,7 @@ impl DurationStats {
 
     /// Maximum [µs].
     fn greatest(&self) -> f64 {
-        self.most as f64 * 1e-3
+        self.greatest as f64 * 1e-3
     }
 }
 

@@ -28,7 +28,7 @@ pub struct ViewArgs {
     /// Port to listen on; 0 selects a free port
     #[arg(long, default_value_t = 8642)]
     port: u16,
-    /// Do not show progress
+    /// Show no progress
     #[arg(long)]
     quiet: bool,
     /// Write the page of the recording into this file instead of serving it

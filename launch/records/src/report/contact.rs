@@ -47,13 +47,13 @@ fn powers(title: &str, label: &'static str, histogram: &Histogram, colour: RGBCo
     if histogram.zeros > 0 {
         marks.push(bar(low, 0.5, histogram.zeros, GREY));
     }
-    let most = bars.iter().map(|bar| bar.1).chain([histogram.zeros, 1]).max().unwrap_or(1);
+    let greatest_count = bars.iter().map(|bar| bar.1).chain([histogram.zeros, 1]).max().unwrap_or(1);
     let zeros = 100.0 * histogram.zeros as f64 / histogram.total().max(1) as f64;
     let frame = Frame {
         title: format!("{title}: {} periods, {zeros:.0} % zero", histogram.total()),
         height: 300,
         x: Axis::powers(label, low..high),
-        y: count_axis(most),
+        y: count_axis(greatest_count),
     };
     plot(&frame, &marks)
 }
@@ -77,8 +77,8 @@ fn pivots(counts: &[u64]) -> String {
 const FLOOR: f64 = -0.3;
 
 /// A logarithmic axis of counts.
-pub fn count_axis(most: u64) -> Axis {
-    Axis::powers("control periods", FLOOR..(most.max(1) as f64).log10().max(1.0) + 0.25)
+pub fn count_axis(greatest_count: u64) -> Axis {
+    Axis::powers("control periods", FLOOR..(greatest_count.max(1) as f64).log10().max(1.0) + 0.25)
 }
 
 /// A bar on [`count_axis`].

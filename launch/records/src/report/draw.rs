@@ -19,21 +19,21 @@ const FONT_CORRECTION: f64 = 1.24;
 /// Renders a figure. An error is shown as the text of the figure, so that it does not prevent the report.
 pub fn plot(frame: &Frame, marks: &[Mark]) -> String {
     let mut svg = String::new();
-    let drawn = {
+    let result = {
         let root = SVGBackend::with_string(&mut svg, (WIDTH * SCALE, frame.height * SCALE)).into_drawing_area();
         draw(&root, frame, marks)
     };
     let title = escaped(&frame.title);
-    if let Err(error) = drawn {
+    if let Err(error) = result {
         return format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\"><text y=\"20\">{title}: {}</text></svg>",
             escaped(&error.to_string())
         );
     }
     let (wide, tall) = (WIDTH * SCALE, frame.height * SCALE);
-    let size = format!("width=\"{wide}\" height=\"{tall}\"");
-    let shown = format!("width=\"{WIDTH}\" height=\"{}\" role=\"img\" aria-label=\"{title}\"", frame.height);
-    svg.replacen(&size, &shown, 1)
+    let drawing_size = format!("width=\"{wide}\" height=\"{tall}\"");
+    let displayed_size = format!("width=\"{WIDTH}\" height=\"{}\" role=\"img\" aria-label=\"{title}\"", frame.height);
+    svg.replacen(&drawing_size, &displayed_size, 1)
 }
 
 type PlotResult = Result<(), Box<dyn Error>>;

@@ -152,14 +152,14 @@ impl Mark {
     }
 }
 
-/// The range of the values, at least `least` wide, extended on both sides by the fraction `margin`.
-pub fn padded_range(values: impl IntoIterator<Item = f64>, margin: f64, least: f64) -> Range<f64> {
+/// The range of the values, at min_width `min_width` wide, extended on both sides by the fraction `margin`.
+pub fn padded_range(values: impl IntoIterator<Item = f64>, margin: f64, min_width: f64) -> Range<f64> {
     let (low, high) = (values.into_iter().filter(|value| value.is_finite()))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     if low > high {
         return 0.0..1.0;
     }
-    let width = (high - low).max(least) * (1.0 + 2.0 * margin);
+    let width = (high - low).max(min_width) * (1.0 + 2.0 * margin);
     (low + high - width) / 2.0..(low + high + width) / 2.0
 }
 

@@ -37,8 +37,8 @@ fn panel(title: &str, histogram: &Histogram, colour: RGBColor) -> String {
         bars.iter().map(|&(from, count)| bar(from, 1.0 / BARS_PER_DECADE as f64, count, colour)).collect();
     let (median, tail) = (histogram.quantile(0.5) * 1e-3, histogram.quantile(0.99) * 1e-3);
     for quantile in [median, tail].into_iter().filter(|quantile| *quantile > 0.0) {
-        let place = quantile.log10();
-        marks.push(Mark::dashes(vec![(place, axis.range.start), (place, axis.range.end)], INK));
+        let position = quantile.log10();
+        marks.push(Mark::dashes(vec![(position, axis.range.start), (position, axis.range.end)], INK));
     }
     let frame = Frame {
         title: format!("{title}: median {median:.1} us, 99 % {tail:.1} us"),

@@ -128,10 +128,10 @@ pub fn not_found() -> Answer {
 }
 
 /// A plain text answer.
-pub fn text(status: u16, words: &str) -> Answer {
-    let mut answer = Response::new(Full::from(words.to_string()));
+pub fn text(status: u16, message: &str) -> Answer {
+    let mut answer = Response::new(Full::from(message.to_string()));
     *answer.status_mut() = StatusCode::from_u16(status).unwrap_or_default();
-    match words.is_empty() {
+    match message.is_empty() {
         true => answer,
         false => with(answer, header::CONTENT_TYPE, "text/plain; charset=utf-8"),
     }

@@ -99,7 +99,7 @@ impl FrameSampler {
         self.extrema.push(&self.robot, truth, &derived);
         let fallen = self.extrema.fall.is_some();
         let frame = bytes(&frame(&self.robot, truth, &derived, &self.peaks, fallen)).collect();
-        let mut queue = queue.lock().unwrap_or_else(|broken| broken.into_inner());
+        let mut queue = queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if truth.stamp.run != self.run {
             queue.frames.clear();
             queue.runs += 1;
@@ -170,7 +170,7 @@ impl LivePage {
     }
 
     fn frames(&self, run: Option<&str>, from: Option<&str>) -> Answer {
-        let queue = self.queue.lock().unwrap_or_else(|broken| broken.into_inner());
+        let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let is_same = run == Some(&queue.runs.to_string());
         let from = from.filter(|_| is_same).and_then(|from| from.parse().ok()).unwrap_or(0);
         let answer = with(data(queue.from(from)), RUN, &queue.runs.to_string());

@@ -63,7 +63,7 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
     let mut reader = RecordingReader::open(file)?;
     let scene = reader.scene().clone();
     let (mut analysis, mut truth, mut runs, mut count) = (RunAnalysis::new(&scene), Truth::default(), 0, 0);
-    let megabytes = std::fs::metadata(file).map_or(0, |about| about.len() >> 20);
+    let megabytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len() >> 20);
     let progress = Counter::new(quiet, megabytes as usize, 0, "MB");
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {

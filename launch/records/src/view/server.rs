@@ -61,14 +61,14 @@ impl PageServer {
             TcpListener::from_std(listener).map_err(refuse)?
         };
         let access = AccessControl::new(address.ip()).map_err(refuse)?;
-        let shown = SocketAddr::new(reachable_address(address.ip()), address.port());
+        let url_address = SocketAddr::new(reachable_address(address.ip()), address.port());
         if !address.ip().is_loopback() {
             tell(format_args!(
                 "warning: the page listens on {address} without encryption: anybody who knows its URL with the token, or \
                  intercepts the traffic, can watch and control the session"
             ));
         }
-        let url = format!("http://{shown}/?token={}", access.token);
+        let url = format!("http://{url_address}/?token={}", access.token);
         Ok(PageServer { runtime, listener, access, url })
     }
 
