@@ -16,6 +16,19 @@ const SCALE: u32 = 4;
 /// plotters' SVG backend writes 1/1.24 of the requested font size.
 const FONT_CORRECTION: f64 = 1.24;
 
+/// Size of ordinary text [px].
+const TEXT_SIZE: f64 = 13.0;
+/// Size of text beside marks [px].
+const SMALL_TEXT_SIZE: f64 = 12.0;
+/// Space for the title above the legend [px].
+const TITLE_HEIGHT: f64 = 34.0;
+/// Height of a row of the legend [px].
+const LEGEND_ROW: f64 = 20.0;
+/// Position of the first entry of a row of the legend [px].
+const LEGEND_START: f64 = 12.0;
+/// Mean width of a character of ordinary text [px].
+const CHARACTER_WIDTH: f64 = 7.4;
+
 /// Renders a figure. An error is shown as the text of the figure, so that it does not prevent the report.
 pub fn plot(frame: &Frame, marks: &[Mark]) -> String {
     let mut svg = String::new();
@@ -62,7 +75,7 @@ fn draw(root: &Area, frame: &Frame, marks: &[Mark]) -> PlotResult {
     let rows = legend(root, marks)?;
     let has_no_y_axis = matches!(frame.y.ticks, Ticks::None);
     let mut chart = ChartBuilder::on(root)
-        .margin_top(px(34.0 + 20.0 * rows))
+        .margin_top(px(TITLE_HEIGHT + LEGEND_ROW * rows))
         .margin_right(px(24.0))
         .margin_left(px(if has_no_y_axis { 10.0 } else { 4.0 }))
         .margin_bottom(px(5.0))
@@ -79,7 +92,7 @@ fn mesh(chart: &mut Chart, frame: &Frame) -> PlotResult {
     let (x, y) = (write_ticks(&frame.x, 8), write_ticks(&frame.y, 6));
     let mut mesh = chart.configure_mesh();
     mesh.disable_x_mesh().light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(SCALE));
-    mesh.axis_style(GREY.stroke_width(SCALE)).label_style(font(13.0, INK)).axis_desc_style(font(13.0, INK));
+    mesh.axis_style(GREY.stroke_width(SCALE)).label_style(font(TEXT_SIZE, INK)).axis_desc_style(font(TEXT_SIZE, INK));
     mesh.x_labels(8).y_labels(6).x_desc(frame.x.label).y_desc(frame.y.label);
     mesh.x_label_formatter(&x).y_label_formatter(&y).set_all_tick_mark_size(px(4.0));
     if matches!(frame.x.ticks, Ticks::None) {
@@ -120,11 +133,11 @@ fn draw_mark(chart: &mut Chart, mark: &Mark) -> PlotResult {
         }
         MarkShape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
         MarkShape::Text(at, text) => {
-            let style = font(12.0, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
+            let style = font(SMALL_TEXT_SIZE, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
         MarkShape::Note(at, text) => {
-            let style = font(12.0, mark.colour).pos(Pos::new(HPos::Left, VPos::Center));
+            let style = font(SMALL_TEXT_SIZE, mark.colour).pos(Pos::new(HPos::Left, VPos::Center));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
     }
@@ -133,13 +146,13 @@ fn draw_mark(chart: &mut Chart, mark: &Mark) -> PlotResult {
 
 /// Draws the legend below the title. Returns its number of rows.
 fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
-    let (mut x, mut row) = (12.0, 0.0);
+    let (mut x, mut row) = (LEGEND_START, 0.0);
     for (mark, label) in marks.iter().filter_map(|mark| mark.label.map(|label| (mark, label))) {
-        let width = 26.0 + 7.4 * label.chars().count() as f64 + 14.0;
-        if x + width > f64::from(WIDTH) && x > 12.0 {
-            (x, row) = (12.0, row + 1.0);
+        let width = 26.0 + CHARACTER_WIDTH * label.chars().count() as f64 + 14.0;
+        if x + width > f64::from(WIDTH) && x > LEGEND_START {
+            (x, row) = (LEGEND_START, row + 1.0);
         }
-        let (y, colour) = (40.0 + 20.0 * row, mark.colour.mix(mark.opacity.max(0.35)));
+        let (y, colour) = (40.0 + LEGEND_ROW * row, mark.colour.mix(mark.opacity.max(0.35)));
         let line = |from: f64, to: f64| {
             PathElement::new(
                 vec![(px(x + from), px(y)), (px(x + to), px(y))],
@@ -156,11 +169,11 @@ fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
             MarkShape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
             MarkShape::Line(..) | MarkShape::Text(..) | MarkShape::Note(..) => root.draw(&line(0.0, 18.0))?,
         }
-        let style = font(13.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
+        let style = font(TEXT_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
         root.draw(&Text::new(label, (px(x + 24.0), px(y)), style))?;
         x += width;
     }
-    Ok(if x > 12.0 { row + 1.0 } else { 0.0 })
+    Ok(if x > LEGEND_START { row + 1.0 } else { 0.0 })
 }
 
 /// The range if it is finite and not empty, else 0 to 1.

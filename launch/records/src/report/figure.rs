@@ -1,5 +1,6 @@
 //! Figures, their panels, and the selection of rows for them.
 
+use super::plot::{Axis, padded_range};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// A figure: panels with a common title and caption.
@@ -30,6 +31,14 @@ impl FigurePanel {
 /// A quantity over time, from the rows.
 pub fn series(rows: &[TrajectoryRow], value: impl Fn(&TrajectoryRow) -> f64) -> Vec<(f64, f64)> {
     rows.iter().map(|row| (row.derived.time, value(row))).collect()
+}
+
+/// Least width of a time axis [s]: of a run with one record.
+const MIN_TIME_RANGE: f64 = 1e-3;
+
+/// The axis of these times, without margins.
+pub fn time_axis(times: impl IntoIterator<Item = f64>) -> Axis {
+    Axis::new("time [s]", padded_range(times, 0.0, MIN_TIME_RANGE))
 }
 
 /// The rows of the last `seconds`.

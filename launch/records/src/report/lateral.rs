@@ -1,8 +1,8 @@
 //! Figure 8: position and velocity in the lateral plane.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, last_seconds, series};
-use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
+use super::figure::{Figure, FigurePanel, last_seconds, series, time_axis};
+use super::plot::{Axis, COM, FAINT, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// Longest time that the figure shows [s]: the length of the built-in walk. Of a longer run it shows the end.
@@ -37,22 +37,22 @@ fn over_time(
     value: fn(&TrajectoryRow) -> f64,
 ) -> String {
     let points = series(rows, value);
-    let time = padded_range(points.iter().map(|point| point.0), 0.0, 1e-3);
+    let time = time_axis(points.iter().map(|point| point.0));
     let reach = padded_range(points.iter().map(|point| point.1), 0.08, 1e-3);
     let steps = &analysis.gait.steps;
-    let ends = steps.iter().skip(1).map(|step| step.start).chain([time.end]);
+    let ends = steps.iter().skip(1).map(|step| step.start).chain([time.range.end]);
     let mut marks: Vec<Mark> = (steps.iter().zip(ends))
-        .filter(|(_, end)| *end > time.start)
+        .filter(|(_, end)| *end > time.range.start)
         .map(|(step, end)| {
-            let (from, to) = (step.start.max(time.start), end);
+            let (from, to) = (step.start.max(time.range.start), end);
             let corners = vec![(from, reach.start), (to, reach.start), (to, reach.end), (from, reach.end)];
-            Mark::area(corners, [LEFT, RIGHT][step.support]).faint(0.13)
+            Mark::area(corners, [LEFT, RIGHT][step.support]).faint(FAINT)
         })
         .collect();
     for (mark, step) in marks.iter_mut().rev().zip(steps.iter().rev()).take(2) {
         mark.name(["left foot supports", "right foot supports"][step.support]);
     }
     marks.push(Mark::line(points, if label.starts_with('y') { COM } else { GREEN }));
-    let frame = Frame { title: title.into(), height: 330, x: Axis::new("time [s]", time), y: Axis::new(label, reach) };
+    let frame = Frame { title: title.into(), height: 330, x: time, y: Axis::new(label, reach) };
     plot(&frame, &marks)
 }

@@ -1,8 +1,8 @@
 //! Vertical load on the feet, and the zero-moment point under the support foot.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, last_cycles, series};
-use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP, padded_range};
+use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
+use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// Percentile of the load that the axis is scaled by [-]: above it are the peaks at touchdown.
@@ -42,7 +42,7 @@ fn loads(analysis: &RunAnalysis) -> String {
     let frame = Frame {
         title: "Vertical load".into(),
         height: 330,
-        x: Axis::new("time [s]", padded_range(rows.iter().map(|row| row.derived.time), 0.0, 1e-3)),
+        x: time_axis(rows.iter().map(|row| row.derived.time)),
         y: Axis::new("force [N]", 0.0..top),
     };
     plot(&frame, &marks)

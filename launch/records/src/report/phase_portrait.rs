@@ -1,7 +1,7 @@
 //! Figure 9: phase portrait in the lateral plane, and the energy of the lateral pendulum.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, LAST_STEPS, series};
+use super::figure::{Figure, FigurePanel, LAST_STEPS, series, time_axis};
 use super::plot::{Axis, COM, Frame, GREEN, GREY, INK, Mark, padded_range};
 use crate::analysis::{LateralState, RunAnalysis, TrajectoryRow};
 use messages::wire::{PHASES, Telemetry};
@@ -102,7 +102,7 @@ fn energy(analysis: &RunAnalysis) -> String {
     let frame = Frame {
         title: "Energy of the lateral pendulum".into(),
         height: 380,
-        x: Axis::new("time [s]", padded_range(all().map(|point| point.0), 0.0, 1e-3)),
+        x: time_axis(all().map(|point| point.0)),
         y: Axis::new("E_2 [m²/s²]", padded_range(all().map(|point| point.1), 0.08, 2e-3)),
     };
     let marks = [

@@ -20,6 +20,9 @@ pub const GREEN: RGBColor = RGBColor(0x1F, 0x9D, 0x76);
 /// References and background.
 pub const GREY: RGBColor = RGBColor(0x8B, 0x94, 0x9E);
 
+/// Opacity of an area behind lines.
+pub const FAINT: f64 = 0.13;
+
 /// Format of the tick labels of an axis.
 #[derive(Clone, Copy)]
 pub enum Ticks {

@@ -1,7 +1,7 @@
 //! Joint torques.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, last_cycles, series};
+use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
 use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
 use crate::analysis::RunAnalysis;
 use messages::wire::JOINTS;
@@ -45,7 +45,7 @@ fn panel(analysis: &RunAnalysis, title: &str, joints: [usize; 4], names: [&'stat
     let frame = Frame {
         title: title.into(),
         height: 330,
-        x: Axis::new("time [s]", padded_range(rows.iter().map(|row| row.derived.time), 0.0, 1e-3)),
+        x: time_axis(rows.iter().map(|row| row.derived.time)),
         y: Axis::new("torque [N·m]", padded_range(all(), 0.06, 0.1)),
     };
     plot(&frame, &marks)

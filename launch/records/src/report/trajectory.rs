@@ -1,8 +1,8 @@
 //! Figure 7: trajectory of the centre of gravity.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, series};
-use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, ZMP, padded_range};
+use super::figure::{Figure, FigurePanel, series, time_axis};
+use super::plot::{Axis, COM, FAINT, Frame, GREEN, LEFT, Mark, RIGHT, ZMP, padded_range};
 use crate::analysis::{FootGeometry, RunAnalysis};
 
 /// Top view with footprints, and the three coordinates over time.
@@ -37,7 +37,7 @@ fn top_view(analysis: &RunAnalysis) -> String {
         along.extend(corners.iter().map(|corner| corner.0));
         across.extend(corners.iter().map(|corner| corner.1));
         let colour = [LEFT, RIGHT][step.support];
-        let mut print = Mark::area(corners.clone(), colour).faint(0.13);
+        let mut print = Mark::area(corners.clone(), colour).faint(FAINT);
         if !std::mem::replace(&mut named[step.support], true) {
             print.name(["left footprint", "right footprint"][step.support]);
         }
@@ -73,7 +73,7 @@ fn over_time(analysis: &RunAnalysis, axis: usize) -> String {
     let frame = Frame {
         title: title.into(),
         height: 330,
-        x: Axis::new("time [s]", padded_range(points.iter().map(|point| point.0), 0.0, 1e-3)),
+        x: time_axis(points.iter().map(|point| point.0)),
         y: Axis::new(label, padded_range(points.iter().map(|point| point.1), 0.08, 0.02)),
     };
     plot(&frame, &[Mark::line(points, [COM, GREEN, ZMP][axis])])
