@@ -14,7 +14,7 @@ class PhasePortrait {
     this.plot = new uPlot({
       mode: 2, width: 300, height: 120, legend: { show: false }, padding: [6, 22, 0, 0], cursor: { show: false },
       scales: { x: { time: false, range }, y: { range } },
-      axes: [{ ...AXIS, size: 22, values: labels }, { ...AXIS, size: room, space: 24, values: labels }],
+      axes: [{ ...AXIS, size: 22, values: labels }, { ...AXIS, size: axisWidth, space: 24, values: labels }],
       series: [{}, { facets, paths: (plot) => { this.orbits(plot); return null; } }],
     }, [null, [[0, .1], [-.1, .1]]], box);
     this.trail = this.plot.over.appendChild(document.createElement("canvas"));
