@@ -22,7 +22,7 @@ fn a_session_that_does_not_say_what_its_scene_is_cannot_be_drawn_and_that_is_sai
         let Output { status, stderr, .. } =
             biped(&["view", "--session", session.name(), "--port", "0"]).output().expect("the program runs");
         let words = String::from_utf8_lossy(&stderr);
-        assert!(status.code() == Some(5) && words.contains("does not say what its scene is"), "{status}: {words}");
+        assert!(status.code() == Some(5) && words.contains("has published no scene"), "{status}: {words}");
         assert_eq!(words.lines().count(), 1, "{words}");
     }
     drop(plant);

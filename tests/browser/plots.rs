@@ -87,7 +87,7 @@ fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoo
     page.value(&format!("{caption}, 0"));
     let names = "[...caption.querySelectorAll('span')].map((key) => [key.title, key.textContent.split(' ')[0]])";
     let names: Vec<[String; 2]> = serde_json::from_value(page.value(names)).unwrap();
-    let joints: Vec<String> = serde_json::from_value(page.value("about.joints")).unwrap();
+    let joints: Vec<String> = serde_json::from_value(page.value("runInfo.joints")).unwrap();
     assert!(joints.len() == 8 && names.iter().map(|[joint, _]| joint).eq(&joints), "{names:?}");
     assert!(names.iter().all(|[joint, name]| joint.ends_with(name.as_str()) && name.len() >= 4), "{names:?}");
     let room = "[...caption.querySelectorAll('span')].every((key) => { const [a, b] = [key, caption].map((part) => part.getBoundingClientRect()); \
@@ -117,16 +117,16 @@ fn words_are_beside_the_picture_and_keys_go_to_both_ends_and_to_the_help() {
     }
     page.value("player.play(false), player.seek(1)");
     page.press("End");
-    assert_eq!(page.value("player.time === film.end"), json!(true));
+    assert_eq!(page.value("player.time === trajectory.end"), json!(true));
     page.press("Home");
-    assert_eq!(page.value("player.time === film.begin && !player.isPlaying"), json!(true));
+    assert_eq!(page.value("player.time === trajectory.begin && !player.isPlaying"), json!(true));
     page.press("?");
-    assert_eq!(page.value("part('help').open && part('help').textContent.includes('Home End')"), json!(true));
+    assert_eq!(page.value("byId('help').open && byId('help').textContent.includes('Home End')"), json!(true));
     page.press("End");
-    assert_eq!(page.value("player.time === film.begin"), json!(true), "while it is read, keys are its own");
+    assert_eq!(page.value("player.time === trajectory.begin"), json!(true), "while it is read, keys are its own");
     keep(&mut page, "help");
     page.press("Escape");
-    page.until("!part('help').open");
+    page.until("!byId('help').open");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);
     std::fs::remove_dir_all(folder).unwrap();
@@ -138,15 +138,15 @@ fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
     let summary: Value = serde_json::from_slice(&std::fs::read(folder.join("summary.json")).unwrap()).unwrap();
     let fall = summary["fall_time_s"].as_f64().unwrap();
     let mut page = open(&address, 1280, 720);
-    assert!((0.0..0.006).contains(&(page.number("film.fall") - fall)), "{fall}");
+    assert!((0.0..0.006).contains(&(page.number("trajectory.fall") - fall)), "{fall}");
     let marks = "plots.panels.map(({ plot, fall }) => plot.posToVal(new DOMMatrix(fall.style.transform).e, 'x'))";
     let marks: Vec<f64> = serde_json::from_value(page.value(marks)).unwrap();
     assert!(marks.len() == 5 && marks.iter().all(|mark| (mark - fall).abs() < 0.01), "{marks:?}");
-    assert!((page.number("Number(part('falls').options[0].value)") - fall).abs() < 0.01);
+    assert!((page.number("Number(byId('falls').options[0].value)") - fall).abs() < 0.01);
     for (time, is_over) in [(fall - 0.1, false), (fall + 0.1, true)] {
         page.value(&format!("player.play(false), player.seek({time})"));
         page.until("!player.isStale && !stage.isStale");
-        let words = page.value("part('facts').textContent");
+        let words = page.value("byId('facts').textContent");
         assert_eq!(words.as_str().unwrap().starts_with(&format!("fell at {fall:.1}")), is_over, "{words}");
     }
     keep(&mut page, "fall");
@@ -155,8 +155,11 @@ fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
 
     let (folder, address) = report(&["duration=2"], &[]);
     let mut page = open(&address, 1280, 720);
-    assert_eq!(page.value("film.fall === undefined && plots.panels.every(({ fall }) => fall.hidden)"), json!(true));
-    assert_eq!(page.number("part('falls').options.length"), 0.0);
+    assert_eq!(
+        page.value("trajectory.fall === undefined && plots.panels.every(({ fall }) => fall.hidden)"),
+        json!(true)
+    );
+    assert_eq!(page.number("byId('falls').options.length"), 0.0);
     drop(page);
     std::fs::remove_dir_all(folder).unwrap();
 }
@@ -185,8 +188,8 @@ fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_te
         "Joints [rad, m]",
     ];
     assert_eq!(titles, json!(own));
-    assert!(page.value("part('facts').textContent").as_str().unwrap().starts_with("no controller\n"));
-    let weight = page.number("film.get(film.row(.4), 'ground', 2)");
+    assert!(page.value("byId('facts').textContent").as_str().unwrap().starts_with("no controller\n"));
+    let weight = page.number("trajectory.get(trajectory.row(.4), 'ground', 2)");
     assert!((weight - 1.1 * 9.81).abs() < 2.0, "{weight} N carry 1.1 kg");
     labels(&mut page);
     keep(&mut page, "passive");
@@ -196,7 +199,7 @@ fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_te
         json!(["undefined", 0])
     );
     let shown =
-        "[document.querySelector('.lead').textContent, about.joints[0], document.querySelector('h1').textContent]";
+        "[document.querySelector('.lead').textContent, runInfo.joints[0], document.querySelector('h1').textContent]";
     let description = HOSTILE.lines().next().unwrap().split('\'').nth(1).unwrap();
     let name = format!("biped: {}", scene.display());
     assert_eq!(page.value(shown), json!([description, "</script><img src=x onerror=alert(1)>", name]));

@@ -14,7 +14,7 @@ fn the_report_walks_scrubs_and_draws_without_a_network_or_an_error() {
     assert!(size < 5_000_000, "{size} bytes");
     let mut page = open(&address, 1280, 720);
 
-    // It plays by itself; the robot in the picture is where the film has it.
+    // It plays by itself; the robot in the picture is where the trajectory puts it.
     page.until("player.time > .3");
     page.value("player.play(false)");
     page.value("player.seek(2)");
@@ -23,7 +23,7 @@ fn the_report_walks_scrubs_and_draws_without_a_network_or_an_error() {
     let place = |page: &mut Browser| page.number("robot.base.getWorldPosition(new THREE.Vector3()).x");
     let before = place(&mut page);
     // The scrub moves time and with it the robot, the cursors and the picture.
-    page.value("part('scrub').value = 12, part('scrub').dispatchEvent(new Event('input'))");
+    page.value("byId('scrub').value = 12, byId('scrub').dispatchEvent(new Event('input'))");
     page.until("!player.isStale && !stage.isStale");
     assert_eq!(page.number("player.time"), 12.0);
     let gone = place(&mut page) - before;
@@ -36,17 +36,17 @@ fn the_report_walks_scrubs_and_draws_without_a_network_or_an_error() {
     // What is drawn is what was recorded: the joint tree gives the contact points that carry, on the ground.
     let lowest = page.number("Math.min(...robot.contacts().map((point) => point.z))");
     assert!(lowest.abs() < 1e-3, "the lowest contact point is {lowest} m above the ground");
-    let prints = page.number("marks.prints.children.filter((print) => print.visible).length");
+    let prints = page.number("markers.prints.children.filter((print) => print.visible).length");
     assert!((25.0..45.0).contains(&prints), "{prints} footprints after 34 steps");
-    let force = page.number("marks.arrows.filter((arrow) => arrow.visible).length");
+    let force = page.number("markers.arrows.filter((arrow) => arrow.visible).length");
     assert!(force >= 1.0, "no force holds it");
 
-    // A step is one row; the end of the film ends playing; other sizes and schemes draw as well.
-    page.value("part('forth').click()");
+    // A step is one row; the end of the trajectory ends playing; other sizes and schemes draw as well.
+    page.value("byId('forth').click()");
     page.until("!player.isStale");
     assert!((page.number("player.time") - 12.005).abs() < 1e-5);
     page.value("player.seek(13.9), player.play(true)");
-    page.until("!player.isPlaying && player.time === film.end");
+    page.until("!player.isPlaying && player.time === trajectory.end");
     page.value("player.seek(9.1)");
     for (scheme, width, height) in [("dark", 1280, 720), ("light", 390, 844), ("dark", 390, 844)] {
         page.prefers(scheme);
@@ -58,7 +58,7 @@ fn the_report_walks_scrubs_and_draws_without_a_network_or_an_error() {
         assert_eq!(page.number("document.documentElement.scrollWidth"), f64::from(width), "wider than its screen");
         keep(&mut page, &format!("report-{scheme}-{width}"));
     }
-    page.value("part('theme').click()");
+    page.value("byId('theme').click()");
     assert_eq!(page.value("isDark()"), json!(false));
     assert_eq!(page.complaints, Vec::<String>::new());
     assert_eq!(page.requests, [address], "it fetches nothing but itself");
@@ -78,24 +78,24 @@ fn a_recording_opens_as_the_page_that_its_run_left() {
     let page = folder.join("recording.html");
     let written = biped(&["view", file, "--out", page.to_str().unwrap()]).output().unwrap();
     assert!(written.status.success(), "{}", String::from_utf8_lossy(&written.stderr));
-    let film = "Array.from(film.floats.subarray(0, film.length * film.width)).filter((_, place) => !measured.has(place % film.width)).join()";
-    let measured = "globalThis.measured = new Set(['reply', 'late'].map((name) => film.places.get(name)[0]))";
-    let mut films = vec![];
+    let frames = "Array.from(trajectory.floats.subarray(0, trajectory.length * trajectory.width)).filter((_, place) => !measured.has(place % trajectory.width)).join()";
+    let measured = "globalThis.measured = new Set(['reply', 'late'].map((name) => trajectory.columns.get(name)[0]))";
+    let mut all_frames = vec![];
     for address in [address, format!("file://{}", page.display())] {
         let mut page = open(&address, 1280, 720);
         page.value(measured);
-        films.push(page.value(film));
+        all_frames.push(page.value(frames));
         assert_eq!((page.complaints.clone(), page.requests.clone()), (vec![], vec![address]));
     }
-    assert!(films[0].as_str().unwrap().len() > 100_000 && films[0] == films[1]);
+    assert!(all_frames[0].as_str().unwrap().len() > 100_000 && all_frames[0] == all_frames[1]);
 
     // Served: it plays, and ends in order.
     let mut view = biped(&["view", file, "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
     page.value(measured);
-    assert_eq!(page.value(film), films[0]);
+    assert_eq!(page.value(frames), all_frames[0]);
     page.until("player.time > 1");
-    assert_eq!(page.value("part('desk').hidden"), json!(true));
+    assert_eq!(page.value("byId('desk').hidden"), json!(true));
     keep(&mut page, "recording");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);

@@ -8,11 +8,11 @@ use serde_json::json;
 
 /// Pauses a session where a frame of the page begins; they come every five periods.
 fn pause(page: &mut Browser, walk: &mut Running) {
-    page.value("part('pause').click()");
-    page.until("part('answer').textContent.endsWith('paused')");
+    page.value("byId('pause').click()");
+    page.until("byId('answer').textContent.endsWith('paused')");
     let past = (walk.ask(Action::Pause).stamp.seq - 1) % 5;
     step(page, walk, 10 - past);
-    page.value("globalThis.from = film.length - 1");
+    page.value("globalThis.from = trajectory.length - 1");
 }
 
 /// Lets a paused session go on, and the page show it; returns what the ground gave along x, ∫ F dt [N s].
@@ -24,14 +24,15 @@ fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
         truth.stamp.seq == end
     });
     walk.leave();
-    page.until(&format!("Math.abs(film.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
+    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
     ground
 }
 
 /// Goes on for 100 periods: what the robot has got along x that the ground has not given, m Δv − ∫ F dt [N s].
 fn gained(page: &mut Browser, walk: &mut Running) -> f64 {
     let ground = step(page, walk, 100);
-    14.0 * page.number("film.get(film.length - 1, 'velocity', 0) - film.get(from, 'velocity', 0)") - ground
+    14.0 * page.number("trajectory.get(trajectory.length - 1, 'velocity', 0) - trajectory.get(from, 'velocity', 0)")
+        - ground
 }
 
 #[test]
@@ -41,12 +42,14 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
     walk.leave();
     let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
-    page.until("film.length > 200 && player.time > 0");
+    page.until("trajectory.length > 200 && player.time > 0");
 
     // The token has left the address; a reload comes without it, and gets in all the same.
     assert_eq!(page.value("location.search + document.cookie"), json!(""));
     page.value("globalThis.isOld = true, location.reload()");
-    page.until("!globalThis.isOld && typeof film === 'object' && film.length > 200 && location.search === ''");
+    page.until(
+        "!globalThis.isOld && typeof trajectory === 'object' && trajectory.length > 200 && location.search === ''",
+    );
     page.until("performance.getEntriesByName('open').length === 1");
     page.complaints.retain(|complaint| !complaint.contains("403")); // of which it was told
 
@@ -59,7 +62,7 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
     ];
     for (camera, angles) in seen {
         page.value(&format!(
-            "[...part('cameras').children].find((button) => button.textContent === '{camera}').click()"
+            "[...byId('cameras').children].find((button) => button.textContent === '{camera}').click()"
         ));
         page.until("!stage.isStale && !player.isStale");
         let marks = "[...document.querySelectorAll('#desk [data-push] i')].map((mark) => [mark.textContent, parseFloat(mark.style.transform.slice(7))])";
@@ -77,49 +80,49 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
         keep(&mut page, &format!("live-{camera}"));
     }
     assert_eq!(
-        page.value("stage.way(marks.com.position, new THREE.Vector3(0, 0, 1)).depth > .9"),
+        page.value("stage.screenDirection(markers.com.position, new THREE.Vector3(0, 0, 1)).depth > .9"),
         json!(true),
         "from above"
     );
 
     // What a push gives, the robot has.
     pause(&mut page, &mut walk);
-    page.value("part('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
-    page.until("part('answer').textContent.startsWith('push: done')");
+    page.value("byId('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
+    page.until("byId('answer').textContent.startsWith('push: done')");
     let impulse = gained(&mut page, &mut walk);
     assert!((impulse - 2.0).abs() < 0.02, "{impulse} N s, not 2");
-    let before = page.number("film.end");
-    page.value("part('advance').click()");
-    page.until("part('answer').textContent.startsWith('step: done')");
-    page.until(&format!("Math.abs(film.end - {before} - .01) < 1e-4"));
-    page.value("part('resume').click()");
-    page.until("part('answer').textContent.startsWith('resume: done')");
+    let before = page.number("trajectory.end");
+    page.value("byId('advance').click()");
+    page.until("byId('answer').textContent.startsWith('step: done')");
+    page.until(&format!("Math.abs(trajectory.end - {before} - .01) < 1e-4"));
+    page.value("byId('resume').click()");
+    page.until("byId('answer').textContent.startsWith('resume: done')");
 
     // Walking speed.
-    page.value("part('pace').value = .15, part('set').click()");
-    page.until("part('answer').textContent.startsWith('set: done')");
-    let speed = "(() => { const row = film.row(film.end - 3); \
-                 return (film.get(film.length - 1, 'com', 0) - film.get(row, 'com', 0)) / (film.end - film.get(row, 'time')); })()";
-    let end = page.number("film.end");
-    page.until(&format!("film.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
+    page.value("byId('pace').value = .15, byId('set').click()");
+    page.until("byId('answer').textContent.startsWith('set: done')");
+    let speed = "(() => { const row = trajectory.row(trajectory.end - 3); \
+                 return (trajectory.get(trajectory.length - 1, 'com', 0) - trajectory.get(row, 'com', 0)) / (trajectory.end - trajectory.get(row, 'time')); })()";
+    let end = page.number("trajectory.end");
+    page.until(&format!("trajectory.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
     keep(&mut page, "live");
     page.prefers("dark");
     page.until("stage.scene.background.getHexString() === '12161b' && !stage.isStale");
     keep(&mut page, "live-dark");
     page.prefers("light");
-    page.value("part('pace').value = 9, part('set').click()");
-    page.until("part('answer').textContent.includes('refused: a number is out of range')");
+    page.value("byId('pace').value = 9, byId('set').click()");
+    page.until("byId('answer').textContent.includes('refused: a number is out of range')");
     page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium's own word on it
 
-    // A reset begins another film. The page keeps the end of a run, in lockstep a tenth of a second: it waits to be looked at.
-    page.value("part('pause').click()");
-    page.until("part('answer').textContent.endsWith('paused')");
-    page.value("part('reset').click()");
-    page.until("live.run === 2 && film.length > 0 && film.begin < 1");
-    page.value("part('resume').click()");
-    page.until("part('answer').textContent.startsWith('resume: done')");
+    // A reset begins another trajectory. The page keeps the end of a run, in lockstep a tenth of a second: it waits to be looked at.
+    page.value("byId('pause').click()");
+    page.until("byId('answer').textContent.endsWith('paused')");
+    page.value("byId('reset').click()");
+    page.until("live.run === 2 && trajectory.length > 0 && trajectory.begin < 1");
+    page.value("byId('resume').click()");
+    page.until("byId('answer').textContent.startsWith('resume: done')");
     page.resize(390, 844);
-    page.until("!stage.isStale || film.length > 0");
+    page.until("!stage.isStale || trajectory.length > 0");
     assert_eq!(page.number("document.documentElement.scrollWidth"), 390.0);
     keep(&mut page, "live-390");
     assert_eq!(page.complaints, Vec::<String>::new());
@@ -134,13 +137,13 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
     walk.leave();
     let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
-    page.until("film.length > 200 && player.time > 0");
-    page.value("part('cameras').querySelectorAll('button')[1].click()"); // from the side
+    page.until("trajectory.length > 200 && player.time > 0");
+    page.value("byId('cameras').querySelectorAll('button')[1].click()"); // from the side
     pause(&mut page, &mut walk);
     page.until("!player.isStale && !stage.isStale");
     let trunk = |page: &mut Browser| {
         let place = "(() => { const box = stage.renderer.domElement.getBoundingClientRect(), \
-                     [x, y] = stage.onScreen(robot.centre(about.trunk)); return [box.left + x, box.top + y]; })()";
+                     [x, y] = stage.onScreen(robot.centre(runInfo.trunk)); return [box.left + x, box.top + y]; })()";
         serde_json::from_value::<[f64; 2]>(page.value(place)).unwrap()
     };
 
@@ -148,8 +151,8 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
     let [x, y] = trunk(&mut page);
     page.drag(&[[x, y], [x + 20.0, y], [x + 70.0, y - 10.0]]);
     assert_eq!(page.value("drag.arrow.visible && !drag.label.hidden"), json!(true));
-    let reach = "(() => { const tip = robot.centre(about.trunk).addScaledVector(drag.hold.impulse, METRES_PER_NEWTON_SECOND); \
-                 const [from, to] = [robot.centre(about.trunk), tip].map((place) => stage.onScreen(place)); \
+    let reach = "(() => { const tip = robot.centre(runInfo.trunk).addScaledVector(drag.hold.impulse, METRES_PER_NEWTON_SECOND); \
+                 const [from, to] = [robot.centre(runInfo.trunk), tip].map((place) => stage.onScreen(place)); \
                  return Math.hypot(to[0] - from[0] - 70, to[1] - from[1] + 10); })()";
     assert!(page.number(reach) < 0.5, "the arrow does not follow the pointer");
     let wanted: [f64; 3] = serde_json::from_value(page.value("drag.hold.impulse.toArray()")).unwrap();
@@ -158,13 +161,13 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
     assert!((0.5..5.0).contains(&length) && wanted[0] > 0.95 * length, "{wanted:?}");
     keep(&mut page, "live-drag");
     page.drop_at([x + 70.0, y - 10.0]);
-    page.until("part('answer').textContent.startsWith('push: done')");
+    page.until("byId('answer').textContent.startsWith('push: done')");
     assert_eq!(page.value("drag.arrow.visible || !drag.label.hidden"), json!(false));
     let impulse = gained(&mut page, &mut walk);
     assert!((impulse / wanted[0] - 1.0).abs() < 0.01, "{impulse} N s, not {}", wanted[0]);
 
     // Beside the robot a drag turns the camera; one that is given up, or goes nowhere, pushes nobody.
-    page.value("part('answer').textContent = 'nothing'");
+    page.value("byId('answer').textContent = 'nothing'");
     page.until("!player.isStale && !stage.isStale");
     let [x, y] = trunk(&mut page);
     let camera = |page: &mut Browser| page.value("stage.camera.position.toArray().join()");
@@ -178,14 +181,14 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
     page.drag(&[[x - 180.0, y], [x - 120.0, y]]);
     page.drop_at([x - 120.0, y]);
     assert_ne!(camera(&mut page), before);
-    assert_eq!(page.value("part('answer').textContent"), json!("nothing"));
+    assert_eq!(page.value("byId('answer').textContent"), json!("nothing"));
 
     // A finger does the same.
     page.resize(390, 844);
     page.until("!player.isStale && !stage.isStale");
     let [x, y] = trunk(&mut page);
     page.swipe(&[[x, y], [x + 10.0, y], [x + 40.0, y]]);
-    page.until("part('answer').textContent.startsWith('push: done')");
+    page.until("byId('answer').textContent.startsWith('push: done')");
     keep(&mut page, "live-drag-390");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);

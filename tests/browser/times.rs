@@ -22,8 +22,8 @@ fn times(address: &str) -> [f64; 2] {
     println!("{address}: {}", page.value(steps));
     let scrubs = (0..BATCHES).map(|_| {
         page.number(
-            "(() => { const begin = performance.now(), end = film.end; \
-             for (let i = 0; i < 100; i++) { player.seek(end * i / 100); player.tick(0); stage.draw(marks.com.position.toArray()); } \
+            "(() => { const begin = performance.now(), end = trajectory.end; \
+             for (let i = 0; i < 100; i++) { player.seek(end * i / 100); player.tick(0); stage.draw(markers.com.position.toArray()); } \
              return (performance.now() - begin) / 100; })()",
         )
     });

@@ -1,48 +1,49 @@
-// A running session: frames are fetched as they come, wishes are sent to its desks.
-const LOOK = 40; // between two fetches [ms]
-const AGAIN = 2000; // after nobody was there [ms]
-const SPAN = 20; // that the plots show [s]
-const MOST = 60000; // rows that are kept
-const HEAD_ON = .95; // cosine to the line of sight from which on a way has no direction in the picture
+// A running session: fetches new frames and sends requests.
+const POLL_INTERVAL = 40; // time between fetches [ms]
+const RETRY_INTERVAL = 2000; // time until the next fetch after a failed one [ms]
+const PLOT_SPAN = 20; // time that the plots show [s]
+const PLOT_INTERVAL = 250; // time between updates of the plots [ms]
+const MAX_ROWS = 60000; // number of rows that are stored: five minutes at 200 Hz
+const HEAD_ON = .95; // cosine of the angle to the line of sight above which an arrow is drawn as ⊙ or ⊗
 
 class Live {
-  constructor(about, film, player, plots, marks) {
-    Object.assign(this, { about, film, player, plots, marks, run: 0, next: 0, filled: 0 });
+  constructor(runInfo, trajectory, player, plots, markers) {
+    Object.assign(this, { runInfo, trajectory, player, plots, markers, run: 0, next: 0, filled: 0 });
     player.isFollowing = true;
     this.headers = { Authorization: `Bearer ${token}` };
-    this.answer = part("answer");
-    part("desk").hidden = false;
-    part("now").hidden = false;
-    [part("pace").value, part("period").value] = about.gait[0] ?? ["", ""];
-    part("help").classList.add("live");
-    part("now").addEventListener("click", () => player.follow());
-    const wishes = {
+    this.answer = byId("answer");
+    byId("desk").hidden = false;
+    byId("now").hidden = false;
+    [byId("pace").value, byId("period").value] = runInfo.gait[0] ?? ["", ""];
+    byId("help").classList.add("live");
+    byId("now").addEventListener("click", () => player.follow());
+    const requests = {
       pause: () => ({ what: "pause" }), resume: () => ({ what: "resume" }), reset: () => ({ what: "reset" }),
       rearm: () => ({ what: "rearm" }), advance: () => ({ what: "step", periods: 10 }),
-      set: () => ({ what: "set", speed: Number(part("pace").value), period: Number(part("period").value) }),
+      set: () => ({ what: "set", speed: Number(byId("pace").value), period: Number(byId("period").value) }),
     };
-    for (const [id, wish] of Object.entries(wishes)) part(id).addEventListener("click", () => this.ask(wish()));
+    for (const [id, request] of Object.entries(requests)) byId(id).addEventListener("click", () => this.ask(request()));
     document.querySelectorAll("#desk [data-push]").forEach((button) => button.addEventListener("click", () => this.push(button.dataset.push)));
     this.fetch();
   }
 
   push(direction) {
-    const strength = Number(part("strength").value);
-    this.ask({ what: "push", impulse: direction.split(",").map((along) => strength * Number(along)) });
+    const strength = Number(byId("strength").value);
+    this.ask({ what: "push", impulse: direction.split(",").map((component) => strength * Number(component)) });
   }
 
-  /// Shows on each button for pushes which way that is in the picture: ⊙ comes out of it, ⊗ goes into it.
-  point(stage, from) {
+  // Shows the direction of each push in the picture on its button: ⊙ points out of the picture, ⊗ into it.
+  showPushDirections(stage, from) {
     document.querySelectorAll("#desk [data-push]").forEach((button) => {
-      const { angle, depth } = stage.way(from, new THREE.Vector3(...button.dataset.push.split(",").map(Number))), mark = button.lastElementChild;
-      mark.textContent = depth > HEAD_ON ? "⊙" : depth < -HEAD_ON ? "⊗" : "→";
-      mark.style.transform = mark.textContent === "→" ? `rotate(${angle}rad)` : "";
+      const { angle, depth } = stage.screenDirection(from, new THREE.Vector3(...button.dataset.push.split(",").map(Number))), symbol = button.lastElementChild;
+      symbol.textContent = depth > HEAD_ON ? "⊙" : depth < -HEAD_ON ? "⊗" : "→";
+      symbol.style.transform = symbol.textContent === "→" ? `rotate(${angle}rad)` : "";
     });
   }
 
-  async ask(wish) {
-    const answer = await fetch("ask", { method: "POST", headers: this.headers, body: JSON.stringify(wish) }).catch(() => undefined);
-    this.answer.textContent = answer ? `${wish.what}: ${await answer.text()}` : "the session has ended";
+  async ask(request) {
+    const answer = await fetch("ask", { method: "POST", headers: this.headers, body: JSON.stringify(request) }).catch(() => undefined);
+    this.answer.textContent = answer ? `${request.what}: ${await answer.text()}` : "the session has ended";
   }
 
   async fetch() {
@@ -51,25 +52,25 @@ class Live {
       if (!answer.ok) { this.answer.textContent = await answer.text(); return; }
       const run = Number(answer.headers.get("Run")), rows = await answer.arrayBuffer();
       this.next = Number(answer.headers.get("Next"));
-      if (run !== this.run) { this.film.clear(); this.marks.clear(); }
+      if (run !== this.run) { this.trajectory.clear(); this.markers.clear(); }
       this.run = run;
-      if (rows.byteLength > 0) this.take(rows);
+      if (rows.byteLength > 0) this.append(rows);
     } catch {
       this.answer.textContent = "the session has ended";
-      setTimeout(() => this.fetch(), AGAIN);
+      setTimeout(() => this.fetch(), RETRY_INTERVAL);
       return;
     }
-    setTimeout(() => this.fetch(), LOOK);
+    setTimeout(() => this.fetch(), POLL_INTERVAL);
   }
 
-  take(rows) {
-    this.film.append(rows);
-    if (this.film.length > MOST) { this.film.forget(MOST / 2); this.marks.seen = Math.max(this.marks.seen - MOST / 2, 0); }
-    if (performance.now() - this.filled > 250 && this.player.isFollowing) {
-      this.plots.fill(this.film.row(this.film.end - SPAN));
+  append(rows) {
+    this.trajectory.append(rows);
+    if (this.trajectory.length > MAX_ROWS) { this.trajectory.dropOldest(MAX_ROWS / 2); this.markers.seen = Math.max(this.markers.seen - MAX_ROWS / 2, 0); }
+    if (performance.now() - this.filled > PLOT_INTERVAL && this.player.isFollowing) {
+      this.plots.fill(this.trajectory.row(this.trajectory.end - PLOT_SPAN));
       this.filled = performance.now();
     }
-    if (this.player.isFollowing) this.player.seek(this.film.end);
+    if (this.player.isFollowing) this.player.seek(this.trajectory.end);
   }
 }
 

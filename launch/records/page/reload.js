@@ -1,3 +1,3 @@
-// A reload comes without the token, which the page took out of its address: this tab still has it.
+// The page removes the token from its address, so a reload requests the page without it. The tab's storage still has it.
 const token = sessionStorage.getItem("token");
 if (token && !location.search) location.replace(`?token=${token}`);

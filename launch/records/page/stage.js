@@ -1,25 +1,25 @@
-// The stage: ground, light, a camera that orbits, pans and follows.
+// The 3-D scene: ground, light, and a camera that orbits, pans and follows.
 
-/// A grid on the ground, of short lines: some renderers lose long ones that begin behind the camera.
-function mesh(count, side) {
+// A grid on the ground. It consists of short lines, because some renderers omit long lines that begin behind the camera.
+function gridGeometry(count, side) {
   const ends = [];
   for (let x = 0; x < count; x++) {
     for (let y = 0; y < count; y++) ends.push(x, y, 0, x + 1, y, 0, x, y, 0, x, y + 1, 0);
   }
-  const places = new THREE.Float32BufferAttribute(ends, 3);
-  return new THREE.BufferGeometry().setAttribute("position", places).translate(-count / 2, -count / 2, 0).scale(side, side, 1);
+  const positions = new THREE.Float32BufferAttribute(ends, 3);
+  return new THREE.BufferGeometry().setAttribute("position", positions).translate(-count / 2, -count / 2, 0).scale(side, side, 1);
 }
 
-const FINGER = 14; // how far beside a finger may touch [px]
+const TOUCH_RADIUS = 14; // a touch selects a body within this distance [px]
 
 class Stage {
-  constructor(place, robot, marks) {
+  constructor(container, robot, markers) {
     this.robot = robot;
     this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
-    this.renderer.debug.checkShaderErrors = false; // to ask waits for every shader
+    this.renderer.debug.checkShaderErrors = false; // the check waits for the compilation of every shader
     this.renderer.shadowMap.enabled = true;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
-    place.prepend(this.renderer.domElement);
+    container.prepend(this.renderer.domElement);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, .1, 40);
     this.camera.up.set(0, 0, 1);
@@ -34,44 +34,44 @@ class Stage {
     Object.assign(this.sun.shadow.camera, { left: -.8, right: .8, top: .8, bottom: -.8, near: .5, far: 6 });
     this.sky = new THREE.HemisphereLight("#ffffff", "#8d98a5", 1.6);
     this.ground = new THREE.Mesh(new THREE.PlaneGeometry(40, 40), new THREE.MeshStandardMaterial({ roughness: 1, depthWrite: false }));
-    this.ground.renderOrder = -2; // what lies on the ground is drawn over it, in this order
+    this.ground.renderOrder = -2; // objects on the ground are drawn after it, in this order
     this.ground.receiveShadow = true;
-    this.scene.add(robot.base, marks.group, this.sun, this.sun.target, this.sky, this.ground);
-    this.look(1, -2.2, .9);
-    whenThemed(() => this.paint());
-    new ResizeObserver(() => this.fit(place.clientWidth, place.clientHeight)).observe(place);
+    this.scene.add(robot.base, markers.group, this.sun, this.sun.target, this.sky, this.ground);
+    this.lookFrom(1, -2.2, .9);
+    whenThemed(() => this.applyTheme());
+    new ResizeObserver(() => this.resize(container.clientWidth, container.clientHeight)).observe(container);
   }
 
-  paint() {
+  applyTheme() {
     this.scene.background = new THREE.Color(isDark() ? "#12161b" : "#eef1f4");
     this.ground.material.color.set(isDark() ? "#20262e" : "#ffffff");
     if (this.grid) this.scene.remove(this.grid);
     const line = isDark() ? "#38424e" : "#ccd3da";
-    this.grid = new THREE.LineSegments(mesh(80, .1), new THREE.LineBasicMaterial({ color: line, depthWrite: false }));
+    this.grid = new THREE.LineSegments(gridGeometry(80, .1), new THREE.LineBasicMaterial({ color: line, depthWrite: false }));
     this.grid.renderOrder = -1;
     this.scene.add(this.grid);
     this.isStale = true;
   }
 
-  /// Looks at the robot from a direction.
-  look(x, y, z) {
+  // Moves the camera, so that it looks at the robot from a direction.
+  lookFrom(x, y, z) {
     const far = Math.max(1, .75 / Math.max(this.camera.aspect, .4));
     this.camera.position.copy(this.controls.target).add(new THREE.Vector3(x, y, z).multiplyScalar(.72 * far));
     this.controls.update();
     this.isStale = true;
   }
 
-  fit(width, height) {
+  resize(width, height) {
     this.renderer.setSize(width, height, false);
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.isStale = true;
   }
 
-  /// The body that is drawn where a pointer is; a finger need not hit it exactly.
+  // Index of the body at a pointer. A touch need not hit it exactly.
   bodyAt({ clientX, clientY, pointerType }) {
     const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
-    const reach = pointerType === "touch" ? FINGER : 0;
+    const reach = pointerType === "touch" ? TOUCH_RADIUS : 0;
     for (const [dx, dy] of reach ? [[0, 0], [reach, 0], [-reach, 0], [0, reach], [0, -reach]] : [[0, 0]]) {
       this.ray.setFromCamera({ x: 2 * (clientX + dx - left) / width - 1, y: 1 - 2 * (clientY + dy - top) / height }, this.camera);
       let part = this.ray.intersectObject(this.robot.base).find(({ object }) => object.isMesh)?.object;
@@ -81,30 +81,30 @@ class Stage {
     return undefined;
   }
 
-  /// A way on the screen [px] as one in W that is as far from the camera as a place.
-  across(dx, dy, place) {
+  // Converts an offset on the screen [px] to an offset in W, in the plane parallel to the screen through a point.
+  worldOffset(dx, dy, point) {
     const { camera } = this, { clientHeight } = this.renderer.domElement;
-    const depth = -place.clone().applyMatrix4(camera.matrixWorldInverse).z;
+    const depth = -point.clone().applyMatrix4(camera.matrixWorldInverse).z;
     const metres = 2 * depth * Math.tan(camera.fov * Math.PI / 360) / clientHeight;
     const [right, up] = [0, 1].map((column) => new THREE.Vector3().setFromMatrixColumn(camera.matrixWorld, column));
     return right.multiplyScalar(dx * metres).addScaledVector(up, -dy * metres);
   }
 
-  /// Where a place in W is drawn [px].
-  onScreen(place) {
-    const { clientWidth, clientHeight } = this.renderer.domElement, { x, y } = place.clone().project(this.camera);
+  // Position of a point in W on the screen [px].
+  onScreen(point) {
+    const { clientWidth, clientHeight } = this.renderer.domElement, { x, y } = point.clone().project(this.camera);
     return [(1 + x) / 2 * clientWidth, (1 - y) / 2 * clientHeight];
   }
 
-  /// How a way in W looks from a place on: its angle on the screen, clockwise from the right [rad], and the part of it that comes
-  /// towards the camera.
-  way(from, along) {
-    const sight = this.camera.position.clone().sub(from).normalize(), depth = along.clone().normalize().dot(sight);
-    const [[x, y], [toX, toY]] = [from, from.clone().addScaledVector(along, .1)].map((place) => this.onScreen(place));
+  // How a direction in W at a point appears on the screen: its angle, clockwise from the right [rad], and its component
+  // towards the camera.
+  screenDirection(from, direction) {
+    const sight = this.camera.position.clone().sub(from).normalize(), depth = direction.clone().normalize().dot(sight);
+    const [[x, y], [toX, toY]] = [from, from.clone().addScaledVector(direction, .1)].map((point) => this.onScreen(point));
     return { angle: Math.atan2(toY - y, toX - x), depth };
   }
 
-  /// Goes along with a place on the ground.
+  // Moves the camera with a point on the ground.
   follow(x, y) {
     const move = new THREE.Vector3(x - this.controls.target.x, y - this.controls.target.y, 0);
     this.camera.position.add(move);
@@ -117,7 +117,7 @@ class Stage {
     this.sun.position.set(x + .9, y - 1.3, 2.2);
     [this.ground, this.grid].forEach((part) => { part.position.x = Math.round(x * 5) / 5; part.position.y = Math.round(y * 5) / 5; });
     this.renderer.render(this.scene, this.camera);
-    this.shown ??= requestAnimationFrame(() => performance.mark("open")); // when the first picture has been shown
+    this.shown ??= requestAnimationFrame(() => performance.mark("open")); // the first picture is visible
     this.isStale = false;
   }
 }

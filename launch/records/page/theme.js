@@ -1,4 +1,4 @@
-// Dark or light: the system's choice until somebody makes another. Colours are those of the style sheet.
+// Dark or light theme: that of the system until the user selects one. The colours come from the style sheet.
 const root = document.documentElement;
 
 function isDark() {
@@ -8,7 +8,7 @@ function isDark() {
 
 const colours = new Map();
 
-/// The colour that the style sheet has under a name, as it is now. To ask takes a fraction of a millisecond, hence once.
+// Current value of a colour of the style sheet. The values are cached, because a query takes a fraction of a millisecond.
 function colour(name) {
   if (!colours.has(name)) {
     root.style.accentColor = `var(--${name})`;
@@ -18,11 +18,11 @@ function colour(name) {
   return colours.get(name);
 }
 
-const forget = () => colours.clear();
-matchMedia("(prefers-color-scheme: dark)").addEventListener("change", forget);
-root.addEventListener("themed", forget);
+const clearColours = () => colours.clear();
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", clearColours);
+root.addEventListener("themed", clearColours);
 
-/// Calls at once, and whenever the colours have changed.
+// Calls `draw` now and after each change of the theme.
 function whenThemed(draw) {
   draw();
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", draw);

@@ -1,55 +1,55 @@
-// Frames: rows of 32-bit floats, laid out as `about.layout` says; times rise from row to row.
-class Film {
+// The frames of a run: rows of 32-bit floats with the layout `runInfo.layout`, in ascending order of time.
+class Trajectory {
   constructor(layout) {
-    this.places = new Map();
+    this.columns = new Map(); // name of a quantity to its first column and number of columns
     this.width = 0;
     for (const [name, count] of layout) {
-      this.places.set(name, [this.width, count]);
+      this.columns.set(name, [this.width, count]);
       this.width += count;
     }
     this.floats = new Float32Array(0);
     this.clear();
   }
 
-  /// Begins anew.
+  // Removes all rows.
   clear() {
     this.length = 0;
-    this.fall = undefined; // when the robot fell, if it did
+    this.fall = undefined; // time of the fall, if the robot fell
   }
 
-  /// Adds rows, given as bytes.
+  // Adds rows in binary form.
   append(bytes) {
-    const more = new Float32Array(bytes), used = this.length * this.width;
-    if (used + more.length > this.floats.length) {
-      const room = new Float32Array(used === 0 ? more.length : 2 * (used + more.length));
-      room.set(this.floats.subarray(0, used));
-      this.floats = room;
+    const added = new Float32Array(bytes), used = this.length * this.width;
+    if (used + added.length > this.floats.length) {
+      const larger = new Float32Array(used === 0 ? added.length : 2 * (used + added.length));
+      larger.set(this.floats.subarray(0, used));
+      this.floats = larger;
     }
-    this.floats.set(more, used);
+    this.floats.set(added, used);
     const before = this.length;
-    this.length += more.length / this.width;
+    this.length += added.length / this.width;
     for (let row = before; this.fall === undefined && row < this.length; row++) {
       if (this.get(row, "fallen")) this.fall = this.get(row, "time");
     }
   }
 
-  /// Lets go of the oldest rows.
-  forget(rows) {
+  // Removes the oldest rows.
+  dropOldest(rows) {
     this.floats.copyWithin(0, rows * this.width, this.length * this.width);
     this.length -= rows;
   }
 
-  count(name) { return this.places.get(name)[1]; }
+  count(name) { return this.columns.get(name)[1]; }
 
-  get(row, name, index = 0) { return this.floats[row * this.width + this.places.get(name)[0] + index]; }
+  get(row, name, index = 0) { return this.floats[row * this.width + this.columns.get(name)[0] + index]; }
 
-  /// All values of a quantity in a row.
+  // All components of a quantity in a row.
   all(row, name) {
-    const [from, count] = this.places.get(name), at = row * this.width + from;
+    const [from, count] = this.columns.get(name), at = row * this.width + from;
     return this.floats.subarray(at, at + count);
   }
 
-  /// A quantity over all rows from one on.
+  // A component of a quantity in all rows from `from` on.
   column(name, index = 0, from = 0) {
     return Array.from({ length: this.length - from }, (_, row) => this.get(from + row, name, index));
   }
@@ -57,7 +57,7 @@ class Film {
   get begin() { return this.length === 0 ? 0 : this.get(0, "time"); }
   get end() { return this.length === 0 ? 0 : this.get(this.length - 1, "time"); }
 
-  /// The last row at or before a time.
+  // The last row at or before a time.
   row(time) {
     let [low, high] = [0, Math.max(this.length - 1, 0)];
     while (low < high) {
@@ -68,10 +68,10 @@ class Film {
   }
 }
 
-/// Base 64 as bytes.
-function bytesOf(text) {
-  const letters = atob(text.trim()), bytes = new Uint8Array(letters.length);
-  for (let i = 0; i < bytes.length; i++) bytes[i] = letters.charCodeAt(i);
+// Decodes base 64.
+function decodeBase64(text) {
+  const characters = atob(text.trim()), bytes = new Uint8Array(characters.length);
+  for (let i = 0; i < bytes.length; i++) bytes[i] = characters.charCodeAt(i);
   return bytes.buffer;
 }
 

@@ -96,9 +96,9 @@ const ROW_NS: u64 = 5_000_000;
 const TIME_AFTER_FALL: f64 = 1.0;
 /// Beyond this number every second row is dropped: two minutes at 200 Hz.
 const MAX_ROWS: usize = 24_000;
-/// Decades of the residual histograms: relative residuals lie between rounding error and 1, squares below.
+/// Decades of the residual histograms: from far below rounding error to far above 1.
 const RESIDUAL_DECADES: [i32; 2] = [-20, 2];
-/// Decades of the histogram of energy gain [J].
+/// Decades of the histogram of energy gain [J], from far below rounding error to far above the robot's own energy.
 const ENERGY_DECADES: [i32; 2] = [-20, 4];
 /// Decades of the timing histograms [ns]: 100 ns to 1 s.
 const TIMING_DECADES: [i32; 2] = [2, 9];

@@ -10,7 +10,7 @@
 //! | `/tf`, `/robot`, `/forces` | `foxglove.FrameTransforms`, `foxglove.SceneUpdate` | 50 Hz, once, 50 Hz |
 //!
 //! The metadata record `biped` contains the scene and, as `begun`, the UTC time of the first record. No message contains
-//! a wall-clock time. Therefore two recordings of the same run have equal states, and `biped info` prints the same hash
+//! a calendar time. Therefore two recordings of the same run have equal states, and `biped info` prints the same hash
 //! for both. Messages are Protocol Buffers ([`protobuf`]); Foxglove's own messages are JSON. Log times are simulated
 //! times. A reset of the simulation does not reset them: they keep increasing.
 

@@ -1,4 +1,4 @@
-//! The folder of a run: summary, trajectory, figures, and a page that holds all of it.
+//! The report of a run: a folder with summary, trajectory, figures, and a page that contains all of them.
 
 mod contact;
 pub mod draw;
@@ -24,7 +24,7 @@ use shared::output::{MARK, folder, remove_drawings, replaces, write_whole};
 use std::path::Path;
 use std::{fs, io};
 
-/// Every figure that applies to the run, in the order of the page; none without records.
+/// All figures that apply to the run, in the order of the page. Empty without records.
 pub fn figures(analysis: &RunAnalysis) -> Vec<Figure> {
     if analysis.rows.is_empty() {
         return Vec::new();
@@ -42,21 +42,21 @@ pub fn figures(analysis: &RunAnalysis) -> Vec<Figure> {
     figures.into_iter().flatten().collect()
 }
 
-/// What the scene in the folder begins with.
-const SCENE: &str = "# this scene as `biped run` had it\n";
+/// First line of `scene.toml`.
+const SCENE_HEADER: &str = "# this scene as `biped run` had it\n";
 
-/// What the folder gets, and how each begins.
+/// Names and first bytes of the files. An existing file is replaced only if it begins with these bytes.
 const FILES: [(&str, &str); 4] = [
     ("summary.json", "{\n  \"scene\":"),
     ("trajectory.csv", "# World frame"),
     ("report.html", MARK),
-    ("scene.toml", SCENE),
+    ("scene.toml", SCENE_HEADER),
 ];
 
-/// Makes the folder, unless somebody else's file is in the way, before the work and not after it.
+/// Creates the folder before the run starts.
 ///
 /// # Errors
-/// That.
+/// If the folder cannot be created, or contains a file of the same name that this program did not write.
 pub fn prepare(path: &Path) -> Result<(), Failure> {
     folder(path)?;
     FILES.iter().try_for_each(|(name, head)| {
@@ -66,27 +66,27 @@ pub fn prepare(path: &Path) -> Result<(), Failure> {
     })
 }
 
-/// Writes [`FILES`] and `figures/*.svg` into the folder, which it makes if need
-/// be. A file is either written whole or not at all. `text` is the scene as the user would write it.
+/// Writes [`FILES`] and `figures/*.svg` into the folder and creates it if necessary. Each file is written completely or
+/// not at all. `text` is the scene as TOML.
 ///
 /// # Errors
-/// As the file system has them, with the file's name.
+/// If a file cannot be written.
 pub fn write(folder: &Path, analysis: &RunAnalysis, summary: &Summary, scene: &Scene, text: &str) -> io::Result<()> {
     let figures = figures(analysis);
     let drawings = folder.join("figures");
     fs::create_dir_all(&drawings)?;
-    remove_drawings(&drawings)?; // a run before may have had others
+    remove_drawings(&drawings)?; // an earlier run may have had other figures
     write_whole(&folder.join("summary.json"), &summary.json())?;
     write_whole(&folder.join("trajectory.csv"), &trajectory_csv::table(analysis))?;
     write_whole(&folder.join("report.html"), &page(&figures, analysis, summary, scene, text))?;
-    write_whole(&folder.join("scene.toml"), &format!("{SCENE}{text}"))?;
+    write_whole(&folder.join("scene.toml"), &format!("{SCENE_HEADER}{text}"))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
         write_whole(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
     }
     Ok(())
 }
 
-/// The page: the run in 3-D, its summary, and every figure.
+/// The page: the run in 3-D, the summary, and all figures.
 pub fn page(figures: &[Figure], analysis: &RunAnalysis, summary: &Summary, scene: &Scene, text: &str) -> String {
     let rows = summary.lines().into_iter().map(|(name, value)| {
         let class = match name {
@@ -98,7 +98,7 @@ pub fn page(figures: &[Figure], analysis: &RunAnalysis, summary: &Summary, scene
     });
     let table = format!("<section>\n<table class=\"facts\">\n{}</table>\n</section>\n", rows.collect::<String>());
     let drawings = figures.iter().map(|figure| {
-        let panels: String = figure.panels.iter().map(|panel| inline(&panel.svg)).collect();
+        let panels: String = figure.panels.iter().map(|panel| themed_svg(&panel.svg)).collect();
         format!(
             "<figure>\n<h2>{}</h2>\n<figcaption>{}</figcaption>\n<div>{panels}</div>\n</figure>\n",
             figure.title, figure.caption
@@ -115,12 +115,12 @@ pub fn page(figures: &[Figure], analysis: &RunAnalysis, summary: &Summary, scene
     .html()
 }
 
-/// Whose figures these are.
+/// Source of the figures.
 const SOURCE: &str = "<p class=\"lead\">Figures 6 to 9 are drawn after Y. Fujimoto and A. Kawamura, \"Three Dimensional Digital \
     Simulation and Autonomous Walking Control for Eight-Axis Biped KinematicTree\", 1995.</p>\n";
 
-/// The drawing in the colours of the page, light or dark.
-pub fn inline(svg: &str) -> String {
+/// A figure for embedding in a page: its colours follow the light or dark theme of the page.
+pub fn themed_svg(svg: &str) -> String {
     svg.replace("#1F2328", "currentColor").replace("#E1E5EA", "var(--grid)").replace("#FFFFFF", "var(--card)")
 }
 
@@ -143,22 +143,22 @@ mod tests {
     }
 
     #[test]
-    fn the_page_holds_everything_and_fetches_nothing() {
+    fn the_page_is_complete_and_fetches_nothing() {
         let (figures, page) = report(&Scene::default(), 14);
         assert_eq!(figures.len(), 8);
         assert!(page.len() < 5_000_000, "{} bytes", page.len());
         let (page, scripts) = page.split_once("<script").unwrap();
-        assert_eq!(scripts.matches("</script>").count(), 4, "no data or library ends its script");
+        assert_eq!(scripts.matches("</script>").count(), 4, "no data or library closes its script element");
         assert_eq!(page.matches("<svg").count(), figures.iter().map(|figure| figure.panels.len()).sum::<usize>());
         assert!(page.contains("&lt;walk&gt;") && page.contains("fourteen &amp; more"));
-        assert_eq!(page.matches("{{").count(), 1, "the scene's own braces stay, every place is filled");
+        assert_eq!(page.matches("{{").count(), 1, "the scene's own braces stay, all placeholders are replaced");
         let outside = page.replace("http://www.w3.org/2000/svg", "");
         assert!(!["http:", "https:", "src=", "href=", "url("].iter().any(|fetch| outside.contains(fetch)));
         assert!(!page.contains("NaN") && !page.contains("inf"));
     }
 
     #[test]
-    fn a_robot_that_cannot_walk_gets_the_figures_that_apply() {
+    fn a_robot_without_legs_gets_only_the_figures_that_apply() {
         let mut scene = Scene::default();
         scene.bodies.retain(|body| body.name == messages::robot::TRUNK);
         let (figures, _) = report(&scene, 1);
@@ -168,7 +168,7 @@ mod tests {
     }
 
     #[test]
-    fn the_folder_is_complete_and_without_drafts() {
+    fn the_folder_is_complete_and_has_no_temporary_files() {
         let folder = std::env::temp_dir().join(format!("biped-report-{}", std::process::id()));
         let mut analysis = RunAnalysis::new(&Scene::default());
         analysis.push(&SyntheticWalk::new(0.0).truth(0, 0.0));

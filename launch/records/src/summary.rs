@@ -1,4 +1,4 @@
-//! The run in numbers: `summary.json`, and in `table` what of them is shown.
+//! Summary of a run: the numbers in `summary.json`, and in [`table`] the lines for the terminal and the page.
 
 pub mod table;
 
@@ -8,43 +8,44 @@ use serde::Serialize;
 use shared::exit::Failure;
 use std::time::Duration;
 
-/// What came out of a run; SI units, degrees where named. What could not be measured is NaN or infinite here and null
-/// in JSON.
+/// Results of a run, in SI units except for angles in degrees where the name says so. A value that could not be measured
+/// is NaN or infinite here and null in JSON.
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// Name of the scene.
     pub scene: String,
     /// Name of the robot.
     pub robot: String,
-    /// Whether the trunk came down; always false for robots without two feet.
+    /// True if the robot fell. Always false for a robot without two feet.
     pub fell: bool,
-    /// When it did [s].
+    /// Time of the fall [s].
     pub fall_time_s: Option<f64>,
     /// Simulated time [s].
     pub duration_s: f64,
     /// Displacement of the centre of mass along x [m].
     pub distance_m: f64,
-    /// Its displacement along y [m].
+    /// Displacement of the centre of mass along y [m].
     pub lateral_m: f64,
     /// Heading of the base at the end [deg].
     pub yaw_deg: f64,
-    /// Mean speed along x over the last half of the walk; without steps, of the run [m/s].
+    /// Mean speed along x over the second half of the walk [m/s]. Without steps: over the second half of the run.
     pub speed_mps: f64,
-    /// Mean period of two steps over the last 20 [s].
+    /// Mean of the last 20 periods of two steps [s].
     pub period_s: f64,
-    /// Its standard deviation over the same steps [s].
+    /// Standard deviation of the same periods [s].
     pub period_std_s: f64,
-    /// Least lateral distance of the centre of mass from the support foot, mean of the last 20 steps [m].
+    /// Least lateral distance of the centre of mass from the support foot in a step, mean of the last 20 steps [m].
     pub x2_min_m: f64,
-    /// Exchanges of support.
+    /// Number of changes of the support foot.
     pub steps: usize,
     /// Greatest torque of each drive [N·m].
     pub peak_torque_nm: [f64; 8],
     /// Greatest mechanical power of each drive [W].
     pub peak_power_w: [f64; 8],
-    /// Greatest tilt of the foot that carries more [deg].
+    /// Greatest tilt of the foot with the greater load [deg].
     pub foot_tilt_max_deg: f64,
-    /// Least distance of the zero-moment point inside the sole's edge while one foot has carried everything for 40 ms [m].
+    /// Least distance of the zero-moment point from the edge of the sole, from 40 ms after the start of each single
+    /// support [m].
     pub zmp_margin_m: f64,
     /// Greatest Signorini residual, relative to the step's scale.
     pub signorini_max: f64,
@@ -54,24 +55,24 @@ pub struct Summary {
     pub energy_gain_max_j: f64,
     /// Steps whose contact problem needed a fallback.
     pub fallbacks: u64,
-    /// The most that the energy rose above an earlier one, less the work of drives and of the scene's push: what integration made, or a push
-    /// that was asked for [J].
+    /// Greatest increase of the energy balance, that is of the energy minus the work of drives and of the scene's push [J].
+    /// It is caused by integration errors or by a push that a user requested.
     pub energy_made_j: f64,
-    /// The most that it fell below an earlier one before anything touched, where no joint is damped: what integration lost [J].
+    /// Greatest decrease of the energy balance before the first contact, if no joint is damped: integration error [J].
     pub energy_lost_j: f64,
-    /// Greatest kinetic energy, of the drives too [J].
+    /// Greatest kinetic energy, including that of the drives [J].
     pub kinetic_max_j: f64,
-    /// Hash of every state of the run.
+    /// Hash of all states of the run.
     pub trajectory_hash: String,
-    /// Time that the run took [s].
+    /// Wall-clock time of the run [s].
     pub wall_s: f64,
-    /// Simulated time per time taken.
+    /// Simulated time per wall-clock time.
     pub realtime_factor: f64,
-    /// Processes that simulated: 1 or 2.
+    /// Number of processes that simulated: 1 or 2.
     pub processes: u32,
     /// Least x_2 min of all steps [m].
     pub x2_least_m: f64,
-    /// Greatest sideways distance of the centre of mass from where it began [m].
+    /// Greatest lateral distance of the centre of mass from its initial position [m].
     pub lateral_max_m: f64,
     /// Greatest height of the lowest contact point after the first contact [m].
     pub hop_max_m: f64,
@@ -83,52 +84,52 @@ pub struct Summary {
     pub slip_misalignment_max_deg: f64,
     /// Speed of the centre of mass at the end [m/s].
     pub com_speed_end_mps: f64,
-    /// Median time of the plant for one control period [s].
+    /// Median computing time of the plant per control period [s].
     pub plant_median_s: f64,
     /// Integration steps in one control period.
     pub steps_per_period: u64,
-    /// Commands refused by the plant's gate, by reason in the order of the wire's table.
+    /// Commands that the plant refused, by reason, in the order of [`REFUSALS`].
     pub refused: [u64; REFUSALS.len()],
-    /// Commands that never came.
+    /// Commands that were lost.
     pub commands_lost: u64,
-    /// Control periods on torques of an earlier one.
+    /// Control periods with the torques of an earlier period.
     pub periods_held: u64,
-    /// Control periods damped for want of a young command.
+    /// Control periods with damped joints, because the latest command was too old.
     pub periods_damped: u64,
     /// Control periods with the drives off.
     pub periods_faulted: u64,
-    /// Control periods that real time was ahead and that were left out.
+    /// Control periods that were skipped, because the simulation was behind real time.
     pub periods_skipped: u64,
     /// Controllers that another one replaced.
     pub takeovers: u64,
-    /// All of that in words, if there is anything.
+    /// Text of the counters above. Empty if all are zero.
     #[serde(skip)]
-    pub met: String,
-    /// What was asked of the run, at most the first thousand; a run that nobody spoke to repeats to the bit.
+    pub link_text: String,
+    /// Answered requests, at most the first thousand. A run without requests is reproducible bit for bit.
     pub requests: Vec<RequestRecord>,
-    /// The same in words.
+    /// Text of the requests.
     #[serde(skip)]
-    pub asked: String,
-    /// Records left out because their pose was not finite.
+    pub requests_text: String,
+    /// Records that were skipped, because their pose was not finite.
     pub dropped: u64,
-    /// What the model has that was simulated, and what the scene's own has if that is larger.
+    /// Size of the simulated model, and that of the scene's full model if it is larger.
     pub model: String,
-    /// Its time over that of the scene's own model, for the first steps of the scene; 1 if it is that one; NaN
-    /// where nothing was measured.
+    /// Computing time of the simulated model relative to the scene's full model, over the first steps of the scene. 1 if
+    /// both are the same, NaN if not measured.
     pub model_cost_ratio: f64,
-    /// What ended the run before its time.
+    /// Cause of an early end of the run.
     pub cut_short_by: Option<&'static str>,
-    /// What ended the recording before the run.
+    /// Cause of an early end of the recording.
     pub recording_ended_by: Option<String>,
-    /// Time from the first record to the last, without start and end of the processes [s].
+    /// Wall-clock time from the first record to the last, without start and end of the processes [s].
     pub loop_s: f64,
 }
 
-/// Steps at the end of the walk that period and x_2 min are averaged over.
+/// Number of steps at the end of a walk over which period and x_2 min are averaged.
 const LAST_STEPS: usize = 20;
 
 impl Summary {
-    /// Sums up what the analysis heard; `wall` is the time that the run took, zero as `processes` where that is not known.
+    /// Summarises an analysis. `wall` is the wall-clock time of the run. It is zero if unknown, and so is `processes`.
     pub fn new(scene: &str, analysis: &RunAnalysis, wall: Duration, processes: u32) -> Self {
         let (gait, extrema) = (&analysis.gait, &analysis.extrema);
         let ends = analysis.first.as_ref().zip(analysis.last.as_ref());
@@ -137,7 +138,7 @@ impl Summary {
         let duration_s = over(&|_, last| last.derived.time);
         let (period_s, period_std_s) = gait.period(LAST_STEPS);
         let energy = &analysis.energy;
-        let told = |joules: f64| if joules > energy.rounding() { joules } else { 0.0 };
+        let above_rounding = |joules: f64| if joules > energy.rounding() { joules } else { 0.0 };
         Summary {
             scene: scene.into(),
             robot: analysis.robot.name.clone(),
@@ -159,8 +160,8 @@ impl Summary {
             signorini_max: extrema.signorini,
             natural_map_max: extrema.natural_map,
             energy_gain_max_j: extrema.energy_gain,
-            energy_made_j: told(energy.made),
-            energy_lost_j: told(energy.lost),
+            energy_made_j: above_rounding(energy.made),
+            energy_lost_j: above_rounding(energy.lost),
             kinetic_max_j: energy.kinetic,
             fallbacks: analysis.last.as_ref().map_or(0, |last| last.truth.fallbacks),
             trajectory_hash: format!("{:016x}", analysis.last.as_ref().map_or(0, |last| last.truth.hash)),
@@ -182,9 +183,9 @@ impl Summary {
             periods_faulted: tally.faulted,
             periods_skipped: tally.skipped,
             takeovers: tally.takeovers,
-            met: tally.to_string(),
+            link_text: tally.to_string(),
             requests: analysis.requests.list.clone(),
-            asked: analysis.requests.text(),
+            requests_text: analysis.requests.text(),
             steps_per_period: analysis.steps_per_period,
             dropped: analysis.dropped,
             model: String::new(),
@@ -197,28 +198,28 @@ impl Summary {
         }
     }
 
-    /// With the size of the simulated model, and its time over that of the scene's own.
-    pub fn on(self, model: String, model_cost_ratio: f64) -> Self {
+    /// Adds the size of the simulated model and its relative computing time.
+    pub fn with_model(self, model: String, model_cost_ratio: f64) -> Self {
         Summary { model, model_cost_ratio, ..self }
     }
 
-    /// With what ended the run, if it was not the end of the scene.
-    pub fn ended(self, failure: Option<&Failure>) -> Self {
+    /// Adds the cause of an early end.
+    pub fn with_end(self, failure: Option<&Failure>) -> Self {
         Summary { cut_short_by: failure.and_then(|failure| failure.exit.cause()), ..self }
     }
 
-    /// As JSON, one key per line.
+    /// The summary as JSON, one key per line.
     pub fn json(&self) -> String {
         serde_json::to_string_pretty(self).unwrap_or_else(|error| format!("{{\"error\": \"{error}\"}}")) + "\n"
     }
 }
 
-/// Angle about the vertical of an orientation w, x, y, z [rad].
+/// Yaw angle of a quaternion w, x, y, z [rad].
 pub fn yaw([w, x, y, z]: [f64; 4]) -> f64 {
     (2.0 * (w * z + x * y)).atan2(1.0 - 2.0 * (y * y + z * z))
 }
 
-/// Mean speed along x over the last half of the track, for robots that do not step.
+/// Mean speed along x over the second half of the run, for robots that do not step [m/s].
 fn speed(analysis: &RunAnalysis) -> f64 {
     let (Some([half, from]), Some([end, to])) = (analysis.track.get(analysis.track.len() / 2), analysis.track.last())
     else {
@@ -234,7 +235,7 @@ mod tests {
     use messages::scene::Scene;
     use messages::wire::Truth;
 
-    /// The keys that users' scripts rely on, in their order.
+    /// The keys that users' scripts use, in their order.
     const KEYS: [&str; 24] = [
         "scene",
         "fell",
@@ -269,14 +270,14 @@ mod tests {
     }
 
     #[test]
-    fn every_promised_key_is_there_and_in_order() {
+    fn all_documented_keys_exist_in_order() {
         let json = summary([]).json();
-        let places: Vec<_> = KEYS.iter().map(|key| json.find(&format!("\n  \"{key}\":"))).collect();
-        assert!(places.iter().all(Option::is_some) && places.is_sorted(), "{json}");
+        let positions: Vec<_> = KEYS.iter().map(|key| json.find(&format!("\n  \"{key}\":"))).collect();
+        assert!(positions.iter().all(Option::is_some) && positions.is_sorted(), "{json}");
     }
 
     #[test]
-    fn a_record_that_is_not_a_number_breaks_neither_json_nor_the_rest() {
+    fn a_record_with_nan_affects_neither_the_json_syntax_nor_other_values() {
         let walk = SyntheticWalk::new(0.06);
         let truths = (0..5000).map(|seq| {
             let mut truth = walk.truth(seq, seq as f64 * 1e-3);
@@ -293,7 +294,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_measured_is_null() {
+    fn a_value_that_was_not_measured_is_null() {
         let json: serde_json::Value = serde_json::from_str(&summary([]).json()).unwrap();
         for key in ["fall_time_s", "distance_m", "period_s", "x2_min_m", "zmp_margin_m", "foot_tilt_max_deg"] {
             assert!(json[key].is_null(), "{key}: {}", json[key]);

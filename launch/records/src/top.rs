@@ -1,7 +1,7 @@
-//! `biped top`: how a running session is, in the terminal. It listens as a analysis does; in place on a terminal, a line each second
-//! elsewhere.
+//! `biped top`: monitors a running session in the terminal. On a terminal it updates the display in place. Otherwise it
+//! prints a line per second.
 
-use crate::summary::table::tiny;
+use crate::summary::table::scientific;
 use clap::Args;
 use console::{Style, Term, truncate_str};
 use messages::port::RecorderPort;
@@ -13,12 +13,14 @@ use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
 
-/// Between two looks on a terminal.
-const LOOK: Duration = Duration::from_millis(250);
-/// Between two lines elsewhere.
-const LINE: Duration = Duration::from_secs(1);
-/// What has not been heard of for so long has ended, if nobody else is in the session.
-const SILENCE: Duration = Duration::from_secs(1);
+/// Update interval on a terminal.
+const DISPLAY_INTERVAL: Duration = Duration::from_millis(250);
+/// Interval between lines if the output is not a terminal.
+const LINE_INTERVAL: Duration = Duration::from_secs(1);
+/// Time between reads of the session.
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
+/// A session without other members has ended after this time without records.
+const END_TIMEOUT: Duration = Duration::from_secs(1);
 
 /// Arguments of `biped top`.
 #[derive(Args)]
@@ -27,55 +29,55 @@ pub struct TopArgs {
     session: SessionArgs,
 }
 
-/// Shows it until the session or the user's patience ends.
+/// Monitors until the session ends or the user stops the program.
 ///
 /// # Errors
-/// If there is no such session.
+/// If the session does not exist.
 pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let session = args.session.find()?;
     let mut port = RecorderPort::attach(&session)?;
     let mut term = Term::stdout();
-    let interval = if term.is_term() { LOOK } else { LINE };
-    let (mut interval_stats, mut drawn) = (Interval::new(), 0);
-    while !stop.load(Relaxed) && !has_ended(&session, interval_stats.heard) {
+    let interval = if term.is_term() { DISPLAY_INTERVAL } else { LINE_INTERVAL };
+    let (mut statistics, mut shown_lines) = (Interval::new(), 0);
+    while !stop.load(Relaxed) && !has_ended(&session, statistics.received) {
         while let Some(truth) = port.read()? {
-            interval_stats.take(&truth);
+            statistics.push(&truth);
         }
-        if interval_stats.begun.elapsed() < interval {
-            std::thread::sleep(Duration::from_millis(2));
+        if statistics.started.elapsed() < interval {
+            std::thread::sleep(POLL_INTERVAL);
             continue;
         }
-        let shown = if term.is_term() {
-            let lines = interval_stats.lines(&session);
-            let width = usize::from(term.size().1); // a line that wraps would be two to clear away
+        let written = if term.is_term() {
+            let lines = statistics.lines(&session);
+            let width = usize::from(term.size().1); // a wrapped line would count as two when it is cleared
             let text: String = lines.iter().map(|line| format!("{}\n", truncate_str(line, width, "…"))).collect();
-            let shown = term.clear_last_lines(drawn).and_then(|()| term.write_all(text.as_bytes()));
-            drawn = lines.len();
-            shown
+            let written = term.clear_last_lines(shown_lines).and_then(|()| term.write_all(text.as_bytes()));
+            shown_lines = lines.len();
+            written
         } else {
-            writeln!(term, "{}", interval_stats.line())
+            writeln!(term, "{}", statistics.line())
         };
-        if shown.is_err() {
-            break; // whoever read has had enough
+        if written.is_err() {
+            break; // the reader of a pipe has closed it
         }
-        interval_stats = Interval { latest: interval_stats.latest, heard: interval_stats.heard, ..Interval::new() };
+        statistics = Interval { latest: statistics.latest, received: statistics.received, ..Interval::new() };
     }
     Ok(())
 }
 
-/// Whether nobody but us is in a session that has fallen silent.
-pub fn has_ended(session: &Session, heard: Instant) -> bool {
-    heard.elapsed() > SILENCE && session.members().iter().all(|member| *member == std::process::id())
+/// True if a session has no other members and has sent no record for [`END_TIMEOUT`].
+pub fn has_ended(session: &Session, received: Instant) -> bool {
+    received.elapsed() > END_TIMEOUT && session.members().iter().all(|member| *member == std::process::id())
 }
 
-/// What was heard between two looks.
+/// Statistics of the records between two updates.
 struct Interval {
-    begun: Instant,
-    heard: Instant,
+    started: Instant,
+    received: Instant,
     latest: Option<Truth>,
     first: Option<Truth>,
     count: u64,
-    oldest: u32,
+    greatest_age: u32,
     reply: DurationStats,
     late: DurationStats,
     busy: DurationStats,
@@ -85,42 +87,42 @@ impl Interval {
     fn new() -> Interval {
         let now = Instant::now();
         Interval {
-            begun: now,
-            heard: now,
+            started: now,
+            received: now,
             latest: None,
             first: None,
             count: 0,
-            oldest: 0,
+            greatest_age: 0,
             reply: DurationStats::default(),
             late: DurationStats::default(),
             busy: DurationStats::default(),
         }
     }
 
-    fn take(&mut self, truth: &Truth) {
+    fn push(&mut self, truth: &Truth) {
         self.first.get_or_insert(*truth);
         self.latest = Some(*truth);
-        self.heard = Instant::now();
+        self.received = Instant::now();
         self.count += 1;
-        self.oldest = self.oldest.max(truth.age);
+        self.greatest_age = self.greatest_age.max(truth.age);
         self.reply.add(truth.reply_ns);
         self.late.add(truth.late_ns);
         self.busy.add(truth.plant_ns);
     }
 
-    /// Control periods a second, simulated time per time, and speed [m/s].
+    /// Control periods per second, simulated time per wall-clock time, and speed [m/s].
     fn rates(&self) -> [f64; 3] {
         let (Some(first), Some(last)) = (self.first, self.latest) else { return [0.0, 0.0, f64::NAN] };
-        let wall = self.begun.elapsed().as_secs_f64();
+        let wall = self.started.elapsed().as_secs_f64();
         let simulated = last.stamp.sim_ns.saturating_sub(first.stamp.sim_ns) as f64 * 1e-9;
         let speed = (last.base_position[0] - first.base_position[0]) / simulated;
         [self.count as f64 / wall, simulated / wall, speed]
     }
 
-    /// All of it, in lines for people.
+    /// The statistics as lines for a terminal.
     fn lines(&self, session: &Session) -> Vec<String> {
         let Some(truth) = &self.latest else {
-            return vec![format!("session {}: nothing yet; one that is paused says nothing", session.name())];
+            return vec![format!("session {}: no records yet; a paused session sends none", session.name())];
         };
         let [rate, pace, speed] = self.rates();
         let (telemetry, tally) = (&truth.telemetry, &truth.tally);
@@ -146,11 +148,14 @@ impl Interval {
             line("drives", format!("{}", colour.apply_to(state))),
             line("gait", format!("{}, step {}, {speed:+.3} m/s", support(truth), telemetry.steps)),
             line("energies", energies(truth)),
-            line("age", format!("{} periods, greatest {}", truth.age, self.oldest)),
+            line("age", format!("{} periods, greatest {}", truth.age, self.greatest_age)),
             line("reply", times(&self.reply)),
             line("late", times(&self.late)),
             line("plant", times(&self.busy)),
-            line("residuals", format!("natural map {}, Signorini {}", tiny(truth.natural_map), tiny(truth.signorini))),
+            line(
+                "residuals",
+                format!("natural map {}, Signorini {}", scientific(truth.natural_map), scientific(truth.signorini)),
+            ),
             line("refused", refused),
             line(
                 "periods",
@@ -167,9 +172,9 @@ impl Interval {
         ]
     }
 
-    /// The same in one plain line.
+    /// The statistics as one line without colours.
     fn line(&self) -> String {
-        let Some(truth) = &self.latest else { return "nothing yet; a session that is paused says nothing".into() };
+        let Some(truth) = &self.latest else { return "no records yet; a paused session sends none".into() };
         let [rate, pace, speed] = self.rates();
         let time = truth.stamp.sim_ns as f64 * 1e-9;
         let refused: u64 = truth.tally.refused.iter().sum();
@@ -179,7 +184,7 @@ impl Interval {
             name(&STATES, truth.state),
             support(truth),
             energies(truth),
-            self.oldest,
+            self.greatest_age,
             self.reply.mean(),
             self.late.greatest(),
             truth.tally.lost,
@@ -188,27 +193,27 @@ impl Interval {
     }
 }
 
-/// Mean and greatest of some times.
+/// Mean and maximum of durations.
 #[derive(Default)]
 struct DurationStats {
     sum: u64,
     count: u64,
-    most: u64,
+    greatest: u64,
 }
 
 impl DurationStats {
     fn add(&mut self, ns: u64) {
-        (self.sum, self.count, self.most) = (self.sum + ns, self.count + 1, self.most.max(ns));
+        (self.sum, self.count, self.greatest) = (self.sum + ns, self.count + 1, self.greatest.max(ns));
     }
 
-    /// [µs].
+    /// Mean [µs].
     fn mean(&self) -> f64 {
         self.sum as f64 * 1e-3 / self.count.max(1) as f64
     }
 
-    /// [µs].
+    /// Maximum [µs].
     fn greatest(&self) -> f64 {
-        self.most as f64 * 1e-3
+        self.greatest as f64 * 1e-3
     }
 }
 
@@ -232,12 +237,12 @@ mod tests {
     use crate::analysis::synthetic::SyntheticWalk;
 
     #[test]
-    fn of_an_ordinary_walk_every_line_fits_a_narrow_terminal() {
-        let mut interval_stats = Interval::new();
+    fn all_lines_of_an_ordinary_walk_fit_a_narrow_terminal() {
+        let mut statistics = Interval::new();
         for period in 0..2000 {
-            interval_stats.take(&SyntheticWalk::new(0.06).truth(period, 9.0 + period as f64 * 1e-3));
+            statistics.push(&SyntheticWalk::new(0.06).truth(period, 9.0 + period as f64 * 1e-3));
         }
-        for line in interval_stats.lines(&Session::named("laboratory").expect("a good name")) {
+        for line in statistics.lines(&Session::named("laboratory").expect("a good name")) {
             assert!(console::measure_text_width(&line) <= 60, "{line}");
         }
     }

@@ -1,4 +1,4 @@
-//! `biped view`: the page in 3-D, of a session that is running or of a recording. The same page is in `report.html`.
+//! `biped view`: serves the 3-D page of a running session or of a recording. `report.html` contains the same page.
 
 mod access;
 pub mod frame;
@@ -17,38 +17,38 @@ use std::sync::atomic::AtomicBool;
 /// Arguments of `biped view`.
 #[derive(Args)]
 pub struct ViewArgs {
-    /// Show this recording of `biped run --record` instead of a running session
+    /// Show this recording (see `biped run --record`) instead of a running session
     #[arg(conflicts_with = "session")]
     file: Option<PathBuf>,
     #[command(flatten)]
     session: SessionArgs,
-    /// Address of this machine to listen on, for browsers on others: 0.0.0.0 or :: are all of its addresses
-    #[arg(long, value_name = "ADDRESS", value_parser = address, default_value_t = Ipv4Addr::LOCALHOST.into())]
+    /// Local IP address to listen on; 0.0.0.0 or :: accept connections from other machines on all addresses
+    #[arg(long, value_name = "ADDRESS", value_parser = parse_address, default_value_t = Ipv4Addr::LOCALHOST.into())]
     listen: IpAddr,
-    /// Port on that address; 0 takes one that is free
+    /// Port to listen on; 0 selects a free port
     #[arg(long, default_value_t = 8642)]
     port: u16,
     /// Show no progress
     #[arg(long)]
     quiet: bool,
-    /// Write the page of the recording into this file, instead of serving it
+    /// Write the page of the recording into this file instead of serving it
     #[arg(long, value_name = "FILE", requires = "file", conflicts_with = "session")]
     out: Option<PathBuf>,
 }
 
-fn address(text: &str) -> Result<IpAddr, String> {
+fn parse_address(text: &str) -> Result<IpAddr, String> {
     text.parse()
-        .map_err(|_| "an IP address of this machine is needed, such as 0.0.0.0 or ::1; the port is --port".into())
+        .map_err(|_| "an IP address of this machine is needed, such as 0.0.0.0 or ::1; set the port with --port".into())
 }
 
-/// Shows it until the session or the user's patience ends.
+/// Serves the page until the session ends or the user stops the program.
 ///
 /// # Errors
-/// If there is no such session or recording, or the address cannot be listened on.
+/// If the session or recording does not exist, or the program cannot listen on the address.
 pub fn run(args: &ViewArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let place = SocketAddr::new(args.listen, args.port);
+    let address = SocketAddr::new(args.listen, args.port);
     match &args.file {
-        Some(file) => recorded::run(file, args.out.as_deref(), place, args.quiet, stop),
-        None => live::run(&args.session.find()?, place, stop),
+        Some(file) => recorded::run(file, args.out.as_deref(), address, args.quiet, stop),
+        None => live::run(&args.session.find()?, address, stop),
     }
 }

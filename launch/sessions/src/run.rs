@@ -76,9 +76,9 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
     let wall = begun.elapsed();
     let RunModel { size, cost_ratio } = RunModel::of(&written, plan.as_ref())?;
-    let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).on(size, cost_ratio);
+    let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).with_model(size, cost_ratio);
     let recording_ended_by = watch.end.as_ref().map(|end| end.message.clone());
-    let summary = Summary { recording_ended_by, ..summary.ended(outcome.as_ref().err()) };
+    let summary = Summary { recording_ended_by, ..summary.with_end(outcome.as_ref().err()) };
     // The report before the summary is printed: a standard output that is full ends this program.
     let report = args.out.as_deref().map_or(Ok(()), |folder| {
         let written = report::write(folder, &watch.recorder, &summary, scene, &load::text(scene));

@@ -6,8 +6,8 @@ use super::failures::{Cause, columns};
 use super::models::GROUPS;
 use super::steps::LOADS;
 use super::{bounds, draw, failures};
-use records::report::inline;
 use records::report::plot::escaped;
+use records::report::themed_svg;
 use records::view::page::STYLE;
 use shared::output::write_whole;
 use std::fmt::Write;
@@ -25,7 +25,7 @@ pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::
         write_whole(&folder.join(name).with_extension("svg"), svg)?;
     }
     let [precision, steps, failures, models] =
-        views.map(|view| view.iter().map(|(_, svg)| inline(svg)).collect::<String>());
+        views.map(|view| view.iter().map(|(_, svg)| themed_svg(svg)).collect::<String>());
     let page = include_str!("page.html")
         .replace("{{style}}", STYLE)
         .replace("{{remark}}", &escaped(remark))

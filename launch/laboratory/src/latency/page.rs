@@ -2,8 +2,8 @@
 
 use super::draw;
 use super::results::{Results, micros};
-use records::report::inline;
 use records::report::plot::escaped;
+use records::report::themed_svg;
 use records::view::page::STYLE;
 use shared::output::write_whole;
 use std::fmt::Write;
@@ -22,7 +22,7 @@ pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
     let page = include_str!("page.html")
         .replace("{{style}}", STYLE)
         .replace("{{host}}", &escaped(&results.host.to_string()))
-        .replace("{{drawings}}", &drawings.iter().map(|(_, svg)| inline(svg)).collect::<String>())
+        .replace("{{drawings}}", &drawings.iter().map(|(_, svg)| themed_svg(svg)).collect::<String>())
         .replace("{{targets}}", &targets(results))
         .replace("{{series}}", &series(results))
         .replace("{{counts}}", &counts(results));

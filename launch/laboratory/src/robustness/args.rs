@@ -16,7 +16,7 @@ pub struct RobustnessArgs {
     /// Delays of every command, ascending [ms]
     #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
     pub(super) delay: Vec<f64>,
-    /// Jitters, ascending; --set link.jitter=normal or =burst for another kind than uniform [ms]
+    /// Jitters, ascending [ms]; their distribution is uniform, or that of --set link.jitter=normal or =burst
     #[arg(long, value_name = "MS,…", value_delimiter = ',', allow_negative_numbers = true)]
     pub(super) jitter: Vec<f64>,
     /// Probabilities that a command is lost, ascending
@@ -29,7 +29,7 @@ pub struct RobustnessArgs {
     /// Runs of each cell, each with its own seed
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1000))]
     pub(super) seeds: Option<u64>,
-    /// A coarse map of short walks, within seconds
+    /// A coarse map of short walks: takes seconds
     #[arg(long)]
     pub(super) quick: bool,
     /// Run only the i-th of n equal shares

@@ -78,7 +78,7 @@ impl StepDetector {
             self.crossing = Some((time + fraction * (derived.time - time), com.lerp(&derived.com, fraction)));
             self.turning_point = None;
         }
-        if self.turning_point.is_none_or(|(least, _)| state.position < least) {
+        if self.turning_point.is_none_or(|(least_x2, _)| state.position < least_x2) {
             self.turning_point = Some((state.position, soles[state.support]));
         }
         if state.offset.abs() > Self::DEAD_BAND * state.width {
@@ -87,11 +87,11 @@ impl StepDetector {
             }
             self.side = Some(state.support);
         }
-        if let (Some(step), Some((least, sole))) = (self.steps.last_mut(), self.turning_point)
+        if let (Some(step), Some((least_x2, sole))) = (self.steps.last_mut(), self.turning_point)
             && step.support == state.support
-            && least < step.x2_min
+            && least_x2 < step.x2_min
         {
-            (step.x2_min, step.sole) = (least, sole);
+            (step.x2_min, step.sole) = (least_x2, sole);
         }
         self.previous = Some((derived.time, derived.com, state));
     }

@@ -72,8 +72,8 @@ mod tests {
     fn quantiles_are_exact_to_the_width_of_a_bin() {
         let mut histogram = Histogram::new([0, 6]);
         (1..=1000).for_each(|i| histogram.add(f64::from(i)));
-        for (share, exact) in [(0.5, 500.0), (0.99, 990.0), (1.0, 1000.0)] {
-            assert!((histogram.quantile(share) / exact).ln().abs() < 0.04, "{}", histogram.quantile(share));
+        for (q, exact) in [(0.5, 500.0), (0.99, 990.0), (1.0, 1000.0)] {
+            assert!((histogram.quantile(q) / exact).ln().abs() < 0.04, "{}", histogram.quantile(q));
         }
         histogram.add(f64::NAN);
         histogram.add(0.0);

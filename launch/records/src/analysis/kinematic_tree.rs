@@ -127,9 +127,9 @@ impl KinematicTree {
 
     /// Kinetic energy of the bodies and the payload [J].
     pub fn kinetic(&self, states: &[BodyState]) -> f64 {
-        let translational = self.point_masses.iter().map(|&(body, place, mass)| {
+        let translational = self.point_masses.iter().map(|&(body, position, mass)| {
             let BodyState { pose, velocity, spin } = &states[body];
-            0.5 * mass * (velocity + spin.cross(&(pose.rotation * place.coords))).norm_squared()
+            0.5 * mass * (velocity + spin.cross(&(pose.rotation * position.coords))).norm_squared()
         });
         let rotational = self.bodies.iter().zip(states).map(|(body, BodyState { pose, spin, .. })| {
             let body_spin = pose.rotation.inverse() * spin;
@@ -152,8 +152,8 @@ impl KinematicTree {
     /// Centre of mass in W [m] and its velocity [m/s]. NaN for a robot without mass.
     pub fn com(&self, states: &[BodyState]) -> (Vector3<f64>, Vector3<f64>) {
         let mut sum = (Vector3::zeros(), Vector3::zeros());
-        for &(body, place, mass) in &self.point_masses {
-            let arm = states[body].pose.rotation * place.coords;
+        for &(body, position, mass) in &self.point_masses {
+            let arm = states[body].pose.rotation * position.coords;
             sum.0 += mass * (states[body].pose.translation.vector + arm);
             sum.1 += mass * (states[body].velocity + states[body].spin.cross(&arm));
         }
@@ -252,12 +252,12 @@ mod tests {
             let robot = KinematicTree::new(&scene);
             let states = robot.body_states(&plant.truth());
             let (com, velocity) = robot.com(&states);
-            let off = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
+            let error = (com - totals.com).norm().max((velocity - totals.com_velocity).norm());
             let ends = plant.model().body_link.iter().zip(&states).map(|(&link, body)| {
                 let point = Vector3::new(0.3, -0.2, 0.1);
                 (pose.point(link, &point) - (body.pose * Point3::from(point)).coords).norm()
             });
-            assert!(ends.fold(off, f64::max) < 1e-12, "{name}: off by {off:e} in the mass");
+            assert!(ends.fold(error, f64::max) < 1e-12, "{name}: off by {error:e}");
         }
     }
 

@@ -28,8 +28,8 @@ impl Peaks {
 
     /// The greater value of each quantity.
     pub fn max(mut self, other: &Peaks) -> Peaks {
-        for (mine, theirs) in self.torque.iter_mut().zip(other.torque) {
-            *mine = if mine.abs() < theirs.abs() { theirs } else { *mine };
+        for (own, other) in self.torque.iter_mut().zip(other.torque) {
+            *own = if own.abs() < other.abs() { other } else { *own };
         }
         self.natural_map = self.natural_map.max(other.natural_map);
         self.signorini = self.signorini.max(other.signorini);

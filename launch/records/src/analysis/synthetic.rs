@@ -77,7 +77,7 @@ impl SyntheticWalk {
     }
 
     fn plan(&self, time: f64) -> PlannedState {
-        let place = |k: i64| self.step_length * (1..=k).map(|i| (i as f64 / 4.0).min(1.0)).sum::<f64>();
+        let foot_x = |k: i64| self.step_length * (1..=k).map(|i| (i as f64 / 4.0).min(1.0)).sum::<f64>();
         let walked = time - RELEASE + STEP / 2.0;
         if time < RELEASE {
             let share = ((time - 0.5) / 0.8).clamp(0.0, 1.0);
@@ -90,7 +90,7 @@ impl SyntheticWalk {
         let (tau, k) = (walked - k * STEP, k as i64);
         let x2 = Self::x2_min() * (OMEGA * (tau - STEP / 2.0)).cosh();
         let side = if k % 2 == 0 { 1.0 } else { -1.0 };
-        let (stance, from, to) = (place(k), place((k - 1).max(0)), place(k + 1));
+        let (stance, from, to) = (foot_x(k), foot_x((k - 1).max(0)), foot_x(k + 1));
         let blend = OMEGA * STEP;
         let x1 = ((from - stance) / 2.0 * (blend - OMEGA * tau).sinh() + (to - stance) / 2.0 * (OMEGA * tau).sinh())
             / blend.sinh();
@@ -158,12 +158,12 @@ impl SyntheticWalk {
 /// The pose with both soles horizontal and the trunk rolled about and shifted forward of the support ankle.
 fn inverse_kinematics(plan: &PlannedState, roll: f64, shift: f64) -> Truth {
     let side = [1.0, -1.0][plan.support];
-    let turn = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll);
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll);
     let ankle = Vector3::new(plan.stance, side * HALF_WIDTH, 0.05);
-    let trunk = ankle + turn * Vector3::new(shift, -side * HALF_WIDTH, TRUNK_ABOVE_ROLL - 0.05);
-    let pose = Isometry3::from_parts(Translation3::from(trunk), turn);
+    let trunk = ankle + rotation * Vector3::new(shift, -side * HALF_WIDTH, TRUNK_ABOVE_ROLL - 0.05);
+    let pose = Isometry3::from_parts(Translation3::from(trunk), rotation);
     let mut truth = Truth { base_position: trunk.into(), ..Truth::default() };
-    truth.base_orientation = [turn.w, turn.i, turn.j, turn.k];
+    truth.base_orientation = [rotation.w, rotation.i, rotation.j, rotation.k];
     for leg in 0..2 {
         let (x, lift) = if leg == plan.support { (plan.stance, 0.0) } else { (plan.swing, plan.lift) };
         let lateral = [1.0, -1.0][leg] * HALF_WIDTH;

@@ -60,6 +60,6 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 fn size(file: &std::path::Path) -> String {
-    let bytes = std::fs::metadata(file).map_or(0, |about| about.len());
+    let bytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len());
     format!("{:.1} MB", bytes as f64 * 1e-6)
 }

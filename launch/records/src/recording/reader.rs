@@ -29,7 +29,7 @@ pub struct RecordingReader {
     pub truncated_by: Option<String>,
 }
 
-/// What its messages are, and what it is called.
+/// Topic, if it contains wire messages, and its name.
 type Channel = (Option<RecordingTopic>, Arc<str>);
 
 /// A message of a recording.

@@ -22,7 +22,7 @@ pub(super) struct RecordStream {
     next: usize,
 }
 
-/// Some of them, end to end.
+/// Several records in one buffer.
 #[derive(Default)]
 struct Batch {
     bytes: Vec<u8>,

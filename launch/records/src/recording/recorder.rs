@@ -21,8 +21,8 @@ const RESERVED_BYTES: u64 = 16_000_000;
 const NEXT_CHUNK_BYTES: u64 = 2_000_000;
 /// Compressed size of a control period of a walk [bytes], measured: the estimate of the size of a recording.
 const BYTES_PER_PERIOD: f64 = 950.0;
-/// The index grows with the recording: it is a thousandth of its length [-].
-const INDEX_SHARE: u64 = 1000;
+/// Length of a recording divided by the length of its index [-].
+const LENGTH_PER_INDEX: u64 = 1000;
 
 /// Options of a recording.
 #[derive(Args, Clone, Default)]
@@ -98,43 +98,44 @@ impl McapRecorder {
     fn reserve(path: &Path, scene: &Scene, limit: Option<u64>) -> Result<McapRecorder, Failure> {
         let refuse = |why: &str| Err(Failure::new(Exit::Usage, format!("{} {why}", path.display())));
         let is_new = !path.exists();
-        if path.metadata().is_ok_and(|about| about.file_type().is_fifo()) {
+        if path.metadata().is_ok_and(|metadata| metadata.file_type().is_fifo()) {
             return refuse("is a pipe, but a recording needs a regular file: name another file");
         }
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path);
         let file = file.map_err(|error| unwritten(path, &error))?;
-        let about = file.metadata().map_err(|error| unwritten(path, &error))?;
-        let mut begin = vec![];
-        if about.is_file() && about.len() > 0 {
-            let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
-            if read.is_err() || begin != MAGIC {
+        let metadata = file.metadata().map_err(|error| unwritten(path, &error))?;
+        let mut first_bytes = vec![];
+        if metadata.is_file() && metadata.len() > 0 {
+            let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut first_bytes));
+            if read.is_err() || first_bytes != MAGIC {
                 return refuse("exists and is not a recording, so it is not overwritten: name another file");
             }
         }
         alone(&file, || format!("another run is recording into {}: name another file", path.display()))?;
-        let tape = McapRecorder { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
-        if let Some(free) = tape.free() {
-            let (free, all) = (free + about.len(), scene.duration * scene.rate * BYTES_PER_PERIOD);
+        let recorder = McapRecorder { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
+        if let Some(free) = recorder.free() {
+            let (free, expected) = (free + metadata.len(), scene.duration * scene.rate * BYTES_PER_PERIOD);
             if free < RESERVED_BYTES + NEXT_CHUNK_BYTES {
-                tape.finish().map_err(|end| Failure::new(Exit::Fault, end.message))?;
+                recorder.finish().map_err(|end| Failure::new(Exit::Fault, end.message))?;
                 return Err(unwritten(
                     path,
                     &format!("the disk has {} left, and a recording {LEAVES_FREE}", megabytes(free)),
                 ));
             }
-            let (all, room) =
-                (all.min(limit.map_or(f64::INFINITY, |limit| limit as f64)) as u64, free - RESERVED_BYTES);
-            if all > room {
-                let (all, free) = (megabytes(all), megabytes(free));
-                let estimate =
-                    format!("the run will take some {all}, the disk has {free} left, and a recording {LEAVES_FREE}");
+            let (expected, room) =
+                (expected.min(limit.map_or(f64::INFINITY, |limit| limit as f64)) as u64, free - RESERVED_BYTES);
+            if expected > room {
+                let (expected, free) = (megabytes(expected), megabytes(free));
+                let estimate = format!(
+                    "the run will take some {expected}, the disk has {free} left, and a recording {LEAVES_FREE}"
+                );
                 tell(format_args!(
                     "{}: {estimate}: the recording will end before the run, which goes on",
                     path.display()
                 ));
             }
         }
-        Ok(tape)
+        Ok(recorder)
     }
 
     /// Records the next truth.
@@ -142,8 +143,8 @@ impl McapRecorder {
     /// # Errors
     /// If the recording ends here.
     pub fn push(&mut self, truth: &Truth) -> Result<(), RecordingEnd> {
-        let has_grown = self.write(truth).map_err(|error| self.failed(&error, truth))?;
-        let full = if has_grown { self.is_full() } else { None };
+        let has_flushed = self.write(truth).map_err(|error| self.failed(&error, truth))?;
+        let full = if has_flushed { self.is_full() } else { None };
         match (full, self.writer.take()) {
             (Some((exit, why)), Some(writer)) => {
                 writer.finish().map_err(|error| self.failed(&error, truth))?;
@@ -181,8 +182,8 @@ impl McapRecorder {
 
     /// The reason why the file cannot take another chunk, if there is one.
     fn is_full(&self) -> Option<(Exit, String)> {
-        let length = self.file.metadata().map_or(0, |about| about.len());
-        let next = NEXT_CHUNK_BYTES + length / INDEX_SHARE;
+        let length = self.file.metadata().map_or(0, |metadata| metadata.len());
+        let next = NEXT_CHUNK_BYTES + length / LENGTH_PER_INDEX;
         match (self.limit, self.free()) {
             (Some(limit), _) if length + next > limit => {
                 Some((Exit::Ok, format!("--record-limit of {} is reached", megabytes(limit))))
@@ -197,7 +198,8 @@ impl McapRecorder {
 
     /// Free space on the disk [bytes]. `None` if the file is a device.
     fn free(&self) -> Option<u64> {
-        let disk = fstatvfs(&self.file).ok().filter(|_| self.file.metadata().is_ok_and(|about| about.is_file()))?;
+        let disk =
+            fstatvfs(&self.file).ok().filter(|_| self.file.metadata().is_ok_and(|metadata| metadata.is_file()))?;
         Some(disk.blocks_available().saturating_mul(disk.fragment_size()))
     }
 
@@ -228,7 +230,7 @@ impl McapRecorder {
 }
 
 /// States [`RESERVED_BYTES`] in messages.
-const LEAVES_FREE: &str = "leaves 16 MB";
+const LEAVES_FREE: &str = "leaves 16 MB free";
 
 fn megabytes(bytes: u64) -> String {
     format!("{:.0} MB", bytes as f64 * 1e-6)

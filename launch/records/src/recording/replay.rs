@@ -15,7 +15,7 @@ use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
-/// Number of sensor messages that are stored for late commands: four seconds at 1 kHz, far beyond the age limit.
+/// Number of sensor messages that are stored for late commands: four seconds at 1 kHz.
 const MAX_STORED_SENSORS: usize = 4096;
 
 /// Arguments of `biped replay`.
@@ -28,24 +28,24 @@ pub struct ReplayArgs {
     plant: bool,
 }
 
-/// What a comparison comparison.
+/// The result of a comparison.
 #[derive(Default)]
 struct Comparison {
-    /// Compared.
+    /// Number of compared commands or states.
     count: u64,
-    /// Not equal bit for bit.
+    /// Number of those that are not equal bit for bit.
     differ: u64,
-    /// Greatest difference.
+    /// Greatest difference of a component.
     greatest: f64,
-    /// When the first one was [s].
+    /// Time of the first difference [s].
     first: Option<f64>,
-    /// Controllers or plants begun.
+    /// Number of controllers or plants that were created.
     starts: u64,
-    /// What else is worth knowing.
+    /// The reason why the comparison ended early.
     ended_early: Option<String>,
-    /// Whether the plant answered a request that is not recorded, such as one by another program.
+    /// True if the plant answered requests and the recording has no topic for them.
     has_unrecorded_requests: bool,
-    /// RequestLog that were repeated_requests here as they were there.
+    /// Number of recorded requests that were repeated.
     repeated_requests: u64,
 }
 
@@ -74,7 +74,7 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
         comparison;
     say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
     if starts > 1 {
-        say(format_args!("begun anew {} times, as recorded\n", starts - 1));
+        say(format_args!("restarted {} times, as recorded\n", starts - 1));
     }
     if repeated_requests > 0 {
         say(format_args!("{repeated_requests} recorded requests repeated\n"));
@@ -123,8 +123,8 @@ fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Compari
                 0 => command.ack..=command.ack,
                 _ => {
                     let time = stamp.sim_ns as f64 * 1e-9;
-                    let words = "sensors and commands were lost together: what it heard then is not known";
-                    comparison.ended_early = Some(format!("at {time:.3} s {words}"));
+                    let reason = "sensors and commands were lost together, so the inputs of the controller are unknown";
+                    comparison.ended_early = Some(format!("comparison ended at {time:.3} s: {reason}"));
                     return Ok(comparison);
                 }
             };

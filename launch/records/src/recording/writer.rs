@@ -50,7 +50,7 @@ impl RecordingWriter {
             ("scene", load::text(scene)),
             ("schema", format!("{SCHEMA_HASH:016x}")),
             ("version", env!("CARGO_PKG_VERSION").into()),
-            // The only wall-clock time in the file, for comparison with other logs. No message contains one.
+            // The only calendar time in the file, for comparison with other logs. No message contains one.
             ("begun", prost_types::Timestamp::from(SystemTime::now()).to_string()),
         ];
         let metadata = metadata.into_iter().map(|(key, value)| (key.to_string(), value)).collect();

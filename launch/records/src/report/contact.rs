@@ -1,4 +1,4 @@
-//! How well the contact problems were solved.
+//! Accuracy of the solutions of the contact problems.
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel};
@@ -11,43 +11,49 @@ pub fn figure(analysis: &RunAnalysis) -> Figure {
     let distributions = &analysis.distributions;
     Figure {
         title: "Contact residuals",
-        caption: "How far each control period's worst contact solution is from the conditions (17)-(22), relative to the \
-                  step's own scale, whether the impulse ever raised the energy, and the pivots it took: everything \
-                  belongs at rounding error, grey bars are exact zeros.",
+        caption: "Residuals of the conditions (17)-(22) for the worst contact solution in each control period, relative to \
+                  the scale of the step; the energy that the impulse added; and the number of pivots. Residuals and energy \
+                  should be at rounding error. Grey bars count exact zeros.",
         panels: vec![
             FigurePanel::new(
                 "residual-natural-map",
-                powers("Natural-map residual", "relative residual", &distributions.natural_map, -10.0, LEFT),
+                powers("Natural-map residual", "relative residual", &distributions.natural_map, LEFT),
             ),
             FigurePanel::new(
                 "residual-signorini",
-                powers("Signorini residual", "relative residual", &distributions.signorini, -10.0, RIGHT),
+                powers("Signorini residual", "relative residual", &distributions.signorini, RIGHT),
             ),
             FigurePanel::new(
                 "energy-gain",
-                powers("Energy above free motion", "energy gain [J]", &distributions.energy_gain, -10.0, GREEN),
+                powers("Energy above free motion", "energy gain [J]", &distributions.energy_gain, GREEN),
             ),
             FigurePanel::new("pivots", pivots(&distributions.pivots)),
         ],
     }
 }
 
-/// Bars over the powers of ten, from wherever they begin to at least `end`; zeros stand at the left edge.
-fn powers(title: &str, label: &'static str, histogram: &Histogram, end: f64, colour: RGBColor) -> String {
-    let bars = histogram.bars(4);
+/// Bars per decade of the histograms.
+const BARS_PER_DECADE: usize = 4;
+/// Decimal logarithm up to which the axes reach at least: a solution to rounding error lies well below.
+const AXIS_END: f64 = -10.0;
+
+/// A histogram on a logarithmic axis that reaches at least to [`AXIS_END`]. The bar of the zeros is at the left edge.
+fn powers(title: &str, label: &'static str, histogram: &Histogram, colour: RGBColor) -> String {
+    let bars = histogram.bars(BARS_PER_DECADE);
+    let width = 1.0 / BARS_PER_DECADE as f64;
     let low = bars.first().map_or(-18.0, |bar| bar.0.floor()).min(-17.0) - 1.0;
-    let high = bars.last().map_or(end, |bar| (bar.0 + 0.25).ceil()).max(end);
-    let mut marks: Vec<Mark> = bars.iter().map(|&(from, count)| bar(from, 0.25, count, colour)).collect();
+    let high = bars.last().map_or(AXIS_END, |bar| (bar.0 + width).ceil()).max(AXIS_END);
+    let mut marks: Vec<Mark> = bars.iter().map(|&(from, count)| bar(from, width, count, colour)).collect();
     if histogram.zeros > 0 {
         marks.push(bar(low, 0.5, histogram.zeros, GREY));
     }
-    let most = bars.iter().map(|bar| bar.1).chain([histogram.zeros, 1]).max().unwrap_or(1);
+    let greatest_count = bars.iter().map(|bar| bar.1).chain([histogram.zeros, 1]).max().unwrap_or(1);
     let zeros = 100.0 * histogram.zeros as f64 / histogram.total().max(1) as f64;
     let frame = Frame {
         title: format!("{title}: {} periods, {zeros:.0} % zero", histogram.total()),
         height: 300,
         x: Axis::powers(label, low..high),
-        y: count_axis(most),
+        y: count_axis(greatest_count),
     };
     plot(&frame, &marks)
 }
@@ -67,15 +73,15 @@ fn pivots(counts: &[u64]) -> String {
     plot(&frame, &marks)
 }
 
-/// Lowest end of the bars: half an event.
+/// Decimal logarithm of the lower end of the bars: half a count.
 const FLOOR: f64 = -0.3;
 
 /// A logarithmic axis of counts.
-pub fn count_axis(most: u64) -> Axis {
-    Axis::powers("control periods", FLOOR..(most.max(1) as f64).log10().max(1.0) + 0.25)
+pub fn count_axis(greatest_count: u64) -> Axis {
+    Axis::powers("control periods", FLOOR..(greatest_count.max(1) as f64).log10().max(1.0) + 0.25)
 }
 
-/// One bar against [`count_axis`].
+/// A bar on [`count_axis`].
 pub fn bar(from: f64, width: f64, count: u64, colour: RGBColor) -> Mark {
     let (to, top) = (from + 0.92 * width, (count.max(1) as f64).log10().max(FLOOR + 0.35));
     Mark::area(vec![(from, FLOOR), (to, FLOOR), (to, top), (from, top)], colour)

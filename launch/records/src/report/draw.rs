@@ -1,4 +1,4 @@
-//! Draws axes, marks and legend as SVG text, with plotters: one look for every figure.
+//! Renders axes, marks and legend as SVG with plotters, in one style for all figures.
 
 use super::plot::{Axis, Frame, GREY, GRID, INK, Mark, MarkShape, Ticks, escaped};
 use plotters::coord::Shift;
@@ -9,41 +9,56 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use std::error::Error;
 use std::ops::Range;
 
-/// Width of every figure [px]; narrow, so that it can be read on a phone.
+/// Width of every figure [px]. It is readable on a phone.
 const WIDTH: u32 = 560;
-/// plotters rounds to whole pixels, so figures are drawn this much larger than they are shown.
-const FINE: u32 = 4;
+/// Scale of the drawing. plotters rounds coordinates to whole pixels, so the drawing is larger than its displayed size.
+const SCALE: u32 = 4;
+/// plotters' SVG backend writes 1/1.24 of the requested font size.
+const FONT_CORRECTION: f64 = 1.24;
 
-/// Draws a figure. A failure becomes its text: one bad figure does not cost the report.
+/// Size of ordinary text [px].
+const TEXT_SIZE: f64 = 13.0;
+/// Size of text beside marks [px].
+const SMALL_TEXT_SIZE: f64 = 12.0;
+/// Space for the title above the legend [px].
+const TITLE_HEIGHT: f64 = 34.0;
+/// Height of a row of the legend [px].
+const LEGEND_ROW: f64 = 20.0;
+/// Position of the first entry of a row of the legend [px].
+const LEGEND_START: f64 = 12.0;
+/// Mean width of a character of ordinary text [px].
+const CHARACTER_WIDTH: f64 = 7.4;
+
+/// Renders a figure. An error is shown as the text of the figure, so that it does not prevent the report.
 pub fn plot(frame: &Frame, marks: &[Mark]) -> String {
     let mut svg = String::new();
-    let drawn = {
-        let root = SVGBackend::with_string(&mut svg, (WIDTH * FINE, frame.height * FINE)).into_drawing_area();
+    let result = {
+        let root = SVGBackend::with_string(&mut svg, (WIDTH * SCALE, frame.height * SCALE)).into_drawing_area();
         draw(&root, frame, marks)
     };
     let title = escaped(&frame.title);
-    if let Err(error) = drawn {
+    if let Err(error) = result {
         return format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\"><text y=\"20\">{title}: {}</text></svg>",
             escaped(&error.to_string())
         );
     }
-    let (wide, tall) = (WIDTH * FINE, frame.height * FINE);
-    let size = format!("width=\"{wide}\" height=\"{tall}\"");
-    let shown = format!("width=\"{WIDTH}\" height=\"{}\" role=\"img\" aria-label=\"{title}\"", frame.height);
-    svg.replacen(&size, &shown, 1)
+    let (wide, tall) = (WIDTH * SCALE, frame.height * SCALE);
+    let drawing_size = format!("width=\"{wide}\" height=\"{tall}\"");
+    let displayed_size = format!("width=\"{WIDTH}\" height=\"{}\" role=\"img\" aria-label=\"{title}\"", frame.height);
+    svg.replacen(&drawing_size, &displayed_size, 1)
 }
 
 type PlotResult = Result<(), Box<dyn Error>>;
 type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 
 fn px(pixels: f64) -> i32 {
-    (pixels * f64::from(FINE)).round() as i32
+    (pixels * f64::from(SCALE)).round() as i32
 }
 
-/// plotters' SVG backend writes 1/1.24 of the size that it is asked for.
+/// Font size for plotters.
 fn font_px(size: f64) -> i32 {
-    px(1.24 * size)
+    px(FONT_CORRECTION * size)
 }
 
 fn font(size: f64, colour: RGBColor) -> TextStyle<'static> {
@@ -58,15 +73,15 @@ fn draw(root: &Area, frame: &Frame, marks: &[Mark]) -> PlotResult {
         ("sans-serif", font_px(15.0), FontStyle::Bold).into_font().color(&INK),
     ))?;
     let rows = legend(root, marks)?;
-    let bare = matches!(frame.y.ticks, Ticks::None);
+    let has_no_y_axis = matches!(frame.y.ticks, Ticks::None);
     let mut chart = ChartBuilder::on(root)
-        .margin_top(px(34.0 + 20.0 * rows))
+        .margin_top(px(TITLE_HEIGHT + LEGEND_ROW * rows))
         .margin_right(px(24.0))
-        .margin_left(px(if bare { 10.0 } else { 4.0 }))
+        .margin_left(px(if has_no_y_axis { 10.0 } else { 4.0 }))
         .margin_bottom(px(5.0))
         .x_label_area_size(px(if matches!(frame.x.ticks, Ticks::None) { 4.0 } else { 46.0 }))
-        .y_label_area_size(px(if bare { 0.0 } else { 70.0 }))
-        .build_cartesian_2d(sound(&frame.x.range), sound(&frame.y.range))?;
+        .y_label_area_size(px(if has_no_y_axis { 0.0 } else { 70.0 }))
+        .build_cartesian_2d(drawable_range(&frame.x.range), drawable_range(&frame.y.range))?;
     mesh(&mut chart, frame)?;
     marks.iter().try_for_each(|mark| draw_mark(&mut chart, mark))
 }
@@ -76,8 +91,8 @@ type Chart<'a, 'b> = ChartContext<'a, SVGBackend<'b>, Cartesian2d<RangedCoordf64
 fn mesh(chart: &mut Chart, frame: &Frame) -> PlotResult {
     let (x, y) = (write_ticks(&frame.x, 8), write_ticks(&frame.y, 6));
     let mut mesh = chart.configure_mesh();
-    mesh.disable_x_mesh().light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(FINE));
-    mesh.axis_style(GREY.stroke_width(FINE)).label_style(font(13.0, INK)).axis_desc_style(font(13.0, INK));
+    mesh.disable_x_mesh().light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(SCALE));
+    mesh.axis_style(GREY.stroke_width(SCALE)).label_style(font(TEXT_SIZE, INK)).axis_desc_style(font(TEXT_SIZE, INK));
     mesh.x_labels(8).y_labels(6).x_desc(frame.x.label).y_desc(frame.y.label);
     mesh.x_label_formatter(&x).y_label_formatter(&y).set_all_tick_mark_size(px(4.0));
     if matches!(frame.x.ticks, Ticks::None) {
@@ -95,13 +110,13 @@ fn draw_mark(chart: &mut Chart, mark: &Mark) -> PlotResult {
     match &mark.shape {
         MarkShape::Line(points, width) => {
             let style = colour.stroke_width(px(*width).unsigned_abs());
-            for part in unbroken(points) {
+            for part in finite_segments(points) {
                 plane.draw(&PathElement::new(part.to_vec(), style))?;
             }
         }
         MarkShape::Dashes(points) => {
             let style = colour.stroke_width(px(1.6).unsigned_abs());
-            for part in unbroken(points) {
+            for part in finite_segments(points) {
                 plane.draw(&DashedPathElement::new(part.to_vec(), px(6.0), px(4.0), style))?;
             }
         }
@@ -118,26 +133,26 @@ fn draw_mark(chart: &mut Chart, mark: &Mark) -> PlotResult {
         }
         MarkShape::Area(points) => plane.draw(&Polygon::new(points.clone(), colour.filled()))?,
         MarkShape::Text(at, text) => {
-            let style = font(12.0, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
+            let style = font(SMALL_TEXT_SIZE, INK).pos(Pos::new(HPos::Center, VPos::Bottom));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
         MarkShape::Note(at, text) => {
-            let style = font(12.0, mark.colour).pos(Pos::new(HPos::Left, VPos::Center));
+            let style = font(SMALL_TEXT_SIZE, mark.colour).pos(Pos::new(HPos::Left, VPos::Center));
             plane.draw(&Text::new(text.clone(), *at, style))?;
         }
     }
     Ok(())
 }
 
-/// Names of the marks under the title, in as many rows as they need; returns how many.
+/// Draws the legend below the title. Returns its number of rows.
 fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
-    let (mut x, mut row) = (12.0, 0.0);
+    let (mut x, mut row) = (LEGEND_START, 0.0);
     for (mark, label) in marks.iter().filter_map(|mark| mark.label.map(|label| (mark, label))) {
-        let width = 26.0 + 7.4 * label.chars().count() as f64 + 14.0;
-        if x + width > f64::from(WIDTH) && x > 12.0 {
-            (x, row) = (12.0, row + 1.0);
+        let width = 26.0 + CHARACTER_WIDTH * label.chars().count() as f64 + 14.0;
+        if x + width > f64::from(WIDTH) && x > LEGEND_START {
+            (x, row) = (LEGEND_START, row + 1.0);
         }
-        let (y, colour) = (40.0 + 20.0 * row, mark.colour.mix(mark.opacity.max(0.35)));
+        let (y, colour) = (40.0 + LEGEND_ROW * row, mark.colour.mix(mark.opacity.max(0.35)));
         let line = |from: f64, to: f64| {
             PathElement::new(
                 vec![(px(x + from), px(y)), (px(x + to), px(y))],
@@ -154,21 +169,22 @@ fn legend(root: &Area, marks: &[Mark]) -> Result<f64, Box<dyn Error>> {
             MarkShape::Dashes(_) => [line(0.0, 7.0), line(11.0, 18.0)].iter().try_for_each(|dash| root.draw(dash))?,
             MarkShape::Line(..) | MarkShape::Text(..) | MarkShape::Note(..) => root.draw(&line(0.0, 18.0))?,
         }
-        let style = font(13.0, INK).pos(Pos::new(HPos::Left, VPos::Center));
+        let style = font(TEXT_SIZE, INK).pos(Pos::new(HPos::Left, VPos::Center));
         root.draw(&Text::new(label, (px(x + 24.0), px(y)), style))?;
         x += width;
     }
-    Ok(if x > 12.0 { row + 1.0 } else { 0.0 })
+    Ok(if x > LEGEND_START { row + 1.0 } else { 0.0 })
 }
 
-/// A range that can be drawn: finite and not empty.
-fn sound(range: &Range<f64>) -> Range<f64> {
+/// The range if it is finite and not empty, else 0 to 1.
+fn drawable_range(range: &Range<f64>) -> Range<f64> {
     let finite = range.start.is_finite() && range.end.is_finite();
     if finite && range.end > range.start { range.clone() } else { 0.0..1.0 }
 }
 
 fn write_ticks(axis: &Axis, labels: usize) -> impl Fn(&f64) -> String + use<> {
-    let (ticks, step) = (axis.ticks, (sound(&axis.range).end - sound(&axis.range).start) / labels as f64);
+    let (ticks, step) =
+        (axis.ticks, (drawable_range(&axis.range).end - drawable_range(&axis.range).start) / labels as f64);
     let decimals = (0.7 - step.log10()).floor().clamp(0.0, 9.0) as usize;
     move |value| match ticks {
         Ticks::Plain if value.abs() < 1e-9 * step => "0".into(),
@@ -184,7 +200,7 @@ fn is_finite(point: &(f64, f64)) -> bool {
     point.0.is_finite() && point.1.is_finite()
 }
 
-/// The stretches of finite points.
-fn unbroken(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+/// The segments of consecutive finite points.
+fn finite_segments(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
     points.split(|point| !is_finite(point)).filter(|part| part.len() > 1)
 }

@@ -1,11 +1,14 @@
-//! Vertical load on the feet, and the zero-moment point under them.
+//! Vertical load on the feet, and the zero-moment point under the support foot.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, last_cycles, series};
-use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP, around};
+use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
+use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
-/// Loads over the last cycles and the zero-moment point in the sole's frame.
+/// Percentile of the load that the axis is scaled by [-]: above it are the peaks at touchdown.
+const LOAD_PERCENTILE: usize = 98;
+
+/// Loads over the last cycles, and the zero-moment point in the frame of the sole.
 pub fn figure(analysis: &RunAnalysis) -> Figure {
     let mut panels = vec![FigurePanel::new("loads", loads(analysis))];
     if analysis.robot.feet.is_some() {
@@ -14,11 +17,11 @@ pub fn figure(analysis: &RunAnalysis) -> Figure {
     let (title, caption) = if analysis.robot.feet.is_some() {
         (
             "Load on the feet and zero-moment point",
-            "The weight changes from foot to foot at each exchange of support; dots are the zero-moment point while one \
-             foot carries everything: the farther inside the sole, the farther from tipping.",
+            "The weight moves from foot to foot at each change of support. Dots show the zero-moment point in single \
+             support: the farther it is from the edge of the sole, the larger the margin against tipping.",
         )
     } else {
-        ("Load", "Sum of the normal forces on all contact points, each the mean over one control period.")
+        ("Load", "Sum of the normal forces on all contact points, as means over each control period.")
     };
     Figure { title, caption, panels }
 }
@@ -31,15 +34,15 @@ fn loads(analysis: &RunAnalysis) -> String {
     } else {
         vec![Mark::line(series(rows, |row| row.derived.load), LEFT).label("all contact points")]
     };
-    // One blow at touchdown would flatten everything else: the axis ends at twice the 98th percentile.
+    // An axis up to the peak at touchdown would make the rest illegible, so it ends at twice a high percentile.
     let mut values: Vec<f64> = rows.iter().map(|row| row.derived.load).collect();
     values.sort_by(f64::total_cmp);
-    let common = values.get(values.len() * 98 / 100).copied().unwrap_or(1.0);
-    let top = (2.0 * common).min(values.last().copied().unwrap_or(1.0) * 1.08).max(1.0);
+    let high = values.get(values.len() * LOAD_PERCENTILE / 100).copied().unwrap_or(1.0);
+    let top = (2.0 * high).min(values.last().copied().unwrap_or(1.0) * 1.08).max(1.0);
     let frame = Frame {
         title: "Vertical load".into(),
         height: 330,
-        x: Axis::new("time [s]", around(rows.iter().map(|row| row.derived.time), 0.0, 1e-3)),
+        x: time_axis(rows.iter().map(|row| row.derived.time)),
         y: Axis::new("force [N]", 0.0..top),
     };
     plot(&frame, &marks)
@@ -61,7 +64,7 @@ fn zmp(analysis: &RunAnalysis) -> String {
     let origin = vec![(0.0, 0.0)];
     marks.push(Mark::dots(origin, 3.0, ZMP).label("sole's centre"));
     let frame = Frame {
-        title: "Zero-moment point under the only supporting foot".into(),
+        title: "Zero-moment point in single support".into(),
         height: 330,
         x: Axis::new("forward of the sole's centre [m]", -1.2 * reach[0]..1.2 * reach[0]),
         y: Axis::new("left of it [m]", -1.2 * reach[1]..1.2 * reach[1]),
@@ -69,9 +72,9 @@ fn zmp(analysis: &RunAnalysis) -> String {
     plot(&frame, &marks)
 }
 
-/// The zero-moment point in the frame of a sole that carries everything.
+/// The zero-moment point in the frame of the sole, if this foot supports alone.
 fn in_sole(row: &TrajectoryRow, foot: usize) -> Option<(f64, f64)> {
     let sole = row.derived.single_support().filter(|_| row.derived.loaded_foot() == Some(foot))?;
-    let arm = sole.offset_to(row.derived.zmp);
-    Some((arm.x, arm.y))
+    let offset = sole.offset_to(row.derived.zmp);
+    Some((offset.x, offset.y))
 }

@@ -1,15 +1,12 @@
-//! Figure 9: phase portrait in the lateral plane, and the energy that keeps it on its orbit.
+//! Figure 9: phase portrait in the lateral plane, and the energy of the lateral pendulum.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, series};
-use super::plot::{Axis, COM, Frame, GREEN, GREY, INK, Mark, around};
+use super::figure::{Figure, FigurePanel, LAST_STEPS, series, time_axis};
+use super::plot::{Axis, COM, Frame, GREEN, GREY, INK, Mark, padded_range};
 use crate::analysis::{LateralState, RunAnalysis, TrajectoryRow};
 use messages::wire::{PHASES, Telemetry};
 
-/// Steps at the end that are drawn strongly.
-const CYCLES: usize = 8;
-
-/// The orbit of (32) in the support frame, with the one of the reference energy (40), and E_2 over time.
+/// The orbit of (32) in the support frame, the orbit of the reference energy (40), and E_2 over time.
 pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     if analysis.gait.steps.is_empty() {
         return None;
@@ -17,8 +14,8 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     Some(Figure {
         title: "Figure 9: phase portrait in the lateral plane",
         caption: "In the support frame a step runs from touchdown (bottom right) past the turning point to the next touchdown \
-                  (top right); a stable limit cycle shows as one arc that the last steps share, on the orbit of the \
-                  reference energy (40) to which (39) steers (paper, Fig. 9).",
+                  (top right). In a stable limit cycle the last steps follow one arc. Control law (39) keeps it on the \
+                  orbit of the reference energy (40) (paper, Fig. 9).",
         panels: vec![
             FigurePanel::new("phase-portrait", portrait(analysis)),
             FigurePanel::new("energy", energy(analysis)),
@@ -28,11 +25,11 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
 
 fn portrait(analysis: &RunAnalysis) -> String {
     let steps = &analysis.gait.steps;
-    let (begin, strong) = (steps[0].start, steps[steps.len().saturating_sub(CYCLES + 1)].start);
+    let (begin, last_begin) = (steps[0].start, steps[steps.len().saturating_sub(LAST_STEPS + 1)].start);
     let all = orbit(analysis.rows.iter().filter(|row| row.derived.time >= begin));
-    let last = orbit(analysis.rows.iter().filter(|row| row.derived.time >= strong));
-    let x = around(all.iter().map(|point| point.0), 0.06, 0.01);
-    let y = around(all.iter().map(|point| point.1), 0.08, 0.05);
+    let last = orbit(analysis.rows.iter().filter(|row| row.derived.time >= last_begin));
+    let x = padded_range(all.iter().map(|point| point.0), 0.06, 0.01);
+    let y = padded_range(all.iter().map(|point| point.1), 0.08, 0.05);
     let mut marks =
         vec![Mark::thin(all, GREY).faint(0.6).label("all steps"), Mark::line(last, COM).label("last 8 steps")];
     if let Some(points) = reference(analysis) {
@@ -47,20 +44,20 @@ fn portrait(analysis: &RunAnalysis) -> String {
     plot(&frame, &marks)
 }
 
-/// LateralState states, broken where the support changes.
+/// Lateral states, interrupted where the support foot changes.
 fn orbit<'a>(rows: impl Iterator<Item = &'a TrajectoryRow>) -> Vec<(f64, f64)> {
-    let (mut points, mut before) = (Vec::new(), None);
+    let (mut points, mut previous) = (Vec::new(), None);
     for now in rows.filter_map(|row| LateralState::new(&row.derived)) {
-        if before.is_some_and(|support| support != now.support) {
+        if previous.is_some_and(|support| support != now.support) {
             points.push((f64::NAN, f64::NAN));
         }
-        before = Some(now.support);
+        previous = Some(now.support);
         points.push((now.position, now.velocity));
     }
     points
 }
 
-/// The orbit (33) with E_2 = E_2ref, half the feet's distance wide.
+/// The orbit (33) with E_2 = E_2ref, up to half the distance of the feet.
 fn reference(analysis: &RunAnalysis) -> Option<Vec<(f64, f64)>> {
     let energy = walking(analysis).last()?.energy_ref[1];
     let omega = omega(analysis).filter(|_| energy < 0.0)?;
@@ -73,13 +70,13 @@ fn reference(analysis: &RunAnalysis) -> Option<Vec<(f64, f64)>> {
     )
 }
 
-/// What the planner said while the robot walked.
+/// Telemetry of the planner during the walking phase.
 fn walking(analysis: &RunAnalysis) -> impl Iterator<Item = &Telemetry> {
     let all = analysis.rows.iter().map(|row| &row.truth.telemetry);
     all.filter(|telemetry| PHASES.get(telemetry.phase as usize) == Some(&"walk"))
 }
 
-/// ω_2, from the planner's own states and energies by (33): the median of sqrt(v² − 2E)/x.
+/// ω_2 from the planner's states and energies by (33): the median of sqrt(v² − 2E)/x.
 fn omega(analysis: &RunAnalysis) -> Option<f64> {
     let mut estimates: Vec<f64> = walking(analysis)
         .map(|telemetry| (telemetry.pendulum[3].powi(2) - 2.0 * telemetry.energy[1]).sqrt() / telemetry.pendulum[2])
@@ -89,28 +86,29 @@ fn omega(analysis: &RunAnalysis) -> Option<f64> {
     estimates.get(estimates.len() / 2).copied()
 }
 
-/// E_2 as the planner estimates it, that of the robot's own centre of mass by (33), and the reference.
+/// E_2 from three sources: the planner's estimate, the robot's centre of mass by (33), and the reference.
 fn energy(analysis: &RunAnalysis) -> String {
     let omega = omega(analysis).unwrap_or(f64::NAN);
-    let own = |row: &TrajectoryRow| {
+    let measured = |row: &TrajectoryRow| {
         let lateral = LateralState::new(&row.derived);
         lateral.map_or(f64::NAN, |at| 0.5 * (at.velocity.powi(2) - (omega * at.position).powi(2)))
     };
     let begin = analysis.gait.steps.first().map_or(0.0, |step| step.start);
-    let robot: Vec<(f64, f64)> = series(&analysis.rows, own).into_iter().filter(|point| point.0 >= begin).collect();
+    let robot: Vec<(f64, f64)> =
+        series(&analysis.rows, measured).into_iter().filter(|point| point.0 >= begin).collect();
     let estimated = series(&analysis.rows, |row| row.truth.telemetry.energy[1]);
-    let wanted = series(&analysis.rows, |row| row.truth.telemetry.energy_ref[1]);
-    let all = || estimated.iter().chain(&wanted);
+    let reference = series(&analysis.rows, |row| row.truth.telemetry.energy_ref[1]);
+    let all = || estimated.iter().chain(&reference);
     let frame = Frame {
         title: "Energy of the lateral pendulum".into(),
         height: 380,
-        x: Axis::new("time [s]", around(all().map(|point| point.0), 0.0, 1e-3)),
-        y: Axis::new("E_2 [m²/s²]", around(all().map(|point| point.1), 0.08, 2e-3)),
+        x: time_axis(all().map(|point| point.0)),
+        y: Axis::new("E_2 [m²/s²]", padded_range(all().map(|point| point.1), 0.08, 2e-3)),
     };
     let marks = [
         Mark::thin(robot, COM).faint(0.7).label("of the robot"),
-        Mark::line(estimated, GREEN).label("as estimated"),
-        Mark::dashes(wanted, INK).label("reference (40)"),
+        Mark::line(estimated, GREEN).label("estimated"),
+        Mark::dashes(reference, INK).label("reference (40)"),
     ];
     plot(&frame, &marks)
 }

@@ -1,11 +1,11 @@
-//! The vocabulary of figures: colours, axes and marks. `draw.rs` turns them into SVG.
+//! Elements of figures: colours, axes and marks. `draw.rs` renders them as SVG.
 
 use plotters::style::RGBColor;
 use std::ops::Range;
 
-/// Text and axes; becomes the page's text colour inside the report.
+/// Text and axes. The report replaces it by the text colour of the page.
 pub const INK: RGBColor = RGBColor(0x1F, 0x23, 0x28);
-/// Grid lines; softer on dark pages.
+/// Grid lines. The report replaces it by the grid colour of the page.
 pub const GRID: RGBColor = RGBColor(0xE1, 0xE5, 0xEA);
 /// Left foot and leg.
 pub const LEFT: RGBColor = RGBColor(0x2F, 0x81, 0xD6);
@@ -15,37 +15,40 @@ pub const RIGHT: RGBColor = RGBColor(0xE0, 0x6C, 0x1F);
 pub const COM: RGBColor = RGBColor(0x8E, 0x5B, 0xD6);
 /// Zero-moment point.
 pub const ZMP: RGBColor = RGBColor(0xD0, 0x3D, 0x78);
-/// A fourth hue.
+/// Other quantities.
 pub const GREEN: RGBColor = RGBColor(0x1F, 0x9D, 0x76);
-/// References and what lies in the background.
+/// References and background.
 pub const GREY: RGBColor = RGBColor(0x8B, 0x94, 0x9E);
 
-/// How numbers at an axis are written.
+/// Opacity of an area behind lines.
+pub const FAINT: f64 = 0.13;
+
+/// Format of the tick labels of an axis.
 #[derive(Clone, Copy)]
 pub enum Ticks {
     /// Decimal numbers.
     Plain,
-    /// The axis holds decimal logarithms: powers of ten.
+    /// Powers of ten; the coordinates are decimal logarithms.
     Powers,
-    /// Not at all, nor is there an axis.
+    /// No axis.
     None,
 }
 
 /// One axis.
 pub struct Axis {
-    /// What is drawn, with its unit.
+    /// Quantity and unit.
     pub label: &'static str,
-    /// From where to where.
+    /// Limits.
     pub range: Range<f64>,
-    /// How numbers are written.
+    /// Format of the tick labels.
     pub ticks: Ticks,
 }
 
 /// The frame of a figure.
 pub struct Frame {
-    /// Heading.
+    /// Title.
     pub title: String,
-    /// Height [px] of a figure that is 560 wide.
+    /// Height [px]. The width is always 560 px.
     pub height: u32,
     /// Horizontal axis.
     pub x: Axis,
@@ -53,7 +56,7 @@ pub struct Frame {
     pub y: Axis,
 }
 
-/// Something drawn in the coordinates of the axes.
+/// A graphical element in the coordinates of the axes.
 pub struct Mark {
     pub(super) shape: MarkShape,
     pub(super) colour: RGBColor,
@@ -61,7 +64,7 @@ pub struct Mark {
     pub(super) label: Option<&'static str>,
 }
 
-/// What a mark looks like; sizes in px.
+/// Shape of a mark, with sizes in px.
 pub(super) enum MarkShape {
     Line(Vec<(f64, f64)>, f64),
     Dashes(Vec<(f64, f64)>),
@@ -94,12 +97,12 @@ impl Mark {
         Mark { shape, colour, opacity: 1.0, label: None }
     }
 
-    /// A line through the points, broken where one is not finite.
+    /// A line through the points, interrupted at non-finite points.
     pub fn line(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
         Self::new(MarkShape::Line(points, 1.6), colour)
     }
 
-    /// A hairline.
+    /// A thin line.
     pub fn thin(points: Vec<(f64, f64)>, colour: RGBColor) -> Self {
         Self::new(MarkShape::Line(points, 0.9), colour)
     }
@@ -109,12 +112,12 @@ impl Mark {
         Self::new(MarkShape::Dashes(points), colour)
     }
 
-    /// Dots of a radius [px].
+    /// Filled circles of a radius [px].
     pub fn dots(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
         Self::new(MarkShape::Dots(points, radius), colour)
     }
 
-    /// Hollow dots of a radius [px].
+    /// Open circles of a radius [px].
     pub fn rings(points: Vec<(f64, f64)>, radius: f64, colour: RGBColor) -> Self {
         Self::new(MarkShape::Rings(points, radius), colour)
     }
@@ -124,46 +127,46 @@ impl Mark {
         Self::new(MarkShape::Area(points), colour)
     }
 
-    /// Small text, centred above a place.
+    /// Small text, centred above a point.
     pub fn text(at: (f64, f64), text: String) -> Self {
         Self::new(MarkShape::Text(at, text), INK)
     }
 
-    /// Small text that begins at a place, in a colour.
+    /// Small coloured text to the right of a point.
     pub fn note(at: (f64, f64), text: String, colour: RGBColor) -> Self {
         Self::new(MarkShape::Note(at, text), colour)
     }
 
-    /// See-through.
+    /// Sets the opacity.
     pub fn faint(mut self, opacity: f64) -> Self {
         self.opacity = opacity;
         self
     }
 
-    /// Named in the legend.
+    /// Adds the mark to the legend.
     pub fn label(mut self, label: &'static str) -> Self {
         self.name(label);
         self
     }
 
-    /// Names it in the legend.
+    /// As [`Mark::label`], in place.
     pub fn name(&mut self, label: &'static str) {
         self.label = Some(label);
     }
 }
 
-/// The range of the values, widened on both sides by a share of it and to at least `least`.
-pub fn around(values: impl IntoIterator<Item = f64>, margin: f64, least: f64) -> Range<f64> {
+/// The range of the values, at min_width `min_width` wide, extended on both sides by the fraction `margin`.
+pub fn padded_range(values: impl IntoIterator<Item = f64>, margin: f64, min_width: f64) -> Range<f64> {
     let (low, high) = (values.into_iter().filter(|value| value.is_finite()))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));
     if low > high {
         return 0.0..1.0;
     }
-    let width = (high - low).max(least) * (1.0 + 2.0 * margin);
+    let width = (high - low).max(min_width) * (1.0 + 2.0 * margin);
     (low + high - width) / 2.0..(low + high + width) / 2.0
 }
 
-/// Text for use inside XML.
+/// Text escaped for XML and HTML.
 pub fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }

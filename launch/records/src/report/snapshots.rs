@@ -1,4 +1,4 @@
-//! Figure 6: the robot at instants of one cycle, from the side and from the front.
+//! Figure 6: snapshots of the robot during one cycle, from the side and from behind.
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel};
@@ -8,19 +8,26 @@ use messages::robot::Body;
 use nalgebra::{IsometryMatrix3, Point3};
 use plotters::style::RGBColor;
 
-/// Instants that are drawn.
-const FRAMES: usize = 8;
+/// Number of intervals between snapshots.
+const INTERVALS: usize = 8;
+/// Width of the plotting area in a figure without axes [px].
+const STRIP_WIDTH: f64 = 534.0;
+/// Height of the title [px].
+const TITLE_HEIGHT: f64 = 40.0;
+/// Distance of neighbouring snapshots, relative to the half width of a snapshot [-]: they do not overlap.
+const PITCH: f64 = 2.15;
 
-/// Frames over the last whole cycle of two steps; of a robot that does not step, over the whole run.
+/// Snapshots over the last whole cycle of two steps. For a robot that does not step: over the whole run.
 pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     let (from, to) = span(analysis)?;
-    let rows: Vec<&TrajectoryRow> =
-        (0..=FRAMES).filter_map(|i| nearest(&analysis.rows, from + (to - from) * i as f64 / FRAMES as f64)).collect();
+    let rows: Vec<&TrajectoryRow> = (0..=INTERVALS)
+        .filter_map(|i| nearest(&analysis.rows, from + (to - from) * i as f64 / INTERVALS as f64))
+        .collect();
     let caption = if analysis.gait.steps.len() > 2 {
-        "One cycle of two steps, left leg blue, right leg orange, seen from the right side (the robot walks to the \
-         right) and from behind; frames are set side by side at their times (paper, Fig. 6)."
+        "One cycle of two steps from the right side (the robot walks to the right) and from behind. Left leg blue, right \
+         leg orange. The frames are placed side by side in the order of time (paper, Fig. 6)."
     } else {
-        "Frames at equal times over the run, seen from the right side and from behind (paper, Fig. 6)."
+        "Frames at equal intervals over the run, from the right side and from behind (paper, Fig. 6)."
     };
     Some(Figure {
         title: "Figure 6: frames of the robot",
@@ -32,7 +39,7 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     })
 }
 
-/// Corners of a polygon in the plane of the drawing [m].
+/// Corners of a polygon in the plane of the figure [m].
 type Outline = Vec<(f64, f64)>;
 
 #[derive(Clone, Copy)]
@@ -41,7 +48,7 @@ enum Projection {
     Behind,
 }
 
-/// First and last time that is drawn [s].
+/// First and last time of the snapshots [s].
 fn span(analysis: &RunAnalysis) -> Option<(f64, f64)> {
     let steps = &analysis.gait.steps;
     match steps.len() {
@@ -56,15 +63,15 @@ fn nearest(rows: &[TrajectoryRow], time: f64) -> Option<&TrajectoryRow> {
 }
 
 fn strip(analysis: &RunAnalysis, rows: &[&TrajectoryRow], title: &str, view: Projection) -> String {
-    let placed: Vec<_> = rows.iter().map(|row| analysis.robot.body_states(&row.truth)).collect();
-    let outlines: Vec<Vec<(usize, Outline)>> = (rows.iter().zip(&placed))
-        .map(|(row, placed)| {
+    let states: Vec<_> = rows.iter().map(|row| analysis.robot.body_states(&row.truth)).collect();
+    let outlines: Vec<Vec<(usize, Outline)>> = (rows.iter().zip(&states))
+        .map(|(row, states)| {
             let centre = match view {
                 Projection::Side => row.derived.com.x,
                 Projection::Behind => -rows[0].derived.com.y,
             };
-            (analysis.robot.bodies.iter().zip(placed).enumerate())
-                .map(|(i, (body, placed))| (i, outline(body, &placed.pose, view, centre)))
+            (analysis.robot.bodies.iter().zip(states).enumerate())
+                .map(|(i, (body, state))| (i, outline(body, &state.pose, view, centre)))
                 .collect()
         })
         .collect();
@@ -72,18 +79,18 @@ fn strip(analysis: &RunAnalysis, rows: &[&TrajectoryRow], title: &str, view: Pro
     let reach = points().map(|point| point.0.abs()).fold(0.05, f64::max);
     let top = points().map(|point| point.1).fold(0.1, f64::max);
     let bottom = points().map(|point| point.1).fold(0.0, f64::min);
-    // The strip is 534 px wide; its height follows from the same scale on both axes.
-    let pitch = 2.15 * reach;
+    // Both axes have the same scale, which determines the height.
+    let pitch = PITCH * reach;
     let width = pitch * rows.len() as f64;
     let ceiling = bottom + (top - bottom) * 1.2;
-    let height = (40.0 + 534.0 / width * (ceiling - bottom + 0.06)).clamp(120.0, 420.0);
+    let height = (TITLE_HEIGHT + STRIP_WIDTH / width * (ceiling - bottom + 0.06)).clamp(120.0, 420.0);
     let middle = |i: usize| (i as f64 + 0.5) * pitch;
     let mut marks = vec![Mark::line(vec![(0.0, 0.0), (width, 0.0)], GREY)];
     for (i, outlines) in outlines.iter().enumerate() {
         let shift = |points: &[(f64, f64)]| points.iter().map(|(u, v)| (u + middle(i), *v)).collect::<Vec<_>>();
         for (body, points) in outlines {
-            let colour = side(&analysis.robot.bodies[*body].name);
-            // From the right, the left leg is far and pale.
+            let colour = colour_of(&analysis.robot.bodies[*body].name);
+            // In the side view the left leg is behind the right leg and paler.
             let opacity = if matches!(view, Projection::Side) && colour == RIGHT { 0.6 } else { 0.25 };
             let mut edge = shift(points);
             marks.push(Mark::area(edge.clone(), colour).faint(opacity));
@@ -101,7 +108,7 @@ fn strip(analysis: &RunAnalysis, rows: &[&TrajectoryRow], title: &str, view: Pro
     plot(&frame, &marks)
 }
 
-fn side(body: &str) -> RGBColor {
+fn colour_of(body: &str) -> RGBColor {
     match body {
         name if name.starts_with("left") => LEFT,
         name if name.starts_with("right") => RIGHT,
@@ -109,11 +116,11 @@ fn side(body: &str) -> RGBColor {
     }
 }
 
-/// The box of a body, projected: the hull of its eight corners.
+/// The projection of a body's box: the convex hull of its eight corners.
 fn outline(body: &Body, pose: &IsometryMatrix3<f64>, view: Projection, centre: f64) -> Outline {
     let corners = (0..8).map(|i| {
-        let place = |axis: usize| body.com[axis] + body.size[axis] * if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
-        let corner = pose * Point3::new(place(0), place(1), place(2));
+        let coordinate = |axis: usize| body.com[axis] + body.size[axis] * if i >> axis & 1 == 0 { -0.5 } else { 0.5 };
+        let corner = pose * Point3::new(coordinate(0), coordinate(1), coordinate(2));
         match view {
             Projection::Side => (corner.x - centre, corner.z),
             Projection::Behind => (-corner.y - centre, corner.z),

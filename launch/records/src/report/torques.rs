@@ -1,12 +1,12 @@
 //! Joint torques.
 
 use super::draw::plot;
-use super::figure::{Figure, FigurePanel, last_cycles, series};
-use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, around};
+use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
+use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
 use crate::analysis::RunAnalysis;
 use messages::wire::JOINTS;
 
-/// Torques of both legs over the last cycles; `None` without joints.
+/// Torques of both legs over the last cycles. `None` without joints.
 pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     let joints = analysis.robot.joint_names().len().min(JOINTS);
     if joints == 0 {
@@ -28,8 +28,8 @@ pub fn figure(analysis: &RunAnalysis) -> Option<Figure> {
     };
     Some(Figure {
         title: "Joint torques",
-        caption: "Torques of the drives over the last eight steps, or over the whole run if it has fewer; each counts as \
-                  its joint's angle does, so that the two legs of a walk mirror each other.",
+        caption: "Torques of the drives over the last eight steps, or over the whole run if it has fewer. A torque has the \
+                  sign convention of its joint angle, so the two legs mirror each other during a walk.",
         panels,
     })
 }
@@ -45,8 +45,8 @@ fn panel(analysis: &RunAnalysis, title: &str, joints: [usize; 4], names: [&'stat
     let frame = Frame {
         title: title.into(),
         height: 330,
-        x: Axis::new("time [s]", around(rows.iter().map(|row| row.derived.time), 0.0, 1e-3)),
-        y: Axis::new("torque [N·m]", around(all(), 0.06, 0.1)),
+        x: time_axis(rows.iter().map(|row| row.derived.time)),
+        y: Axis::new("torque [N·m]", padded_range(all(), 0.06, 0.1)),
     };
     plot(&frame, &marks)
 }

@@ -1,12 +1,12 @@
-//! The table in the terminal and on the page: what applies to the run, in words.
+//! The summary as a table for the terminal and the page. It contains only the values that apply to the run.
 
 use super::Summary;
 use std::fmt::{self, Display};
 
 impl Summary {
-    /// The table: name and value with unit, only what applies to this run and was measured.
+    /// The lines of the table: name, and value with unit. Values that do not apply or were not measured are omitted.
     pub fn lines(&self) -> Vec<(&'static str, String)> {
-        let end = self.duration_s.max(0.0); // of a run without records as well
+        let end = self.duration_s.max(0.0); // NaN, in a run without records, becomes 0
         let outcome = match (self.fall_time_s, self.cut_short_by) {
             (Some(time), None) => format!("FELL after {time:.2} s"),
             (Some(time), Some(cause)) => format!("FELL after {time:.2} s, CUT SHORT after {end:.2} s: {cause}"),
@@ -18,27 +18,32 @@ impl Summary {
             0.0 => format!("{end:.2} s"),
             wall => {
                 let speed = |time: f64| format!("{time:.3} s, {:.0} x real time", end / time);
-                let of_it =
+                let loop_alone =
                     if self.loop_s > 0.0 { format!(", the loop alone {}", speed(self.loop_s)) } else { String::new() };
-                format!("{end:.2} s in {}{of_it}", speed(wall))
+                format!("{end:.2} s in {}{loop_alone}", speed(wall))
             }
         };
-        let sideways = format!("{:+.4} m, yaw {:+.2} deg", tidy(self.lateral_m), tidy(self.yaw_deg));
+        let sideways = format!(
+            "{:+.4} m, yaw {:+.2} deg",
+            without_negative_zero(self.lateral_m),
+            without_negative_zero(self.yaw_deg)
+        );
         let period = format!("{:.4} s, std {:.1} ms", self.period_s, 1e3 * self.period_std_s);
         let support = format!("tilt {:.3} deg, ZMP margin {:.1} mm", self.foot_tilt_max_deg, 1e3 * self.zmp_margin_m);
-        let residuals = format!("Signorini {}, natural map {}", tiny(self.signorini_max), tiny(self.natural_map_max));
+        let residuals =
+            format!("Signorini {}, natural map {}", scientific(self.signorini_max), scientific(self.natural_map_max));
         let cost = format!("{:.2} of the full model's time", self.model_cost_ratio);
         let is_smaller = self.model_cost_ratio.is_finite() && self.model_cost_ratio != 1.0;
         let (walks, is_driven) = (self.steps > 0, self.peak_torque_nm.iter().any(|torque| *torque != 0.0));
-        // Residuals and energy show also where they are no number: that is then what there is to see.
+        // Residuals and energy are shown even if they are NaN, because NaN indicates a failure.
         let lines = [
             ("outcome", true, outcome),
             ("robot", true, self.robot.clone()),
             ("simulated", true, simulated),
             ("processes", self.processes > 0, self.processes.to_string()),
-            ("distance", self.distance_m.is_finite(), format!("{:.3} m", tidy(self.distance_m))),
+            ("distance", self.distance_m.is_finite(), format!("{:.3} m", without_negative_zero(self.distance_m))),
             ("sideways", self.lateral_m.is_finite(), sideways),
-            ("speed", self.speed_mps.is_finite(), format!("{:.4} m/s", tidy(self.speed_mps))),
+            ("speed", self.speed_mps.is_finite(), format!("{:.4} m/s", without_negative_zero(self.speed_mps))),
             ("steps", walks, self.steps.to_string()),
             ("period of two steps", walks && self.period_s.is_finite(), period),
             ("x2 min", walks && self.x2_min_m.is_finite(), format!("{:.2} mm", 1e3 * self.x2_min_m)),
@@ -49,22 +54,22 @@ impl Summary {
             (
                 "energy gain",
                 self.energy_gain_max_j != f64::NEG_INFINITY,
-                format!("{} J, {} fallbacks", tiny(self.energy_gain_max_j), self.fallbacks),
+                format!("{} J, {} fallbacks", scientific(self.energy_gain_max_j), self.fallbacks),
             ),
             (
                 "energy made",
                 self.kinetic_max_j > 0.0,
                 format!(
                     "{} J, lost in flight {} J, of {} J of motion at most",
-                    tiny(self.energy_made_j),
-                    tiny(self.energy_lost_j),
-                    tiny(self.kinetic_max_j)
+                    scientific(self.energy_made_j),
+                    scientific(self.energy_lost_j),
+                    scientific(self.kinetic_max_j)
                 ),
             ),
             ("trajectory hash", true, self.trajectory_hash.clone()),
-            ("link", !self.met.is_empty(), self.met.clone()),
-            ("requests", !self.asked.is_empty(), self.asked.clone()),
-            ("not finite", self.dropped > 0, format!("{} records left out", self.dropped)),
+            ("link", !self.link_text.is_empty(), self.link_text.clone()),
+            ("requests", !self.requests_text.is_empty(), self.requests_text.clone()),
+            ("not finite", self.dropped > 0, format!("{} records skipped", self.dropped)),
             ("recording", self.recording_ended_by.is_some(), self.recording_ended_by.clone().unwrap_or_default()),
             ("model", !self.model.is_empty(), self.model.clone()),
             ("cost of the model", is_smaller, cost),
@@ -84,14 +89,17 @@ fn list(values: &[f64]) -> String {
     values.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" ")
 }
 
-/// A number of any size in two digits; nothing is 0.
-pub fn tiny(value: f64) -> String {
+/// A number in scientific notation with two digits. Zero is written as 0.
+pub fn scientific(value: f64) -> String {
     if value == 0.0 { "0".into() } else { format!("{value:.1e}") }
 }
 
-/// Without the minus sign of a zero.
-fn tidy(value: f64) -> f64 {
-    if value.abs() < 5e-5 { 0.0 } else { value }
+/// Half a unit of the fourth decimal [in the unit of the value]: smaller magnitudes are printed as zero.
+const ROUNDS_TO_ZERO: f64 = 5e-5;
+
+/// Avoids the minus sign of a value that is printed as zero.
+fn without_negative_zero(value: f64) -> f64 {
+    if value.abs() < ROUNDS_TO_ZERO { 0.0 } else { value }
 }
 
 #[cfg(test)]
@@ -101,11 +109,11 @@ mod tests {
     use shared::exit::{Exit, Failure};
 
     #[test]
-    fn a_run_that_was_cut_short_says_by_what() {
+    fn the_outcome_of_a_run_that_was_cut_short_names_the_cause() {
         let outcome = |exit| {
             let walk = SyntheticWalk::new(0.06);
             let truths = (0..500).map(|seq| walk.truth(seq, seq as f64 * 1e-3));
-            summary(truths).ended(Some(&Failure::new(exit, "why"))).lines()[0].1.clone()
+            summary(truths).with_end(Some(&Failure::new(exit, "why"))).lines()[0].1.clone()
         };
         for exit in [Exit::PeerMissing, Exit::Fault, Exit::SharedMemory, Exit::Unsolved, Exit::Interrupted] {
             let text = outcome(exit);
@@ -116,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_not_measured_is_not_shown() {
+    fn values_that_were_not_measured_are_omitted() {
         let walk = SyntheticWalk::new(0.06);
         for count in [0, 1, 2, 2000, 2200] {
             let summary = summary((0..count).map(|seq| walk.truth(seq, seq as f64 * 1e-3)));

@@ -1,4 +1,5 @@
-//! Who is answered: whoever asks for this very host and shows the token, which is looked at before anything else is read.
+//! Access control of the page server. A request must name this host and contain the token. Both are checked before the
+//! body is read.
 
 use super::page;
 use constant_time_eq::constant_time_eq;
@@ -14,27 +15,28 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 use tokio::time::timeout;
 
-/// A request that is not complete by then, and an answer of which nothing is taken for so long, end their connection.
+/// Longest time to receive a request, and longest time without progress in sending an answer. Then the connection closes.
 pub const IO_TIMEOUT: Duration = Duration::from_secs(5);
 /// Greatest length of a body [bytes].
 const MAX_BODY_BYTES: usize = 4 << 10;
 
-/// An answer that is complete when it begins.
+/// An answer whose body is in memory.
 pub type Answer = Response<Full<Bytes>>;
 
-/// What there is to be known of the place.
+/// Address, token and content security policy of a server.
 pub struct AccessControl {
     listening: IpAddr,
-    /// Whoever has it is let in.
+    /// A request with this token is authorised.
     pub token: String,
+    /// Content security policy.
     policy: String,
 }
 
 impl AccessControl {
-    /// A token of its own, by the system's random numbers.
+    /// Creates a random token.
     ///
     /// # Errors
-    /// If there are none.
+    /// If the system provides no random numbers.
     pub fn new(listening: IpAddr) -> std::io::Result<AccessControl> {
         let mut token = [0; 16];
         getrandom(&mut token, GetRandomFlags::empty())?;
@@ -42,7 +44,10 @@ impl AccessControl {
         Ok(AccessControl { listening, token, policy: format!("{}; frame-ancestors 'none'", page::policy()) })
     }
 
-    /// A request and its body, or why it is refused.
+    /// Checks a request and reads its body.
+    ///
+    /// # Errors
+    /// The answer to a request that is refused.
     pub async fn authorize(
         &self,
         request: Request<Incoming>,
@@ -66,14 +71,14 @@ impl AccessControl {
         }
         is_authorized.store(true, Relaxed);
         match timeout(IO_TIMEOUT, Limited::new(body, MAX_BODY_BYTES).collect()).await {
-            Err(_) => Err(text(408, "This request did not come to its end in time.\n")),
-            Ok(Err(_)) => Err(text(413, "This request is too long, or breaks off.\n")),
+            Err(_) => Err(text(408, "This request was not complete in time.\n")),
+            Ok(Err(_)) => Err(text(413, "This request is too long or incomplete.\n")),
             Ok(Ok(body)) => Ok((head, String::from_utf8_lossy(&body.to_bytes()).into())),
         }
     }
 
-    /// Whether a browser that names this host meant this place: a name that somebody else's server resolves to it did not. Ports
-    /// are not looked at, since containers and tunnels change them.
+    /// True if the host header names this server. A foreign domain name that resolves to our address is refused, which
+    /// prevents DNS rebinding. The port is not compared, because containers and tunnels change it.
     fn is_this_host(&self, host: &str) -> bool {
         let Ok(authority) = host.parse::<Authority>() else { return false };
         let (name, any) = (authority.host().trim_matches(['[', ']']), self.listening.is_unspecified());
@@ -83,59 +88,61 @@ impl AccessControl {
         }
     }
 
-    /// With what holds for every answer: it is not kept, says nothing to other sites, and runs only the page's own scripts.
+    /// Adds the headers of every answer: no caching, no referrer, no content sniffing, and only the page's own scripts.
     pub fn add_headers(&self, answer: Answer) -> Answer {
         let answer = with(answer, header::CONTENT_SECURITY_POLICY, &self.policy);
-        let plain = [
+        let headers = [
             (header::CACHE_CONTROL, "no-store"),
             (header::REFERRER_POLICY, "no-referrer"),
             (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
         ];
-        plain.into_iter().fold(answer, |answer, (name, value)| with(answer, name, value))
+        headers.into_iter().fold(answer, |answer, (name, value)| with(answer, name, value))
     }
 }
 
-const STALE_ADDRESS: &str = "This address is not, or no longer, good: open the one that `biped view` printed last.\n";
-const WRONG_HOST: &str = "This host is not here: open the address that `biped view` printed.\n";
+const STALE_ADDRESS: &str =
+    "The token in this address is not valid: open the address that `biped view` printed last.\n";
+const WRONG_HOST: &str =
+    "This server does not have the requested host name: open the address that `biped view` printed.\n";
 const HTML: &str = "text/html; charset=utf-8";
 
-/// What follows the question mark of an address.
+/// The query part of a URL.
 #[derive(Clone, Copy)]
 pub struct Query<'a>(pub &'a str);
 
 impl<'a> Query<'a> {
-    /// The value of a key.
+    /// The value of a parameter.
     pub fn value(self, key: &str) -> Option<&'a str> {
         self.0.split('&').find_map(|part| part.strip_prefix(key)?.strip_prefix('='))
     }
 }
 
-/// The page itself.
+/// An HTML answer.
 pub fn html(page: &Bytes) -> Answer {
     with(Response::new(Full::new(page.clone())), header::CONTENT_TYPE, HTML)
 }
 
-/// What no address leads to.
+/// The answer to an unknown path.
 pub fn not_found() -> Answer {
-    text(404, "There is nothing here.\n")
+    text(404, "Not found.\n")
 }
 
-/// Words for people.
-pub fn text(status: u16, words: &str) -> Answer {
-    let mut answer = Response::new(Full::from(words.to_string()));
+/// A plain text answer.
+pub fn text(status: u16, message: &str) -> Answer {
+    let mut answer = Response::new(Full::from(message.to_string()));
     *answer.status_mut() = StatusCode::from_u16(status).unwrap_or_default();
-    match words.is_empty() {
+    match message.is_empty() {
         true => answer,
         false => with(answer, header::CONTENT_TYPE, "text/plain; charset=utf-8"),
     }
 }
 
-/// Numbers for the page.
+/// A binary answer.
 pub fn data(bytes: Vec<u8>) -> Answer {
     with(Response::new(Full::from(bytes)), header::CONTENT_TYPE, "application/octet-stream")
 }
 
-/// With one header more, of plain ASCII.
+/// Adds a header. A value that is not ASCII is ignored.
 pub fn with(mut answer: Answer, name: HeaderName, value: &str) -> Answer {
     if let Ok(value) = HeaderValue::from_str(value) {
         answer.headers_mut().insert(name, value);

@@ -1,4 +1,4 @@
-//! What the page shows: frames of named numbers, and what stays as it is during a run.
+//! Data for the page: frames of named numbers, and the constant description of the run.
 
 use crate::analysis::{DerivedState, KinematicTree, LateralState, Peaks, RunAnalysis};
 use base64::Engine;
@@ -7,8 +7,8 @@ use messages::scene::Scene;
 use messages::wire::{PHASES, STATES, Truth};
 use serde_json::{Value, json};
 
-/// One instant: names of its quantities, and their values in SI units, W, or as the message has them. The page reads them in
-/// this order, as 32-bit floats: these are pictures.
+/// One frame: names and values of its quantities in SI units and world coordinates, or as in the wire message. The page
+/// reads them in this order as 32-bit floats, which are precise enough for display.
 pub fn frame(
     robot: &KinematicTree,
     truth: &Truth,
@@ -22,7 +22,7 @@ pub fn frame(
     let soles = derived.soles.iter().flatten();
     let tally = &truth.tally;
     let forces = &truth.contact_force[..3 * robot.contacts.len()];
-    let ground = [0, 1, 2].map(|axis| forces.iter().skip(axis).step_by(3).sum::<f64>());
+    let ground_force = [0, 1, 2].map(|axis| forces.iter().skip(axis).step_by(3).sum::<f64>());
     vec![
         ("time", vec![derived.time]),
         ("position", truth.base_position.to_vec()),
@@ -37,7 +37,7 @@ pub fn frame(
         ),
         ("lateral", lateral.to_vec()),
         ("force", forces.to_vec()),
-        ("ground", ground.to_vec()),
+        ("ground", ground_force.to_vec()),
         ("torque", peaks.torque[..joints].to_vec()),
         ("energy", truth.telemetry.energy.to_vec()),
         ("reference", truth.telemetry.energy_ref.to_vec()),
@@ -55,12 +55,12 @@ pub fn frame(
     ]
 }
 
-/// The numbers of a frame as the page reads them.
+/// A frame as bytes for the page.
 pub fn bytes(frame: &[(&'static str, Vec<f64>)]) -> impl Iterator<Item = u8> {
     frame.iter().flat_map(|(_, values)| values).flat_map(|value| (*value as f32).to_le_bytes())
 }
 
-/// What stays as it is during a run: the robot, and how a frame is laid out.
+/// The constant description of a run: the robot, and the layout of a frame.
 pub fn run_info(robot: &KinematicTree, scene: &Scene) -> Value {
     let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
     let derived = DerivedState::new(robot, &truth, &robot.body_states(&truth));
@@ -87,7 +87,7 @@ pub fn run_info(robot: &KinematicTree, scene: &Scene) -> Value {
     })
 }
 
-/// All that was recorded.
+/// All rows as frames in base 64.
 pub fn trajectory(analysis: &RunAnalysis) -> String {
     let (rows, fall) = (analysis.rows.iter(), analysis.extrema.fall);
     let fallen = |time| fall.is_some_and(|fall| time >= fall);

@@ -1,5 +1,5 @@
-//! The page of a running session. A process of its own that only listens; what a browser does not fetch in time is dropped here, so
-//! that no browser ever holds up a run.
+//! The page of a running session. A separate process subscribes to the session and serves the page. It drops frames that
+//! a browser does not fetch in time, so no browser can delay a run.
 
 use super::access::{Answer, Query, data, html, not_found, text, with};
 use super::frame::{bytes, frame, run_info};
@@ -24,47 +24,53 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Frames come no closer than this [ns].
+/// Least spacing of frames [ns]: 200 Hz, as the rows of a report.
 const FRAME_NS: u64 = 5_000_000;
-/// Frames that are kept for a browser: ten seconds in real time.
-const KEPT: usize = 2000;
+/// Number of frames that are stored for a browser: ten seconds of simulated time.
+const MAX_FRAMES: usize = 2000;
+/// Duration of a push from the page [s].
+const PUSH_DURATION: f64 = 0.05;
+/// Time between reads of the session.
+const POLL_INTERVAL: Duration = Duration::from_millis(2);
+/// Headers of an answer with frames: number of the run, and number of the next frame.
 const RUN: HeaderName = HeaderName::from_static("run");
 const NEXT: HeaderName = HeaderName::from_static("next");
 
-/// Serves the page until the session or the user's patience ends.
+/// Serves the page until the session ends or the user stops the program.
 ///
 /// # Errors
-/// If there is no such session, it does not say what its scene is, or the port is in use.
-pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<(), Failure> {
+/// If the session does not exist or has published no scene, or the port is in use.
+pub fn run(session: &Session, address: SocketAddr, stop: &AtomicBool) -> Result<(), Failure> {
     let mut truths = RecorderPort::attach(session)?;
     let name = session.name();
     let unknown = || {
         let why =
-            format!("session `{name}` does not say what its scene is, so there is no robot to draw: see `biped top`");
+            format!("session `{name}` has published no scene, so its robot cannot be drawn: use `biped top` instead");
         Failure::new(Exit::Incompatible, why)
     };
     let scene: Scene = session.scene().and_then(|text| toml::from_str(&text).ok()).ok_or_else(unknown)?;
-    let server = PageServer::open(place)?;
-    say(format_args!("session {name}: open {}\n", server.address));
+    let server = PageServer::open(address)?;
+    say(format_args!("session {name}: open {}\n", server.url));
     let page_state = Arc::new(LivePage::new(session.clone(), &scene));
-    let behind = page_state.clone();
-    std::thread::spawn(move || server.serve(move |method, path, query, body| behind.answer(method, path, query, body)));
-    let (mut film, mut heard) = (FrameSampler::new(&scene), Instant::now());
-    while !stop.load(Relaxed) && !has_ended(session, heard) {
+    let shared = page_state.clone();
+    std::thread::spawn(move || server.serve(move |method, path, query, body| shared.answer(method, path, query, body)));
+    let (mut sampler, mut received) = (FrameSampler::new(&scene), Instant::now());
+    while !stop.load(Relaxed) && !has_ended(session, received) {
         while let Some(truth) = truths.read()? {
-            heard = Instant::now();
-            film.take(&truth, &page_state.queue);
+            received = Instant::now();
+            sampler.push(&truth, &page_state.queue);
         }
-        std::thread::sleep(Duration::from_millis(2));
+        std::thread::sleep(POLL_INTERVAL);
     }
     Ok(())
 }
 
-/// Makes frames of what is heard.
+/// Samples frames from the received records.
 struct FrameSampler {
     robot: KinematicTree,
     peaks: Peaks,
     extrema: Extrema,
+    /// Run and sampling interval of the latest frame.
     run: u64,
     slot: u64,
 }
@@ -80,7 +86,7 @@ impl FrameSampler {
         }
     }
 
-    fn take(&mut self, truth: &Truth, queue: &Mutex<FrameQueue>) {
+    fn push(&mut self, truth: &Truth, queue: &Mutex<FrameQueue>) {
         self.peaks = self.peaks.max(&Peaks::new(truth));
         let slot = truth.stamp.sim_ns / FRAME_NS;
         if truth.stamp.run == self.run && slot == self.slot {
@@ -93,7 +99,7 @@ impl FrameSampler {
         self.extrema.push(&self.robot, truth, &derived);
         let fallen = self.extrema.fall.is_some();
         let frame = bytes(&frame(&self.robot, truth, &derived, &self.peaks, fallen)).collect();
-        let mut queue = queue.lock().unwrap_or_else(|broken| broken.into_inner());
+        let mut queue = queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         if truth.stamp.run != self.run {
             queue.frames.clear();
             queue.runs += 1;
@@ -103,13 +109,13 @@ impl FrameSampler {
     }
 }
 
-/// The last frames; each has a number.
+/// The latest frames. Frames are numbered consecutively.
 #[derive(Default)]
 struct FrameQueue {
     frames: VecDeque<Vec<u8>>,
-    /// Number of the frame to come.
+    /// Number of the next frame.
     next: u64,
-    /// Runs so far: a reset begins another.
+    /// Number of the current run. A reset of the simulation starts a new run.
     runs: u64,
 }
 
@@ -117,19 +123,19 @@ impl FrameQueue {
     fn push(&mut self, frame: Vec<u8>) {
         self.frames.push_back(frame);
         self.next += 1;
-        if self.frames.len() > KEPT {
+        if self.frames.len() > MAX_FRAMES {
             self.frames.pop_front();
         }
     }
 
-    /// All from a number on that are still there.
+    /// The stored frames from a number on.
     fn from(&self, number: u64) -> Vec<u8> {
         let begin = self.next - self.frames.len() as u64;
         self.frames.iter().skip(number.saturating_sub(begin) as usize).flatten().copied().collect()
     }
 }
 
-/// Where browsers come to.
+/// The state of the server: the page, the frames, and the session that receives the requests.
 struct LivePage {
     session: Session,
     page: Bytes,
@@ -164,7 +170,7 @@ impl LivePage {
     }
 
     fn frames(&self, run: Option<&str>, from: Option<&str>) -> Answer {
-        let queue = self.queue.lock().unwrap_or_else(|broken| broken.into_inner());
+        let queue = self.queue.lock().unwrap_or_else(|poisoned| poisoned.into_inner());
         let is_same = run == Some(&queue.runs.to_string());
         let from = from.filter(|_| is_same).and_then(|from| from.parse().ok()).unwrap_or(0);
         let answer = with(data(queue.from(from)), RUN, &queue.runs.to_string());
@@ -173,9 +179,9 @@ impl LivePage {
 
     fn ask(&self, body: &str) -> Answer {
         let Ok(request) = serde_json::from_str::<PageRequest>(body) else {
-            return text(400, "This request cannot be read.\n");
+            return text(400, "This request is malformed.\n");
         };
-        match ask(&self.session, request.ask(self.trunk)) {
+        match ask(&self.session, request.into_ask(self.trunk)) {
             Ok(reply) if reply.verdict == Verdict::Done as u64 => {
                 let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
                 text(200, &format!("done at t {:.2} s: {state}", reply.stamp.sim_ns as f64 * 1e-9))
@@ -186,7 +192,7 @@ impl LivePage {
     }
 }
 
-/// What the page may ask for.
+/// A request of the page.
 #[derive(Deserialize)]
 #[serde(tag = "what", rename_all = "lowercase", deny_unknown_fields)]
 enum PageRequest {
@@ -198,7 +204,7 @@ enum PageRequest {
     Reset,
     Rearm,
     Push {
-        /// The trunk, if none is named.
+        /// The trunk by default.
         body: Option<usize>,
         impulse: [f64; 3],
     },
@@ -209,7 +215,7 @@ enum PageRequest {
 }
 
 impl PageRequest {
-    fn ask(self, trunk: usize) -> Action {
+    fn into_ask(self, trunk: usize) -> Action {
         match self {
             PageRequest::Pause => Action::Pause,
             PageRequest::Resume => Action::Resume,
@@ -217,7 +223,7 @@ impl PageRequest {
             PageRequest::Reset => Action::Reset { seed: None },
             PageRequest::Rearm => Action::Rearm,
             PageRequest::Push { body, impulse } => {
-                Action::Push { body: body.unwrap_or(trunk), impulse, duration: 0.05 }
+                Action::Push { body: body.unwrap_or(trunk), impulse, duration: PUSH_DURATION }
             }
             PageRequest::Set { period, speed } => Action::Set { period: Some(period), speed: Some(speed) },
         }

@@ -1,4 +1,4 @@
-//! The page, complete in itself: styles, scripts, libraries and data inline, so that it opens from disk and fetches nothing.
+//! A self-contained page: styles, scripts, libraries and data are inline, so it opens from disk without a network.
 
 use crate::report::plot::escaped;
 use base64::Engine;
@@ -6,18 +6,18 @@ use base64::prelude::BASE64_STANDARD;
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-/// Looks of every page that the program writes.
+/// Style sheet of every page that the program writes.
 pub const STYLE: &str = include_str!("../../page/page.css");
-/// Looks of the 3-D view.
+/// Style sheet of the 3-D view.
 const VIEW_STYLE: &str = concat!(include_str!("../../page/vendor/uplot.min.css"), include_str!("../../page/view.css"));
-/// Libraries that others keep; see `launch/page/vendor/README.md`.
+/// Third-party libraries; see `page/vendor/README.md`.
 const LIBRARIES: &str = concat!(
     include_str!("../../page/vendor/three.min.js"),
     ";\n",
     include_str!("../../page/vendor/uplot.min.js"),
     ";\n"
 );
-/// The page's own scripts, one after the other.
+/// The page's own scripts, in the order of their dependencies.
 const SCRIPTS: &str = concat!(
     "\"use strict\";\n",
     include_str!("../../page/theme.js"),
@@ -33,8 +33,10 @@ const SCRIPTS: &str = concat!(
     include_str!("../../page/main.js"),
 );
 
+/// Script that restores the token after a reload.
 const RELOAD: &str = include_str!("../../page/reload.js");
-/// A refusal as a page, from which a tab that was let in before finds back.
+
+/// The page of a refusal. A tab that had the token before reloads with it.
 pub fn refusal(why: &str) -> String {
     format!(
         "<!DOCTYPE html><meta charset=\"utf-8\"><title>biped</title>\n<p>{}</p>\n<script>{RELOAD}</script>\n",
@@ -42,7 +44,7 @@ pub fn refusal(why: &str) -> String {
     )
 }
 
-/// What a page may do: run the scripts above and no others, and fetch from where it came from.
+/// Content security policy: only the scripts above may run, and only their own server may be contacted.
 pub fn policy() -> String {
     let scripts = [LIBRARIES, SCRIPTS, RELOAD]
         .map(|script| format!(" 'sha256-{}'", BASE64_STANDARD.encode(Sha256::digest(script))));
@@ -53,26 +55,26 @@ pub fn policy() -> String {
     )
 }
 
-/// What the page has.
+/// Contents of the page.
 pub struct ViewPage<'a> {
-    /// Its heading.
+    /// Title.
     pub title: &'a str,
-    /// One sentence on the scene.
+    /// Description of the scene.
     pub description: &'a str,
-    /// The robot, and how frames are laid out.
+    /// Description of the run, see [`super::frame::run_info`].
     pub run_info: &'a Value,
-    /// Frames, in base 64.
+    /// Frames in base 64.
     pub trajectory: &'a str,
-    /// What is said of the run, as HTML.
+    /// HTML below the 3-D view.
     pub below: &'a str,
-    /// The scene as its user would write it.
+    /// The scene as TOML.
     pub scene: &'a str,
 }
 
 impl ViewPage<'_> {
-    /// As HTML.
+    /// The page as HTML.
     pub fn html(&self) -> String {
-        // Whatever a scene contains cannot end the script that it stands in.
+        // A scene may contain `</script>`, which would close the script element.
         let run_info = self.run_info.to_string().replace('<', "\\u003c");
         let parts = [
             ("policy", policy()),
@@ -90,7 +92,7 @@ impl ViewPage<'_> {
     }
 }
 
-/// Fills places such as `{{title}}` in; what is filled in is not searched for more.
+/// Replaces placeholders such as `{{title}}`. The inserted text is not searched for placeholders.
 pub fn fill(template: &str, parts: &[(&str, String)]) -> String {
     let mut pieces = template.split("{{");
     let mut page = String::from(pieces.next().unwrap_or(""));

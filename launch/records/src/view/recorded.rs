@@ -1,4 +1,4 @@
-//! `biped view FILE`: the page of a recording, as the report of that run has it.
+//! `biped view FILE`: the page of a recording, equal to the page in the report of that run.
 
 use super::access::{html, not_found};
 use super::server::PageServer;
@@ -18,16 +18,22 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
-/// Between two looks at whether the user has had enough.
-const LOOK: Duration = Duration::from_millis(50);
-/// Records between two looks at how far it has been read.
-const OFTEN: u64 = 1 << 12;
+/// Time between checks whether the user has stopped the program.
+const POLL_INTERVAL: Duration = Duration::from_millis(50);
+/// Number of records between updates of the progress display.
+const RECORDS_PER_UPDATE: u64 = 1 << 12;
 
-/// Writes the page, or serves it until the user's patience ends.
+/// Writes the page into a file, or serves it until the user stops the program.
 ///
 /// # Errors
-/// See [`RecordingReader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
-pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop: &AtomicBool) -> Result<(), Failure> {
+/// See [`RecordingReader::open`]. Also if the recording is empty, the page cannot be written, or the port is in use.
+pub fn run(
+    file: &Path,
+    out: Option<&Path>,
+    address: SocketAddr,
+    quiet: bool,
+    stop: &AtomicBool,
+) -> Result<(), Failure> {
     if let Some(out) = out {
         keeps(file, out)?;
     }
@@ -37,8 +43,8 @@ pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop
         say(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }
-    let server = PageServer::open(place)?;
-    say(format_args!("{}: open {}\n", file.display(), server.address));
+    let server = PageServer::open(address)?;
+    say(format_args!("{}: open {}\n", file.display(), server.url));
     let page = Bytes::from(page);
     std::thread::spawn(move || {
         server.serve(move |method, path, _, _| match (method, path) {
@@ -47,17 +53,17 @@ pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop
         });
     });
     while !stop.load(Relaxed) {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(POLL_INTERVAL);
     }
     Ok(())
 }
 
-/// The page of the last run that is recorded.
+/// The page of the last run in the recording.
 fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> {
     let mut reader = RecordingReader::open(file)?;
     let scene = reader.scene().clone();
     let (mut analysis, mut truth, mut runs, mut count) = (RunAnalysis::new(&scene), Truth::default(), 0, 0);
-    let megabytes = std::fs::metadata(file).map_or(0, |about| about.len() >> 20);
+    let megabytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len() >> 20);
     let progress = Counter::new(quiet, megabytes as usize, 0, "MB");
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
@@ -66,22 +72,22 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
         }
         analysis.push(&truth);
         count += 1;
-        if count % OFTEN == 0 {
+        if count % RECORDS_PER_UPDATE == 0 {
             progress.reach(reader.bytes_read() >> 20);
             unless(stop)?;
         }
     }
     progress.finish();
     if analysis.rows.is_empty() {
-        return Err(Failure::new(Exit::Usage, format!("{}: there is nothing in it to be shown", file.display())));
+        return Err(Failure::new(Exit::Usage, format!("{}: the recording contains no valid records", file.display())));
     }
     if runs > 1 {
-        tell(format_args!("{} has {runs} runs: the page shows the last", file.display()));
+        tell(format_args!("{} contains {runs} runs: the page shows the last one", file.display()));
     }
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new(&name, &analysis, Duration::ZERO, 0);
     if let Some(why) = reader.truncated_by {
-        tell(format_args!("{} is cut short: {why}; the page has all before that", file.display()));
+        tell(format_args!("{} is cut short: {why}; the page shows everything before that", file.display()));
         summary.cut_short_by = Some("the recording ends here");
     }
     Ok(report::page(&report::figures(&analysis), &analysis, &summary, &scene, &load::text(&scene)))

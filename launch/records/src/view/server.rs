@@ -1,4 +1,4 @@
-//! What browsers come to: a listener whose connections are few, timed, and never waited for.
+//! HTTP server of the page. The number and the duration of connections are limited, and no connection blocks another.
 
 use super::access::{AccessControl, Answer, IO_TIMEOUT, Query};
 use hyper::Method;
@@ -18,61 +18,61 @@ use tokio::net::{TcpListener, TcpStream};
 use tokio::runtime::{Builder, Runtime};
 use tokio::task::AbortHandle;
 
-/// A request line and its headers are shorter [bytes].
+/// Greatest length of a request line with headers [bytes].
 const MAX_HEADER_BYTES: usize = 16 << 10;
-/// Connections at a time; one more takes the place of the oldest that has not shown the token.
+/// Greatest number of connections. A further one replaces the oldest connection without authorisation.
 const MAX_CONNECTIONS: usize = 64;
-/// Answers that are made at a time; others wait for their turn.
+/// Greatest number of answers that are computed at the same time.
 const MAX_CONCURRENT_ANSWERS: usize = 8;
-/// Until the next try, after a connection could not be taken.
+/// Delay after a failure to accept a connection.
 const ACCEPT_RETRY: Duration = Duration::from_millis(100);
 
-/// A place where nobody has come yet.
+/// A server that listens and does not answer yet.
 pub struct PageServer {
     runtime: Runtime,
     listener: TcpListener,
     access: AccessControl,
-    /// Where browsers find it.
-    pub address: String,
+    /// URL with the token.
+    pub url: String,
 }
 
 impl PageServer {
-    /// Listens on an address of this machine; port 0 is any. Whoever else can reach that address is warned of.
+    /// Listens on an address of this machine. Port 0 selects a free port. Prints a warning if other machines can connect.
     ///
     /// # Errors
-    /// If it is in use, or not this machine's.
-    pub fn open(place: SocketAddr) -> Result<PageServer, Failure> {
-        let refused = |error: std::io::Error| {
-            let advice = "--listen takes an address of this machine, --port a free port, or 0 for any";
-            Failure::new(Exit::Usage, format!("{place} cannot be listened on ({error}): {advice}"))
+    /// If the address is in use or does not belong to this machine.
+    pub fn open(address: SocketAddr) -> Result<PageServer, Failure> {
+        let refuse = |error: std::io::Error| {
+            let advice = "--listen needs an address of this machine, and --port a free port or 0";
+            Failure::new(Exit::Usage, format!("cannot listen on {address} ({error}): {advice}"))
         };
         let runtime = Builder::new_current_thread()
             .enable_all()
             .max_blocking_threads(MAX_CONCURRENT_ANSWERS)
             .build()
-            .map_err(refused)?;
-        let listener = std::net::TcpListener::bind(place).map_err(refused)?;
-        // Connections have it from their listener.
-        set_tcp_user_timeout(&listener, IO_TIMEOUT.as_millis() as u32).map_err(|error| refused(error.into()))?;
-        listener.set_nonblocking(true).map_err(refused)?;
-        let place = listener.local_addr().map_err(refused)?;
+            .map_err(refuse)?;
+        let listener = std::net::TcpListener::bind(address).map_err(refuse)?;
+        // Connections inherit this option from the listener.
+        set_tcp_user_timeout(&listener, IO_TIMEOUT.as_millis() as u32).map_err(|error| refuse(error.into()))?;
+        listener.set_nonblocking(true).map_err(refuse)?;
+        let address = listener.local_addr().map_err(refuse)?;
         let listener = {
             let _within = runtime.enter();
-            TcpListener::from_std(listener).map_err(refused)?
+            TcpListener::from_std(listener).map_err(refuse)?
         };
-        let access = AccessControl::new(place.ip()).map_err(refused)?;
-        let shown = SocketAddr::new(reachable_address(place.ip()), place.port());
-        if !place.ip().is_loopback() {
+        let access = AccessControl::new(address.ip()).map_err(refuse)?;
+        let url_address = SocketAddr::new(reachable_address(address.ip()), address.port());
+        if !address.ip().is_loopback() {
             tell(format_args!(
-                "warning: the page listens on {place}, unencrypted: whoever has its address with the token, or reads along, \
-                 sees and commands what it shows"
+                "warning: the page listens on {address} without encryption: anybody who knows its URL with the token, or \
+                 intercepts the traffic, can watch and control the session"
             ));
         }
-        let address = format!("http://{shown}/?token={}", access.token);
-        Ok(PageServer { runtime, listener, access, address })
+        let url = format!("http://{url_address}/?token={}", access.token);
+        Ok(PageServer { runtime, listener, access, url })
     }
 
-    /// Answers for ever. A browser that has gone, or breaks off, is no error.
+    /// Answers requests forever. A browser that disconnects is no error.
     pub fn serve(self, answer: impl Fn(&Method, &str, Query, &str) -> Answer + Send + Sync + 'static) {
         let PageServer { runtime, listener, access, .. } = self;
         let (access, answer) = (Arc::new(access), Arc::new(answer));
@@ -92,7 +92,7 @@ impl PageServer {
     }
 }
 
-/// The address by which this machine's own browser reaches a listener.
+/// The address under which a browser on this machine reaches the server.
 fn reachable_address(listening: IpAddr) -> IpAddr {
     match listening {
         IpAddr::V4(address) if address.is_unspecified() => Ipv4Addr::LOCALHOST.into(),
@@ -101,7 +101,7 @@ fn reachable_address(listening: IpAddr) -> IpAddr {
     }
 }
 
-/// Serves one connection to its end.
+/// Serves one connection until it closes.
 async fn serve_connection<A>(
     stream: TcpStream,
     is_authorized: Arc<AtomicBool>,
@@ -115,11 +115,11 @@ async fn serve_connection<A>(
             Err(refusal) => refusal,
             Ok((head, body)) => {
                 let answer = answer.clone();
-                let made = tokio::task::spawn_blocking(move || {
+                let answer = tokio::task::spawn_blocking(move || {
                     let query = Query(head.uri.query().unwrap_or(""));
                     answer(&head.method, head.uri.path(), query, &body)
                 });
-                made.await.unwrap_or_else(|_| super::access::text(500, "This cannot be answered.\n"))
+                answer.await.unwrap_or_else(|_| super::access::text(500, "Internal error.\n"))
             }
         }))
     });
@@ -128,13 +128,13 @@ async fn serve_connection<A>(
     let _ = http.serve_connection(TokioIo::new(stream), service).await;
 }
 
-/// A connection that is served.
+/// An open connection.
 struct Connection {
     task: AbortHandle,
     is_authorized: Arc<AtomicBool>,
 }
 
-/// All of them, the oldest first.
+/// Open connections, oldest first.
 #[derive(Default)]
 struct Connections(VecDeque<Connection>);
 
