@@ -129,7 +129,7 @@ fn wrong_usage_is_refused() {
     refused(&["run", "walk", "--controller", ""], &["--controller"]);
     refused(&["soak", "--minutes", "-1"], &["a number of minutes"]);
     refused(&["chart", "--peers=nosuch.csv"], &["nosuch.csv"]);
-    refused(&["view", "README.md", "--out", "./README.md"], &["README.md is what is read"]);
+    refused(&["view", "README.md", "--out", "./README.md"], &["README.md is the input file"]);
     refused(&["run", "walk", "--swap", "inf=biped controller"], &["a simulated time"]);
 }
 
@@ -150,7 +150,7 @@ fn what_cannot_be_printed_or_written_is_told_at_once() {
     let scene = std::env::temp_dir().join(format!("biped-test-{}-own.toml", std::process::id()));
     std::fs::copy("launch/scenes/stand.toml", &scene).expect("a file");
     let name = scene.display().to_string();
-    refused(&["run", &name, "--record", &name], &["is what is read"]);
+    refused(&["run", &name, "--record", &name], &["is the input file"]);
     assert_eq!(std::fs::read(&scene).ok(), std::fs::read("launch/scenes/stand.toml").ok());
     std::fs::remove_file(scene).expect("our own file");
     for long in [

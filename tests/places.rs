@@ -36,7 +36,7 @@ fn shared_memory_that_cannot_be_used_is_told_with_what_would_mend_it() {
     for (options, found, advice) in [
         ("ro", "cannot be written to: Read-only file system", "mount -o remount,rw /dev/shm"),
         ("size=10m", "10 MB free; a session needs 17 MB", "size=1"),
-        ("nr_inodes=9", "64 files of which 8 can be made", "remove files there"),
+        ("nr_inodes=9", "64 files, of which 8 can be created", "remove files there"),
     ] {
         let place = format!("mount -t tmpfs -o {options} tmpfs /dev/shm");
         let Some((code, told, _)) = within(&[], &format!("{place}; $BIPED doctor")) else { return };
@@ -62,7 +62,7 @@ fn shared_memory_of_another_user_is_told() {
     let (line, mends) = finding(&told, "/dev/shm");
     assert_eq!(code, Some(4), "{told}{errors}");
     assert!(line.starts_with("wrong") && line.contains("cannot be written to: Permission denied"), "{line}");
-    assert!(mends.contains("chmod 1777 /dev/shm") && mends.contains("with the mode 555"), "{mends}");
+    assert!(mends.contains("chmod 1777 /dev/shm") && mends.contains("has mode 555"), "{mends}");
 }
 
 /// A program whose file has a capability beyond the bounding set, or of a user whom the machine does not know, does not start or gains nothing.
@@ -73,7 +73,7 @@ fn no_capability_is_advised_where_none_can_be_given() {
     let (line, mends) = finding(&told, "limit");
     assert!(line.contains("memlock") && told.contains("rtprio"), "{told}{errors}");
     assert!(!told.contains("setcap"), "{told}");
-    if told.contains("refused when asked") {
+    if told.contains("refused on request") {
         assert!(!mends.is_empty(), "{told}");
     }
 }

@@ -142,7 +142,7 @@ fn results_are_written_though_nobody_can_be_told() {
     // a standard output that is full
     let full = std::fs::File::options().write(true).open("/dev/full").expect("a full device");
     let (code, errors) = ends(biped(&arguments).stdout(full).spawn().expect("the program starts"));
-    assert!(code == Some(4) && errors.contains("what is printed cannot be written"), "{code:?} {errors}");
+    assert!(code == Some(4) && errors.contains("standard output cannot be written"), "{code:?} {errors}");
     assert!(written());
     std::fs::remove_dir_all(&folder).expect("our own");
 }

@@ -22,8 +22,8 @@ pub use company::others;
 use clap::Args;
 use guest::Host;
 use shared::args::SceneArgs;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::say;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -43,7 +43,7 @@ pub struct ConformArgs {
     #[arg(long, value_name = "COMMAND")]
     plant: Option<String>,
     /// How long it may take to start or to answer [s]
-    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::seconds)]
+    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::parse_seconds)]
     patience: f64,
 }
 
@@ -64,9 +64,9 @@ impl Report<'_> {
     /// Tells whether a rule, which stands in a section of docs/WIRE.md, was kept.
     fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
         match &finding {
-            Ok(remark) if remark.is_empty() => say(format_args!("ok      {rule}\n")),
-            Ok(remark) => say(format_args!("ok      {rule} ({remark})\n")),
-            Err(instead) => say(format_args!("FAILED  {rule}: {instead} (docs/WIRE.md, {section})\n")),
+            Ok(remark) if remark.is_empty() => print_text(format_args!("ok      {rule}\n")),
+            Ok(remark) => print_text(format_args!("ok      {rule} ({remark})\n")),
+            Err(instead) => print_text(format_args!("FAILED  {rule}: {instead} (docs/WIRE.md, {section})\n")),
         }
         let counter = if finding.is_ok() { &mut self.kept } else { &mut self.broken };
         *counter += 1;
@@ -75,7 +75,7 @@ impl Report<'_> {
 
     /// What is worth knowing and breaks no rule.
     fn note(&self, text: &str) {
-        say(format_args!("note    {text}\n"));
+        print_text(format_args!("note    {text}\n"));
     }
 
     /// Checks one part after the other, until Ctrl-C.
@@ -110,8 +110,8 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
         Some(_) => plant::check(&host, &mut report),
     }
     .map_err(|error| Failure::new(Exit::Fault, error))?;
-    say(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
-    unless(stop)?;
+    print_text(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
+    check_interrupt(stop)?;
     match report.broken {
         0 => Ok(()),
         1 => Err(Failure::new(Exit::Nonconforming, "a rule of docs/WIRE.md is broken")),

@@ -6,12 +6,12 @@ use messages::scene::Scene;
 use rayon::prelude::*;
 use records::record::Recorder;
 use records::summary::Summary;
-use sessions::run::{goes_on, in_process};
+use sessions::run::{check_run, in_process};
 use shared::csv;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use shared::output::{folder, say, unwritten, write_whole};
-use shared::progress::Counter;
+use shared::output::{create_folder, print_text, write_atomically, write_failure};
+use shared::progress::BatchProgress;
 use std::fmt::Write;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -74,23 +74,23 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(belongs_to("--count", "problems"));
     }
     args.pushes.check(args.study)?;
-    args.out.as_deref().map_or(Ok(()), folder)?;
+    args.out.as_deref().map_or(Ok(()), create_folder)?;
     if let Study::Pushes = args.study {
         return pushes::run(args, stop);
     }
     if solves {
         let count = args.count.unwrap_or(1_000_000) as usize;
-        let counter = Counter::new(args.quiet, count, 0, "problems");
-        let mut results = problems::solve(count, stop, |more| counter.add(more))?;
+        let counter = BatchProgress::new(args.quiet, count, 0, "problems");
+        let mut results = problems::solve(count, stop, |more| counter.add_done(more))?;
         counter.finish();
         let rows = problems::rows(&mut results);
         return hand_out(args, &table(&rows), &[("", csv::text(&rows))]);
     }
     let cases = cases(args.study);
-    let counter = Counter::new(args.quiet, cases.len(), 0, "cases");
+    let counter = BatchProgress::new(args.quiet, cases.len(), 0, "cases");
     let study = |case| {
         let outcome = simulate(case, stop);
-        counter.add(1);
+        counter.add_done(1);
         outcome
     };
     let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
@@ -110,17 +110,17 @@ fn belongs_to(option: &str, study: &str) -> Failure {
 
 /// Prints tables, and writes them if asked to: all as one Markdown file, each as a file of comma-separated values.
 fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
-    say(markdown);
+    print_text(markdown);
     match &args.out {
         None => Ok(()),
-        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| unwritten(folder, &error)),
+        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| write_failure(folder, &error)),
     }
 }
 
 fn write(folder: &Path, study: Study, markdown: &str, tables: &[(&str, String)]) -> io::Result<()> {
     let name = format!("{study:?}").to_lowercase();
-    write_whole(&folder.join(format!("{name}.md")), markdown)?;
-    tables.iter().try_for_each(|(of, csv)| write_whole(&folder.join(format!("{name}{of}.csv")), csv))
+    write_atomically(&folder.join(format!("{name}.md")), markdown)?;
+    tables.iter().try_for_each(|(of, csv)| write_atomically(&folder.join(format!("{name}{of}.csv")), csv))
 }
 
 fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
@@ -135,7 +135,7 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, 
     let (mut recorder, start) = (Recorder::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
         recorder.push(truth);
-        goes_on(&recorder, stop)
+        check_run(&recorder, stop)
     });
     match result {
         Err(failure) if failure.exit == Exit::Interrupted => Err(failure),

@@ -20,7 +20,7 @@ use crate::view::page::Page;
 use figure::Figure;
 use messages::scene::Scene;
 use shared::exit::{Exit, Failure};
-use shared::output::{MARK, folder, remove_drawings, replaces, write_whole};
+use shared::output::{MARK, check_replaceable, create_folder, remove_own_figures, write_atomically};
 use std::path::Path;
 use std::{fs, io};
 
@@ -58,10 +58,10 @@ const FILES: [(&str, &str); 4] = [
 /// # Errors
 /// That.
 pub fn prepare(path: &Path) -> Result<(), Failure> {
-    folder(path)?;
+    create_folder(path)?;
     FILES.iter().try_for_each(|(name, head)| {
         let file = path.join(name);
-        replaces(&file, head.as_bytes())
+        check_replaceable(&file, head.as_bytes())
             .map_err(|error| Failure::new(Exit::Usage, format!("{}: {error}", file.display())))
     })
 }
@@ -75,13 +75,13 @@ pub fn write(folder: &Path, recorder: &Recorder, summary: &Summary, scene: &Scen
     let figures = figures(recorder);
     let drawings = folder.join("figures");
     fs::create_dir_all(&drawings)?;
-    remove_drawings(&drawings)?; // a run before may have had others
-    write_whole(&folder.join("summary.json"), &summary.json())?;
-    write_whole(&folder.join("trajectory.csv"), &csv::table(recorder))?;
-    write_whole(&folder.join("report.html"), &page(&figures, recorder, summary, scene, text))?;
-    write_whole(&folder.join("scene.toml"), &format!("{SCENE}{text}"))?;
+    remove_own_figures(&drawings)?; // a run before may have had others
+    write_atomically(&folder.join("summary.json"), &summary.json())?;
+    write_atomically(&folder.join("trajectory.csv"), &csv::table(recorder))?;
+    write_atomically(&folder.join("report.html"), &page(&figures, recorder, summary, scene, text))?;
+    write_atomically(&folder.join("scene.toml"), &format!("{SCENE}{text}"))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
-        write_whole(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
+        write_atomically(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
     }
     Ok(())
 }

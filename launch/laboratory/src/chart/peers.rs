@@ -2,8 +2,8 @@
 
 use super::csv::{Row, parse};
 use super::watch::Watch;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::replaces;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::check_replaceable;
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -22,7 +22,7 @@ pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: 
 pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
     let table = folder.join("peers.csv");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
-    replaces(&table, b"view,scene,engine").map_err(|error| fault(format!("{}: {error}", table.display())))?;
+    check_replaceable(&table, b"view,scene,engine").map_err(|error| fault(format!("{}: {error}", table.display())))?;
     let mut command = Command::new("python3");
     command.arg(SCRIPT).arg("--out").arg(&table).args(quick.then_some("--quick")).stdout(Stdio::piped());
     if !scenes.is_empty() {
@@ -35,12 +35,12 @@ pub fn rows(folder: &Path, scenes: &[String], quick: bool, watch: &Watch) -> Res
         if line.split_once(" left out, ").is_some_and(|(engine, _)| !engine.contains(' ')) {
             left_out.push(format!("{line}."));
         }
-        if unless(watch.stop).is_err() {
+        if check_interrupt(watch.stop).is_err() {
             let _ = script.kill();
         }
     }
     let status = script.wait().map_err(|error| fault(error.to_string()))?;
-    unless(watch.stop)?;
+    check_interrupt(watch.stop)?;
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }

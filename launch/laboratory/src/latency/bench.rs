@@ -3,9 +3,9 @@
 use super::lines::{self, Lines};
 use super::peer::Peer;
 use messages::session::Session;
-use sessions::children::Swept;
-use shared::exit::{Exit, Failure, unless};
-use shared::progress::Counter;
+use sessions::children::SessionCleanup;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::progress::BatchProgress;
 use std::os::fd::{AsRawFd, RawFd};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -59,9 +59,9 @@ pub struct Bench<'a> {
     pub number: RawFd,
     pub peer: Peer,
     /// Every session that was made; cleared away once the other process has ended.
-    pub sessions: Vec<Swept>,
+    pub sessions: Vec<SessionCleanup>,
     pub stop: &'a AtomicBool,
-    pub counter: Counter,
+    pub counter: BatchProgress,
 }
 
 impl<'a> Bench<'a> {
@@ -70,7 +70,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// If the system cannot.
     pub fn start(plan: Plan, quiet: bool, stop: &'a AtomicBool) -> Result<Bench<'a>, Failure> {
-        let counter = Counter::new(quiet, 0, 0, "measurements");
+        let counter = BatchProgress::new(quiet, 0, 0, "measurements");
         let (file, lines) = lines::create()?; // open while the other process starts
         let (number, peer) = (file.as_raw_fd(), Peer::start()?);
         Ok(Bench { plan, lines, number, peer, sessions: vec![], stop, counter })
@@ -82,13 +82,13 @@ impl<'a> Bench<'a> {
     /// Never: that is a good name.
     pub fn session(&mut self) -> Result<Session, Failure> {
         let session = Session::named(&format!("latency-{}-{}", std::process::id(), self.sessions.len()))?;
-        self.sessions.push(Swept(session.clone()));
+        self.sessions.push(SessionCleanup(session.clone()));
         Ok(session)
     }
 
     /// So many measurements are to come.
     pub fn expect(&self, count: usize) {
-        self.counter.expect(count);
+        self.counter.add_total(count);
     }
 
     /// One measurement begins.
@@ -96,8 +96,8 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Ctrl-C.
     pub fn step(&self, what: &str) -> Result<(), Failure> {
-        self.counter.show(what);
-        self.counter.add(1);
+        self.counter.set_activity(what);
+        self.counter.add_done(1);
         self.stopped()
     }
 
@@ -106,11 +106,11 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Ctrl-C.
     pub fn stopped(&self) -> Result<(), Failure> {
-        unless(self.stop)
+        check_interrupt(self.stop)
     }
 
     /// A group of measurements begins.
     pub fn tell(&self, what: &str) {
-        self.counter.tell_without_bar(&format!("measuring {what}"));
+        self.counter.log_without_bar(&format!("measuring {what}"));
     }
 }

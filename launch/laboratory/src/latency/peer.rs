@@ -14,11 +14,11 @@ use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped};
 use serde::{Deserialize, Serialize};
 use sessions::children;
-use sessions::opening::guarded;
+use sessions::open::open_with_timeout;
 use sessions::process::Process;
-use sessions::realtime::{RealtimeArgs, keep_to};
+use sessions::realtime::{RealtimeArgs, pin_to_nth};
 use shared::exit::{Exit, Failure};
-use shared::output::say;
+use shared::output::print_text;
 use std::io::{BufRead, BufReader, Write};
 use std::os::fd::RawFd;
 use std::process::{ChildStdin, ChildStdout, Stdio};
@@ -110,8 +110,8 @@ pub struct PeerArgs {
 /// # Errors
 /// Whatever a link breaks with.
 pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    children::die_with(args.parent)?;
-    keep_to(1);
+    children::die_with_parent(args.parent)?;
+    pin_to_nth(1);
     for line in std::io::stdin().lines().map_while(Result::ok) {
         obey(serde_json::from_str(&line).map_err(|error| Failure::new(Exit::Usage, error))?, stop)?;
     }
@@ -120,7 +120,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// Tells the first process that it may begin.
 fn ready() {
-    say("ready\n");
+    print_text("ready\n");
 }
 
 fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
@@ -140,14 +140,14 @@ fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
         }
         Order::Echo { session, waiting, system } => {
             let session = Session::named(&session)?;
-            let port = guarded(|| ControllerPort::open(&session, &null_plant()))?;
-            system.prepare()?;
+            let port = open_with_timeout(|| ControllerPort::open(&session, &null_plant()))?;
+            system.apply()?;
             echo(port.waiting(waiting), stop)
         }
         Order::Walk { session, waiting, seconds } => {
             let scene = walk::scene(seconds)?;
             let session = Session::named(&session)?;
-            let port = guarded(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
+            let port = open_with_timeout(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
             ready();
             match controller::process::run(&scene, port.waiting(waiting), PATIENCE, stop) {
                 Err(ProcessError::Interrupted) => Ok(()), // the first process says so

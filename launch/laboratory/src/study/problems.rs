@@ -17,7 +17,7 @@ use messages::wire::Torques;
 use plant::Plant;
 use plant::contact::{Memory, Solver, tangents};
 use rayon::prelude::*;
-use shared::exit::{Failure, unless};
+use shared::exit::{Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -44,7 +44,7 @@ fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result
     let mut memories: [Memory; 2] = Default::default();
     let mut step = 0;
     while tallies[0].count < count && step < 50_000 {
-        unless(stop)?;
+        check_interrupt(stop)?;
         if let Some(controller) = &mut controller {
             // A controller that gives up after a fall leaves the joints to themselves.
             torques = controller.tick(&encoders).unwrap_or_default();

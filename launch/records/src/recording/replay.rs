@@ -9,8 +9,8 @@ use messages::port::Ask;
 use messages::scene::{LinkScene, Scene};
 use messages::wire::{Command, Stamp, Stamped, Truth};
 use plant::Simulation;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::say;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::print_text;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -70,18 +70,18 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let found = if args.plant { plant(&mut reader, stop)? } else { controller(&mut reader, stop)? };
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
     let Comparison { count, differ, greatest, first, beginnings, remark, is_asked, done } = found;
-    say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
+    print_text(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
     if beginnings > 1 {
-        say(format_args!("begun anew {} times, as recorded\n", beginnings - 1));
+        print_text(format_args!("begun anew {} times, as recorded\n", beginnings - 1));
     }
     if done > 0 {
-        say(format_args!("{done} recorded requests done again\n"));
+        print_text(format_args!("{done} recorded requests done again\n"));
     }
     if let Some(remark) = remark {
-        say(format_args!("{remark}\n"));
+        print_text(format_args!("{remark}\n"));
     }
     if let Some(why) = reader.cut {
-        say(format_args!("the file is cut short after them: {why}\n"));
+        print_text(format_args!("the file is cut short after them: {why}\n"));
     }
     let asked = if is_asked { "; the plant did what was asked for, which is not recorded" } else { "" };
     match first {
@@ -101,7 +101,7 @@ fn controller(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Fail
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let Truth { stamp, command, asked, encoders, .. } = truth;
         if run.replace(stamp.run) != Some(stamp.run) {
             sensors.clear(); // those of another run have the same numbers
@@ -159,7 +159,7 @@ fn plant(reader: &mut Reader, stop: &AtomicBool) -> Result<Comparison, Failure> 
     let (mut found, mut truth) = (Comparison::default(), Truth::default());
     let mut simulation = None::<Simulation>;
     while reader.next_truth(&mut truth).is_some() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let Truth { stamp, command, asked: torques, telemetry, .. } = truth;
         found.is_asked |= truth.tally.requests > 0 && !reader.tells_requests();
         let simulation = match &mut simulation {

@@ -8,8 +8,8 @@ use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::{Message, Truth};
 use shared::csv;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{Draft, folder, say, tell, unwritten};
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{AtomicFile, create_folder, log, print_text, write_failure};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -62,17 +62,17 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     tables.into_iter().try_for_each(Table::finish)?;
     if let Some(why) = reader.cut {
-        tell(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
+        log(format_args!("{} is cut short: {why}; the tables have all before that", args.file.display()));
     }
     Ok(())
 }
 
 /// All there is, in the table of its topic.
 fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
-    folder(into)?;
+    create_folder(into)?;
     let mut tables = BTreeMap::new();
     while let Some(item) = reader.next() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let (topic, bytes) = match &item.content {
             Content::Sensors(sensors) => (Topic::Sensors, bytes_of(sensors)),
             Content::Command(command) => (Topic::Command, bytes_of(command)),
@@ -96,7 +96,7 @@ fn each(reader: &mut Reader, into: &Path, stop: &AtomicBool) -> Result<Vec<Table
 fn all(reader: &mut Reader, path: &Path, stop: &AtomicBool) -> Result<Vec<Table>, Failure> {
     let (mut table, mut truth) = (None, Truth::default());
     while let Some(time) = reader.next_truth(&mut truth) {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let table = match &mut table {
             Some(table) => table,
             none => none.insert(Table::create(path.into(), Topic::Truth, &[])?),
@@ -109,7 +109,7 @@ fn all(reader: &mut Reader, path: &Path, stop: &AtomicBool) -> Result<Vec<Table>
 /// A table that is being written; half of one is none.
 struct Table {
     path: PathBuf,
-    draft: Draft,
+    draft: AtomicFile,
     file: Writer<File>,
     message: &'static Message,
     without: &'static [&'static str],
@@ -118,8 +118,8 @@ struct Table {
 
 impl Table {
     fn create(path: PathBuf, topic: Topic, without: &'static [&'static str]) -> Result<Table, Failure> {
-        let failed = |error| unwritten(&path, &error);
-        let draft = Draft::of(&path, HEAD).map_err(failed)?;
+        let failed = |error| write_failure(&path, &error);
+        let draft = AtomicFile::create(&path, HEAD).map_err(failed)?;
         let file = csv::writer(draft.file.try_clone().map_err(failed)?);
         let message = topic.message();
         let mut table = Table { path, draft, file, message, without, rows: 0 };
@@ -137,12 +137,12 @@ impl Table {
     }
 
     fn line(&mut self, cells: &[String]) -> Result<(), Failure> {
-        self.file.write_record(cells).map_err(|error| unwritten(&self.path, &error))
+        self.file.write_record(cells).map_err(|error| write_failure(&self.path, &error))
     }
 
     fn finish(mut self) -> Result<(), Failure> {
-        self.file.flush().and_then(|()| self.draft.keep()).map_err(|error| unwritten(&self.path, &error))?;
-        say(format_args!("{}: {} rows\n", self.path.display(), self.rows));
+        self.file.flush().and_then(|()| self.draft.commit()).map_err(|error| write_failure(&self.path, &error))?;
+        print_text(format_args!("{}: {} rows\n", self.path.display(), self.rows));
         Ok(())
     }
 }

@@ -8,7 +8,7 @@ use messages::scene::Scene;
 use messages::wire::{Served, Stamp, Truth};
 use nix::sys::statvfs::fstatvfs;
 use shared::exit::{Exit, Failure};
-use shared::output::{alone, tell, unwritten};
+use shared::output::{lock_for_writing, log, write_failure};
 use std::fs::{File, OpenOptions};
 use std::io::Read;
 use std::os::unix::fs::FileTypeExt;
@@ -95,8 +95,8 @@ impl Tape {
             return refuse("is a pipe, but a recording needs a file: name one");
         }
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path);
-        let file = file.map_err(|error| unwritten(path, &error))?;
-        let about = file.metadata().map_err(|error| unwritten(path, &error))?;
+        let file = file.map_err(|error| write_failure(path, &error))?;
+        let about = file.metadata().map_err(|error| write_failure(path, &error))?;
         let mut begin = vec![];
         if about.is_file() && about.len() > 0 {
             let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut begin));
@@ -104,13 +104,13 @@ impl Tape {
                 return refuse("is there and is no recording, so it is kept: name another file");
             }
         }
-        alone(&file, || format!("another run is recording into {}: name another file", path.display()))?;
+        lock_for_writing(&file, || format!("another run is recording into {}: name another file", path.display()))?;
         let tape = Tape { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
         if let Some(free) = tape.free() {
             let (free, all) = (free + about.len(), scene.duration * scene.rate * PERIOD);
             if free < LEAVE + NEXT {
                 tape.finish().map_err(|end| Failure::new(Exit::Fault, end.words))?;
-                return Err(unwritten(
+                return Err(write_failure(
                     path,
                     &format!("the disk has {} left, and a recording {KEEPS}", megabytes(free)),
                 ));
@@ -119,7 +119,7 @@ impl Tape {
             if all > room {
                 let (all, free) = (megabytes(all), megabytes(free));
                 let words = format!("the run will take some {all}, the disk has {free} left, and a recording {KEEPS}");
-                tell(format_args!("{}: {words}: it will end before the run, which goes on", path.display()));
+                log(format_args!("{}: {words}: it will end before the run, which goes on", path.display()));
             }
         }
         Ok(tape)
@@ -198,7 +198,7 @@ impl Tape {
             None if self.is_new => std::fs::remove_file(&self.path).map_err(Into::into),
             None => Ok(()),
         };
-        ended.map_err(|error| End { words: unwritten(&self.path, &words(&error)).message, exit: Exit::Unrecorded })
+        ended.map_err(|error| End { words: write_failure(&self.path, &words(&error)).message, exit: Exit::Unrecorded })
     }
 
     fn failed(&self, error: &McapError, truth: &Truth) -> End {

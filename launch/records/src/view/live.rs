@@ -17,7 +17,7 @@ use messages::session::Session;
 use messages::wire::{STATES, Truth};
 use serde::Deserialize;
 use shared::exit::{Exit, Failure};
-use shared::output::say;
+use shared::output::print_text;
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -45,7 +45,7 @@ pub fn run(session: &Session, place: SocketAddr, stop: &AtomicBool) -> Result<()
     };
     let scene: Scene = session.scene().and_then(|text| toml::from_str(&text).ok()).ok_or_else(unknown)?;
     let door = Door::open(place)?;
-    say(format_args!("session {name}: open {}\n", door.address));
+    print_text(format_args!("session {name}: open {}\n", door.address));
     let desk = Arc::new(Desk::new(session.clone(), &scene));
     let behind = desk.clone();
     std::thread::spawn(move || door.serve(move |method, path, query, body| behind.answer(method, path, query, body)));

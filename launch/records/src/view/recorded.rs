@@ -10,9 +10,9 @@ use hyper::Method;
 use hyper::body::Bytes;
 use messages::load;
 use messages::wire::Truth;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{keeps, say, tell, unwritten, write_whole};
-use shared::progress::Counter;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{log, print_text, refuse_overwriting_input, write_atomically, write_failure};
+use shared::progress::BatchProgress;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -29,16 +29,16 @@ const OFTEN: u64 = 1 << 12;
 /// See [`Reader::open`]; if there is nothing in it to show, the page cannot be written, or the port is in use.
 pub fn run(file: &Path, out: Option<&Path>, place: SocketAddr, quiet: bool, stop: &AtomicBool) -> Result<(), Failure> {
     if let Some(out) = out {
-        keeps(file, out)?;
+        refuse_overwriting_input(file, out)?;
     }
     let page = page(file, quiet, stop)?;
     if let Some(out) = out {
-        write_whole(out, &page).map_err(|error| unwritten(out, &error))?;
-        say(format_args!("{}: open {}\n", file.display(), out.display()));
+        write_atomically(out, &page).map_err(|error| write_failure(out, &error))?;
+        print_text(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }
     let door = Door::open(place)?;
-    say(format_args!("{}: open {}\n", file.display(), door.address));
+    print_text(format_args!("{}: open {}\n", file.display(), door.address));
     let page = Bytes::from(page);
     std::thread::spawn(move || {
         door.serve(move |method, path, _, _| match (method, path) {
@@ -58,7 +58,7 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
     let scene = reader.scene().clone();
     let (mut recorder, mut truth, mut runs, mut count) = (Recorder::new(&scene), Truth::default(), 0, 0);
     let megabytes = std::fs::metadata(file).map_or(0, |about| about.len() >> 20);
-    let progress = Counter::new(quiet, megabytes as usize, 0, "MB");
+    let progress = BatchProgress::new(quiet, megabytes as usize, 0, "MB");
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
         if run.replace(truth.stamp.run) != Some(truth.stamp.run) {
@@ -67,8 +67,8 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
         recorder.push(&truth);
         count += 1;
         if count % OFTEN == 0 {
-            progress.reach(reader.read() >> 20);
-            unless(stop)?;
+            progress.set_done(reader.read() >> 20);
+            check_interrupt(stop)?;
         }
     }
     progress.finish();
@@ -76,12 +76,12 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
         return Err(Failure::new(Exit::Usage, format!("{}: there is nothing in it to be shown", file.display())));
     }
     if runs > 1 {
-        tell(format_args!("{} has {runs} runs: the page shows the last", file.display()));
+        log(format_args!("{} has {runs} runs: the page shows the last", file.display()));
     }
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new(&name, &recorder, Duration::ZERO, 0);
     if let Some(why) = reader.cut {
-        tell(format_args!("{} is cut short: {why}; the page has all before that", file.display()));
+        log(format_args!("{} is cut short: {why}; the page has all before that", file.display()));
         summary.cut_short_by = Some("the recording ends here");
     }
     Ok(report::page(&report::figures(&recorder), &recorder, &summary, &scene, &load::text(&scene)))

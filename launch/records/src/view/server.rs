@@ -7,7 +7,7 @@ use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use rustix::net::sockopt::set_tcp_user_timeout;
 use shared::exit::{Exit, Failure};
-use shared::output::tell;
+use shared::output::log;
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -60,7 +60,7 @@ impl Door {
         let admission = Admission::new(place.ip()).map_err(refused)?;
         let shown = SocketAddr::new(here(place.ip()), place.port());
         if !place.ip().is_loopback() {
-            tell(format_args!(
+            log(format_args!(
                 "warning: the page listens on {place}, unencrypted: whoever has its address with the token, or reads along, \
                  sees and commands what it shows"
             ));
