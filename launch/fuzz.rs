@@ -8,7 +8,7 @@
 #[path = "../tests/fuzz/energy.rs"]
 mod energy;
 
-use crate::{Cli, obey};
+use crate::{Cli, dispatch};
 use clap::Parser;
 use libfuzzer_sys::fuzz_target;
 use messages::load::{load, parse, validate};
@@ -92,7 +92,7 @@ fn begin() {
     if let Target::Recording = *TARGET {
         let file = format!("{}/good.mcap", std::env::args().next_back().expect("a folder"));
         let wish = ["biped", "run", "stand", "--in-process", "--quiet", "--set", "duration=0.01", "--record", &file];
-        obey(Cli::try_parse_from(wish).expect("a command"), &AtomicBool::new(false).into()).expect("a recording");
+        dispatch(Cli::try_parse_from(wish).expect("a command"), &AtomicBool::new(false).into()).expect("a recording");
     }
 }
 
@@ -142,7 +142,7 @@ fn commands(input: &[u8], commands: &[&[&str]]) -> Result<(), Failure> {
     for command in commands {
         let words = ["biped"].iter().chain(*command).map(PathBuf::from).chain([file.clone()]);
         let cli = Cli::try_parse_from(words).expect("a command");
-        obey(cli, &AtomicBool::new(false).into())?;
+        dispatch(cli, &AtomicBool::new(false).into())?;
     }
     Ok(())
 }

@@ -1,8 +1,8 @@
-//! `biped --help`: the commands, grouped by what people want.
+//! `biped --help`: the commands, grouped by purpose.
 
 use clap::{Command, CommandFactory};
 
-/// Headings, and the commands below each. A test holds that every command that is not hidden has its place.
+/// Headings, and the commands below each. A test checks that every visible command is in exactly one group.
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "list", "model"]),
     ("Look at a run", &["view", "top", "info", "convert", "replay"]),
@@ -36,7 +36,7 @@ mod tests {
     use crate::Cli;
 
     #[test]
-    fn every_command_stands_in_one_group() {
+    fn every_visible_command_is_in_exactly_one_group() {
         let mut grouped: Vec<&str> = GROUPS.iter().flat_map(|(_, names)| names.iter().copied()).collect();
         let command = Cli::command();
         let mut known: Vec<&str> =

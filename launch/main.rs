@@ -1,14 +1,14 @@
-//! `biped`: one program, three roles. It starts plant and controller as processes of their own and watches over them;
-//! as `biped plant` and `biped controller` it is either of them.
+//! The program `biped`. `biped run` starts plant and controller as two child processes and monitors them. Each child is this program
+//! too, as `biped plant` and `biped controller`.
 //!
-//! | crate | what it has |
+//! | crate | contents |
 //! |---|---|
-//! | [`shared`] | what all commands use: arguments, built-in scenes, exit codes, output, progress |
-//! | [`records`] | what a run leaves, and how people look at it: figures, report, recordings, pages |
-//! | [`sessions`] | plant and controller as processes: started, watched, asked, swapped, ended |
-//! | [`laboratory`] | measurements: accuracy, speed, latency, robustness, faults, conformance |
+//! | [`shared`] | shared by all commands: arguments, built-in scenes, exit codes, output, progress |
+//! | [`records`] | the results of a run: summary, report, recordings, 3-D page, terminal display |
+//! | [`sessions`] | plant and controller as processes: starting, monitoring, controlling, swapping, ending |
+//! | [`laboratory`] | measurements: accuracy, speed, latency, robustness, fault injection, conformance |
 
-#![cfg_attr(fuzzing, no_main, allow(dead_code, reason = "the fuzzer begins elsewhere"))]
+#![cfg_attr(fuzzing, no_main, allow(dead_code, reason = "the fuzzer has its own entry point"))]
 
 #[cfg(fuzzing)]
 mod fuzz;
@@ -18,22 +18,24 @@ use clap::{FromArgMatches, Parser, Subcommand};
 use laboratory::{chart, conform, contact, faults, hashes, latency, robustness, soak, study};
 use nix::sys::signal::{SigSet, Signal};
 use records::{recording, top, view};
-use sessions::{allowance, children, desk, doctor, environment, export, model, roles, run, scaffold, tunnel, wire};
+use sessions::{
+    children, control, doctor, environment, export, model, resource_limits, roles, run, scaffold, tunnel, wire,
+};
 use shared::args::SceneArgs;
 use shared::exit::{self, Exit, Failure};
 use shared::list;
-use shared::output::{brief, tell};
+use shared::output::{log, shortened};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Simulates and controls an eight-axis biped robot: plant and controller are two processes. Without a command: `run walk --out out/walk`.
+/// Simulates and controls an eight-axis biped robot, with plant and controller as two processes. Without a command: `run walk --out out/walk`.
 #[derive(Parser)]
 #[command(version, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
     command: Option<Command>,
-    /// Keep the model that the scene names, as every run without --smallest does
+    /// Simulate the scene's own model, the default; opposite of --smallest
     #[arg(long, global = true, hide = true)]
     full: bool,
     /// Show no progress
@@ -45,20 +47,20 @@ struct Cli {
 enum Command {
     /// Run a scene: start both processes, show progress, print a summary
     Run(run::RunArgs),
-    /// Run a table of cases in parallel, and print it
+    /// Run a set of cases in parallel, and print the results as a table
     Study(study::StudyArgs),
-    /// Chart speed against accuracy of contact laws, integration methods and model sizes, also beside other engines
+    /// Chart speed against accuracy for contact laws, integration methods and model sizes, optionally beside other simulators
     Chart(chart::ChartArgs),
-    /// Map the delay, jitter and loss of commands that the walk survives
+    /// Map the delay, jitter and loss of commands that the walk tolerates
     Robustness(robustness::RobustnessArgs),
-    /// Measure latency and jitter of the link between the processes, beside the limits of this machine
+    /// Measure latency and jitter of the link between the processes, relative to the limits of this machine
     Latency(latency::LatencyArgs),
     /// The second process of `latency`
     #[command(hide = true)]
     LatencyPeer(latency::PeerArgs),
-    /// Print the size of a scene's model, the smallest model with the same answer, and its cost
+    /// Print the size of a scene's model, its smallest equivalent model, and the cost ratio
     Model(SceneArgs),
-    /// Solve the contact problem that ended a run, by every law
+    /// Solve the contact problem that ended a run with each contact law
     Contact(contact::ContactArgs),
     /// Start the plant of a session
     Plant(roles::RoleArgs),
@@ -70,31 +72,31 @@ enum Command {
     /// Print what a controller needs to attach to a running session
     Session(environment::EnvironmentArgs),
     #[command(flatten)]
-    Desk(desk::Wish),
-    /// Show a running session or a recording in a browser, in 3-D; a session can be pushed and led from there
+    Control(control::ControlCommand),
+    /// Show a running session or a recording in 3-D in a browser; a session can be controlled there
     View(view::ViewArgs),
     /// Show the state of a running session in the terminal
     Top(top::TopArgs),
-    /// Check a controller or plant of yours against the rules of the wire
+    /// Check your own controller or plant against the rules of the wire format
     Conform(conform::ConformArgs),
-    /// Injure real processes in many ways, and check that nothing hangs, lies or is left behind
+    /// Inject faults into running processes, and check that nothing hangs, reports wrong results, or leaves files or processes behind
     Faults(faults::FaultsArgs),
-    /// Walk for a long time, and watch memory, open files, shared memory and latency
+    /// Walk for a long time, and monitor memory, open files, shared memory and latency
     Soak(soak::SoakArgs),
-    /// Check this machine; list running sessions, and what dead ones have left
+    /// Check this machine, and list running sessions and the files of dead ones
     Doctor,
-    /// Remove what dead sessions have left in shared memory
+    /// Remove the files of dead sessions from shared memory
     Clean,
-    /// Connect a session with another machine
+    /// Connect a session to another machine
     Tunnel(tunnel::TunnelArgs),
     /// Print the message format, for controllers and plants in other languages
     Wire(wire::WireArgs),
     /// Print the robot of a scene as URDF, MJCF or TOML
     Export(export::ExportArgs),
-    /// Become another program
+    /// Run a foreign program that ends with the parent of this process
     #[command(hide = true)]
     Become(children::BecomeArgs),
-    /// Print what a recording contains
+    /// Print the contents of a recording
     Info(recording::info::InfoArgs),
     /// Convert a recording to tables
     Convert(recording::convert::ConvertArgs),
@@ -112,28 +114,30 @@ enum Command {
 }
 
 fn main() -> ExitCode {
-    // A file that reaches the limit of `ulimit -f` gives an error, as a full disk does, and no signal.
+    // With this signal blocked, a file that exceeds `ulimit -f` causes a write error, as a full disk does.
     let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
     let stop = Arc::new(AtomicBool::new(false));
-    let asked = stop.clone();
-    if let Err(error) = ctrlc::set_handler(move || asked.store(true, Relaxed)) {
-        tell(format_args!("Ctrl-C will not end this in order: {error}"));
+    let stop_handle = stop.clone();
+    if let Err(error) = ctrlc::set_handler(move || stop_handle.store(true, Relaxed)) {
+        log(format_args!(
+            "the handler of Ctrl-C cannot be installed; Ctrl-C will end the program without a summary: {error}"
+        ));
     }
     let matches = help::grouped::<Cli>().get_matches();
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    match obey(cli, &stop) {
+    match dispatch(cli, &stop) {
         Ok(()) => Exit::Ok.into(),
         Err(failure) => {
-            let case = failure.case.map_or(String::new(), |case| case.keep());
-            tell(format_args!("error: {}{case}", brief(&failure.message)));
+            let saved = failure.unsolved.map_or(String::new(), |problem| problem.save());
+            log(format_args!("error: {}{saved}", shortened(&failure.message)));
             failure.exit.into()
         }
     }
 }
 
-/// Dispatches the command.
-fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
-    allowance::check()?;
+/// Runs the command.
+fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
+    resource_limits::check()?;
     match command {
         Some(Command::Run(args)) => run::run(&args, stop),
         Some(Command::Study(args)) => study::run(&args, stop),
@@ -147,7 +151,7 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
         Some(Command::Controller(args)) => roles::controller(&args, stop),
         Some(Command::New(args)) => scaffold::run(&args),
         Some(Command::Session(args)) => environment::run(&args, stop),
-        Some(Command::Desk(wish)) => desk::run(wish),
+        Some(Command::Control(command)) => control::run(command),
         Some(Command::View(args)) => view::run(&args, stop),
         Some(Command::Top(args)) => top::run(&args, stop),
         Some(Command::Conform(args)) => conform::run(&args, stop),
@@ -160,7 +164,7 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
             Ok(())
         }
         Some(Command::Tunnel(args)) => tunnel::run(&args, stop),
-        Some(Command::Become(args)) => children::become_other(&args),
+        Some(Command::Become(args)) => children::exec_foreign(&args),
         Some(Command::Export(args)) => export::run(&args),
         Some(Command::Info(args)) => recording::info::run(&args, stop),
         Some(Command::Convert(args)) => recording::convert::run(&args, stop),
@@ -168,6 +172,6 @@ fn obey(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), F
         Some(Command::List { hashes: true, .. }) => hashes::print(),
         Some(Command::List { keys: false, .. }) => list::scenes(),
         Some(Command::List { keys: true, .. }) => list::keys(),
-        None => run::run(&run::RunArgs::main_job(quiet), stop),
+        None => run::run(&run::RunArgs::default_run(quiet), stop),
     }
 }

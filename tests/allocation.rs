@@ -1,4 +1,4 @@
-//! Claim: once built, a step and a tick take no memory from the heap.
+//! Claim: after initialization, a simulation step and a controller tick allocate no heap memory.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -10,7 +10,7 @@ use controller::Controller;
 use messages::scene::Scene;
 use plant::Plant;
 
-/// Allocations of plant and controller while the robot walks, from `warm` to `end` control periods.
+/// Number of allocations of plant and controller in a walk, from control period `warm` to `end`.
 fn allocations(scene: &Scene, warm: u32, end: u32) -> [u64; 2] {
     let mut plant = Plant::new(scene).expect("a good scene");
     let mut controller = Controller::new(scene).expect("a good scene");
@@ -25,12 +25,12 @@ fn allocations(scene: &Scene, warm: u32, end: u32) -> [u64; 2] {
             counts[1] += tick.count_total;
         }
     }
-    assert!(controller.telemetry().steps > 8, "it must walk while we count");
+    assert!(controller.telemetry().steps > 8, "the robot has to walk while allocations are counted");
     counts
 }
 
 #[test]
-fn steps_and_ticks_allocate_nothing_while_it_walks() {
+fn steps_and_ticks_allocate_nothing_during_the_walk() {
     let mut all = vec![];
     for law in ["plant.law=EnergyQp", "plant.law=Complementarity", "plant.law=Aligned"] {
         for rule in ["controller.sagittal=foot-placement", "controller.sagittal=energy"] {
@@ -44,6 +44,6 @@ fn steps_and_ticks_allocate_nothing_while_it_walks() {
 }
 
 #[test]
-fn the_counter_counts() {
+fn the_allocation_counter_counts() {
     assert_eq!(measure(|| drop(std::hint::black_box(Vec::<u8>::with_capacity(10)))).count_total, 1);
 }

@@ -20,7 +20,7 @@ fn refused(arguments: &[&str], words: &[&str]) {
 }
 
 #[test]
-fn a_bad_value_is_refused_by_its_key_in_every_role() {
+fn a_bad_value_is_refused_with_its_key_in_every_role() {
     for role in ["run", "plant", "controller"] {
         refused(&[role, "walk", "--set", "plant.dt=0"], &["plant.dt = 0", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 0.000000000001", "at most 1000000 steps"]);
@@ -31,9 +31,9 @@ fn a_bad_value_is_refused_by_its_key_in_every_role() {
     }
 }
 
-/// A file without an end, which would take all memory.
+/// Reading /dev/zero to its end would use all memory.
 #[test]
-fn a_file_that_never_ends_is_not_read_for_ever() {
+fn an_endless_file_is_not_read_forever() {
     let endless = "/dev/zero";
     for arguments in [&["run", endless][..], &["run", "walk", "--robot", endless], &["contact", endless]] {
         refused(arguments, &[endless, "this is not a file but a device"]);
@@ -41,7 +41,7 @@ fn a_file_that_never_ends_is_not_read_for_ever() {
 }
 
 #[test]
-fn a_bad_file_is_shown_with_line_and_caret() {
+fn an_error_in_a_file_is_shown_with_line_and_caret() {
     let path = std::env::temp_dir().join(format!("biped-test-{}-bad.toml", std::process::id()));
     let name = path.to_string_lossy().into_owned();
     for (text, words) in [
@@ -69,7 +69,7 @@ fn a_bad_file_is_shown_with_line_and_caret() {
 }
 
 #[test]
-fn a_folder_has_the_figures_of_its_last_run_alone() {
+fn a_report_folder_has_only_the_figures_of_its_last_run() {
     let folder = std::env::temp_dir().join(format!("biped-test-{}-figures", std::process::id()));
     let figures = |name: &str| -> Vec<_> {
         let out = folder.join(name);
@@ -91,9 +91,9 @@ fn a_folder_has_the_figures_of_its_last_run_alone() {
 }
 
 #[test]
-fn a_controller_that_ends_at_once_is_told_before_the_plant_loses_patience() {
+fn a_controller_that_exits_at_once_is_reported_before_the_patience_of_the_plant_ends() {
     let (code, errors) = biped(&["run", "walk", "--quiet", "--patience", "600", "--controller", "true"]);
-    assert!(code == Some(3) && errors.contains("the controller ended, with code 0"), "{code:?}: {errors}");
+    assert!(code == Some(3) && errors.contains("the controller exited with code 0"), "{code:?}: {errors}");
 }
 
 #[test]
@@ -129,19 +129,19 @@ fn wrong_usage_is_refused() {
     refused(&["run", "walk", "--controller", ""], &["--controller"]);
     refused(&["soak", "--minutes", "-1"], &["a number of minutes"]);
     refused(&["chart", "--peers=nosuch.csv"], &["nosuch.csv"]);
-    refused(&["view", "README.md", "--out", "./README.md"], &["README.md is what is read"]);
+    refused(&["view", "README.md", "--out", "./README.md"], &["README.md is the input file"]);
     refused(&["run", "walk", "--swap", "inf=biped controller"], &["a simulated time"]);
 }
 
 #[test]
-fn a_gait_that_no_foot_can_bear_falls_or_walks_but_never_panics() {
+fn an_infeasible_gait_falls_or_walks_without_a_panic() {
     let gait = ["--in-process", "--quiet", "--set", "duration=3", "--set", "controller.release_x2=0.101"];
     let (code, errors) = biped(&[&["run", "walk"], &gait[..]].concat());
     assert!(code == Some(0) || code == Some(7), "{code:?} {errors}");
 }
 
 #[test]
-fn what_cannot_be_printed_or_written_is_told_at_once() {
+fn write_errors_are_reported_at_once() {
     let full = std::fs::File::options().write(true).open("/dev/full").expect("a full device");
     let mut print = Command::new(env!("CARGO_BIN_EXE_biped"));
     let output = print.args(["export", "toml"]).stdout(full).output().expect("the program starts");
@@ -150,7 +150,7 @@ fn what_cannot_be_printed_or_written_is_told_at_once() {
     let scene = std::env::temp_dir().join(format!("biped-test-{}-own.toml", std::process::id()));
     std::fs::copy("launch/scenes/stand.toml", &scene).expect("a file");
     let name = scene.display().to_string();
-    refused(&["run", &name, "--record", &name], &["is what is read"]);
+    refused(&["run", &name, "--record", &name], &["is the input file"]);
     assert_eq!(std::fs::read(&scene).ok(), std::fs::read("launch/scenes/stand.toml").ok());
     std::fs::remove_file(scene).expect("our own file");
     for long in [

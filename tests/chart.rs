@@ -1,4 +1,4 @@
-//! Claims about `biped chart`: it draws every view, its table is what it promises, and a bad wish is one sentence.
+//! Claims about `biped chart`: it draws every view, its table has the documented columns, and a bad argument is refused in one sentence.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -21,8 +21,8 @@ fn chart(arguments: &[&str], folder: &Path) -> Output {
         .expect("the program starts")
 }
 
-/// The table of two scenes, without its times, and the names of all files.
-fn drawn() -> (Vec<String>, Vec<String>) {
+/// Charts two scenes. Returns the rows of the table without the columns of times, and the names of all files.
+fn chart_two_scenes() -> (Vec<String>, Vec<String>) {
     let folder = fresh_path("chart");
     let output = chart(&["--scenes", "drop,rock"], &folder);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -34,7 +34,7 @@ fn drawn() -> (Vec<String>, Vec<String>) {
     let table = std::fs::read_to_string(folder.join("chart.csv")).expect("a table");
     let page = std::fs::read_to_string(folder.join("chart.html")).expect("a page");
     assert_eq!(page.matches("<svg").count(), names.iter().filter(|name| name.ends_with(".svg")).count());
-    assert!(!page.contains("{{") && !page.contains("NaN"), "a place was left empty");
+    assert!(!page.contains("{{") && !page.contains("NaN"), "a placeholder was not filled");
     let outside = page.replace("http://www.w3.org/2000/svg", "");
     assert!(!["http:", "https:", "src=", "url("].iter().any(|fetch| outside.contains(fetch)));
     std::fs::remove_dir_all(folder).expect("our own folder");
@@ -44,8 +44,8 @@ fn drawn() -> (Vec<String>, Vec<String>) {
 }
 
 #[test]
-fn every_view_is_drawn_and_measured_the_same_twice() {
-    let (first, names) = drawn();
+fn every_view_is_drawn_and_two_runs_measure_the_same_errors() {
+    let (first, names) = chart_two_scenes();
     for name in ["chart.csv", "chart.html", "failures.svg", "precision-drop.svg", "precision-rock.svg", "step-walk.svg"]
     {
         assert!(names.iter().any(|known| known == name), "{name} is missing: {names:?}");
@@ -57,14 +57,15 @@ fn every_view_is_drawn_and_measured_the_same_twice() {
         assert!(!law.is_empty() && !method.is_empty());
     }
     assert!(first.iter().any(|row| row.contains("μ* [-] exact")));
-    let (second, _) = drawn();
+    let (second, _) = chart_two_scenes();
     let changed: Vec<_> = first.iter().zip(&second).filter(|(one, two)| one != two).take(3).collect();
     assert!(first.len() == second.len() && changed.is_empty(), "{changed:?}");
 }
 
-/// Under the default law what turns and what rolls is as far off as the step, or far less; facets fixed in the world let it turn freely.
+/// Under the default law the errors of turning and rolling decrease with the step. Under facets that are fixed in the world, the puck turns
+/// freely at any step, which is the negative case.
 #[test]
-fn what_slides_and_turns_and_what_rolls_is_held_to_its_equation() {
+fn turning_and_rolling_errors_follow_the_order_of_the_method() {
     let folder = fresh_path("chart");
     let output = chart(&["--scenes", "turn,ball"], &folder);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -105,7 +106,7 @@ fn growth_is_drawn_with_its_exponents_and_a_chain_of_64_links_costs_more_than_on
 }
 
 #[test]
-fn a_bad_wish_is_refused_in_one_sentence() {
+fn a_bad_argument_is_refused_in_one_sentence() {
     let output = chart(&["--scenes", "slide,skate"], &fresh_path("chart"));
     let words = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{words}");

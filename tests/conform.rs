@@ -1,4 +1,4 @@
-//! Claims about `biped conform`: it finds nothing in our own controller and plant, and names the rule that others break.
+//! Claims about `biped conform`: the built-in controller and plant pass, and a broken rule of another program is named.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -6,7 +6,7 @@ use std::process::{Command, Output};
 
 const BIPED: &str = env!("CARGO_BIN_EXE_biped");
 
-/// Exit code, and the lines of the rules that were broken.
+/// Exit code, the lines of the broken rules, and the whole output.
 fn conform(arguments: &[&str]) -> (Option<i32>, Vec<String>, String) {
     let output = Command::new(BIPED).arg("conform").args(arguments).output().expect("the program starts");
     let Output { status, stdout, stderr } = output;
@@ -16,16 +16,16 @@ fn conform(arguments: &[&str]) -> (Option<i32>, Vec<String>, String) {
 }
 
 #[test]
-fn our_own_controller_and_plant_keep_every_rule() {
+fn the_built_in_controller_and_plant_obey_every_rule() {
     for (role, rules) in [("controller", "32 rules kept, 0 broken"), ("plant", "40 rules kept, 0 broken")] {
         let (code, _, told) = conform(&[&format!("--{role}"), &format!("{BIPED} {role}")]);
         assert!(code == Some(0) && told.contains(rules), "{told}");
     }
 }
 
-/// Programs that do nothing of the wire, and what is said of them.
+/// Programs that do not use the wire format at all.
 #[test]
-fn what_does_nothing_is_named_with_the_first_rule() {
+fn a_program_that_does_nothing_breaks_the_first_rule() {
     let (code, broken, told) = conform(&["--controller", "sleep 60", "--patience", "0.5"]);
     assert_eq!(code, Some(10), "{told}");
     assert!(broken[0].contains("answers within its patience: no answer to sensors 1 within 0.5 s"), "{told}");
@@ -41,13 +41,13 @@ fn what_does_nothing_is_named_with_the_first_rule() {
 }
 
 #[test]
-fn what_a_program_leaves_behind_holds_nobody_up() {
+fn a_background_process_of_the_program_does_not_delay_the_check() {
     let (code, broken, told) = conform(&["--plant", "sh -c 'sleep 3600 & exit 7'", "--patience", "1"]);
     assert!(code == Some(10) && broken[0].contains("exit code 7"), "{told}");
 }
 
 #[test]
-fn one_of_both_is_needed() {
+fn controller_or_plant_is_required() {
     let (code, _, told) = conform(&[]);
     assert!(code == Some(2) && told.contains("--controller <COMMAND>"), "{told}");
 }

@@ -1,4 +1,4 @@
-//! A contact problem that a run could not solve: told, kept, and solved again by any law.
+//! A contact problem that a run could not solve is reported, saved to a file, and can be solved again by any law.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -8,15 +8,15 @@ use common::fresh_path;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// The program in a folder of its own.
+/// Runs the program in a folder.
 fn biped(folder: &Path, arguments: &[&str]) -> Output {
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
     command.current_dir(folder).args(arguments).output().expect("the program starts")
 }
 
-/// No arithmetic of 53 bits reaches a residual of 1e-15 in every step: the walk is told to, and ends at the first that rounds by more.
+/// Double precision cannot reach a residual of 1e-15 in every step, so a walk with that tolerance ends at its first larger residual.
 #[test]
-fn a_problem_that_is_not_solved_ends_the_run_and_can_be_solved_from_its_file() {
+fn an_unsolved_problem_ends_the_run_and_can_be_solved_again_from_its_file() {
     let folder = fresh_path("unsolved");
     std::fs::create_dir(&folder).expect("a folder");
     for process in [&["--in-process"][..], &[]] {
@@ -50,9 +50,9 @@ fn a_problem_that_is_not_solved_ends_the_run_and_can_be_solved_from_its_file() {
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 
-/// What every law promises for itself is not asked of those that iterate or evaluate a formula.
+/// Laws that iterate or evaluate a formula do not solve a problem to a tolerance, so `plant.tolerance` does not apply to them.
 #[test]
-fn a_law_without_exact_solutions_is_not_held_to_the_tolerance() {
+fn a_law_without_exact_solutions_is_not_checked_against_the_tolerance() {
     let folder = fresh_path("inexact");
     std::fs::create_dir(&folder).expect("a folder");
     let run = ["run", "slide", "--in-process", "--quiet", "--set", "plant.tolerance=1e-15"];
@@ -62,7 +62,7 @@ fn a_law_without_exact_solutions_is_not_held_to_the_tolerance() {
 }
 
 #[test]
-fn a_file_that_is_no_contact_problem_is_refused_in_one_sentence() {
+fn an_invalid_contact_problem_file_is_refused_in_one_sentence() {
     let folder = fresh_path("bad");
     std::fs::create_dir(&folder).expect("a folder");
     let good = r#"{"step": 1, "time": 0.1, "law": "Aligned", "residual": null, "tolerance": 1e-9, "problem": {"contacts": 1,

@@ -1,4 +1,4 @@
-//! Claims about the three contact laws, against the closed forms of a sliding point.
+//! Claims about the contact laws, compared with closed-form solutions of a sliding point.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -14,12 +14,12 @@ use plant::kinematics::{self, Pose};
 const G: f64 = 9.81;
 const MU: f64 = 0.5;
 const H: f64 = 1e-3;
-/// Claims about one step of a law are about the paper's step.
+/// The integration method of the paper, which the closed forms of single steps assume.
 const EULER: &str = "plant.method=SemiImplicitEuler";
 
-/// The printed QP makes a slipping contact leave at v_N = mu |v_F|: thrown up once, the cube rises 8.15 mm.
+/// Under the printed QP a slipping contact separates with v_N = mu |v_F|, so the cube jumps once and rises by 8.15 mm.
 ///
-/// The first step ends with v_F = (v - mu g h)/(1 + mu^2); from then on the cube flies, g h slower at each step.
+/// After the first step, v_F = (v - mu g h)/(1 + mu^2). From then on the cube flies, and each step reduces its upward velocity by g h.
 #[test]
 fn the_printed_qp_throws_a_slider_off_the_ground() {
     let limit = (MU / (1.0 + MU * MU)).powi(2) / (2.0 * G);
@@ -28,7 +28,7 @@ fn the_printed_qp_throws_a_slider_off_the_ground() {
         let thrown = MU * (1.0 - MU * G * h) / (1.0 + MU * MU);
         let flight = (0..).map(|k| thrown - f64::from(k) * G * h).take_while(|v| *v > 0.0);
         let hop: f64 = flight.map(|v| v * h).sum();
-        // Control and recording see every step.
+        // One step in each control period, so that every step is recorded.
         let settings = [&format!("plant.dt={h}"), &format!("rate={}", 1.0 / h), "initial.velocity=[1.0, 0.0, 0.0]"];
         let seen = run("slide", &[&settings[..], &["plant.law=EnergyQp", EULER]].concat()).number("hop_max_m");
         println!("h = {h}: hop {:.5} mm, {:.5} mm by theory", 1e3 * seen, 1e3 * hop);
@@ -38,12 +38,12 @@ fn the_printed_qp_throws_a_slider_off_the_ground() {
 }
 
 #[test]
-fn the_paper_s_conditions_keep_a_slider_down_and_stop_it_where_coulomb_does() {
+fn the_papers_conditions_keep_a_slider_on_the_ground_and_stop_it_at_coulombs_distance() {
     for law in ["plant.law=Complementarity", "plant.law=Aligned"] {
         for (setting, v) in [("initial.velocity=[1.0, 0.0, 0.0]", 1.0), ("initial.velocity=[2.0, 0.0, 0.0]", 2.0_f64)] {
             let stop = v * v / (2.0 * MU * G);
-            // A step is an Euler step: it ends with the speed of its end, v h/2 short of the integral.
-            run("slide", &[setting, law, EULER]).shows(&[
+            // An Euler step uses the velocity at its end, so the distance is v h/2 less than the integral.
+            run("slide", &[setting, law, EULER]).assert_ranges(&[
                 ("hop_max_m", -1.0..=1e-9),
                 ("penetration_max_m", 0.0..=1e-9),
                 ("distance_m", stop - v * H..=stop + 1e-9),
@@ -55,7 +55,7 @@ fn the_paper_s_conditions_keep_a_slider_down_and_stop_it_where_coulomb_does() {
     }
 }
 
-/// What each step of each built-in scene promises, but of those that ask for another law than the default.
+/// Every step of every built-in scene with the default law.
 #[test]
 fn every_built_in_scene_obeys_the_round_cone_in_every_step() {
     let published = include_str!("../launch/scenes/hashes.txt");
@@ -75,7 +75,7 @@ fn every_built_in_scene_obeys_the_round_cone_in_every_step() {
     }
 }
 
-/// Each law by its name, on ground where it has nothing to get wrong: what falls stays down, what stands stands still.
+/// Each law, in scenes that are easy for all of them: a falling body stays on the ground, a standing body stands still.
 #[test]
 fn every_law_runs_from_a_scene() {
     for law in Law::ALL {
@@ -83,16 +83,16 @@ fn every_law_runs_from_a_scene() {
         let slide = run("slide", &[&law_name]).number("distance_m");
         assert!((slide - 2.0 * 2.0 / (2.0 * MU * G)).abs() < 2.5e-3, "{law}: slides {slide} m");
         run("drop", &[&law_name, EULER, "plant.dt=0.001", "rate=1000"])
-            .shows(&[("com_speed_end_mps", 0.0..=2e-2), ("penetration_max_m", 0.0..=5e-3)]);
+            .assert_ranges(&[("com_speed_end_mps", 0.0..=2e-2), ("penetration_max_m", 0.0..=5e-3)]);
         let stands = run("stand0", &["duration=1.0", &law_name]);
-        // Springs swing, and let what they carry creep.
+        // Spring contact oscillates, and its load creeps.
         let still = if law == Law::SpringDamper { 0.1 } else { 1e-3 };
         assert!(stands.number("distance_m").abs() < still, "{law}: {} m", stands.number("distance_m"));
     }
 }
 
-/// On flat ground the feet hardly slide, so every law carries the walk; how well is in the residuals. (So do those left out
-/// here, for the time that they take.)
+/// On flat ground the feet hardly slide, so the robot walks under every law. The laws differ in their residuals. (The robot also walks under
+/// the laws that are left out here because they are slow.)
 #[test]
 fn every_law_carries_the_walk() {
     let slow = [Law::Facets(16), Law::FixedPoint(Iteration::Tresca)];
@@ -109,7 +109,7 @@ fn every_law_carries_the_walk() {
     }
 }
 
-/// A point mass: no rotation blurs what the law does.
+/// A point mass, so that no rotation affects the result.
 fn point(law: Law, velocity: [f64; 3]) -> Plant {
     let body = Body { name: "point".into(), mass: 2.0, size: [0.1; 3], contacts: vec![[0.0; 3]], ..Body::default() };
     let mut scene = Scene {
@@ -122,9 +122,9 @@ fn point(law: Law, velocity: [f64; 3]) -> Plant {
 }
 
 /// KKT conditions of (14)-(16) for one slipping point: v_F = (v - mu g h)/(1 + mu^2) and v_N = mu v_F; those of
-/// (17)-(22): v_F = v - mu g h and v_N = 0. To 1e-10, as far as a step's problem counts as solved.
+/// (17)-(22): v_F = v - mu g h and v_N = 0. The tolerance 1e-10 is that of a solved step.
 #[test]
-fn one_step_of_a_point_is_as_the_multipliers_say() {
+fn one_step_of_a_point_matches_the_multipliers() {
     for v in [0.1, 1.0, 3.0] {
         for law in [Law::EnergyQp, Law::EnergyQpGap, Law::Complementarity, Law::Aligned] {
             let mut plant = point(law, [v, 0.0, 0.0]);
@@ -140,27 +140,27 @@ fn one_step_of_a_point_is_as_the_multipliers_say() {
     }
 }
 
-/// On a slope gentler than friction the point stays, pushed across the slope as well: what resists one tangent only
-/// creeps along the other.
+/// On a slope below the friction angle the point sticks, also under a push across the slope. A law that resists one tangent only would let
+/// it creep along the other.
 #[test]
 fn the_default_law_resists_both_tangents() {
     let creep = |law: &str| {
         let settings = [law, "plant.incline_deg=10", "initial.velocity=[0.0, 0.0, 0.0]"];
         let summary = run("slide", &settings);
-        summary.shows(&[("fallbacks", 0.0..=0.0)]);
+        summary.assert_ranges(&[("fallbacks", 0.0..=0.0)]);
         summary.number("distance_m").hypot(summary.number("lateral_max_m"))
     };
     assert!(creep("plant.law=Aligned") < 1e-9, "{} m in 1 s", creep("plant.law=Aligned"));
-    // Steeper than friction, it slides as it must: tan 30 deg > 0.5.
+    // Above the friction angle it slides: tan 30 deg > 0.5.
     let slide = run("slide", &["plant.incline_deg=30", "initial.velocity=[0.0, 0.0, 0.0]"]).number("distance_m");
     let angle = 30f64.to_radians();
     let fall = 0.5 * G * (angle.sin() - MU * angle.cos());
     assert!((slide - fall).abs() < G * H, "{slide} m, {fall} m by theory");
 }
 
-/// The paper's single slip direction leaves a stuck foot free across it, so feet creep and the walk drifts sideways;
-/// with both tangents resisted it sways by the width of a step and little more. How far the feet creep hangs on rounding: .2 to
-/// .35 m in 110 s have been seen, so the claim is many times the sway.
+/// The paper's single slip direction does not resist motion across it, so sticking feet creep and the walk drifts sideways. With
+/// resistance in both tangents, the robot only sways by about the width of a step. The amount of creep depends on rounding, and was .2 to
+/// .35 m in 110 s; the claim is many times the sway.
 #[test]
 fn one_slip_direction_lets_the_walk_drift() {
     let aside = |law: &str| run("walk", &["duration=110", law]).number("lateral_max_m");
@@ -170,7 +170,7 @@ fn one_slip_direction_lets_the_walk_drift() {
 }
 
 #[test]
-fn what_falls_flat_stays_where_it_lands() {
+fn a_flat_drop_does_not_move_sideways() {
     let mut plant = Plant::new(&scene("drop", &[])).expect("the scene drop");
     let mut pose = Pose::new(plant.model());
     let (mut landed, mut end) = (false, [f64::NAN; 2]);

@@ -1,6 +1,6 @@
-//! Contact problems of fourteen families, from standing to Painlevé's jams: `biped study problems` in small. The law `Aligned` solves all of
-//! them, but for some where friction is a hundred or more; the default, Coulomb's round cone, all but a few of two feet that stand. Its seeds are fixed; the figures of the
-//! large one are in docs/DESIGN.md.
+//! Contact problems of fourteen families, from standing to Painlevé's jams: a small version of `biped study problems` with fixed seeds.
+//! The law `Aligned` solves all of them except some with a friction coefficient of a hundred or more. The default law `Cone` solves all
+//! except a few of two standing feet. The results of the large version are in docs/DESIGN.md.
 
 mod common;
 
@@ -8,20 +8,23 @@ use common::fresh_path;
 use std::collections::HashMap;
 use std::process::Command;
 
-/// Problems of each family.
-const EACH: f64 = 1000.0;
+/// Number of problems in each family.
+const PER_FAMILY: f64 = 1000.0;
 
-/// What a law may leave: problems unsolved (flagged), their natural map, steps of the method for each pair of contacts in the 1000th worst
-/// problem, and how many begin with what the last step found.
+/// Limits for one law and one family.
 struct Limits {
+    /// Largest fraction of unsolved (and flagged) problems.
     unsolved: f64,
+    /// Largest natural-map residual.
     natural_map: f64,
+    /// Largest number of iterations for each pair of contacts, at the 99.9th percentile of problems.
     per_pair: f64,
+    /// Smallest fraction of problems that start from the solution of the previous step.
     warm: f64,
 }
 
-/// Two feet of one robot that neither step nor fall press against each other where A holds 1e-10 to 1e-14 of its greatest. (The plant asks
-/// first whether they stand, which needs no A: `plant::standing`.)
+/// The limits are wider for two standing feet: their internal forces lie where A has eigenvalues of only 1e-10 to 1e-14 of its largest. (A
+/// plant first tries its model of standing feet, which needs no A.)
 fn limits(law: &str, family: &str) -> Limits {
     match (law, family) {
         ("Cone", "standing" | "swaying") => Limits { unsolved: 0.01, natural_map: 1e-8, per_pair: 60.0, warm: 0.02 },
@@ -35,7 +38,7 @@ fn limits(law: &str, family: &str) -> Limits {
 }
 
 #[test]
-fn every_contact_problem_is_solved_in_few_pivots() {
+fn contact_problems_of_all_families_are_solved_in_few_iterations() {
     let folder = fresh_path("problems");
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
         .args(["study", "problems", "--count", "14000", "--quiet", "--out"])
@@ -53,17 +56,17 @@ fn every_contact_problem_is_solved_in_few_pivots() {
     assert_eq!(rows.len(), 2 * 14, "fourteen families under two laws");
     for row in &rows {
         let number = |name: &str| row[name].parse::<f64>().expect("a number");
-        // An episode ends early when all has come to lie in the air, or blew up.
-        assert!(number("problems") >= 0.8 * EACH, "{row:?}");
+        // An episode ends early if no contact is left, or if the motion diverges.
+        assert!(number("problems") >= 0.8 * PER_FAMILY, "{row:?}");
         let limits = limits(&row["law"], &row["family"]);
         assert!(number("unsolved") <= limits.unsolved * number("problems"), "{row:?}");
-        // With the greatest friction μ|v_F| of the diamond rounds by more than what is asked for, each time it is found another way.
+        // With the largest friction, μ|v_F| of the diamond has rounding errors above the tolerance; the result then depends on the method.
         let rounds = row["law"] == "Aligned" && row["family"] == "rough";
-        assert!(rounds || number("fallbacks") == number("unsolved"), "what is not solved is flagged: {row:?}");
+        assert!(rounds || number("fallbacks") == number("unsolved"), "every unsolved problem is flagged: {row:?}");
         assert!(number("natural map") <= limits.natural_map, "{row:?}");
         assert!(number("p99.9 per pair") <= limits.per_pair, "{row:?}");
         assert!(number("warm") > limits.warm, "{row:?}");
     }
     let most = |name: &str| rows.iter().map(|row| row[name].parse::<f64>().expect("a number")).fold(0.0, f64::max);
-    assert_eq!(most("rows"), 192.0, "64 corners with three rows each");
+    assert_eq!(most("rows"), 192.0, "64 contact points with three rows each");
 }

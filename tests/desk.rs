@@ -1,4 +1,4 @@
-//! Claims about the desk: what is asked of a running session is done, and nothing else.
+//! Claims about the control services: a request to a running session has its documented effect, and no other.
 
 #![expect(clippy::expect_used, clippy::unwrap_used, reason = "a test may panic")]
 
@@ -24,7 +24,7 @@ fn seconds(truth: &Truth) -> f64 {
 }
 
 #[test]
-fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
+fn time_stops_during_a_pause_and_advances_by_the_requested_periods() {
     let mut walk = walking("pause", &[]);
     walk.until("a start", |truth| seconds(truth) > 0.2);
     let reply = walk.ask(Action::Pause);
@@ -48,7 +48,7 @@ fn time_stands_still_while_paused_and_runs_for_the_periods_asked() {
 }
 
 #[test]
-fn a_reset_begins_another_run_at_time_zero_and_walks_again() {
+fn a_reset_starts_a_new_run_at_time_zero_that_walks_again() {
     let mut walk = walking("reset", &[]);
     let before = walk.until("a start", |truth| seconds(truth) > 0.5);
     walk.ask(Action::Reset { seed: Some(5) });
@@ -63,7 +63,7 @@ fn a_reset_begins_another_run_at_time_zero_and_walks_again() {
 fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
     let mut walk = walking("push", &["--set", "controller.gait=\"stand\"", "--set", "plant.friction=0.05"]);
     walk.until("standing", |truth| seconds(truth) > 0.2);
-    // On ice little holds the robot: the impulse J gives the whole mass the momentum J.
+    // On nearly frictionless ground the impulse J gives the whole robot the momentum J.
     walk.ask(Action::Push { body: 4, impulse: [2.0, 0.0, 0.0], duration: 0.05 });
     let pushed = seconds(&walk.until("motion", |truth| truth.base_velocity[0].abs() > 1e-2));
     let after = walk.until("the end of the push", |truth| seconds(truth) > pushed + 0.06);
@@ -74,20 +74,20 @@ fn a_push_moves_the_robot_by_its_impulse_over_its_mass() {
         walk.ask(Action::Push { body: 9, impulse: [0.0; 3], duration: 0.1 }).verdict,
         Verdict::NoSuchBody as u64
     );
-    let mad = Action::Push { body: 4, impulse: [f64::NAN; 3], duration: 0.1 };
-    assert_eq!(walk.ask(mad).verdict, Verdict::OutOfRange as u64);
+    let invalid = Action::Push { body: 4, impulse: [f64::NAN; 3], duration: 0.1 };
+    assert_eq!(walk.ask(invalid).verdict, Verdict::OutOfRange as u64);
     walk.end();
 }
 
-/// A scene on its own, pushed before it begins: its `summary.json` and where its base ends [m].
-fn pushed(name: &str, extra: &[&str], push: Action) -> (Value, [f64; 3]) {
+/// Runs a scene without a controller and pushes it at time zero. Returns `summary.json` and the final position of the base [m].
+fn run_with_push(name: &str, extra: &[&str], push: Action) -> (Value, [f64; 3]) {
     let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
     let folder = std::env::temp_dir().join(session.name());
     let file = format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let arguments = ["run", &file, "--quiet", "--realtime", "--session", session.name(), "--out"];
     let mut launcher = biped(&arguments).arg(&folder).args(extra).spawn().expect("the program starts");
-    eventually("an open desk", || {
-        assert_eq!(launcher.try_wait().expect("our own child"), None, "{name} ended before it was pushed");
+    eventually("an open control service", || {
+        assert_eq!(launcher.try_wait().expect("our own child"), None, "{name} ended before the push");
         ask(&session, Action::Pause).is_ok()
     });
     assert_eq!(ask(&session, push).expect("an answer").verdict, Verdict::Done as u64);
@@ -101,27 +101,27 @@ fn pushed(name: &str, extra: &[&str], push: Action) -> (Value, [f64; 3]) {
     (summary, [last[1], last[2], last[3]])
 }
 
-/// A push goes across the plane that a scene had kept to, and down where it would have flown: nothing is left out of the model that a
-/// push would need.
+/// A push moves a body out of the plane of a planar scene, and onto the ground in a flight scene. So a session simulates the full model, which
+/// has the directions and contacts that a push can need.
 #[test]
-fn a_push_moves_what_was_symmetric_and_lands_what_was_to_fly() {
+fn a_push_breaks_symmetry_and_can_cause_contact_in_a_flight_scene() {
     for full in [&[][..], &["--full"]] {
         let push = |impulse, duration| Action::Push { body: 0, impulse, duration };
         let extra = |speed| [&["--speed", speed], full].concat();
-        let (rest, end) = pushed("push-ignored", &extra("5"), push([0.0, 1.0, 0.0], 0.05));
-        // J/T less friction for T, then friction alone
+        let (rest, end) = run_with_push("push-ignored", &extra("5"), push([0.0, 1.0, 0.0], 0.05));
+        // acceleration J/(m T) minus friction during the push, then friction alone, for m = 1 kg
         let (mu_g, acceleration) = (0.1 * 9.81, 1.0 / 0.05 - 0.1 * 9.81);
-        let way = 0.5 * acceleration * 0.05_f64.powi(2) + (acceleration * 0.05_f64).powi(2) / (2.0 * mu_g);
-        println!("{full:?}: pushed by {} m, {way} by theory", end[1]);
-        assert!((end[1] - way).abs() < 2e-3 && end[0].abs() < 1e-9, "{full:?}: {end:?}, not {way}: {rest}");
-        let (landed, end) = pushed("push-through-ground", &extra("1"), push([0.0, 0.0, -40.0], 0.001));
+        let distance = 0.5 * acceleration * 0.05_f64.powi(2) + (acceleration * 0.05_f64).powi(2) / (2.0 * mu_g);
+        println!("{full:?}: pushed by {} m, in theory {distance} m", end[1]);
+        assert!((end[1] - distance).abs() < 2e-3 && end[0].abs() < 1e-9, "{full:?}: {end:?}, not {distance}: {rest}");
+        let (landed, end) = run_with_push("push-through-ground", &extra("1"), push([0.0, 0.0, -40.0], 0.001));
         println!("{full:?}: ends at {} m", end[2]);
         assert!((end[2] - 0.05).abs() < 1e-9, "{full:?}: {end:?}: {landed}");
     }
 }
 
 #[test]
-fn walking_speed_follows_its_set_point_and_nonsense_is_refused() {
+fn walking_speed_follows_its_set_point_and_bad_set_points_are_refused() {
     let mut walk = walking("set", &["--speed", "3"]);
     walk.until("walking", |truth| truth.telemetry.steps > 4);
     assert_eq!(walk.ask(Action::Set { period: None, speed: Some(9.0) }).verdict, Verdict::OutOfRange as u64);
@@ -152,8 +152,8 @@ fn drives_that_a_silent_controller_switched_off_stay_off_until_rearmed() {
 }
 
 #[test]
-fn every_command_of_the_desk_is_heard_as_it_is_written() {
-    // ten times as slow as real time: no scheduler keeps the controller waiting for a whole period, or the drives would hold, not run
+fn every_request_command_is_accepted_as_documented() {
+    // ten times slower than real time, so that no scheduler delays the controller by a whole period, after which the drives would be in state hold
     let walk = walking("commands", &["--speed", "0.1"]);
     for (command, answer) in [
         ("pause", "paused"),
@@ -178,7 +178,7 @@ fn every_command_of_the_desk_is_heard_as_it_is_written() {
 }
 
 #[test]
-fn nobody_at_the_desk_and_a_choice_of_sessions_are_a_sentence_and_an_exit_code() {
+fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_code() {
     let session = Session::unique();
     assert!(matches!(ask(&session, Action::Pause), Err(PortError::NoSession { .. })));
     assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
@@ -193,7 +193,7 @@ fn nobody_at_the_desk_and_a_choice_of_sessions_are_a_sentence_and_an_exit_code()
 }
 
 #[test]
-fn what_is_refused_at_the_desk_names_what_is_possible() {
+fn a_refused_request_names_what_is_possible() {
     let walk = walking("refuses", &[]);
     for (command, words) in [
         (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
@@ -209,10 +209,10 @@ fn what_is_refused_at_the_desk_names_what_is_possible() {
 }
 
 #[test]
-fn what_was_asked_of_a_run_is_in_its_summary() {
+fn requests_to_a_run_are_in_its_summary() {
     let folder = std::env::temp_dir().join(format!("biped-test-asked-{}", std::process::id()));
     let out = folder.to_string_lossy().into_owned();
-    // ten times as slow as real time: no scheduler keeps the controller waiting for a whole period
+    // ten times slower than real time, so that no scheduler delays the controller by a whole period
     let walk = walking("asked", &["--speed", "0.1", "--set", "duration=0.4", "--out", &out]);
     let push = Action::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
     let refused = Action::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
@@ -224,7 +224,7 @@ fn what_was_asked_of_a_run_is_in_its_summary() {
     std::fs::remove_dir_all(folder).expect("our own folder");
     let summary: Value = serde_json::from_str(&summary).expect("JSON");
     let asked = summary["requests"].as_array().expect("a list");
-    // to find out whether the desks are open, two were made before
+    // the helper made earlier requests to wait for the control services
     let last = &asked[asked.len() - 3..];
     let of = |key: &str| last.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
     assert_eq!(of("kind"), ["push", "push", "set"]);
@@ -241,7 +241,7 @@ fn what_was_asked_of_a_run_is_in_its_summary() {
 }
 
 #[test]
-fn a_plant_alone_has_a_desk_too_and_sends_set_points_away() {
+fn a_plant_without_a_controller_serves_requests_and_refuses_set_points() {
     let session = Session::named(&format!("test-{}-alone", std::process::id())).expect("a good name");
     let scene = Scene { duration: 1.0, ..Scene::default() };
     let port = messages::port::PlantPort::open(&session, &Contract::of(&scene, Pace::Lockstep)).expect("plant");
@@ -250,32 +250,35 @@ fn a_plant_alone_has_a_desk_too_and_sends_set_points_away() {
     drop(port);
 }
 
-/// Resident memory of a process, its own and shared [kB].
+/// Resident memory of a process, private and shared [kB].
 fn memory(number: i32) -> [i64; 2] {
     let status = std::fs::read_to_string(format!("/proc/{number}/status")).unwrap();
     let line = |key| status.lines().find_map(|line| line.strip_prefix(key)).unwrap().trim_end_matches("kB").trim();
     ["RssAnon:", "RssShmem:"].map(|key| line(key).parse().unwrap())
 }
 
-/// Shared memory, all taken at the start, becomes resident as it is first used: when a recorder lags further behind than ever.
+/// Shared memory is allocated at the start but becomes resident only on first use, which is when a recorder lags further behind than
+/// before.
 #[test]
-fn memory_grows_neither_by_resets_nor_twice_by_a_recorder_that_lags() {
+fn memory_does_not_grow_by_resets_and_at_most_once_by_a_slow_recorder() {
     let mut walk = Running::start("memory", &["--set", "duration=100000"]);
-    let plant = walk.number("plant");
+    let plant = walk.pid("plant");
     let mut resets = |count| {
         for _ in 0..count {
             let run = walk.ask(Action::Reset { seed: None }).stamp.run;
             walk.until("another walk", |truth| truth.stamp.run == run && truth.stamp.seq > 100);
         }
         let fresh = memory(plant);
-        std::thread::sleep(Duration::from_millis(500)); // it waits for us
+        std::thread::sleep(Duration::from_millis(500)); // the plant waits for this recorder
         let lagging = memory(plant);
         walk.drain();
         (fresh, lagging)
     };
     let ((fresh, _), (settled, lagged), (_, again)) = (resets(10), resets(10), resets(60));
-    println!("own and shared [kB]: {fresh:?}, having lagged {settled:?}, again {lagged:?}, after 60 resets {again:?}");
-    assert!(settled[1] > 1000, "the control: the room for 1024 truths is not seen in {settled:?}");
+    println!(
+        "private and shared [kB]: {fresh:?}, after a lag {settled:?}, after a second one {lagged:?}, after 60 resets {again:?}"
+    );
+    assert!(settled[1] > 1000, "negative control: the buffer of 1024 truths is not visible in {settled:?}");
     assert!((0..2).all(|kind| again[kind] - lagged[kind] < 150), "{lagged:?}, {again:?}");
     walk.end();
 }

@@ -1,4 +1,4 @@
-//! Claims about repetition: the same scene gives the same bits, in one process or in two, to its end or to its fall.
+//! Claims about determinism: the same scene gives the same bits, in one process or in two, until its end or a fall.
 
 mod common;
 
@@ -15,20 +15,20 @@ fn same_bits(scene: &str, settings: &[&str]) {
 }
 
 #[test]
-fn without_a_controller_too_two_processes_give_the_bits_of_one() {
+fn a_scene_without_a_controller_has_the_same_bits_in_both_modes() {
     same_bits("slide", &[]);
     same_bits("drop", &["initial.orientation_deg=[20.0, 10.0, 0.0]"]);
 }
 
 #[test]
-fn chance_is_repeated_with_its_seed() {
+fn random_disturbances_repeat_with_their_seed() {
     let late = ["duration=3", "plant.stale_probability=0.3", "plant.encoder_bits=14"];
     same_bits("walk", &late);
     let seeds = ["plant.seed=1", "plant.seed=2"].map(|seed| run("walk", &[&late[..], &[seed]].concat()));
     assert_ne!(seeds[0].hash(), seeds[1].hash());
 }
 
-/// Two processes notice the fall at different times; both records end at the same one.
+/// The two modes detect the fall at different times, but their records end at the same control period.
 #[test]
 fn a_fall_ends_the_record_at_the_same_bit() {
     let push = ["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3", "duration=10"];

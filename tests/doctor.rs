@@ -1,5 +1,5 @@
-//! Claims about `biped doctor` and `biped clean`: they tell the living from the dead. One test, for any session that
-//! begins beside it would clear away what it is about.
+//! Claims about `biped doctor` and `biped clean`: they distinguish running sessions from dead ones. This is one test, because a session that
+//! another test starts at the same time would remove the files of the dead one.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -9,7 +9,7 @@ use messages::session::Session;
 use std::path::PathBuf;
 use std::process::{Command, Output, Stdio};
 
-/// Exit code and what was printed.
+/// Exit code and standard output.
 fn biped(role: &str) -> (Option<i32>, String) {
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
     let Output { status, stdout, .. } = command.arg(role).stdin(Stdio::null()).output().expect("the program runs");
@@ -17,7 +17,7 @@ fn biped(role: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn what_dead_sessions_left_is_told_and_removed_and_the_living_are_spared() {
+fn doctor_lists_and_clean_removes_dead_sessions_and_running_ones_stay() {
     let name = |part| Session::named(&format!("test-{}-{part}", std::process::id())).expect("a good name");
     let (dead, alive) = (name("dead"), name("alive"));
     let open = |session: &Session| PlantPort::open(session, &Contract::of(&Scene::default(), Pace::Lockstep));

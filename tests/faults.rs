@@ -1,14 +1,14 @@
-//! Claims about faults: a short version of `biped faults`, which says what it requires of each.
+//! Claims about faults: a short version of `biped faults`, which documents its requirements for each kind.
 
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 
 #[test]
-fn nothing_hangs_lies_or_is_left_whatever_is_done_to_the_processes() {
+fn injected_faults_cause_no_hang_no_wrong_result_and_no_leftovers() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
     command.args(["faults", "--quick"]).stdin(Stdio::null());
     let Output { status, stdout, stderr } = command.output().expect("the program runs");
-    let told = String::from_utf8_lossy(&stdout); // with the seed that repeats it
+    let told = String::from_utf8_lossy(&stdout); // it has the seed that repeats the run
     assert_eq!(status.code(), Some(0), "{told}\n{}", String::from_utf8_lossy(&stderr));
     for kind in [
         "kill -9 of the plant",
@@ -24,9 +24,9 @@ fn nothing_hangs_lies_or_is_left_whatever_is_done_to_the_processes() {
     }
 }
 
-/// A step of the calendar's clock reaches nothing: nobody reads that clock but a recording, once, to say when it began.
+/// A change of the wall clock has no effect: the only reader of that clock is a recording, once, for its start time.
 #[test]
-fn no_source_names_a_clock_that_can_be_set() {
+fn only_the_recording_uses_a_clock_that_can_be_set() {
     fn search(folder: &Path, found: &mut Vec<String>, files: &mut usize) {
         for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
             let path = entry.path();
@@ -45,5 +45,5 @@ fn no_source_names_a_clock_that_can_be_set() {
         search(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found, &mut files);
     }
     assert!(files > 100, "only {files} sources");
-    assert!(found.len() == 1 && found[0].ends_with("launch/recording/writer.rs"), "{found:?}");
+    assert!(found.len() == 1 && found[0].ends_with("launch/records/src/recording/writer.rs"), "{found:?}");
 }

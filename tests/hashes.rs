@@ -1,4 +1,4 @@
-//! Claim: what every built-in scene comes to is published to the bit, whatever the number of threads or processes.
+//! Claim: every built-in scene has its published hash, with any number of threads and processes.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -7,10 +7,10 @@ mod common;
 use common::run_two;
 use std::process::Command;
 
-/// The table that comes with the program.
+/// The published table.
 const PUBLISHED: &str = include_str!("../launch/scenes/hashes.txt");
 
-/// The table as this build has it.
+/// The table that this build computes.
 fn table(threads: &str) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
     let output = command.args(["list", "--hashes"]).env("RAYON_NUM_THREADS", threads).output();
@@ -18,13 +18,13 @@ fn table(threads: &str) -> String {
 }
 
 #[test]
-fn whole_runs_have_the_published_bits_on_one_thread_and_on_many() {
+fn whole_runs_have_the_published_hashes_on_one_thread_and_on_many() {
     for threads in ["1", "8"] {
         let table = table(threads);
         let changed: Vec<_> = table.lines().filter(|line| !PUBLISHED.lines().any(|known| known == *line)).collect();
         assert!(
             changed.is_empty(),
-            "on {threads} threads, other bits (launch/hashes.rs says how to renew them):\n{}",
+            "changed hashes on {threads} threads (launch/laboratory/src/hashes.rs documents how to renew them):\n{}",
             changed.join("\n")
         );
         assert_eq!(table.lines().count(), PUBLISHED.lines().count());
@@ -32,7 +32,7 @@ fn whole_runs_have_the_published_bits_on_one_thread_and_on_many() {
 }
 
 #[test]
-fn two_processes_have_them() {
+fn two_processes_have_the_published_hashes() {
     let rows: Vec<_> = PUBLISHED.lines().skip(1).collect();
     std::thread::scope(|scope| {
         for half in [0, 1] {

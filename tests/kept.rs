@@ -1,4 +1,4 @@
-//! Claims about what is written and read: no command replaces or removes what somebody else wrote, and none waits for what never ends.
+//! Claims about files: no command replaces or removes a foreign file, and none blocks on an endless input.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -12,13 +12,13 @@ use live::biped;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Exit code and words of a command in a folder.
+/// Runs a command in a folder. Returns its exit code and standard error.
 fn within(folder: &Path, command: &str) -> (Option<i32>, String) {
     let output = biped(&command.split(' ').collect::<Vec<_>>()).current_dir(folder).output().expect("it starts");
     (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
 }
 
-/// Every file below a folder, with its content.
+/// All files below a folder, with their contents.
 fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let entries = std::fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path());
     let each = entries.flat_map(|path| match path.is_dir() {
@@ -28,7 +28,7 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     each.collect()
 }
 
-/// Commands that write, short ones, and what each writes into.
+/// Commands that write files, with short runs, and the files that each of them writes.
 const WRITERS: [(&str, &[&str]); 9] = [
     (
         "run stand --in-process --quiet --set duration=0.1 --out out",
@@ -48,13 +48,13 @@ const WRITERS: [(&str, &[&str]); 9] = [
 ];
 
 #[test]
-fn what_somebody_else_wrote_survives_every_command_and_our_own_is_replaced() {
+fn foreign_files_survive_every_command_and_files_of_this_program_are_replaced() {
     let folder = fresh_path("kept");
     std::fs::create_dir(&folder).expect("a folder");
     let record = "run stand --in-process --quiet --set duration=0.1 --record run.mcap";
     assert_eq!(within(&folder, record).0, Some(0));
     for (command, outputs) in WRITERS {
-        // beside ours, and where drafts and drawings of ours could be
+        // foreign files beside the outputs, with names that temporary files and figures could have
         let mut theirs = BTreeMap::new();
         for output in outputs {
             let output = folder.join(output);
@@ -70,12 +70,13 @@ fn what_somebody_else_wrote_survives_every_command_and_our_own_is_replaced() {
             theirs.iter().for_each(|(path, text)| assert_eq!(now.get(path), Some(text), "{command}: {words}"));
         };
         for _ in 0..2 {
-            let (code, words) = within(&folder, command); // the second replaces what the first wrote
+            let (code, words) = within(&folder, command); // the second call replaces the files of the first
             assert_eq!(code, Some(0), "{command}: {words}");
             survives(&words);
         }
-        let is_draft = |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-        assert!(!files(&folder).keys().any(is_draft), "{command} leaves a draft");
+        let is_temporary =
+            |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+        assert!(!files(&folder).keys().any(is_temporary), "{command} leaves a temporary file");
         for output in outputs.iter().map(|output| folder.join(output)) {
             assert!(output.exists(), "{command} writes {}", output.display());
             std::fs::write(&output, "<!DOCTYPE html>\nmine alone").expect("a file");
@@ -91,7 +92,7 @@ fn what_somebody_else_wrote_survives_every_command_and_our_own_is_replaced() {
 }
 
 #[test]
-fn what_never_ends_is_refused_by_whatever_reads() {
+fn pipes_devices_and_folders_are_refused_by_every_reading_command() {
     let folder = fresh_path("endless");
     std::fs::create_dir(&folder).expect("a folder");
     nix::unistd::mkfifo(&folder.join("pipe"), nix::sys::stat::Mode::S_IRWXU).expect("a pipe");

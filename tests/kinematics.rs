@@ -1,5 +1,5 @@
-//! Claims that tie controller and plant: both see the same robot, one from its supporting foot, the other from the
-//! world.
+//! Claims about the kinematics of controller and plant: both agree, although the controller computes in the frame of the supporting foot and
+//! the plant in the world frame.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -11,7 +11,7 @@ use plant::kinematics::{self, Pose};
 use plant::model::Model;
 use plant::state::State;
 
-/// The plant, asked what the controller wants to know.
+/// The plant's model, evaluated for the quantities of the controller.
 struct World {
     scene: Scene,
     model: Model,
@@ -22,13 +22,13 @@ struct World {
 impl World {
     fn new() -> World {
         let mut scene = Scene::default();
-        scene.plant.base = Base::Virtual; // any six numbers are a pose
+        scene.plant.base = Base::Virtual; // its six coordinates can be set freely
         let model = Model::new(&scene).expect("Table 1");
         World { state: State::zero(&model), pose: Pose::new(&model), model, scene }
     }
 
-    /// Puts the joints at `q`, wire order.
-    fn bend(&mut self, q: &Joints) {
+    /// Sets the joint angles to `q`, in wire order.
+    fn set_joints(&mut self, q: &Joints) {
         let offset = self.model.coordinates() - self.model.dofs();
         for (&dof, angle) in self.model.joint_dof.iter().zip(q) {
             self.state.x[offset + dof] = *angle;
@@ -55,14 +55,14 @@ impl World {
             [local.x, side * local.y, local.z]
         };
         let com = seen(kinematics::totals(&self.model, &self.state, &self.pose).com);
-        // Seen from the foot the trunk is rolled, then pitched: Rx(a) Ry(g).
+        // Relative to the foot, the orientation of the trunk is roll, then pitch: Rx(a) Ry(g).
         let trunk = foot.transpose() * self.rotation(4);
         let tilt = trunk[(0, 2)].atan2(trunk[(0, 0)]);
         TaskVector::from_iterator([com, seen(self.sole(swing)), [tilt, 0.0, 0.0]].concat().into_iter().take(7))
     }
 }
 
-/// Random postures, the base anywhere in the world: what the foot sees must not depend on it.
+/// Random postures at random base poses. The quantities relative to the foot must not depend on the base pose.
 fn postures(count: usize, mut visit: impl FnMut(&mut World, Joints, bool)) {
     let seed = fastrand::u64(..);
     println!("seed {seed}");
@@ -73,7 +73,7 @@ fn postures(count: usize, mut visit: impl FnMut(&mut World, Joints, bool)) {
         for x in &mut world.state.x[..6] {
             *x = within(1.0);
         }
-        // Pitches sum up along a leg: the trunk stays within a quarter turn of the foot.
+        // Pitch angles add up along a leg. The limit keeps the trunk within a quarter turn of the foot.
         let support = Joints::from_fn(|_, _| within(0.5));
         visit(&mut world, support, i % 2 == 1);
     }
@@ -89,7 +89,7 @@ fn controller_and_plant_agree_on_centre_of_gravity_foot_and_trunk() {
     let chain = Chain::new(&Scene::default().bodies).expect("Table 1");
     let mut worst = 0.0_f64;
     postures(200, |world, support, right| {
-        world.bend(&wire(&support, right));
+        world.set_joints(&wire(&support, right));
         worst = worst.max((world.task(right) - chain.task(&support).x).amax());
     });
     println!("largest difference {worst:.1e}");
@@ -97,7 +97,7 @@ fn controller_and_plant_agree_on_centre_of_gravity_foot_and_trunk() {
 }
 
 #[test]
-fn the_controllers_jacobian_is_the_slope_of_the_plants_kinematics() {
+fn the_controllers_jacobian_is_the_derivative_of_the_plants_kinematics() {
     let chain = Chain::new(&Scene::default().bodies).expect("Table 1");
     let step = 1e-5;
     let mut worst = [0.0_f64; 2];
@@ -107,7 +107,7 @@ fn the_controllers_jacobian_is_the_slope_of_the_plants_kinematics() {
             let mut at = |sign: f64| {
                 let mut moved = support;
                 moved[k] += sign * step;
-                world.bend(&wire(&moved, right));
+                world.set_joints(&wire(&moved, right));
                 world.task(right)
             };
             let slope = (at(1.0) - at(-1.0)) / (2.0 * step);
@@ -119,13 +119,13 @@ fn the_controllers_jacobian_is_the_slope_of_the_plants_kinematics() {
     assert!(worst[0] < 1e-7 && worst[1] < 1e-7, "{worst:?}");
 }
 
-/// The negative control of the above: without the mirror the right foot's numbers are wrong.
+/// The negative case: without mirroring, the results for the right foot are wrong.
 #[test]
-fn without_the_mirror_the_right_foot_would_see_another_robot() {
+fn without_mirroring_the_kinematics_of_the_right_foot_would_be_wrong() {
     let chain = Chain::new(&Scene::default().bodies).expect("Table 1");
     let mut least = f64::INFINITY;
     postures(20, |world, support, _| {
-        world.bend(&support);
+        world.set_joints(&support);
         least = least.min((world.task(true) - chain.task(&support).x).amax());
     });
     assert!(least > 1e-3, "{least:e}");

@@ -1,5 +1,4 @@
-//! Claims about `biped latency`: everything is measured and written, whatever the host is, and nothing is left behind. No
-//! time is judged.
+//! Claims about `biped latency`: on any host it measures and writes every quantity, and leaves no files. The tests do not judge times.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -34,8 +33,8 @@ fn start(arguments: &[&str]) -> Child {
     command.spawn().expect("the program starts")
 }
 
-/// That no session of a process has left anything in shared memory.
-fn left_nothing(process: u32) {
+/// Asserts that no session of a process has left files in shared memory.
+fn assert_no_session_files(process: u32) {
     for count in 0..50 {
         let session = Session::named(&format!("latency-{process}-{count}")).expect("a good name");
         assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
@@ -50,7 +49,7 @@ fn every_quantity_is_measured_and_written() {
     let output = child.wait_with_output().expect("the program ends");
     let words = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{words}");
-    left_nothing(process);
+    assert_no_session_files(process);
     let text = std::fs::read_to_string(folder.join("latency.json")).expect("the figures");
     let json: Value = serde_json::from_str(&text).expect("JSON");
     let samples = |section: &str, metric: &str| {
@@ -62,7 +61,7 @@ fn every_quantity_is_measured_and_written() {
         row["samples"].as_u64().expect("a count")
     };
     for link in TRIPS {
-        assert!(samples(link, "round trip") >= 3, "{link}"); // at least one of each turn, however busy the host
+        assert!(samples(link, "round trip") >= 3, "{link}"); // at least one in each round, also on a busy host
     }
     for way in ["spin", "hybrid", "event"] {
         let section = format!("walk in lockstep, {way}");
@@ -105,14 +104,14 @@ fn every_quantity_is_measured_and_written() {
     assert_eq!(json["valid"].as_bool(), Some(steal <= 0.01));
     let page = std::fs::read_to_string(folder.join("latency.html")).expect("a page");
     assert_eq!(page.matches("<svg").count(), 6);
-    assert!(!page.contains("{{") && !page.contains("NaN"), "a place was left empty");
+    assert!(!page.contains("{{") && !page.contains("NaN"), "a placeholder was not filled");
     let printed = String::from_utf8_lossy(&output.stdout);
     assert!(TRIPS.iter().all(|link| printed.contains(link)) && printed.contains("target 5.5"), "{printed}");
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 
 #[test]
-fn nothing_is_left_behind_when_it_is_interrupted() {
+fn an_interrupted_measurement_leaves_no_session_files() {
     let folder = fresh_path("interrupted");
     let child = start(&["latency", "--quick", "--out", &folder.to_string_lossy()]);
     std::thread::sleep(Duration::from_millis(1500));
@@ -120,6 +119,6 @@ fn nothing_is_left_behind_when_it_is_interrupted() {
     kill(Pid::from_raw(process as i32), Signal::SIGINT).expect("a signal to our own child");
     let output = child.wait_with_output().expect("the program ends");
     assert_eq!(output.status.code(), Some(130), "{}", String::from_utf8_lossy(&output.stderr));
-    left_nothing(process);
+    assert_no_session_files(process);
     let _ = std::fs::remove_dir_all(folder);
 }

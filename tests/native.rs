@@ -1,4 +1,4 @@
-//! Claims about controllers in C and C++: they keep the robot up, wrong use gives a code and a sentence, nothing stays.
+//! Claims about controllers in C and C++: the robot stays up, misuse gives an exit code and a sentence, and no files are left.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -14,7 +14,7 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// A run with such a program as the controller: it must end well, and leave nothing.
+/// Runs a scene with a program as its controller. The run has to succeed and to leave no files.
 fn run(scene: &str, program: &Path, settings: &[&str]) -> Value {
     let (folder, session) = (fresh_path("native-run"), Session::unique());
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
@@ -33,7 +33,7 @@ fn run(scene: &str, program: &Path, settings: &[&str]) -> Value {
     serde_json::from_str(&summary).expect("a summary")
 }
 
-/// A program by itself, in the environment of a session that nobody else is in; variables may be replaced.
+/// Runs a controller program without a plant, with the environment variables of an empty session; `replaced` changes some of them.
 fn alone(program: &Path, replaced: &[(&str, &str)]) -> Output {
     let (session, scene) = (Session::unique(), scene("stand", &[]));
     let output = Command::new(program)
@@ -48,7 +48,7 @@ fn alone(program: &Path, replaced: &[(&str, &str)]) -> Output {
 }
 
 #[test]
-fn a_spring_and_a_damper_stand_in_c_and_in_cpp() {
+fn the_standing_controllers_in_c_and_cpp_stand() {
     let c = compile("cc", "-std=c11", "controller/foreign/c/stand.c");
     let cpp = compile("c++", "-std=c++17", "controller/foreign/cpp/stand.cpp");
     let stand = ["controller.gait=\"stand\"", "duration=2"];
@@ -66,7 +66,7 @@ fn a_spring_and_a_damper_stand_in_c_and_in_cpp() {
 }
 
 #[test]
-fn our_own_torques_walk_through_c_bit_for_bit() {
+fn the_walking_controller_in_c_repeats_the_bits_of_the_one_in_rust() {
     let program = compile("cc", "-std=c11", "controller/foreign/c/walk.c");
     let theirs = run("walk", &program, &["duration=3"]);
     let ours = common::run_two("walk", &["duration=3"]);
@@ -75,7 +75,7 @@ fn our_own_torques_walk_through_c_bit_for_bit() {
 }
 
 #[test]
-fn a_wrong_session_gives_a_code_and_a_sentence() {
+fn invalid_session_variables_give_an_exit_code_and_one_sentence() {
     let c = compile("cc", "-std=c11", "controller/foreign/c/stand.c");
     let cpp = compile("c++", "-std=c++17", "controller/foreign/cpp/stand.cpp");
     let older = "wire schema=0123456789abcdef\npace=lockstep\nrate=1000 Hz\ndt=0.001 s\nmodel=0\n";
@@ -115,7 +115,7 @@ fn a_session_with_another_contract_is_refused() {
 }
 
 #[test]
-fn misuse_gives_codes_and_sentences() {
+fn misuse_of_the_c_library_gives_codes_and_sentences() {
     let program = compile("cc", "-std=c11", "tests/foreign/misuse.c");
     let output = alone(&program, &[]);
     let found = String::from_utf8_lossy(&output.stdout);

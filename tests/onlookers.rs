@@ -1,4 +1,4 @@
-//! Claims about those who look on, `biped view` and `biped top`: they find the session or say why not, and never hold it up.
+//! Claims about observers, `biped view` and `biped top`: they find the session or say why not, and never block it.
 
 #[path = "common/live.rs"]
 mod live;
@@ -12,8 +12,8 @@ use std::net::TcpListener;
 use std::process::{Command, Output};
 
 #[test]
-fn a_session_that_does_not_say_what_its_scene_is_cannot_be_drawn_and_that_is_said() {
-    // As a plant of somebody else's makes it, who has no word of ours.
+fn a_session_without_a_scene_description_is_refused_by_view() {
+    // A foreign plant can open a session without a scene description.
     let session = Session::named(&format!("test-{}-silent", std::process::id())).expect("a good name");
     let contract = Contract::of(&Scene::default(), Pace::Lockstep);
     let plant = PlantPort::open(&session, &contract).expect("a session");
@@ -29,7 +29,7 @@ fn a_session_that_does_not_say_what_its_scene_is_cannot_be_drawn_and_that_is_sai
 }
 
 #[test]
-fn a_port_in_use_and_a_missing_session_are_a_sentence_and_an_exit_code() {
+fn a_used_port_and_a_missing_session_give_a_sentence_and_an_exit_code() {
     let failure = |arguments: &[&str]| {
         let Output { status, stderr, .. } = biped(arguments).output().expect("the program runs");
         (status.code(), String::from_utf8_lossy(&stderr).into_owned())
@@ -38,7 +38,7 @@ fn a_port_in_use_and_a_missing_session_are_a_sentence_and_an_exit_code() {
         let (code, words) = failure(&[what, "--session", "nowhere"]);
         assert!(code == Some(3) && words.contains("no session `nowhere`"), "{what}: {code:?} {words}");
     }
-    let walk = Running::unheard("port");
+    let walk = Running::unobserved("port");
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = taken.local_addr().expect("its number").port().to_string();
     let (code, words) = failure(&["view", "--session", walk.session.name(), "--port", &port]);
@@ -53,8 +53,8 @@ fn a_port_in_use_and_a_missing_session_are_a_sentence_and_an_exit_code() {
 }
 
 #[test]
-fn top_tells_rates_gait_and_drives_in_plain_lines_in_a_pipe_and_in_place_on_a_terminal() {
-    let walk = Running::unheard("top");
+fn top_prints_plain_lines_to_a_pipe_and_updates_in_place_on_a_terminal() {
+    let walk = Running::unobserved("top");
     let mut top = biped(&["top", "--session", walk.session.name()]).spawn().expect("the program starts");
     let lines: Vec<String> =
         BufReader::new(top.stdout.as_mut().expect("a pipe")).lines().take(3).map(|line| line.expect("text")).collect();

@@ -1,5 +1,5 @@
-//! Claims about the server of the page: it answers whoever has the token, refuses everybody else, and neither keeps nor waits for
-//! what they send.
+//! Claims about the server of the page: it answers clients that have the token, refuses all others, and neither stores nor waits for
+//! their data.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
@@ -14,10 +14,10 @@ use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::process::{Child, Output};
 
-/// A view, where it listens, and its token.
+/// A running `biped view`, with its address and token.
 struct View {
     process: Child,
-    place: SocketAddr,
+    address: SocketAddr,
     token: String,
 }
 
@@ -28,72 +28,72 @@ impl View {
         let mut line = String::new();
         BufReader::new(process.stdout.as_mut().expect("a pipe")).read_line(&mut line).expect("a line");
         let address = line.split_once("http://").and_then(|(_, rest)| rest.trim().split_once("/?token="));
-        let (place, token) = address.unwrap_or_else(|| panic!("no address: {line}"));
-        View { process, place: place.parse().expect("an address"), token: token.into() }
+        let (address, token) = address.unwrap_or_else(|| panic!("no address: {line}"));
+        View { process, address: address.parse().expect("an address"), token: token.into() }
     }
 
     fn connect(&self) -> TcpStream {
-        TcpStream::connect(self.place).expect("a server")
+        TcpStream::connect(self.address).expect("a server")
     }
 
-    /// The whole answer to a request line, with headers and a body that may not be what they say.
-    fn say(&self, request: &str) -> String {
+    /// Sends a raw request, which may be malformed, and returns the whole answer.
+    fn send(&self, request: &str) -> String {
         let mut stream = self.connect();
-        let _ = stream.write_all(request.as_bytes()); // it may have hung up
-        rest(&mut stream)
+        let _ = stream.write_all(request.as_bytes()); // the server may have closed the connection
+        read_to_end(&mut stream)
     }
 
     fn get(&self, path: &str, host: &str) -> String {
-        self.say(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"))
+        self.send(&format!("GET {path} HTTP/1.1\r\nHost: {host}\r\nConnection: close\r\n\r\n"))
     }
 
     /// Whether a browser that has the token gets the page.
     fn serves(&self) -> bool {
-        self.get(&format!("/?token={}", self.token), &self.place.to_string()).contains("<title>biped: session test-")
+        self.get(&format!("/?token={}", self.token), &self.address.to_string()).contains("<title>biped: session test-")
     }
 
-    /// Its open files, of which each connection is one.
-    fn files(&self) -> usize {
+    /// Number of its open files; each connection is one.
+    fn open_files(&self) -> usize {
         std::fs::read_dir(format!("/proc/{}/fd", self.process.id())).expect("open files").count()
     }
 
-    /// The most memory that it has had [kB].
-    fn memory(&self) -> i64 {
+    /// Its peak resident memory [kB].
+    fn peak_memory(&self) -> i64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).expect("a process");
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("its memory");
         line.trim().trim_end_matches(" kB").parse().expect("a number")
     }
 }
 
-/// All that still comes.
-fn rest(stream: &mut TcpStream) -> String {
+/// Reads until the server closes the connection.
+fn read_to_end(stream: &mut TcpStream) -> String {
     let mut answer = vec![];
     stream.set_read_timeout(Some(LONG)).expect("a socket");
     let end = stream.read_to_end(&mut answer).map_err(|error| error.kind());
-    assert_ne!(end, Err(ErrorKind::WouldBlock), "nobody hangs up"); // a reset is an end, too
+    assert_ne!(end, Err(ErrorKind::WouldBlock), "the connection stays open"); // a reset closes it, too
     String::from_utf8_lossy(&answer).into()
 }
 
 #[test]
-fn whoever_lacks_the_token_or_means_another_host_is_refused() {
-    let walk = Running::unheard("token");
+fn requests_without_the_token_or_for_another_host_are_refused() {
+    let walk = Running::unobserved("token");
     walk.ask(Action::Pause);
     let view = View::open(&walk, &[]);
-    let (token, here) = (&view.token, &view.place.to_string());
+    let (token, here) = (&view.token, &view.address.to_string());
     assert!(token.len() == 32 && view.serves());
     let refused = ["/", "/?token=", "/ask", "/frames", "/nowhere", &format!("/frames?token={}0", &token[1..])];
     for path in [&refused[..], &[&format!("/?token={}", &token[1..]), &format!("/?token={token}0")]].concat() {
         let answer = view.get(path, here);
         assert!(answer.starts_with("HTTP/1.1 403") && answer.contains("`biped view` printed last"), "{path}: {answer}");
     }
-    // What another site's page sends once its own name leads here.
-    let port = view.place.port();
+    // DNS rebinding: a page of another site, whose name now resolves to this server.
+    let port = view.address.port();
     for host in ["evil.example", &format!("evil.example:{port}"), "192.0.2.1", "127.0.0.1.evil.example", "", "[", "a b"]
     {
         let answer = view.get(&format!("/?token={token}"), host);
         assert!(!answer.starts_with("HTTP/1.1 200") && !answer.contains("<title>biped: session"), "{host}: {answer}");
     }
-    let answer = view.say(&format!("GET /?token={token} HTTP/1.0\r\n\r\n"));
+    let answer = view.send(&format!("GET /?token={token} HTTP/1.0\r\n\r\n"));
     assert!(answer.starts_with("HTTP/1.0 421") && answer.contains("open the address that"), "{answer}");
     for host in [&format!("localhost:{port}"), "LocalHost:1", "127.0.0.1", "[::1]:8642"] {
         assert!(view.get(&format!("/frames?token={token}"), host).starts_with("HTTP/1.1 200"), "{host}");
@@ -102,7 +102,7 @@ fn whoever_lacks_the_token_or_means_another_host_is_refused() {
         let head = format!(
             "GET /frames HTTP/1.1\r\nHost: {here}\r\nConnection: close\r\nAuthorization: Bearer {token}\r\n\r\n"
         );
-        view.say(&head)
+        view.send(&head)
     };
     assert!(bearer(token).starts_with("HTTP/1.1 200") && bearer(&token[1..]).starts_with("HTTP/1.1 403"));
     for path in [format!("/?token={token}"), "/".into(), format!("/nowhere?token={token}")] {
@@ -121,16 +121,16 @@ fn whoever_lacks_the_token_or_means_another_host_is_refused() {
 }
 
 #[test]
-fn endless_headers_and_bodies_and_silence_cost_no_memory_and_keep_nobody_out() {
-    let walk = Running::unheard("onlooker");
+fn endless_requests_and_silent_clients_use_no_memory_and_block_nobody() {
+    let walk = Running::unobserved("onlooker");
     walk.ask(Action::Pause);
     let view = View::open(&walk, &[]);
     assert!(view.serves());
-    let (files, memory, place, token) = (view.files(), view.memory(), view.place, &view.token);
+    let (files, memory, address, token) = (view.open_files(), view.peak_memory(), view.address, &view.token);
 
-    // A body of 100 GB that is announced, with and without the token, and one that has no end.
+    // A body with an announced length of 100 GB, with and without the token, and an endless one.
     let announced = |headers: &str, query: &str| {
-        view.say(&format!("POST /ask{query} HTTP/1.1\r\nHost: {place}\r\n{headers}\r\n\r\n{}", "x".repeat(9000)))
+        view.send(&format!("POST /ask{query} HTTP/1.1\r\nHost: {address}\r\n{headers}\r\n\r\n{}", "x".repeat(9000)))
     };
     let query = format!("?token={token}");
     for (length, known) in [("Content-Length: 100000000000", "413"), ("Transfer-Encoding: chunked", "413")] {
@@ -140,70 +140,70 @@ fn endless_headers_and_bodies_and_silence_cost_no_memory_and_keep_nobody_out() {
         assert!(view.serves());
     }
     let mut stream = view.connect();
-    write!(stream, "GET / HTTP/1.1\r\nHost: {place}\r\n").expect("listening");
+    write!(stream, "GET / HTTP/1.1\r\nHost: {address}\r\n").expect("listening");
     let line = format!("X: {}\r\n", "x".repeat(1000));
     let lines = (0..1_000_000).take_while(|_| stream.write_all(line.as_bytes()).is_ok()).count();
     assert!(lines < 1_000_000, "it took a gigabyte of headers");
 
-    // Half a request from each of more connections than it serves; others are served at once.
+    // Half a request from each of more connections than the server accepts. Other clients are still served at once.
     let mut silent: Vec<TcpStream> = (0..300)
         .map(|_| {
             let mut stream = view.connect();
-            let _ = write!(stream, "GET /?token="); // who is shown the door may hear of it here
+            let _ = write!(stream, "GET /?token="); // fails if the server has already closed the connection
             stream
         })
         .collect();
-    assert!(view.serves(), "the silent keep others out");
-    let most = view.files();
+    assert!(view.serves(), "silent clients block others");
+    let most = view.open_files();
     assert!(most < files + 100, "{} connections at a time", most - files);
-    silent.iter_mut().for_each(|stream| _ = rest(stream)); // each is hung up on
-    // Half a body, from those who have the token.
+    silent.iter_mut().for_each(|stream| _ = read_to_end(stream)); // the server closes each connection
+    // Half a body, from clients that have the token.
     let mut slow: Vec<TcpStream> = (0..100)
         .map(|_| {
             let mut stream = view.connect();
-            write!(stream, "POST /ask{query} HTTP/1.1\r\nHost: {place}\r\nContent-Length: 9\r\n\r\nx")
+            write!(stream, "POST /ask{query} HTTP/1.1\r\nHost: {address}\r\nContent-Length: 9\r\n\r\nx")
                 .expect("listening");
             stream
         })
         .collect();
-    assert!(view.serves(), "the slow keep others out");
-    let answers: Vec<String> = slow.iter_mut().map(rest).collect();
+    assert!(view.serves(), "slow clients block others");
+    let answers: Vec<String> = slow.iter_mut().map(read_to_end).collect();
     assert!(answers.iter().all(|answer| answer.is_empty() || answer.starts_with("HTTP/1.1 408")), "{answers:?}");
-    eventually("an end of all connections", || view.files() == files);
-    let more = view.memory() - memory;
+    eventually("an end of all connections", || view.open_files() == files);
+    let more = view.peak_memory() - memory;
     assert!(more < 16_000, "{more} kB more");
     walk.end_with(view.process);
 }
 
 #[test]
-fn a_reader_that_stalls_stalls_nobody() {
-    let walk = Running::unheard("stall");
+fn a_stalled_reader_blocks_nobody() {
+    let walk = Running::unobserved("stall");
     let view = View::open(&walk, &[]);
-    // Browsers that ask for the page again and again and never read it: more than fits between us, from each.
-    let before = view.files();
+    // Clients that request the page repeatedly and never read it, each for more bytes than the socket buffers hold.
+    let before = view.open_files();
     let stalled: Vec<TcpStream> = (0..8)
         .map(|_| {
             let mut stream = view.connect();
-            let request = format!("GET /?token={} HTTP/1.1\r\nHost: {}\r\n\r\n", view.token, view.place);
+            let request = format!("GET /?token={} HTTP/1.1\r\nHost: {}\r\n\r\n", view.token, view.address);
             stream.write_all(request.repeat(12).as_bytes()).expect("listening");
             stream
         })
         .collect();
-    eventually("eight answers that nobody takes", || view.files() >= before + 8);
+    eventually("eight answers that nobody reads", || view.open_files() >= before + 8);
     let begin = walk.ask(Action::Resume).stamp.sim_ns;
     eventually("twenty seconds of lockstep", || walk.ask(Action::Resume).stamp.sim_ns > begin + 20_000_000_000);
-    assert!(view.serves(), "others wait for them");
-    eventually("an end of patience with each", || view.files() <= before);
+    assert!(view.serves(), "stalled clients block others");
+    eventually("the end of all stalled connections", || view.open_files() <= before);
     for mut stream in stalled {
-        let length = rest(&mut stream).len();
-        assert!(length < 12_000_000, "all of it was kept for whoever never read: {length} bytes");
+        let length = read_to_end(&mut stream).len();
+        assert!(length < 12_000_000, "the server buffered everything for a client that never read: {length} bytes");
     }
     walk.end_with(view.process);
 }
 
 #[test]
-fn other_addresses_are_listened_on_if_asked_for_and_then_that_is_warned_of() {
-    let walk = Running::unheard("listen");
+fn listening_on_other_addresses_needs_an_option_and_prints_a_warning() {
+    let walk = Running::unobserved("listen");
     walk.ask(Action::Pause);
     for (listen, host, warnings) in [("0.0.0.0", "192.0.2.7:80", 1), ("::", "[2001:db8::7]:80", 1), ("::1", "[::1]", 0)]
     {
@@ -213,7 +213,7 @@ fn other_addresses_are_listened_on_if_asked_for_and_then_that_is_warned_of() {
             continue;
         }
         let view = View::open(&walk, &["--listen", listen]);
-        assert!(view.place.is_ipv6() == listening.is_ipv6() && view.serves(), "{listen}");
+        assert!(view.address.is_ipv6() == listening.is_ipv6() && view.serves(), "{listen}");
         let path = format!("/frames?token={}", view.token);
         assert!(view.get(&path, host).starts_with("HTTP/1.1 200"), "{listen}: {host}");
         assert!(view.get(&path, "evil.example").starts_with("HTTP/1.1 421"), "{listen}");

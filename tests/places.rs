@@ -1,13 +1,13 @@
-//! Claims about other surroundings than a machine of one's own, made of namespaces: what `biped doctor` sees of a /dev/shm that
-//! nobody can use, what grants real time where a capability cannot, and a session over the walls of two containers.
+//! Claims about other environments, which namespaces imitate: `biped doctor` with an unusable /dev/shm, remedies where no capability can be
+//! granted, and a session across two containers.
 //!
-//! Where no namespaces may be made, they say so and claim nothing.
+//! On a host that does not allow namespaces, these tests print that and check nothing.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
 use std::process::{Command, Output};
 
-/// Exit code, what was printed, and what was said to be wrong, of a shell's script in namespaces of its own, as their root.
+/// Runs a shell script as root of new namespaces. Returns exit code, standard output and standard error; `None` without namespaces.
 fn within(namespaces: &[&str], script: &str) -> Option<(Option<i32>, String, String)> {
     let unshare = |script: &str| {
         let mut command = Command::new("unshare");
@@ -15,7 +15,7 @@ fn within(namespaces: &[&str], script: &str) -> Option<(Option<i32>, String, Str
         command.env("BIPED", env!("CARGO_BIN_EXE_biped")).output().expect("unshare")
     };
     if !unshare("mount -t tmpfs tmpfs /dev/shm").status.success() {
-        println!("no namespaces may be made here: nothing was tried");
+        println!("this host does not allow namespaces: nothing was tested");
         return None;
     }
     let Output { status, stdout, stderr } = unshare(script);
@@ -24,62 +24,62 @@ fn within(namespaces: &[&str], script: &str) -> Option<(Option<i32>, String, Str
     Some((status.code(), told, errors))
 }
 
-/// The doctor's line that begins with a word and its finding, and the advice below.
-fn finding(told: &str, what: &str) -> (String, String) {
+/// The line of `biped doctor` about an item, and the advice below it.
+fn check_result(told: &str, what: &str) -> (String, String) {
     let mut lines = told.lines().skip_while(|line| line.split_whitespace().nth(1) != Some(what));
     let line = lines.next().unwrap_or_default().to_string();
     (line, lines.next().unwrap_or_default().trim().to_string())
 }
 
 #[test]
-fn shared_memory_that_cannot_be_used_is_told_with_what_would_mend_it() {
+fn unusable_shared_memory_is_reported_with_a_remedy() {
     for (options, found, advice) in [
         ("ro", "cannot be written to: Read-only file system", "mount -o remount,rw /dev/shm"),
         ("size=10m", "10 MB free; a session needs 17 MB", "size=1"),
-        ("nr_inodes=9", "64 files of which 8 can be made", "remove files there"),
+        ("nr_inodes=9", "64 files, of which 8 can be created", "remove files there"),
     ] {
-        let place = format!("mount -t tmpfs -o {options} tmpfs /dev/shm");
-        let Some((code, told, _)) = within(&[], &format!("{place}; $BIPED doctor")) else { return };
-        let (line, mends) = finding(&told, "/dev/shm");
+        let mount = format!("mount -t tmpfs -o {options} tmpfs /dev/shm");
+        let Some((code, told, _)) = within(&[], &format!("{mount}; $BIPED doctor")) else { return };
+        let (line, advice_line) = check_result(&told, "/dev/shm");
         assert_eq!(code, Some(4), "{told}");
         assert!(line.starts_with("wrong") && line.contains(found), "{line}");
-        assert!(mends.contains(advice) || mends.contains("--shm-size"), "{mends}");
-        let run = format!("{place}; $BIPED run stand --quiet --set duration=0.1");
+        assert!(advice_line.contains(advice) || advice_line.contains("--shm-size"), "{advice_line}");
+        let run = format!("{mount}; $BIPED run stand --quiet --set duration=0.1");
         let (code, _, errors) = within(&[], &run).expect("namespaces");
         assert_eq!((code, errors.lines().count()), (Some(6), 1), "{errors}");
         assert!(errors.contains("/dev/shm") && !errors.contains("InternalError"), "{errors}");
     }
     let (code, told, _) = within(&[], "mount -t tmpfs tmpfs /dev/shm; $BIPED doctor").expect("namespaces");
     assert_eq!(code, Some(0), "{told}");
-    assert!(finding(&told, "/dev/shm").0.starts_with("ok"), "{told}");
+    assert!(check_result(&told, "/dev/shm").0.starts_with("ok"), "{told}");
 }
 
-/// As one of another user, to whom alone it is open; here it is open to nobody, and root without the right to pass over that.
+/// Imitates a /dev/shm of another user: nobody has write permission, and root lacks the capability to override permissions.
 #[test]
-fn shared_memory_of_another_user_is_told() {
+fn shared_memory_of_another_user_is_reported_with_a_remedy() {
     let enter = "mount -t tmpfs -o mode=555 tmpfs /dev/shm; exec setpriv --bounding-set=-dac_override $BIPED doctor";
     let Some((code, told, errors)) = within(&[], enter) else { return };
-    let (line, mends) = finding(&told, "/dev/shm");
+    let (line, advice_line) = check_result(&told, "/dev/shm");
     assert_eq!(code, Some(4), "{told}{errors}");
     assert!(line.starts_with("wrong") && line.contains("cannot be written to: Permission denied"), "{line}");
-    assert!(mends.contains("chmod 1777 /dev/shm") && mends.contains("with the mode 555"), "{mends}");
+    assert!(advice_line.contains("chmod 1777 /dev/shm") && advice_line.contains("has mode 555"), "{advice_line}");
 }
 
-/// A program whose file has a capability beyond the bounding set, or of a user whom the machine does not know, does not start or gains nothing.
+/// A program file with a capability outside the bounding set does not start. In another user namespace, a capability has no effect.
 #[test]
-fn no_capability_is_advised_where_none_can_be_given() {
+fn setcap_is_not_advised_where_no_capability_can_be_granted() {
     let script = "exec setpriv --bounding-set=-sys_nice,-ipc_lock $BIPED doctor";
     let Some((_, told, errors)) = within(&[], script) else { return };
-    let (line, mends) = finding(&told, "limit");
+    let (line, advice_line) = check_result(&told, "limit");
     assert!(line.contains("memlock") && told.contains("rtprio"), "{told}{errors}");
     assert!(!told.contains("setcap"), "{told}");
-    if told.contains("refused when asked") {
-        assert!(!mends.is_empty(), "{told}");
+    if told.contains("refused on request") {
+        assert!(!advice_line.is_empty(), "{told}");
     }
 }
 
 #[test]
-fn a_session_spans_two_containers_that_share_memory_and_not_processes() {
+fn a_session_spans_two_containers_that_share_only_memory() {
     let walk = "walk --session places --set duration=1";
     let script = format!(
         "mount -t tmpfs tmpfs /dev/shm; $BIPED plant {walk} & unshare --pid --fork --mount-proc $BIPED controller {walk} && wait $!"

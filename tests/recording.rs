@@ -1,5 +1,5 @@
-//! Claims about recordings: what was recorded happens again, bit for bit; a file that was cut short is readable up to its
-//! last good chunk, and a foreign one is refused with a sentence.
+//! Claims about recordings: a replay repeats them bit for bit; a truncated file is readable up to its last intact chunk; and a foreign file is
+//! refused with a sentence.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
@@ -23,7 +23,7 @@ fn on(file: &Path, command: &[&str]) -> (Option<i32>, String) {
     (output.status.code(), words)
 }
 
-/// A recorded run.
+/// Runs a scene and records it.
 fn record(scene: &str, arguments: &[&str]) -> PathBuf {
     let file = fresh_path("run.mcap");
     let name = file.to_string_lossy().into_owned();
@@ -33,8 +33,8 @@ fn record(scene: &str, arguments: &[&str]) -> PathBuf {
     file
 }
 
-/// How many were compared, all being equal.
-fn equal(file: &Path, command: &[&str]) -> u64 {
+/// Asserts that a replay finds no difference. Returns the number of compared messages.
+fn assert_equal(file: &Path, command: &[&str]) -> u64 {
     let (code, words) = on(file, command);
     assert!(code == Some(0) && words.contains(" 0 differ"), "{code:?}: {words}");
     let count = words.split(": ").nth(1).and_then(|words| words.split(' ').next());
@@ -42,21 +42,21 @@ fn equal(file: &Path, command: &[&str]) -> u64 {
 }
 
 #[test]
-fn controller_and_plant_do_again_what_was_recorded_bit_for_bit() {
+fn a_replay_repeats_controller_and_plant_bit_for_bit() {
     let quiet: &[&str] = &["--set", "duration=3"];
     let late = [quiet, &["--set", "link.delay_ms=2", "--set", "link.jitter_ms=2", "--set", "link.loss=0.2"]].concat();
     let single = [quiet, &["--in-process", "--set", "plant.encoder_bits=14"]].concat();
     for (arguments, commands) in [(quiet, 3000..=3000), (&late, 1500..=2900), (&single, 3000..=3000)] {
         let file = record("walk", arguments);
-        let count = equal(&file, &["replay"]);
+        let count = assert_equal(&file, &["replay"]);
         assert!(commands.contains(&count), "{arguments:?}: {count} commands");
-        assert_eq!(equal(&file, &["replay", "--plant"]), 3001);
+        assert_eq!(assert_equal(&file, &["replay", "--plant"]), 3001);
         std::fs::remove_file(file).expect("our own file");
     }
 }
 
 #[test]
-fn a_run_that_is_refused_touches_no_recording() {
+fn a_refused_run_does_not_touch_an_existing_recording() {
     let file = record("drop", &["--set", "duration=0.1"]);
     let before = std::fs::read(&file).expect("a recording");
     let new = fresh_path("never.mcap");
@@ -69,7 +69,7 @@ fn a_run_that_is_refused_touches_no_recording() {
         refused(file, &["drop", "--set", "plant.law=ConeQp"], "Rk4Impact");
     }
     let other = std::fs::File::open(&file).expect("a recording");
-    other.try_lock().expect("nobody else records"); // as another run does
+    other.try_lock().expect("nobody else records"); // another run would hold this lock
     refused(&file, &["drop"], "another run is recording");
     assert!(std::fs::read(&file).expect("a recording") == before && !new.exists());
     drop(other);
@@ -78,9 +78,9 @@ fn a_run_that_is_refused_touches_no_recording() {
 }
 
 #[test]
-fn what_was_asked_of_a_run_is_recorded_and_done_again_by_a_replay() {
+fn requests_are_recorded_and_repeated_by_a_replay() {
     let file = fresh_path("pushed.mcap");
-    // ten times as slow as real time: no scheduler keeps recorder or controller waiting for a whole period
+    // ten times slower than real time, so that no scheduler delays recorder or controller by a whole period
     let slow = ["--realtime", "--speed", "0.1", "--record", &file.to_string_lossy(), "--set", "duration=0.5"];
     let walk = Running::start("pushed", &slow);
     walk.ask(Action::Push { body: 4, impulse: [0.5, 0.3, 0.0], duration: 0.05 });
@@ -94,7 +94,7 @@ fn what_was_asked_of_a_run_is_recorded_and_done_again_by_a_replay() {
         let done = words.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());
         assert!(code == Some(0) && done.is_some_and(|done| done >= least), "{mode:?}: {words}");
     }
-    // beside those that found out whether the desks are open
+    // besides those by which the helper waited for the control services
     let folder = fresh_path("served");
     assert_eq!(on(&file, &["convert", "--csv", &folder.to_string_lossy()]).0, Some(0));
     let served = std::fs::read_to_string(folder.join("served.csv")).expect("a table");
@@ -104,14 +104,14 @@ fn what_was_asked_of_a_run_is_recorded_and_done_again_by_a_replay() {
 }
 
 #[test]
-fn a_killed_recorder_leaves_a_file_that_is_good_up_to_its_last_chunk() {
+fn a_killed_recorder_leaves_a_file_that_is_readable_up_to_its_last_chunk() {
     let file = fresh_path("killed.mcap");
     let mut walk = Running::start("killed", &["--record", &file.to_string_lossy(), "--set", "duration=100000"]);
     walk.until("two chunks", |truth| truth.stamp.seq > 5000);
     walk.end();
     let (code, words) = on(&file, &["info"]);
     assert!(code == Some(0) && words.contains("cut short"), "{words}");
-    assert!(equal(&file, &["replay"]) > 1000);
+    assert!(assert_equal(&file, &["replay"]) > 1000);
     let page = fresh_path("killed.html");
     let (code, words) = on(&file, &["view", "--out", &page.to_string_lossy()]);
     assert!(code == Some(0) && words.contains("is cut short"), "{code:?}: {words}");
@@ -122,7 +122,7 @@ fn a_killed_recorder_leaves_a_file_that_is_good_up_to_its_last_chunk() {
 }
 
 #[test]
-fn a_file_of_any_length_and_with_any_damage_is_read_up_to_there_or_refused() {
+fn a_truncated_or_damaged_file_is_read_up_to_the_damage_or_refused() {
     let whole = record("walk", &["--in-process", "--set", "duration=1.5"]);
     let bytes = std::fs::read(&whole).expect("a recording");
     let seed = std::process::id().into();
@@ -153,7 +153,7 @@ fn a_file_of_any_length_and_with_any_damage_is_read_up_to_there_or_refused() {
 }
 
 #[test]
-fn what_is_no_recording_is_refused() {
+fn a_file_that_is_no_recording_is_refused() {
     let file = fresh_path("no.mcap");
     for text in ["", "hello", "\u{89}MCAP0\r\n"] {
         std::fs::write(&file, text).expect("a file");
@@ -180,7 +180,7 @@ fn what_is_no_recording_is_refused() {
 }
 
 #[test]
-fn tables_have_every_message_and_every_bit() {
+fn tables_contain_every_message_bit_for_bit() {
     let file = record("walk", &["--in-process", "--set", "duration=0.5"]);
     let folder = fresh_path("tables");
     let (code, words) = on(&file, &["convert", "--csv", &folder.to_string_lossy()]);
@@ -199,35 +199,35 @@ fn tables_have_every_message_and_every_bit() {
     std::fs::remove_file(file).and_then(|()| std::fs::remove_dir_all(folder)).expect("our own files");
 }
 
-/// What the loop does in a control period: how late it wakes, how long the plant computes, how long the answer takes [ns].
+/// Histograms of three times in a control period: wake-up latency, computing time of the plant, response time of the controller [ns].
 type Loop = [Histogram<u64>; 3];
 const PARTS: [&str; 3] = ["wakes late by", "plant computes", "answer takes"];
 
-/// Counts a paced walk of some seconds.
-fn count(counted: &mut Loop, seconds: u64, arguments: &[&str]) {
+/// Adds a real-time walk of some seconds to the histograms.
+fn measure(counted: &mut Loop, seconds: u64, arguments: &[&str]) {
     let duration = format!("duration={seconds}");
     let mut walk = Running::start("paced", &[&["--realtime", "--set", &duration], arguments].concat());
-    walk.hear(|truth| {
+    walk.until_exit(|truth| {
         let times = [truth.late_ns, truth.plant_ns, truth.reply_ns];
         counted.iter_mut().zip(times).for_each(|(counted, time)| counted.saturating_record(time));
     });
     if let (Some(code @ 1..), _, errors) = walk.wait() {
-        println!("ended early, by {code}: {errors}"); // a host too busy for a control loop
+        println!("ended early, by {code}: {errors}"); // the host was too busy for a control loop
     }
 }
 
-/// `cargo test --release --test recording histogram -- --ignored --nocapture`, on a machine that has nothing else to do. Walks with
-/// and without a recorder take turns; two halves of those without show what turns alone make of it.
+/// `cargo test --release --test recording histogram -- --ignored --nocapture`, on an idle machine. Walks with
+/// and without a recorder alternate. Half of those without are a second group, which shows the variation without any cause.
 #[test]
 #[ignore = "two minutes; prints the paced loop's histogram with and without a recorder"]
-fn the_loops_histogram_is_the_same_with_a_recorder() {
+fn the_histogram_of_the_loop_is_the_same_with_and_without_a_recorder() {
     let file = fresh_path("paced.mcap");
     let record = ["--record", &file.to_string_lossy()];
     let empty = || [(); 3].map(|()| Histogram::new_with_bounds(1, 1_000_000_000, 3).expect("good bounds"));
     let mut counted = [empty(), empty(), empty()];
     for round in 0..8 {
         for arm in [[0, 1, 2], [2, 1, 0]][round % 2] {
-            count(&mut counted[arm], 5, if arm == 1 { &record } else { &[] });
+            measure(&mut counted[arm], 5, if arm == 1 { &record } else { &[] });
         }
     }
     std::fs::remove_file(&file).expect("our own file");

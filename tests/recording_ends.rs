@@ -1,5 +1,5 @@
-//! Claims about recordings that end before their run: the robot walks on, the exit code tells, and what was recorded is whole; and about
-//! recordings whose content lies.
+//! Claims about recordings that end before their run: the run continues, the exit code reports it, and the recording is complete up to its end.
+//! Also claims about recordings with inconsistent content.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -16,18 +16,18 @@ use std::fs::File;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Exit code and both outputs.
-fn told(output: Output) -> (Option<i32>, String) {
+/// Exit code and both outputs of a command that must not panic.
+fn result(output: Output) -> (Option<i32>, String) {
     let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
     assert!(!words.contains("panicked"), "{words}");
     (output.status.code(), words)
 }
 
 fn on(arguments: &[&str]) -> (Option<i32>, String) {
-    told(biped(arguments).output().expect("it starts"))
+    result(biped(arguments).output().expect("it starts"))
 }
 
-/// A walk of some seconds in one process, recorded; with what the shell does before.
+/// Records a walk of some seconds in one process, after some shell commands.
 fn walk(before: &str, more: &str, file: &Path, out: &Path) -> (Option<i32>, String) {
     let script = format!(
         "{before}\n exec '{}' run walk --in-process --quiet --set duration=8 {more} --record '{}' --out '{}'",
@@ -35,42 +35,42 @@ fn walk(before: &str, more: &str, file: &Path, out: &Path) -> (Option<i32>, Stri
         file.display(),
         out.display()
     );
-    told(Command::new("sh").args(["-c", &script]).output().expect("a shell"))
+    result(Command::new("sh").args(["-c", &script]).output().expect("a shell"))
 }
 
 fn summary(out: &Path) -> serde_json::Value {
     serde_json::from_slice(&std::fs::read(out.join("summary.json")).expect("a summary")).expect("JSON")
 }
 
-/// That all of it can be replayed; its length.
-fn replays(file: &Path) -> u64 {
+/// Asserts that a recording replays without a difference. Returns its length [bytes].
+fn assert_replays(file: &Path) -> u64 {
     let (code, words) = on(&["replay", &file.to_string_lossy()]);
     assert!(code == Some(0) && words.contains(" 0 differ"), "{code:?}: {words}");
     file.metadata().expect("a file").len()
 }
 
 #[test]
-fn a_recording_ends_where_it_has_to_and_the_robot_walks_on() {
+fn a_recording_ends_at_its_limit_and_the_run_continues() {
     let (file, out) = (fresh_path("end.mcap"), fresh_path("end"));
     let clean = |file: &Path| std::fs::remove_dir_all(&out).and_then(|()| std::fs::remove_file(file)).expect("our own");
     let (code, words) = walk("", "", &file, &out);
     assert_eq!(code, Some(0), "{words}");
-    let (whole, hash) = (replays(&file), summary(&out)["trajectory_hash"].clone());
+    let (whole, hash) = (assert_replays(&file), summary(&out)["trajectory_hash"].clone());
     assert!(summary(&out)["recording_ended_by"].is_null() && !words.contains("the recording"), "{words}");
     clean(&file);
-    // a limit that was asked for, and one that the system sets
+    // a limit by option, and one by the system
     for (before, more, ends, limit, why) in [
         ("", "--record-limit 5M", 0, 5_000_000, "--record-limit of 5 MB is reached"),
         ("ulimit -f 8000", "", 11, 4_096_000, "File too large"),
     ] {
         let (code, words) = walk(before, more, &file, &out);
-        assert!(code == Some(ends) && words.contains(why) && words.contains("the run goes on"), "{code:?}: {words}");
+        assert!(code == Some(ends) && words.contains(why) && words.contains("the run continues"), "{code:?}: {words}");
         let summary = summary(&out);
         let end = summary["recording_ended_by"].as_str().expect("a sentence");
         assert!(end.contains(why) && summary["trajectory_hash"] == hash && summary["fell"] == false, "{end}");
         let report = std::fs::read_to_string(out.join("report.html")).expect("a report");
         assert!(report.contains(why), "the report says it");
-        let length = replays(&file);
+        let length = assert_replays(&file);
         assert!((limit / 3..=limit).contains(&length) && length < whole, "{length} of {whole} bytes, limit {limit}");
         let (_, words) = on(&["info", &file.to_string_lossy()]);
         assert_eq!(words.contains("cut short"), ends != 0, "one that was ended in order has its index: {words}");
@@ -82,7 +82,7 @@ fn a_recording_ends_where_it_has_to_and_the_robot_walks_on() {
 }
 
 #[test]
-fn a_limit_must_be_a_size_and_too_little_room_is_told_before_the_run() {
+fn a_limit_must_be_a_size_and_a_full_disk_is_reported_before_the_run() {
     for bad in ["5", "3M", "fast", "nanG", "1Q", "infM"] {
         let (code, words) = on(&["run", "walk", "--record", "x.mcap", "--record-limit", bad]);
         assert!(code == Some(2) && words.contains("200M or 1.5G"), "{bad}: {words}");
@@ -100,7 +100,7 @@ fn a_limit_must_be_a_size_and_too_little_room_is_told_before_the_run() {
     std::fs::remove_file(file).expect("our own file");
 }
 
-/// A recording of a moment, written anew with other records.
+/// Records a short walk and writes the file again with changed records.
 fn forged(name: &str, mut change: impl FnMut(&mut Record)) -> PathBuf {
     let (file, forged) = (fresh_path("true.mcap"), fresh_path(name));
     let (code, words) =
@@ -133,7 +133,7 @@ fn copy(writer: &mut Writer<File>, record: &Record) -> McapResult<()> {
     }
 }
 
-/// Whatever opens a recording; each needs a place to write to.
+/// All commands that open a recording. Some of them write to a path that begins with TO.
 fn commands(file: &Path, to: &Path) -> [Vec<String>; 8] {
     let all = [
         "info FILE",
@@ -181,13 +181,13 @@ fn the_scene_in_a_recording_is_checked_like_any_other() {
                 "{command:?}: {code:?} {said}"
             );
         }
-        assert!(!place.exists(), "what is refused makes no folder");
+        assert!(!place.exists(), "a refused command creates no folder");
         std::fs::remove_file(file).expect("our own file");
     }
 }
 
 #[test]
-fn messages_that_lie_are_read_or_refused_but_never_panic() {
+fn inconsistent_messages_are_read_or_refused_without_a_panic() {
     let seed = std::process::id().into();
     println!("seed {seed}");
     let mut random = fastrand::Rng::with_seed(seed);
@@ -197,10 +197,11 @@ fn messages_that_lie_are_read_or_refused_but_never_panic() {
                 && random.u8(..) < 100
             {
                 let at = random.usize(..data.len());
-                let lie = *random.choice(&[u64::MAX, 1 << 63, f64::NAN.to_bits(), f64::MAX.to_bits(), 0]).expect("one");
-                let place = &mut data.to_mut()[at..];
-                let length = place.len().min(8);
-                place[..length].copy_from_slice(&lie.to_le_bytes()[..length]);
+                let value =
+                    *random.choice(&[u64::MAX, 1 << 63, f64::NAN.to_bits(), f64::MAX.to_bits(), 0]).expect("one");
+                let target = &mut data.to_mut()[at..];
+                let length = target.len().min(8);
+                target[..length].copy_from_slice(&value.to_le_bytes()[..length]);
                 header.log_time = if random.u8(..) < 9 { u64::MAX } else { header.log_time };
             }
         });

@@ -1,4 +1,4 @@
-//! Claims about a controller that is started anew amid a step: it sees only encoders, and the robot stays up.
+//! Claims about a controller that is restarted within a step: it has only the encoders, and the robot stays up.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -13,45 +13,45 @@ use nix::sys::signal::Signal;
 use plant::process::{ExchangeOutcome, drive};
 use plant::{PlantError, Simulation};
 
-/// The trunk of a robot that walks is never lower [m].
-const UP: f64 = 0.5;
-/// What the speed is measured over: three whole periods of the gait, for the trunk does not go evenly [s].
-const LAST: f64 = 1.8;
+/// Lowest height of the trunk of a walking robot [m].
+const MIN_HEIGHT: f64 = 0.5;
+/// Time over which the speed is averaged: three periods of the gait, because the speed varies within a period [s].
+const SPEED_WINDOW: f64 = 1.8;
 
 fn walk(duration: f64) -> Scene {
     let settings = [format!("duration={duration}")];
     messages::load::load("launch/scenes/walk.toml", &settings, &[]).expect("the walk")
 }
 
-/// Lowest height of the trunk, and speed over the last three periods of the gait, when the controller is replaced before the periods
-/// given.
+/// Lowest height of the trunk [m] and final speed [m/s] of a walk. The controller is replaced by a new one before each control period for which
+/// `is_replaced` is true.
 fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f64) {
     let mut controller = Controller::new(scene).expect("a controller");
     let mut simulation = Simulation::new(scene, 1, 1).expect("a plant");
     let (mut lowest, mut from) = (f64::INFINITY, 0.0);
     let mut epoch = 1;
-    // what fails after a fall fails because of it
+    // an error after a fall is a consequence of the fall
     let _ = drive::<PlantError>(&mut simulation, |simulation, sensors, _| {
         let truth = simulation.truth();
         lowest = lowest.min(truth.base_position[2]);
         let time = sensors.stamp.sim_ns as f64 * 1e-9;
-        if time <= scene.duration - LAST {
+        if time <= scene.duration - SPEED_WINDOW {
             from = truth.base_position[0];
         }
         if is_replaced(sensors.stamp.seq) {
             controller = Controller::new(scene).expect("a controller");
             epoch += 1;
         }
-        let torques = controller.tick(&sensors.encoders).unwrap_or_default(); // a heap of legs is no posture
+        let torques = controller.tick(&sensors.encoders).unwrap_or_default(); // after a fall there may be no solution
         let stamp = Stamp { ack: sensors.stamp.seq, epoch, ..sensors.stamp };
         simulation.receive(&Command { stamp, torques, ..Command::default() }.sealed());
         Ok(ExchangeOutcome::Advance { late_ns: 0 })
     });
-    (lowest, (simulation.truth().base_position[0] - from) / LAST)
+    (lowest, (simulation.truth().base_position[0] - from) / SPEED_WINDOW)
 }
 
 #[test]
-fn a_controller_restarted_at_any_moment_of_the_walk_goes_on_walking() {
+fn a_controller_restarted_at_any_moment_of_the_walk_continues_the_walk() {
     let seed = fastrand::u64(..);
     println!("seed {seed}");
     let mut random = fastrand::Rng::with_seed(seed);
@@ -59,36 +59,36 @@ fn a_controller_restarted_at_any_moment_of_the_walk_goes_on_walking() {
     for _ in 0..40 {
         let when = random.u64(2000..4000);
         let (lowest, speed) = walk_with(&scene, |seq| seq == when);
-        assert!(lowest > UP && speed > 0.19, "restarted in period {when}: trunk at {lowest} m, {speed} m/s");
+        assert!(lowest > MIN_HEIGHT && speed > 0.19, "restarted in period {when}: trunk at {lowest} m, {speed} m/s");
     }
 }
 
 #[test]
-fn a_controller_restarted_while_it_begins_to_walk_walks_later() {
+fn a_controller_restarted_during_the_first_steps_still_reaches_a_walk() {
     let scene = walk(7.0);
     for when in (2..2000).step_by(200) {
         let (lowest, speed) = walk_with(&scene, |seq| seq == when);
-        assert!(lowest > UP && speed > 0.15, "restarted in period {when}: trunk at {lowest} m, {speed} m/s");
+        assert!(lowest > MIN_HEIGHT && speed > 0.15, "restarted in period {when}: trunk at {lowest} m, {speed} m/s");
     }
 }
 
 #[test]
-fn a_robot_whose_controller_lives_for_a_fifth_of_a_second_walks_and_for_a_hundredth_it_falls() {
+fn the_robot_walks_with_a_controller_restarted_every_200_ms_and_falls_with_one_restarted_every_few_ms() {
     let scene = walk(8.0);
     let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
     let (lowest, speed) = living(200);
-    assert!(lowest > UP && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
+    assert!(lowest > MIN_HEIGHT && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
     let ends: Vec<_> = (4..=13).step_by(3).map(living).collect();
     println!("{ends:.2?}");
-    assert!(ends.iter().all(|(lowest, _)| *lowest < UP), "one stays up: {ends:?}");
+    assert!(ends.iter().all(|(lowest, _)| *lowest < MIN_HEIGHT), "one stays up: {ends:?}");
 }
 
 #[test]
-fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() {
-    for (role, words) in [("controller", "1 controller replaced"), ("plant", "starting it anew")] {
+fn a_killed_controller_is_restarted_within_the_step_and_a_killed_plant_starts_a_new_run() {
+    for (role, words) in [("controller", "1 controller replaced"), ("plant", "restarting it")] {
         let mut walk = Running::start(role, &["--respawn", "1", "--set", "duration=900"]);
         walk.until("walking", |truth| truth.telemetry.steps > 5);
-        walk.leave();
+        walk.stop_observing();
         walk.signal(role, Signal::SIGKILL);
         let (code, out, errors) = walk.wait();
         assert_eq!(code, Some(0), "{role}: {errors}");
@@ -97,9 +97,9 @@ fn a_killed_controller_is_replaced_amid_a_step_and_a_killed_plant_begins_anew() 
     }
 }
 
-/// A claim about these tests: one that fails amid a session ends it, whatever state that is in.
+/// A claim about the test helper: a failing test ends its session in any state, also with a stopped process.
 #[test]
-fn a_session_that_a_test_gives_up_ends_with_it() {
+fn dropping_a_session_in_a_test_ends_all_its_processes() {
     for stopped in [None, Some("plant"), Some("controller")] {
         let mut walk = Running::start("given-up", &["--set", "duration=100000", "--respawn", "3"]);
         walk.until("a walk", |truth| truth.stamp.seq > 100);

@@ -1,5 +1,5 @@
-//! Claims about robots in files: the paper's robot through a file is the same to the bit, robots of another size walk as
-//! dynamic similarity says, robots of another shape walk, and a file that is no biped is refused with a sentence.
+//! Claims about robots in files: the paper's robot survives export and import bit for bit, robots of another size walk as dynamic similarity
+//! predicts, robots of another shape walk, and a file that is no biped is refused with a sentence.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -48,7 +48,7 @@ fn a_robot_one_and_a_half_times_as_large_walks_as_dynamic_similarity_says() {
     let (small, large) = (run("walk", &[]), run_two("walk", &[&file.setting()]));
     let time = LENGTH.sqrt();
     let near = |value: f64, share: f64| value * (1.0 - share)..=value * (1.0 + share);
-    large.shows(&[
+    large.assert_ranges(&[
         ("speed_mps", near(small.number("speed_mps") * time, 0.01)),
         ("period_s", near(small.number("period_s") * time, 1e-3)),
         ("x2_min_m", near(small.number("x2_min_m") * LENGTH, 0.01)),
@@ -57,7 +57,7 @@ fn a_robot_one_and_a_half_times_as_large_walks_as_dynamic_similarity_says() {
     ]);
 }
 
-/// Joint angles at each control period.
+/// Joint angles in each control period.
 fn angles(scene: &Scene) -> Vec<[f64; 8]> {
     let mut plant = Plant::new(scene).expect("a good scene");
     let mut controller = Controller::new(scene).expect("a controller");
@@ -71,8 +71,8 @@ fn angles(scene: &Scene) -> Vec<[f64; 8]> {
     (0..periods).map(period).collect()
 }
 
-/// Greatest difference between the joint angles of Table 1's walk and those of another robot at the same phase, its clocks
-/// going slower by the scale: over the first 2.5 s, which has four steps, and over all [rad].
+/// Largest difference between the joint angles of the robot of Table 1 and those of another robot at the same scaled time: over the first
+/// 2.5 s, which have four steps, and over the whole walk [rad].
 fn difference(robot: &Robot, settings: &[&str]) -> [f64; 2] {
     let file = RobotFile::new(robot);
     let time = Scale::between(&table_1(), &robot.bodies).time();
@@ -88,11 +88,11 @@ fn difference(robot: &Robot, settings: &[&str]) -> [f64; 2] {
     })
 }
 
-/// A length of 4 makes a time of 2, so that nothing is rounded and no phase begins a period earlier or later: equal to the bit
-/// for 1.1 s, and then but for tolerances of the contact solver that are absolute. What they leave grows until a foot lands a period
-/// earlier or later; from then on the observer keeps the two walks together.
+/// A length ratio of 4 gives a time ratio of 2, so scaling causes no rounding and every phase starts at the same scaled control period. The two
+/// walks are equal bit for bit for 1.1 s. Then absolute tolerances of the contact solver cause a small difference, which grows until a foot
+/// lands one period earlier or later. From then on the observer keeps the two walks close.
 #[test]
-fn in_its_own_time_the_similar_robot_moves_as_the_small_one_does() {
+fn a_similar_robot_moves_like_the_small_one_in_scaled_time() {
     let same = difference(&similar(4.0), &[]);
     let lighter = difference(&similar(4.0), &["plant.drive_inertia=80"]);
     println!("joint angles differ by {same:?} rad at most; {lighter:?} rad with drives a little lighter");
@@ -105,7 +105,7 @@ fn a_robot_with_shanks_a_fifth_longer_walks() {
     let robot = shanks(1.2);
     let file = RobotFile::new(&robot);
     let time = Scale::between(&table_1(), &robot.bodies).time();
-    run("walk", &[&file.setting()]).shows(&[
+    run("walk", &[&file.setting()]).assert_ranges(&[
         ("speed_mps", 0.2 * time..=0.21 * time),
         ("period_s", 0.599 * time..=0.601 * time),
         ("yaw_deg", -0.1..=0.1),
@@ -114,12 +114,12 @@ fn a_robot_with_shanks_a_fifth_longer_walks() {
 }
 
 #[test]
-fn a_scene_names_its_robot_and_what_it_leaves_out_follows() {
+fn a_scene_that_names_a_robot_gets_its_missing_values_from_it() {
     let robot = RobotFile::new(&shanks(1.2));
     let name = std::path::Path::new(robot.path()).file_name().expect("a name").to_string_lossy();
     let text = format!("robot = {name:?}\nduration = 4.0\n[plant]\ndt = 0.001\n[controller]\nspeed = 0.2\n");
     let scene = RobotFile::of("toml", &text);
-    run(scene.path(), &[]).shows(&[("distance_m", 0.15..=0.35), ("steps", 6.0..=9.0)]);
+    run(scene.path(), &[]).assert_ranges(&[("distance_m", 0.15..=0.35), ("steps", 6.0..=9.0)]);
 }
 
 #[test]
@@ -146,7 +146,7 @@ fn plant_and_controller_with_different_robots_refuse_each_other() {
 }
 
 #[test]
-fn a_file_that_is_no_biped_is_refused_with_a_sentence() {
+fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
     let refused = |kind: &str, text: &str, words: &[&str]| {
         let file = RobotFile::of(kind, text);
         let output = biped(&["run", "walk", "--robot", file.path()]);
@@ -213,7 +213,7 @@ fn a_file_that_is_no_biped_is_refused_with_a_sentence() {
     assert!(String::from_utf8_lossy(&errors).contains("leave out one of them"));
 }
 
-/// The robot of Table 1 with something of both legs, or of the trunk, changed.
+/// The robot of Table 1 with changes to some bodies.
 fn changed(bodies: &[usize], change: impl Fn(&mut Body)) -> Robot {
     let mut robot = similar(1.0);
     bodies.iter().for_each(|&body| change(&mut robot.bodies[body]));
@@ -249,9 +249,9 @@ fn legs(mass: f64) -> Robot {
     changed(&[2, 3, 5, 6], |bone| bone.mass *= mass)
 }
 
-/// The table of docs/SCENES.md.
+/// The limits in the table of docs/SCENES.md.
 #[test]
-fn how_far_another_robot_may_be_from_table_1() {
+fn robots_walk_within_a_documented_distance_from_table_1() {
     type Kind = (&'static str, fn(f64) -> Robot, &'static [f64], &'static [f64]);
     let kinds: [Kind; 8] = [
         ("all lengths", similar, &[0.03, 0.1, 0.5, 2.0, 10.0, 50.0], &[0.01]),

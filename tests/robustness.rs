@@ -1,5 +1,5 @@
-//! Claims about `biped robustness`: shards and interruptions leave the same file as one quiet run, and bad wishes are
-//! refused in one sentence.
+//! Claims about `biped robustness`: sharded and interrupted sweeps write the same file as one uninterrupted sweep, and bad arguments are refused
+//! in one sentence.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -22,7 +22,7 @@ fn output(arguments: &[&str], folder: &Path) -> Output {
     biped(arguments).arg("--out").arg(folder).output().expect("the program starts")
 }
 
-/// Sweeps; the folder's table and map.
+/// Runs a sweep. Returns its table and its map.
 fn sweep(arguments: &[&str], folder: &Path) -> [String; 2] {
     let output = output(arguments, folder);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -34,13 +34,13 @@ fn read(path: &Path) -> String {
 }
 
 #[test]
-fn shards_and_interrupted_sweeps_leave_the_same_file_as_one() {
+fn sharded_and_interrupted_sweeps_write_the_same_file_as_one_sweep() {
     let folder = fresh_path("robustness");
     let whole = sweep(&[], &folder.join("whole"));
     let rows: Vec<&str> = whole[0].lines().skip(2).collect();
     assert_eq!(rows.len(), 16);
 
-    // Shards, merged in any order.
+    // Shards can be merged in any order.
     let mut files: Vec<PathBuf> = Vec::new();
     for shard in ["3/3", "1/3", "2/3"] {
         assert!(output(&["--shard", shard], &folder).status.success(), "{shard}");
@@ -54,7 +54,7 @@ fn shards_and_interrupted_sweeps_leave_the_same_file_as_one() {
     assert_eq!(lacking.status.code(), Some(2), "{words}");
     assert!(words.contains("of 16 runs are in none of the files") && words.lines().count() == 1, "{words}");
 
-    // Cut in the middle of a row, in the order in which runs ended. What is there is not run again: a false speed stays.
+    // A table that was cut in the middle of a row, with rows in order of completion. Finished runs are not repeated, so a falsified speed stays.
     let cut = folder.join("cut");
     std::fs::create_dir_all(&cut).expect("a folder");
     let head: Vec<&str> = whole[0].lines().take(2).collect();
@@ -66,7 +66,7 @@ fn shards_and_interrupted_sweeps_leave_the_same_file_as_one() {
     let resumed = sweep(&[], &cut);
     assert_eq!(resumed[0], whole[0].replacen(rows[0], &false_row, 1));
 
-    // The same cut within the first line.
+    // A table that was cut in its first line.
     std::fs::write(cut.join("robustness.csv"), &whole[0][..20]).expect("a table");
     assert_eq!(sweep(&[], &cut), whole);
     std::fs::remove_dir_all(folder).expect("our own folder");
@@ -90,24 +90,24 @@ fn two_sweeps_never_write_one_table() {
     );
     kill(Pid::from_raw(first.id() as i32), Signal::SIGTERM).expect("our own child");
     assert_eq!(first.wait().expect("an end").code(), Some(130));
-    // Another share has a table of its own.
+    // Another shard writes another table.
     assert!(output(&["--shard", "1/16"], &folder).status.success());
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 
 #[test]
-fn a_walk_bears_some_delay_but_not_any() {
+fn the_walk_tolerates_a_small_delay_but_not_a_large_one() {
     let folder = fresh_path("robustness");
     let [table, map] = sweep(&["--delay", "0,2,12", "--jitter", "0", "--loss", "0,1"], &folder);
-    let fates: Vec<&str> = table.lines().skip(2).filter_map(|row| row.split(',').nth(7)).collect();
-    assert_eq!(fates[..3], ["up", "up", "fell"], "{table}");
-    assert!(fates[3..].iter().all(|fate| *fate != "up"), "without any command: {table}");
+    let outcomes: Vec<&str> = table.lines().skip(2).filter_map(|row| row.split(',').nth(7)).collect();
+    assert_eq!(outcomes[..3], ["up", "up", "fell"], "{table}");
+    assert!(outcomes[3..].iter().all(|outcome| *outcome != "up"), "without any command: {table}");
     assert!(map.contains("loss 0") && map.contains("loss 1") && !map.contains("NaN"), "{map}");
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 
 #[test]
-fn the_walk_is_even_up_to_the_limit_of_the_servo_and_not_beyond() {
+fn the_walk_is_regular_up_to_the_delay_limit_of_the_servo_and_not_beyond() {
     let scene = common::scene("walk", &[]);
     let loops = controller::stability::loops(&scene).expect("the paper's robot");
     let critical = loops.iter().map(|servo| servo.critical_delay()).fold(f64::INFINITY, f64::min);
@@ -127,7 +127,7 @@ fn the_walk_is_even_up_to_the_limit_of_the_servo_and_not_beyond() {
 }
 
 #[test]
-fn a_bad_link_does_the_same_in_one_process_and_in_two_and_duplicates_do_nothing() {
+fn a_bad_link_has_the_same_effect_in_one_process_and_in_two_and_duplicates_have_none() {
     let bad =
         ["delay_ms=2", "jitter_ms=3", "loss=0.3", "duplicate=0.3", "reorder=0.3"].map(|key| format!("link.{key}"));
     let with = |settings: &[&'static str]| -> Vec<&str> { [&["duration=3"], settings].concat() };
@@ -142,7 +142,7 @@ fn a_bad_link_does_the_same_in_one_process_and_in_two_and_duplicates_do_nothing(
 }
 
 #[test]
-fn another_value_of_a_key_is_another_map() {
+fn other_values_of_a_key_give_a_separate_map() {
     let folder = fresh_path("robustness");
     let [table, map] = sweep(
         &["--delay", "0", "--jitter", "0", "--loss", "0", "--with", "plant.push_impulse=[0,1,0],[0,9,0]"],
@@ -156,7 +156,7 @@ fn another_value_of_a_key_is_another_map() {
 }
 
 #[test]
-fn interrupted_it_keeps_what_was_done() {
+fn an_interrupted_sweep_keeps_its_finished_runs() {
     let folder = fresh_path("robustness");
     let child = biped(&["--seeds", "500", "--out"])
         .arg(&folder)
@@ -185,7 +185,7 @@ fn interrupted_it_keeps_what_was_done() {
 }
 
 #[test]
-fn a_bad_wish_is_refused_in_one_sentence() {
+fn a_bad_argument_is_refused_in_one_sentence() {
     let folder = fresh_path("robustness");
     let refused: [(&[&str], &[&str]); 12] = [
         (&["--delay", "3,1"], &["--delay", "3 comes before 1", "ascend"]),
@@ -208,7 +208,7 @@ fn a_bad_wish_is_refused_in_one_sentence() {
         assert!(words.lines().count() == 1, "{arguments:?}: {words}");
         assert!(expected.iter().all(|word| words.contains(word)), "{arguments:?}: {words}");
     }
-    // These end in the argument parser, which adds how to get help.
+    // The argument parser refuses these, and adds a line about help.
     for (arguments, word) in
         [(["--shard", "5/4"], "i from 1 to n"), (["--seeds", "0"], "1..=1000"), (["--loss", "x"], "x")]
     {

@@ -1,4 +1,4 @@
-//! Claims about a user's own scenes: other bodies, other bases, no controller.
+//! Claims about user-defined scenes: other bodies, other bases, no controller.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -61,7 +61,7 @@ size = [0.4, 0.4, 0.1]
 contacts = [[0.2, 0.0, -0.05], [-0.2, 0.0, -0.05]]
 "#;
 
-/// A file of the user's, gone when dropped.
+/// A scene file that is removed when dropped.
 struct File(String);
 
 impl File {
@@ -78,7 +78,7 @@ impl Drop for File {
     }
 }
 
-/// Greatest departure of the energy from its first value over 2 s, after the start [J], and the greatest kinetic one.
+/// Largest deviation of the energy from its first value over 2 s, and largest kinetic energy [J].
 fn energy_error(dt: f64) -> [f64; 2] {
     let file = File::new(PENDULUM);
     let scene = load(&file.0, &[format!("plant.dt={dt}")], &[]).expect("a good scene");
@@ -112,22 +112,22 @@ fn a_frictionless_double_pendulum_keeps_its_energy_to_second_order_in_the_step()
 }
 
 #[test]
-fn a_users_own_pendulum_runs_in_both_ways() {
+fn a_users_own_pendulum_runs_in_one_process_and_in_two() {
     let file = File::new(PENDULUM);
     let [one, two] = [run(&file.0, &[]), run_two(&file.0, &[])];
     assert_eq!(one.hash(), two.hash());
-    one.shows(&[("duration_s", 2.0..=2.0), ("steps", 0.0..=0.0), ("peak_torque_nm", 0.0..=0.0)]);
+    one.assert_ranges(&[("duration_s", 2.0..=2.0), ("steps", 0.0..=0.0), ("peak_torque_nm", 0.0..=0.0)]);
 }
 
-/// Down a slope of 20° with friction .2 it accelerates at g (sin - mu cos), whatever base carries it.
+/// On a slope of 20° with friction .2 the box accelerates at g (sin - mu cos) with every type of base.
 #[test]
-fn a_box_slides_the_same_on_every_base_that_lets_it() {
+fn a_box_slides_identically_with_every_type_of_base_that_can_slide() {
     let file = File::new(BOX);
     let angle = 20f64.to_radians();
     let way = 0.5 * 9.81 * (angle.sin() - 0.2 * angle.cos());
     let slide = |base: &str| -> Summary {
         let summary = run(&file.0, &[&format!("plant.base={base}")]);
-        summary.shows(&[
+        summary.assert_ranges(&[
             ("distance_m", way - 1e-9..=way + 1e-9),
             ("hop_max_m", -1.0..=1e-9),
             ("lateral_max_m", 0.0..=1e-9),
@@ -137,13 +137,13 @@ fn a_box_slides_the_same_on_every_base_that_lets_it() {
     let ways = ["planar", "virtual", "quaternion"].map(|base| slide(base).number("distance_m"));
     println!("{ways:?} m, {way} m by theory");
     assert!(ways.iter().all(|other| (other - ways[0]).abs() < 1e-9), "{ways:?}");
-    // With more friction than slope it stays.
-    run(&file.0, &["plant.friction=0.4"]).shows(&[("distance_m", -1e-9..=1e-9)]);
+    // With friction above the slope it sticks.
+    run(&file.0, &["plant.friction=0.4"]).assert_ranges(&[("distance_m", -1e-9..=1e-9)]);
 }
 
-/// The scene's own model is simulated, and every run says how large it is.
+/// The default is the scene's own model, and the summary of every run states its size.
 #[test]
-fn a_run_says_what_its_model_has() {
+fn the_summary_states_the_size_of_the_model() {
     for way in [&["--in-process"][..], &["--full"], &[]] {
         let output = Command::new(env!("CARGO_BIN_EXE_biped"))
             .args(["run", "slide", "--quiet"])
@@ -155,33 +155,36 @@ fn a_run_says_what_its_model_has() {
         assert!(output.status.success() && text.contains(model), "{way:?}: {text}");
     }
     let planar = run("slide", &["plant.base=planar"]);
-    planar.says("model", "planar base, 3 degrees of freedom, 4 contact points, friction along 1");
-    planar.shows(&[("model_cost_ratio", 1.0..=1.0)]);
+    planar.assert_text("model", "planar base, 3 degrees of freedom, 4 contact points, friction along 1");
+    planar.assert_ranges(&[("model_cost_ratio", 1.0..=1.0)]);
 }
 
-/// The smallest model is simulated where it is asked for, and nowhere else: the same answer, fewer coordinates.
+/// The smallest model is simulated only with `--smallest`. It gives the same result with fewer coordinates.
 #[test]
-fn the_smallest_model_runs_where_it_is_asked_for() {
+fn the_smallest_model_runs_only_on_request() {
     let [small, full] = [run_smallest("slide", &[]), run("slide", &[])];
     let own = "quaternion base, 6 degrees of freedom, 4 contact points, friction along 2";
-    full.says("model", own);
+    full.assert_text("model", own);
     let ours = "planar base, 3 degrees of freedom, 2 contact points, friction along 1";
-    small.says("model", &format!("{ours}; in full: {own}"));
+    small.assert_text("model", &format!("{ours}; in full: {own}"));
     let ratio = small.number("model_cost_ratio");
     assert!(ratio.is_finite() && ratio > 0.0 && ratio != 1.0, "the ratio is measured: {ratio}");
     let ways = [&small, &full].map(|summary| summary.number("distance_m"));
     assert!((ways[0] - ways[1]).abs() < 1e-12, "{ways:?}");
     assert_ne!(small.hash(), full.hash(), "they are different models");
     let [small, full] = [run_smallest("stand", &["duration=0.1"]), run("stand", &["duration=0.1"])];
-    assert_eq!(small.hash(), full.hash(), "what a controller drives keeps its model");
-    small.shows(&[("model_cost_ratio", 1.0..=1.0)]);
+    assert_eq!(small.hash(), full.hash(), "a scene with a controller keeps its model");
+    small.assert_ranges(&[("model_cost_ratio", 1.0..=1.0)]);
     let output =
         Command::new(env!("CARGO_BIN_EXE_biped")).args(["model", "slide"]).output().expect("the program starts");
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    assert!(output.status.success() && [own, ours, "of the time"].iter().all(|part| text.contains(part)), "{text}");
+    assert!(
+        output.status.success() && [own, ours, "of the computing time"].iter().all(|part| text.contains(part)),
+        "{text}"
+    );
 }
 
-/// Columns of the table of a run in one process, those whose names begin so, row by row.
+/// Runs a scene in one process. Returns the rows of its trajectory table, with the columns whose names begin with one of the given words.
 fn columns(scene: &str, settings: &[&str], beginnings: &[&str]) -> Vec<Vec<f64>> {
     let folder = fresh_path("table");
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
@@ -204,10 +207,10 @@ fn columns(scene: &str, settings: &[&str], beginnings: &[&str]) -> Vec<Vec<f64>>
     lines.map(row).collect()
 }
 
-/// Loads and zero-moment point of a scene that is its own mirror image are their own mirror images, on every contact point it has.
+/// In a mirror-symmetric scene, the loads on all contact points and the zero-moment point are symmetric.
 #[test]
 fn a_symmetric_scene_shows_symmetric_loads() {
-    // contact points that are each other's mirror images, and the weight
+    // pairs of mirrored contact points
     let pairs = [(0, 1), (2, 3)];
     for (name, weight) in [("slide", 9.81), ("stick", 9.81), ("incline", 9.81), ("drop", 9.81)] {
         let rows = columns(name, &["duration=0.6"], &["zmp_y", "normal_"]);
@@ -223,7 +226,7 @@ fn a_symmetric_scene_shows_symmetric_loads() {
     let rows = columns("stand0", &["duration=0.6"], &["zmp_y", "normal_"]);
     let weight = rows[rows.len() - 1][1..].iter().sum::<f64>();
     assert!(weight > 100.0, "it stands: {weight} N");
-    // eight contacts of two feet are solved to a residual, not exactly; one edge alone would be off by all of it
+    // eight contacts of two feet are solved to a residual; loading one edge only would be off by the whole weight
     let residual = 1e-8;
     for row in &rows[1..] {
         let feet = [&row[1..5], &row[5..9]].map(|foot| foot.iter().sum::<f64>());

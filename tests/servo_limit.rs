@@ -1,5 +1,5 @@
-//! Claim: a joint of the simulated plant, driven by the servo over a link with delay, is unstable exactly where the
-//! eigenvalues of the sampled loop say.
+//! Claim: a joint of the simulated plant with a servo and a delayed link is unstable exactly where the eigenvalues of the sampled loop
+//! predict it.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -13,7 +13,7 @@ use messages::wire::{Command, Torques};
 use plant::Plant;
 use plant::inject::Injector;
 
-/// A wheel of .5 kg·m² on a bolted axle, no gravity, turning.
+/// A rotating wheel of .5 kg·m² on a fixed axle, without gravity.
 const WHEEL: &str = r#"
 [plant]
 base = "fixed"
@@ -37,7 +37,7 @@ joint = { parent = "axle", axis = [0.0, 0.0, 1.0], at = [0.0, 0.0, 0.0] }
 const INERTIA: f64 = 0.5;
 const PERIODS: usize = 6000;
 
-/// Speed of the wheel at each period until it is 20 times as fast [rad/s].
+/// Speed of the wheel in each control period, until it is 20 times the initial one [rad/s].
 fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> Vec<f64> {
     let period = 1.0 / scene.rate;
     let mut plant = Plant::new(scene).expect("a good scene");
@@ -67,20 +67,23 @@ fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> 
     speeds
 }
 
-/// Factor per period between the greatest speeds of two long stretches, the second the last one above the noise of
-/// the encoders.
+/// Growth factor per control period, from the largest speeds in two long intervals. The second interval is the last one above the encoder
+/// noise.
 fn growth(speeds: &[f64]) -> f64 {
-    let loud = speeds.iter().rposition(|speed| speed.abs() > 1e-3).unwrap_or(0) + 1;
-    let stretch = loud / 3;
+    let above_noise = speeds.iter().rposition(|speed| speed.abs() > 1e-3).unwrap_or(0) + 1;
+    let stretch = above_noise / 3;
     let most = |part: &[f64]| part.iter().fold(0.0, |most: f64, speed| most.max(speed.abs()));
-    let (early, late) = (most(&speeds[loud - 2 * stretch..loud - stretch]), most(&speeds[loud - stretch..loud]));
+    let (early, late) = (
+        most(&speeds[above_noise - 2 * stretch..above_noise - stretch]),
+        most(&speeds[above_noise - stretch..above_noise]),
+    );
     (late / early).powf(1.0 / stretch as f64)
 }
 
 #[test]
-fn the_loop_is_unstable_exactly_where_its_eigenvalues_say() {
+fn the_servo_loop_is_unstable_exactly_where_its_eigenvalues_predict_it() {
     let (mut scene, settings) = (parse(WHEEL, "wheel").expect("a scene"), ControllerScene::default());
-    let methods = [(Method::SemiImplicitEuler, 0.75), (Method::MidpointContact, 0.5)]; // two steps of Euler's a period
+    let methods = [(Method::SemiImplicitEuler, 0.75), (Method::MidpointContact, 0.5)]; // the method of Euler has two steps in a control period
     let cases = methods.iter().flat_map(|of| [0.5, 1.0, 2.0, 2.5, 3.581, 6.0].map(|ratio| (*of, ratio)));
     for ((method, midpoint), ratio) in cases {
         scene.plant.method = method;
@@ -96,12 +99,12 @@ fn the_loop_is_unstable_exactly_where_its_eigenvalues_say() {
         for delay in (0..30_u32).filter(|delay| (f64::from(*delay) - critical).abs() < 4.0) {
             let (speeds, radius) = (speeds(&scene, &settings, ratio, delay), servo.spectral_radius(f64::from(delay)));
             let has_grown = speeds.len() < PERIODS;
-            // within these periods it grows 20 times as loud, if it does; nearer to the limit its growth is measured below
+            // unstable loops grow by a factor of 20 within these periods; nearer to the limit the growth is measured below
             if (radius - 1.0).abs() * PERIODS as f64 > 20_f64.ln() {
                 assert_eq!(has_grown, radius > 1.0, "ratio {ratio}, delay {delay}: spectral radius {radius}");
             }
             assert_eq!(radius > 1.0, f64::from(delay) > critical, "ratio {ratio}, delay {delay}: limit {critical}");
-            // Beside the limit, one slow oscillation outlasts all others.
+            // Near the limit, one slow oscillation dominates.
             if (f64::from(delay) - critical).abs() < 1.0 && (radius - 1.0).abs() < 0.01 {
                 let growth = growth(&speeds);
                 let off = (growth - radius).abs();

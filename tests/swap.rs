@@ -1,7 +1,7 @@
-//! Claims about a robot whose controller is replaced by others, in other languages, while it stamps and walks.
+//! Claims about hot swaps: controllers in several languages replace each other while the robot stamps and walks.
 //!
-//! `cargo test --release --test swap lockstep -- --ignored --nocapture`, and the same with `real_time`, hands over a hundred times
-//! in each scene, and says how often the robot stayed up: docs/RELIABILITY.md.
+//! `cargo test --release --test swap lockstep -- --ignored --nocapture`, and the same with `real_time`, performs a hundred
+//! swaps in each scene, and prints how often the robot stayed up: docs/RELIABILITY.md.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
@@ -14,14 +14,14 @@ use languages::{compile, python};
 use serde_json::Value;
 use std::process::Command;
 
-/// Programs that walk: the paper in NumPy; in C, the torques of `biped_plan`; and our own.
+/// Walking controllers: in NumPy; in C, with the torques of `biped_plan`; and the built-in one.
 fn successors() -> [String; 3] {
     let python = format!("{} controller/foreign/python/walk.py", python().display());
     let c = compile("cc", "-std=c11", "controller/foreign/c/walk.c");
     [python, c.display().to_string(), "biped controller".into()]
 }
 
-/// What a run with hand-overs at these times came to: its summary, and what it said.
+/// Runs a scene with swaps at the given times. Returns its summary and standard error.
 fn walk(scene: &str, programs: &[String], times: &[f64], arguments: &[&str]) -> (Value, String) {
     let folder = fresh_path("swap");
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
@@ -41,14 +41,14 @@ fn number(summary: &Value, key: &str) -> f64 {
 }
 
 #[test]
-fn from_rust_to_python_to_c_to_rust_the_robot_walks_on() {
+fn the_robot_keeps_walking_through_swaps_from_rust_to_python_to_c_to_rust() {
     let programs = successors();
-    let (there, told) = walk("walk", &programs, &[4.0, 6.5, 9.0], &["--set", "duration=12"]);
-    assert_eq!(there["fell"], false, "{told}");
+    let (swapped, told) = walk("walk", &programs, &[4.0, 6.5, 9.0], &["--set", "duration=12"]);
+    assert_eq!(swapped["fell"], false, "{told}");
     assert!(told.contains("3 controllers replaced"), "{told}");
     std::fs::remove_file(&programs[1]).expect("our own file");
     let (undisturbed, _) = walk("walk", &[], &[], &["--set", "duration=12"]);
-    let (distance, alone) = (number(&there, "distance_m"), number(&undisturbed, "distance_m"));
+    let (distance, alone) = (number(&swapped, "distance_m"), number(&undisturbed, "distance_m"));
     assert!((distance / alone - 1.0).abs() < 0.05, "{distance} m beside {alone} m");
 }
 
@@ -60,9 +60,9 @@ fn a_successor_that_fails_is_named_and_the_run_ends_in_order() {
 }
 
 #[test]
-fn a_successor_that_ends_before_its_turn_ends_the_run() {
+fn a_successor_that_exits_before_its_swap_ends_the_run() {
     let (summary, told) = walk("stand", &["true".into()], &[1.0], &[]);
-    assert!(told.contains("the successor ended before its turn"), "{told}");
+    assert!(told.contains("the successor exited before it took over"), "{told}");
     assert_eq!(summary["fell"], false);
     let (_, told) = walk("stand", &["sleep 600".into()], &[1.0], &["--patience", "1"]);
     assert!(told.contains("the successor did not join within 1s"), "{told}");
@@ -80,7 +80,7 @@ fn a_hundred_times_in_real_time() {
     a_hundred_times(&["--realtime"]);
 }
 
-/// Hands over at random times, three times a run, and prints how often the robot stayed up; beside as many runs without.
+/// Performs three swaps in each run, at random times, and prints how often the robot stayed up, compared with as many runs without swaps.
 fn a_hundred_times(pace: &[&str]) {
     let seed = fastrand::u64(..);
     println!("seed {seed}");

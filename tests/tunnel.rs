@@ -1,5 +1,5 @@
-//! Claims about sessions over two machines. The tunnel itself is somebody else's program and takes long to build: what it is
-//! told is tested here, and docs/WIRE.md says what it carried.
+//! Claims about sessions across two machines. The tunnel itself is a foreign program that takes long to build. These tests check its
+//! configuration; docs/WIRE.md documents a real transfer.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -23,7 +23,7 @@ fn tunnel(session: &str, path: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn a_missing_session_and_a_missing_program_are_a_sentence() {
+fn a_missing_session_and_a_missing_tunnel_program_are_reported() {
     let (code, words) = tunnel("nobody", "");
     assert!(code == Some(3) && words.contains("`nobody` is not running"), "{code:?}: {words}");
     let walk = Running::start("untunnelled", &["--realtime"]);
@@ -33,7 +33,7 @@ fn a_missing_session_and_a_missing_program_are_a_sentence() {
 }
 
 #[test]
-fn the_tunnel_is_told_where_the_session_lies_and_ends_with_it() {
+fn the_tunnel_gets_the_location_of_the_session_and_ends_with_it() {
     let folder = fresh_path("tunnel");
     std::fs::create_dir(&folder).expect("a folder");
     let (program, told) = (folder.join("iox2-link-tunnel-zenoh"), folder.join("told"));
@@ -47,7 +47,7 @@ fn the_tunnel_is_told_where_the_session_lies_and_ends_with_it() {
     let path = format!("{}:{}", folder.display(), std::env::var("PATH").expect("a path"));
     let arguments = ["tunnel", "--session", walk.session.name(), "--listen", "tcp/127.0.0.1:7447"];
     let tunnel = biped(&arguments).env("PATH", path).spawn().expect("the program starts");
-    eventually("the tunnel has begun", || told.exists());
+    eventually("the start of the tunnel", || told.exists());
     let words = std::fs::read_to_string(&told).expect("what it was told");
     for word in ["--poll 1", "--allow biped/sensors --allow biped/command", "/dev/shm/biped_", "tcp/127.0.0.1:7447"] {
         assert!(words.contains(word), "{word:?} is not in {words}");
@@ -59,7 +59,7 @@ fn the_tunnel_is_told_where_the_session_lies_and_ends_with_it() {
 }
 
 #[test]
-fn a_second_plant_is_refused_also_where_there_is_room_for_a_tunnel() {
+fn a_second_plant_is_refused_with_and_without_a_tunnel() {
     let contract = Contract::of(&Scene::default(), Pace::Lockstep);
     for tunnel in [true, false] {
         let session = Session::unique();

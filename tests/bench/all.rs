@@ -1,15 +1,15 @@
-//! `cargo bench`: what every part of a period costs.
+//! `cargo bench`: the cost of every part of a control period.
 //!
 //! | command | measures |
 //! |---|---|
-//! | `cargo bench` | everything below but the peers |
-//! | `cargo bench -- step` | what has this word in its name; `--help` lists more |
+//! | `cargo bench` | everything below except the peers |
+//! | `cargo bench -- step` | benchmarks with this word in their names; `--help` lists more options |
 //! | `cargo bench -- tail` | the slowest steps of a walk |
-//! | `cargo bench -- methods` | the default method beside the paper's |
-//! | `cargo bench -- --peers` | a table beside MuJoCo, Pinocchio and four QP solvers, on the same states and programs |
-//! | `cargo bench -- link` | round trips and the walk in lockstep, two processes |
+//! | `cargo bench -- methods` | the default method compared with the paper's |
+//! | `cargo bench -- --peers` | a comparison with MuJoCo, Pinocchio and four QP solvers, on the same states and programs |
+//! | `cargo bench -- link` | round trips and the lockstep walk, with two processes |
 //!
-//! Times are of the machine and of what else it does: compare medians of one session.
+//! Times depend on the machine and its other load, so compare only medians of the same session.
 
 #![expect(clippy::expect_used, reason = "a bench may panic")]
 
@@ -37,7 +37,7 @@ fn main() {
     let core = Core::hold();
     divan::main();
     if !arguments.iter().any(|word| word == "--bench") || arguments.iter().any(|word| word == "--list") {
-        return; // `cargo test` asks whether it runs
+        return; // `cargo test` only checks that it starts
     }
     if asked("tail") {
         tail::print();
@@ -46,7 +46,7 @@ fn main() {
         methods::print();
     }
     println!("{}", core.remark());
-    drop(core); // two processes want two
+    drop(core); // two processes need two cores
     if asked("link") {
         link::print();
     }

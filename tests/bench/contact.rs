@@ -1,5 +1,5 @@
-//! Every contact law on the problems that it met while the robot stood, walked and fell: each from nothing, and each from
-//! the solution of the one before.
+//! Every contact law on the problems that occur while the robot stands, walks and falls, with a cold start and with a warm start from the previous
+//! solution.
 
 use crate::robot::{Doing, Recording};
 use divan::Bencher;
@@ -7,7 +7,7 @@ use messages::scene::Law;
 use plant::contact::{Memory, Solver};
 use std::fmt;
 
-/// A law, and whether it remembers.
+/// A law, with or without a warm start.
 #[derive(Clone, Copy, Debug)]
 struct Way(Law, bool);
 
@@ -21,7 +21,7 @@ fn ways() -> impl Iterator<Item = Way> {
     Law::ALL.into_iter().flat_map(|law| [Way(law, false), Way(law, true)])
 }
 
-/// One sample is one problem, and the problems follow each other.
+/// Each sample is one problem; the problems are in the order of the run.
 fn solve(bencher: Bencher, doing: Doing, Way(law, warm): Way) {
     let problems = Recording::of(doing, &[format!("plant.law={law}")]).problems;
     let (mut solver, mut memory, mut turn) = (Solver::default(), Memory::default(), problems.iter().cycle());

@@ -1,4 +1,4 @@
-//! Stages of a step without contact, and the contact problem that it poses, at one state.
+//! The stages of a step without contact, and of setting up its contact problem, at one state.
 
 use crate::robot::{Doing, Recording};
 use divan::{Bencher, black_box};
@@ -12,7 +12,7 @@ use plant::kinematics::{self, Pose};
 use plant::model::Model;
 use plant::state::State;
 
-/// Everything that belongs to one state.
+/// All quantities of one state.
 struct Stage {
     model: Model,
     state: State,
@@ -45,7 +45,7 @@ impl Stage {
     }
 }
 
-/// Fourteen degrees of freedom: three turns of a virtual base, or a quaternion.
+/// Fourteen degrees of freedom. The rotation of the base is three virtual joints, or a quaternion.
 const BASES: [Doing; 2] = [Doing::Walking, Doing::Standing];
 
 #[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
@@ -90,7 +90,7 @@ fn solve(bencher: Bencher, doing: Doing) {
     bencher.bench_local(|| factor.solve(&model, black_box(&mut b)));
 }
 
-/// Eight contacts of a quaternion base, four of a virtual one.
+/// Eight contacts with a quaternion base, four with a virtual one.
 #[divan::bench(args = BASES, sample_count = 200, sample_size = 64)]
 fn k_and_delassus(bencher: Bencher, doing: Doing) {
     let Stage { model, state, pose, factor, touches, mut map, .. } = Stage::of(doing);

@@ -1,9 +1,9 @@
-//! What takes two processes: round trips of a message, and the walk in lockstep; by the program itself.
+//! Measurements with two processes: round trips of a message, and the lockstep walk. The program itself measures them.
 
 use serde_json::Value;
 use std::process::{Command, Stdio};
 
-/// Runs the program into a folder of its own; what it wrote there.
+/// Runs the program with an output folder. Returns the file that it wrote there.
 fn biped(arguments: &[&str], file: &str) -> Value {
     let folder = std::env::temp_dir().join(format!("biped-bench-{}", std::process::id()));
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
@@ -32,11 +32,11 @@ pub fn print() {
     }
 }
 
-/// The whole walk, and what it is asked for by.
+/// The whole walk, and its command line.
 pub const WALKS: [(&str, Option<&str>); 2] =
     [("walk, two processes in lockstep", None), ("walk, one process", Some("--in-process"))];
 
-/// Simulated time over time taken of one walk, start of the processes included.
+/// Simulated time per real time of one walk, including the start of the processes.
 pub fn walk(flag: Option<&str>) -> f64 {
     let summary = biped(&[&["run", "walk"], flag.as_slice()].concat(), "summary.json");
     summary["realtime_factor"].as_f64().unwrap_or(f64::NAN)

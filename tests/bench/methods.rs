@@ -1,4 +1,4 @@
-//! The second-order default beside the paper's step: each step's least time of many runs, the methods in turns.
+//! The second-order default method compared with the paper's method: the least time of each step in many runs, alternating between the methods.
 
 use crate::robot::{Doing, Recording};
 use crate::tail::quantiles;
@@ -6,12 +6,12 @@ use messages::scene::Method;
 use plant::Plant;
 use std::time::Instant;
 
-/// Runs of each.
+/// Runs with each method.
 const RUNS: usize = 9;
-/// What is compared.
+/// The compared methods.
 const METHODS: [Method; 2] = [Method::SemiImplicitEuler, Method::MidpointContact];
 
-/// Prints median and 99 % of a step, all of it and what is left to do once the command is there, and what they are of the paper's.
+/// Prints median and 99th percentile of a step, for the whole step and for its part after the command arrives, with ratios to the paper's method.
 pub fn print() {
     println!("\nsteps of 1 ms, each the least of {RUNS} runs [µs]");
     println!("{:<10}{:<20}{:>9}{:>9}{:>9}{:>9}", "", "", "median", "99 %", "awaited", "99 %");
@@ -42,7 +42,7 @@ pub fn print() {
     }
 }
 
-/// Times every period once; `ready` leaves out what can be done while the command is awaited.
+/// Times every control period once. `ready` excludes the work that can be done before the command arrives.
 fn time(recording: &Recording, ready: usize, least: &mut [f64]) {
     let mut plant = Plant::new(&recording.scene).expect("a good scene");
     for (torques, least) in recording.torques.iter().zip(least) {

@@ -1,11 +1,11 @@
-//! `cargo bench -- --peers`: ours beside MuJoCo's and Pinocchio's libraries and four QP solvers, in turns on one core.
+//! `cargo bench -- --peers`: this simulator compared with the libraries MuJoCo and Pinocchio and four QP solvers, alternating on one core.
 //!
 //! | what | where |
 //! |---|---|
-//! | ours, on the states that all are given | [`ours`] |
-//! | those states and programs as files | [`given`] |
-//! | MuJoCo in C, Pinocchio in C++: no Python in what is timed | `peers/mujoco.c`, `peers/pinocchio.cpp` |
-//! | DAQP, OSQP, PIQP, ProxQP, by their own clocks | `peers/programs.py` |
+//! | this simulator, on the common states | [`ours`] |
+//! | the common states and quadratic programs as files | [`given`] |
+//! | MuJoCo in C, Pinocchio in C++, so that no Python is timed | `peers/mujoco.c`, `peers/pinocchio.cpp` |
+//! | DAQP, OSQP, PIQP, ProxQP, timed by themselves | `peers/programs.py` |
 
 mod given;
 mod ours;
@@ -17,12 +17,12 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// Everybody takes turns this often.
+/// Rounds in which all engines alternate.
 const ROUNDS: usize = 8;
-/// In each turn the whole walk is run this often.
+/// Runs of the whole walk in each round.
 const WALKS_A_TURN: usize = 9;
 
-/// Nanoseconds by situation and stage, one a round.
+/// Times by situation and stage, one per round [ns].
 type Times = BTreeMap<(String, String), Vec<f64>>;
 
 /// Prints the table.
@@ -57,7 +57,7 @@ pub fn print() {
     table(&own, &others);
 }
 
-/// What a control period of the whole walk takes on all processors; beside a step in flight, which says how fast the machine is.
+/// Time of a control period of the whole walk on all processors, with the time of a step in flight as a reference for the speed of the machine.
 fn walks(times: &mut Times) {
     for (name, flag) in link::WALKS {
         let periods: Vec<_> = (0..WALKS_A_TURN).map(|_| 1e6 / link::walk(flag)).collect();
@@ -87,7 +87,7 @@ fn note(times: &mut Times, engine: &str, line: &str) {
 
 /// Solvers of quadratic programs.
 const PROGRAMS: [&str; 4] = ["DAQP", "OSQP", "PIQP", "ProxQP"];
-/// What is compared with what: ours, and the stages of others.
+/// The compared stages: one of this simulator, and those of others.
 const PAIRS: [(&str, &[&str]); 15] = [
     (link::WALKS[0].0, &["MuJoCo step"]),
     (link::WALKS[1].0, &["MuJoCo step"]),
@@ -106,7 +106,7 @@ const PAIRS: [(&str, &[&str]); 15] = [
     ("rate QP within bounds", &PROGRAMS),
 ];
 
-/// Medians over the rounds; and, where a hypervisor gives half of a processor to somebody else in some of them, each at its best.
+/// Medians over the rounds, and the best rounds, which are comparable even if a hypervisor takes processor time in some rounds.
 fn table(own: &Times, others: &Times) {
     println!("\n| what | situation | ours ns | of others | its ns | its / ours | least ns | its | its / ours |");
     println!("|---|---|---|---|---|---|---|---|---|");
@@ -126,14 +126,14 @@ fn table(own: &Times, others: &Times) {
     }
 }
 
-/// The value in the middle.
+/// The median.
 fn median(times: &[f64]) -> f64 {
     let mut sorted = times.to_vec();
     sorted.sort_by(f64::total_cmp);
     sorted[sorted.len() / 2]
 }
 
-/// Interpreter of an environment of its own, and its packages.
+/// The Python interpreter of a virtual environment, and its packages.
 fn install(folder: &Path) -> [PathBuf; 2] {
     let cache = std::env::var_os("XDG_CACHE_HOME").map(PathBuf::from);
     let home = || PathBuf::from(std::env::var_os("HOME").unwrap_or_default()).join(".cache");
@@ -158,7 +158,7 @@ fn pinocchio(folder: &Path, packages: &Path) -> Option<PathBuf> {
     let home = packages.join("cmeel.prefix");
     let home = home.to_str().filter(|_| home.exists())?;
     let before = ["", "/eigen3", "/urdfdom", "/urdfdom_headers"].map(|name| format!("-I{home}/include{name}"));
-    // as its own cmake has them
+    // the flags of its own build system
     let limits =
         "-DBOOST_MPL_LIMIT_LIST_SIZE=30 -DBOOST_MPL_LIMIT_VECTOR_SIZE=30 -DBOOST_MPL_CFG_NO_PREPROCESSED_HEADERS";
     let own =
@@ -170,7 +170,7 @@ fn pinocchio(folder: &Path, packages: &Path) -> Option<PathBuf> {
     build(folder, "c++", "pinocchio.cpp", &before, &[&after[..], &libraries.map(|name| format!("-l{name}"))].concat())
 }
 
-/// Compiles a program of ours against a library of theirs, unless that was done before.
+/// Compiles one of the programs here against a peer's library, unless it is already compiled.
 fn build(folder: &Path, compiler: &str, source: &str, before: &[String], after: &[String]) -> Option<PathBuf> {
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/bench/peers").join(source);
     let program = folder.join(source.file_stem()?);

@@ -1,4 +1,4 @@
-//! The QP of resolved motion rate (28), (29) at a posture of the walk, and what a message costs before it leaves.
+//! The QP of resolved motion rate (28), (29) at a posture of the walk, and the cost of sealing a message.
 
 use crate::robot::{Doing, Recording};
 use controller::rate::{bias, resolve, resolve_bounded, resolve_by_interior_points};
@@ -6,7 +6,7 @@ use controller::support::{Chain, Joints, Task, TaskVector};
 use divan::{Bencher, black_box};
 use messages::wire::{Command, Sensors, Stamped};
 
-/// What the QP is asked.
+/// The input of the QP.
 fn asked() -> (Task, TaskVector, Joints) {
     let Recording { scene, states, .. } = Recording::of(Doing::Walking, &[]);
     let state = &states[states.len() / 4];

@@ -1,4 +1,4 @@
-//! What the robot does while it is measured: scenes, with the torques that their controller gave.
+//! The motions of the robot that are measured: scenes, with the recorded torques of their controller.
 
 use controller::Controller;
 use messages::load::load;
@@ -9,24 +9,24 @@ use plant::contact::Problem;
 use plant::state::State;
 use std::ops::Range;
 
-/// Something that the robot of Table 1 does, by the paper's steps (12), which are Euler's, of 1 ms, one to a control period.
+/// A motion of the robot of Table 1, by the paper's method (12) with one step of 1 ms in each control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doing {
-    /// It turns weightless, every joint moving.
+    /// Free rotation without gravity, with all joints moving.
     Flying,
-    /// On eight corners, held by springs and dampers.
+    /// Standing on eight contact points, held by springs and dampers.
     Standing,
     /// Two steps of the paper's walk.
     Walking,
-    /// Pushed over: on an edge, on a corner, in the air.
+    /// Falling after a push: on an edge, on a corner, in the air.
     Tumbling,
 }
 
 impl Doing {
-    /// All of it.
+    /// The whole walk.
     pub const ALL: [Doing; 4] = [Doing::Flying, Doing::Standing, Doing::Walking, Doing::Tumbling];
 
-    /// Its scene.
+    /// The scene of the motion.
     pub fn scene(self, settings: &[String]) -> Scene {
         let (name, own): (_, &[&str]) = match self {
             Doing::Flying => ("free", &["plant.method=SemiImplicitEuler", "plant.dt=0.001", "rate=1000"]),
@@ -39,7 +39,7 @@ impl Doing {
         load(&path, &settings, &[]).expect("a good scene")
     }
 
-    /// The periods that are measured.
+    /// The control periods that are measured.
     pub fn window(self) -> Range<usize> {
         match self {
             Doing::Flying => 0..1000,
@@ -50,24 +50,24 @@ impl Doing {
     }
 }
 
-/// What went between plant and controller, and what the plant met, up to the end of the window.
+/// The record of a motion up to the end of the measured window.
 pub struct Recording {
     pub scene: Scene,
     pub window: Range<usize>,
-    /// Of every period, before it.
+    /// Before each period.
     pub encoders: Vec<Encoders>,
-    /// Of every period.
+    /// Of each period.
     pub torques: Vec<Torques>,
-    /// Of every period of the window, before it.
+    /// Before each period of the window.
     pub states: Vec<State>,
     /// The same as truths.
     pub truths: Vec<Truth>,
-    /// Of every period of the window in which something touched, feet that stand posed contact by contact.
+    /// Of each period of the window with contact. Standing feet are posed as separate contacts.
     pub problems: Vec<Problem>,
 }
 
 impl Recording {
-    /// Plays it once; a scene that breaks off has a shorter window.
+    /// Simulates the motion once. If the scene ends early, the window is shorter.
     pub fn of(doing: Doing, settings: &[String]) -> Recording {
         let (scene, window) = (doing.scene(settings), doing.window());
         let mut plant = Plant::new(&scene).expect("a good scene");
@@ -78,7 +78,7 @@ impl Recording {
         let mut recording = Recording { scene, window, encoders, torques, states, truths, problems };
         for period in 0..recording.window.end {
             let encoders = plant.encoders();
-            // a controller that gives up after a fall leaves the joints to themselves
+            // after a fall the controller may fail; the torques are then zero
             let tick = |controller: &mut Controller| controller.tick(&encoders).unwrap_or_default();
             let torques = controller.as_mut().map(tick).unwrap_or_default();
             let (state, truth) = (plant.state().clone(), plant.truth());
@@ -99,7 +99,7 @@ impl Recording {
     }
 }
 
-/// A plant that goes through the window again and again, to the same bits.
+/// A plant that repeats the window, with the same bits each time.
 pub struct Replay {
     recording: Recording,
     plant: Plant,
@@ -115,7 +115,7 @@ impl Replay {
         replay
     }
 
-    /// Those of the next period. At the end of the window it goes back to the beginning, which takes long.
+    /// The torques of the next period. At the end of the window the plant is reset to its start, which takes long.
     pub fn torques(&mut self) -> Torques {
         let Range { start, end } = self.recording.window;
         if self.period == end {
@@ -128,7 +128,7 @@ impl Replay {
         self.recording.torques[self.period]
     }
 
-    /// One period.
+    /// Simulates one period.
     pub fn advance(&mut self, torques: &Torques) {
         self.plant.advance(torques).expect("it did before");
         self.period += 1;

@@ -6,7 +6,7 @@ use divan::Bencher;
 use plant::Plant;
 use std::cell::RefCell;
 
-/// One sample is one step, and the steps follow each other.
+/// Each sample is one step; the steps are in the order of the motion.
 #[divan::bench(args = Doing::ALL, sample_count = 3000, sample_size = 1)]
 fn plant_step(bencher: Bencher, doing: Doing) {
     let replay = RefCell::new(Replay::of(Recording::of(doing, &[])));
@@ -15,7 +15,7 @@ fn plant_step(bencher: Bencher, doing: Doing) {
         .bench_local_values(|torques| replay.borrow_mut().advance(&torques));
 }
 
-/// Without bounds, by the closed form; within bounds on rates, by interior points.
+/// Without bounds the QP has a closed form. With bounds on rates it is solved by an interior-point method.
 #[divan::bench(args = ["without bounds", "within bounds"], sample_count = 3000, sample_size = 1)]
 fn controller_tick(bencher: Bencher, bounds: &str) {
     let settings = if bounds == "within bounds" { vec!["controller.rate_limit=11".into()] } else { vec![] };

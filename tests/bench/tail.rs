@@ -1,7 +1,6 @@
-//! The slowest steps and ticks of the whole walk, and of walks that are not quite that one.
+//! The slowest steps and ticks of the walk and of variants of it.
 //!
-//! A walk repeats to the bit, so what a step takes is the least of many runs of that same step: what interrupts the
-//! processor never does so at the same step in all of them.
+//! A walk repeats bit for bit, so the time of a step is its least time in many runs: interruptions never hit the same step in all runs.
 
 use crate::robot::Doing;
 use controller::Controller;
@@ -9,13 +8,13 @@ use messages::scene::Scene;
 use plant::Plant;
 use std::time::Instant;
 
-/// Runs of the walk.
+/// Number of runs of the walk.
 const RUNS: usize = 9;
 
-/// Runs of each of the others.
+/// Number of runs of each variant.
 const RUNS_OF_OTHERS: usize = 3;
 
-/// What is other in the others: each meets other contact problems.
+/// The variants. Each has other contact problems.
 const OTHERS: [&str; 12] = [
     "plant.friction=0.49",
     "plant.friction=0.5",
@@ -31,16 +30,16 @@ const OTHERS: [&str; 12] = [
     "controller.speed=0.195",
 ];
 
-/// Steps that are told of.
+/// Number of slow steps that are printed.
 const SLOWEST: usize = 5;
 
-/// Of every period: the least times of the step and of the tick \[µs\], contacts, pivots.
+/// Of each control period: the least times of the step and of the tick \[µs\], contacts, pivots.
 struct Walk {
     least: [Vec<f64>; 2],
     problems: Vec<(usize, u64)>,
 }
 
-/// Prints median, 99.9 % and maximum of all periods, what the maximum is of the median, and the slowest steps.
+/// Prints median, 99.9th percentile, maximum and ratio of maximum to median of all periods, and the slowest steps.
 pub fn print() {
     let scene = Doing::Walking.scene(&[]);
     let Walk { least, problems } = walk(&scene, RUNS);
@@ -65,7 +64,7 @@ pub fn print() {
     print_others();
 }
 
-/// Prints what the slowest steps of the other walks are of their medians.
+/// Prints the ratio of the slowest step to the median for each variant.
 fn print_others() {
     let ratios = OTHERS.map(|setting| {
         let scene = Doing::Walking.scene(&[setting.to_string()]);
@@ -81,7 +80,7 @@ fn print_others() {
     }
 }
 
-/// Walks so many times.
+/// Repeats the walk a number of times.
 fn walk(scene: &Scene, runs: usize) -> Walk {
     let periods = (scene.duration * scene.rate) as usize;
     let mut least = [vec![f64::INFINITY; periods], vec![f64::INFINITY; periods]];
@@ -105,7 +104,7 @@ fn walk(scene: &Scene, runs: usize) -> Walk {
     Walk { least, problems }
 }
 
-/// Median, 99 %, 99.9 % and maximum.
+/// Median, 99th and 99.9th percentile, and maximum.
 pub fn quantiles(times: &[f64]) -> [f64; 4] {
     let mut times = times.to_vec();
     times.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! Claims about the pages, in a real browser. Pictures of them are left in `target/tmp/pages/`.
+//! Claims about the pages, in a real browser. Screenshots are saved in `target/tmp/pages/`.
 
 #![expect(clippy::unwrap_used, reason = "a test may panic")]
 
@@ -20,8 +20,8 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 
-/// Keeps what the page looks like.
-fn keep(browser: &mut Browser, name: &str) -> Vec<u8> {
+/// Saves and returns a screenshot.
+fn screenshot(browser: &mut Browser, name: &str) -> Vec<u8> {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pages");
     std::fs::create_dir_all(&folder).unwrap();
     let picture = browser.picture();
@@ -29,19 +29,19 @@ fn keep(browser: &mut Browser, name: &str) -> Vec<u8> {
     picture
 }
 
-/// Opens a page, picture and all.
+/// Opens a page, and waits until view and plots are drawn.
 fn open(address: &str, width: u32, height: u32) -> Browser {
     let mut page = Browser::open(address, width, height);
     page.until("performance.getEntriesByName('open').length === 1");
     page
 }
 
-/// A report of a walk, and where it is.
+/// Runs the walk with a report. Returns the folder and the address of the page.
 fn report(settings: &[&str], flags: &[&str]) -> (PathBuf, String) {
     report_of("walk", settings, flags)
 }
 
-/// The same of a scene. The robot may fall.
+/// Runs any scene with a report. The robot may fall.
 fn report_of(scene: &str, settings: &[&str], flags: &[&str]) -> (PathBuf, String) {
     let folder = fresh_path("page");
     let run = Command::new(env!("CARGO_BIN_EXE_biped"))
@@ -57,7 +57,7 @@ fn report_of(scene: &str, settings: &[&str], flags: &[&str]) -> (PathBuf, String
     (folder, address)
 }
 
-/// Where a view that has been started is found.
+/// The address of a running `biped view`.
 fn address_of(view: &mut Child) -> String {
     let mut line = String::new();
     BufReader::new(view.stdout.as_mut().unwrap()).read_line(&mut line).unwrap();

@@ -1,11 +1,11 @@
-//! What the page tells of a run: plots, their marks and labels, words beside the picture, keys.
+//! The plots of the page with their marks and labels, the text beside the view, and the keys.
 
-use super::{keep, open, report, report_of};
+use super::{open, report, report_of, screenshot};
 use crate::chromium::Browser;
 use crate::common::fresh_path;
 use serde_json::{Value, json};
 
-/// A place in the first plot, by its shares of width and height [px].
+/// A point in the first plot, at a fraction of its width [px].
 fn place(page: &mut Browser, across: f64) -> [f64; 2] {
     let place = format!(
         "(() => {{ const {{ left, top, width, height }} = plots.panels[0].plot.over.getBoundingClientRect(); \
@@ -14,19 +14,19 @@ fn place(page: &mut Browser, across: f64) -> [f64; 2] {
     serde_json::from_value(page.value(&place)).unwrap()
 }
 
-/// The times that the plots mark as now.
+/// The times of the cursors of all plots.
 fn heads(page: &mut Browser) -> Vec<f64> {
     let heads = "plots.panels.map(({ plot, head }) => plot.posToVal(new DOMMatrix(head.style.transform).e, 'x'))";
     serde_json::from_value(page.value(heads)).unwrap()
 }
 
-/// What the first plot spans [s].
+/// The time range of the first plot [s].
 fn span(page: &mut Browser) -> [f64; 2] {
     serde_json::from_value(page.value("[plots.panels[0].plot.scales.x.min, plots.panels[0].plot.scales.x.max]"))
         .unwrap()
 }
 
-/// Labels of all axes, of which no two on one axis are equal.
+/// The labels of all axes. Asserts that no axis has two equal labels.
 fn labels(page: &mut Browser) -> Vec<Vec<String>> {
     page.until("!player.isStale && new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(() => done(true))))");
     let all = "plots.panels.flatMap(({ plot }) => plot.axes.map((axis) => axis._values.filter((label) => label !== null && label !== '')))";
@@ -39,7 +39,7 @@ fn labels(page: &mut Browser) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoom_alone() {
+fn zooming_keeps_the_time_and_distinct_ticks_and_a_double_click_resets_only_the_zoom() {
     let (folder, address) = report(&[], &[]);
     let mut page = open(&address, 1280, 720);
     page.value("player.play(false), player.seek(5)");
@@ -52,16 +52,16 @@ fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoo
     let marked = heads(&mut page);
     assert!(page.number("player.time") == 5.0 && is_now(&marked, 5.0), "{marked:?}");
     labels(&mut page);
-    keep(&mut page, "zoomed");
+    screenshot(&mut page, "zoomed");
 
-    // Into less than a frame, where the time is not: neither goes after the other.
+    // Zoomed into less than a frame away from the current time: neither the zoom nor the time moves.
     page.value("plots.panels.forEach(({ plot }) => plot.setScale('x', { min: 9.0001, max: 9.0002 }))");
     page.value("player.step(0)");
     labels(&mut page);
     let ([from, to], marked) = (span(&mut page), heads(&mut page));
     assert!(from > 8.9 && to < 9.1 && to - from < 0.011 && is_now(&marked, 5.0), "{from} {to} {marked:?}");
-    keep(&mut page, "zoomed-far");
-    // Once it is there and leaves, the plot goes along.
+    screenshot(&mut page, "zoomed-far");
+    // When the current time is visible and leaves the range, the plot scrolls with it.
     page.value("player.seek(9)");
     page.until("!player.isStale");
     page.value("player.seek(10)");
@@ -69,7 +69,7 @@ fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoo
     let [from, to] = span(&mut page);
     assert!(from < 10.0 && to > 10.0, "{from} {to}");
 
-    // A click goes there, a double click shows all, and goes on as before.
+    // A click sets the time. A double click resets the zoom and does not change the playback.
     let middle = place(&mut page, 0.5);
     page.value("player.seek(5), player.play(true)");
     page.click(middle, 2);
@@ -82,7 +82,7 @@ fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoo
     page.click(middle, 1);
     assert!((page.number("player.time") - (whole[0] + whole[1]) / 2.0).abs() < 0.1);
 
-    // Each torque has its joint's name, and room for it.
+    // Each torque has the name of its joint, and enough space for it.
     let caption = "globalThis.caption = plots.panels[2].plot.root.closest('figure').querySelector('h3')";
     page.value(&format!("{caption}, 0"));
     let names = "[...caption.querySelectorAll('span')].map((key) => [key.title, key.textContent.split(' ')[0]])";
@@ -104,7 +104,7 @@ fn a_zoom_keeps_the_time_tells_ticks_apart_and_a_double_click_takes_back_the_zoo
 }
 
 #[test]
-fn words_are_beside_the_picture_and_keys_go_to_both_ends_and_to_the_help() {
+fn text_does_not_cover_the_view_and_keys_jump_to_both_ends_and_open_the_help() {
     let (folder, address) = report(&["duration=2"], &[]);
     let mut page = open(&address, 1280, 720);
     for (width, height) in [(1280, 720), (390, 844)] {
@@ -123,8 +123,8 @@ fn words_are_beside_the_picture_and_keys_go_to_both_ends_and_to_the_help() {
     page.press("?");
     assert_eq!(page.value("byId('help').open && byId('help').textContent.includes('Home End')"), json!(true));
     page.press("End");
-    assert_eq!(page.value("player.time === trajectory.begin"), json!(true), "while it is read, keys are its own");
-    keep(&mut page, "help");
+    assert_eq!(page.value("player.time === film.begin"), json!(true), "while it is read, keys are its own");
+    screenshot(&mut page, "help");
     page.press("Escape");
     page.until("!byId('help').open");
     assert_eq!(page.complaints, Vec::<String>::new());
@@ -133,7 +133,7 @@ fn words_are_beside_the_picture_and_keys_go_to_both_ends_and_to_the_help() {
 }
 
 #[test]
-fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
+fn a_fall_is_marked_at_its_time_and_only_if_there_was_one() {
     let (folder, address) = report(&["plant.push_impulse=[0,9,0]", "plant.push_time=4"], &[]);
     let summary: Value = serde_json::from_slice(&std::fs::read(folder.join("summary.json")).unwrap()).unwrap();
     let fall = summary["fall_time_s"].as_f64().unwrap();
@@ -149,7 +149,7 @@ fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
         let words = page.value("byId('facts').textContent");
         assert_eq!(words.as_str().unwrap().starts_with(&format!("fell at {fall:.1}")), is_over, "{words}");
     }
-    keep(&mut page, "fall");
+    screenshot(&mut page, "fall");
     drop(page);
     std::fs::remove_dir_all(folder).unwrap();
 
@@ -164,7 +164,7 @@ fn a_fall_is_marked_where_it_happened_and_no_fall_is_not() {
     std::fs::remove_dir_all(folder).unwrap();
 }
 
-/// A cube that slides, all of whose names are HTML.
+/// A sliding cube. All of its names are HTML.
 const HOSTILE: &str = "description = '</title></script><img src=x onerror=alert(1)><script>globalThis.isHurt = true</script>'\nduration = 0.5\n\
     [initial]\nvelocity = [1.0, 0.0, 0.0]\n[[bodies]]\nname = '<script>globalThis.isHurt = true</script>'\nmass = 1.0\n\
     size = [0.1, 0.1, 0.1]\ncontacts = [[0.05, 0.05, -0.05], [0.05, -0.05, -0.05], [-0.05, 0.0, -0.05]]\n\
@@ -172,7 +172,7 @@ const HOSTILE: &str = "description = '</title></script><img src=x onerror=alert(
     joint = { parent = '<script>globalThis.isHurt = true</script>', at = [0.0, 0.0, 0.1], axis = [0.0, 1.0, 0.0], stiffness = 10.0 }\n";
 
 #[test]
-fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_text() {
+fn a_scene_without_a_controller_has_its_own_plots_and_its_name_is_escaped() {
     let scene = fresh_path("<b>hostile<b>&.toml");
     std::fs::write(&scene, HOSTILE).unwrap();
     let (folder, address) = report_of(scene.to_str().unwrap(), &[], &[]);
@@ -192,7 +192,7 @@ fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_te
     let weight = page.number("trajectory.get(trajectory.row(.4), 'ground', 2)");
     assert!((weight - 1.1 * 9.81).abs() < 2.0, "{weight} N carry 1.1 kg");
     labels(&mut page);
-    keep(&mut page, "passive");
+    screenshot(&mut page, "passive");
 
     assert_eq!(
         page.value("[typeof isHurt, document.querySelectorAll('img, header b').length]"),
@@ -203,7 +203,7 @@ fn a_scene_without_a_controller_has_plots_of_its_own_and_what_it_is_called_is_te
     let description = HOSTILE.lines().next().unwrap().split('\'').nth(1).unwrap();
     let name = format!("biped: {}", scene.display());
     assert_eq!(page.value(shown), json!([description, "</script><img src=x onerror=alert(1)>", name]));
-    // And what would stand there all the same would not run.
+    // Even unescaped HTML could not execute, by the content security policy.
     page.value("document.body.append(Object.assign(document.createElement('script'), { textContent: 'globalThis.isHurt = true' }))");
     assert_eq!(page.value("typeof isHurt"), json!("undefined"));
     assert!(

@@ -1,12 +1,12 @@
 //! The page of a running session.
 
 use super::live::{Running, biped};
-use super::{address_of, keep, open};
+use super::{address_of, open, screenshot};
 use crate::chromium::Browser;
 use messages::port::Action;
 use serde_json::json;
 
-/// Pauses a session where a frame of the page begins; they come every five periods.
+/// Pauses a session at the start of a frame of the page. There is one every five control periods.
 fn pause(page: &mut Browser, walk: &mut Running) {
     page.value("byId('pause').click()");
     page.until("byId('answer').textContent.endsWith('paused')");
@@ -15,45 +15,45 @@ fn pause(page: &mut Browser, walk: &mut Running) {
     page.value("globalThis.from = trajectory.length - 1");
 }
 
-/// Lets a paused session go on, and the page show it; returns what the ground gave along x, ∫ F dt [N s].
+/// Advances a paused session, and waits until the page shows it. Returns the impulse of the ground along x, ∫ F dt [N s].
 fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
-    walk.rejoin();
+    walk.observe();
     let (end, mut ground) = (walk.ask(Action::Step { periods }).stamp.seq + periods, 0.0);
     let truth = walk.until("some periods", |truth| {
         ground += 1e-3 * truth.contact_force.iter().step_by(3).sum::<f64>();
         truth.stamp.seq == end
     });
-    walk.leave();
-    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
+    walk.stop_observing();
+    page.until(&format!("Math.abs(film.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
     ground
 }
 
-/// Goes on for 100 periods: what the robot has got along x that the ground has not given, m Δv − ∫ F dt [N s].
-fn gained(page: &mut Browser, walk: &mut Running) -> f64 {
+/// Advances by 100 periods. Returns the external impulse on the robot along x, its change of momentum minus that of the ground, m Δv − ∫ F dt [N s].
+fn external_impulse(page: &mut Browser, walk: &mut Running) -> f64 {
     let ground = step(page, walk, 100);
     14.0 * page.number("trajectory.get(trajectory.length - 1, 'velocity', 0) - trajectory.get(from, 'velocity', 0)")
         - ground
 }
 
 #[test]
-fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
+fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset() {
     let mut walk = Running::start("page", &["--set", "duration=100000", "--set", "controller.speed=0"]);
     walk.until("stamping", |truth| truth.telemetry.steps > 4);
-    walk.leave();
+    walk.stop_observing();
     let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
     page.until("trajectory.length > 200 && player.time > 0");
 
-    // The token has left the address; a reload comes without it, and gets in all the same.
+    // The page removes the token from its address. A reload without the token still works.
     assert_eq!(page.value("location.search + document.cookie"), json!(""));
     page.value("globalThis.isOld = true, location.reload()");
     page.until(
         "!globalThis.isOld && typeof trajectory === 'object' && trajectory.length > 200 && location.search === ''",
     );
     page.until("performance.getEntriesByName('open').length === 1");
-    page.complaints.retain(|complaint| !complaint.contains("403")); // of which it was told
+    page.complaints.retain(|complaint| !complaint.contains("403")); // the reload causes one expected 403
 
-    // Which way each push is in the picture, from wherever it is looked at: left, right, forward, back.
+    // The arrows on the push buttons show the direction of each push in the view of every camera: left, right, forward, back.
     let quarter = std::f64::consts::FRAC_PI_2;
     let seen = [
         ("side", [None, None, Some(0.0), Some(2.0 * quarter)]),
@@ -77,7 +77,7 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
             };
             assert!(is_right, "{camera}: {marks:?}");
         }
-        keep(&mut page, &format!("live-{camera}"));
+        screenshot(&mut page, &format!("live-{camera}"));
     }
     assert_eq!(
         page.value("stage.screenDirection(markers.com.position, new THREE.Vector3(0, 0, 1)).depth > .9"),
@@ -85,11 +85,11 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
         "from above"
     );
 
-    // What a push gives, the robot has.
+    // The change of momentum is the impulse of the push.
     pause(&mut page, &mut walk);
-    page.value("byId('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
-    page.until("byId('answer').textContent.startsWith('push: done')");
-    let impulse = gained(&mut page, &mut walk);
+    page.value("part('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
+    page.until("part('answer').textContent.startsWith('push: done')");
+    let impulse = external_impulse(&mut page, &mut walk);
     assert!((impulse - 2.0).abs() < 0.02, "{impulse} N s, not 2");
     let before = page.number("trajectory.end");
     page.value("byId('advance').click()");
@@ -98,47 +98,47 @@ fn a_running_session_shows_and_obeys_pushes_speed_pause_and_reset() {
     page.value("byId('resume').click()");
     page.until("byId('answer').textContent.startsWith('resume: done')");
 
-    // Walking speed.
-    page.value("byId('pace').value = .15, byId('set').click()");
-    page.until("byId('answer').textContent.startsWith('set: done')");
-    let speed = "(() => { const row = trajectory.row(trajectory.end - 3); \
-                 return (trajectory.get(trajectory.length - 1, 'com', 0) - trajectory.get(row, 'com', 0)) / (trajectory.end - trajectory.get(row, 'time')); })()";
-    let end = page.number("trajectory.end");
-    page.until(&format!("trajectory.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
-    keep(&mut page, "live");
+    // The walking speed follows its set-point.
+    page.value("part('pace').value = .15, part('set').click()");
+    page.until("part('answer').textContent.startsWith('set: done')");
+    let speed = "(() => { const row = film.row(film.end - 3); \
+                 return (film.get(film.length - 1, 'com', 0) - film.get(row, 'com', 0)) / (film.end - film.get(row, 'time')); })()";
+    let end = page.number("film.end");
+    page.until(&format!("film.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
+    screenshot(&mut page, "live");
     page.prefers("dark");
     page.until("stage.scene.background.getHexString() === '12161b' && !stage.isStale");
-    keep(&mut page, "live-dark");
+    screenshot(&mut page, "live-dark");
     page.prefers("light");
-    page.value("byId('pace').value = 9, byId('set').click()");
-    page.until("byId('answer').textContent.includes('refused: a number is out of range')");
-    page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium's own word on it
+    page.value("part('pace').value = 9, part('set').click()");
+    page.until("part('answer').textContent.includes('refused: a number is out of range')");
+    page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium logs the refused request
 
-    // A reset begins another trajectory. The page keeps the end of a run, in lockstep a tenth of a second: it waits to be looked at.
-    page.value("byId('pause').click()");
-    page.until("byId('answer').textContent.endsWith('paused')");
-    page.value("byId('reset').click()");
-    page.until("live.run === 2 && trajectory.length > 0 && trajectory.begin < 1");
-    page.value("byId('resume').click()");
-    page.until("byId('answer').textContent.startsWith('resume: done')");
+    // A reset starts a new film. In lockstep a run can advance far between two checks, so the session is paused first.
+    page.value("part('pause').click()");
+    page.until("part('answer').textContent.endsWith('paused')");
+    page.value("part('reset').click()");
+    page.until("live.run === 2 && film.length > 0 && film.begin < 1");
+    page.value("part('resume').click()");
+    page.until("part('answer').textContent.startsWith('resume: done')");
     page.resize(390, 844);
     page.until("!stage.isStale || trajectory.length > 0");
     assert_eq!(page.number("document.documentElement.scrollWidth"), 390.0);
-    keep(&mut page, "live-390");
+    screenshot(&mut page, "live-390");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);
     walk.end_with(view);
 }
 
 #[test]
-fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_the_camera() {
+fn a_drag_on_the_robot_pushes_it_by_the_drawn_impulse_and_a_drag_elsewhere_rotates_the_camera() {
     let mut walk = Running::start("drag", &["--set", "duration=100000", "--set", "controller.speed=0"]);
     walk.until("stamping", |truth| truth.telemetry.steps > 4);
-    walk.leave();
+    walk.stop_observing();
     let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
-    page.until("trajectory.length > 200 && player.time > 0");
-    page.value("byId('cameras').querySelectorAll('button')[1].click()"); // from the side
+    page.until("film.length > 200 && player.time > 0");
+    page.value("part('cameras').querySelectorAll('button')[1].click()"); // side view
     pause(&mut page, &mut walk);
     page.until("!player.isStale && !stage.isStale");
     let trunk = |page: &mut Browser| {
@@ -147,7 +147,7 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
         serde_json::from_value::<[f64; 2]>(page.value(place)).unwrap()
     };
 
-    // While it is dragged, the arrow reaches as far as the pointer went, and its number is its length.
+    // During the drag, the arrow ends at the pointer, and its label is its length.
     let [x, y] = trunk(&mut page);
     page.drag(&[[x, y], [x + 20.0, y], [x + 70.0, y - 10.0]]);
     assert_eq!(page.value("drag.arrow.visible && !drag.label.hidden"), json!(true));
@@ -159,15 +159,15 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
     let length = wanted.iter().map(|part| part * part).sum::<f64>().sqrt();
     assert_eq!(page.value("drag.label.textContent"), json!(format!("{length:.1} N·s")));
     assert!((0.5..5.0).contains(&length) && wanted[0] > 0.95 * length, "{wanted:?}");
-    keep(&mut page, "live-drag");
+    screenshot(&mut page, "live-drag");
     page.drop_at([x + 70.0, y - 10.0]);
     page.until("byId('answer').textContent.startsWith('push: done')");
     assert_eq!(page.value("drag.arrow.visible || !drag.label.hidden"), json!(false));
-    let impulse = gained(&mut page, &mut walk);
+    let impulse = external_impulse(&mut page, &mut walk);
     assert!((impulse / wanted[0] - 1.0).abs() < 0.01, "{impulse} N s, not {}", wanted[0]);
 
-    // Beside the robot a drag turns the camera; one that is given up, or goes nowhere, pushes nobody.
-    page.value("byId('answer').textContent = 'nothing'");
+    // A drag beside the robot rotates the camera. A cancelled drag and a click push nothing.
+    page.value("part('answer').textContent = 'nothing'");
     page.until("!player.isStale && !stage.isStale");
     let [x, y] = trunk(&mut page);
     let camera = |page: &mut Browser| page.value("stage.camera.position.toArray().join()");
@@ -183,13 +183,13 @@ fn a_drag_from_the_robot_pushes_it_by_what_is_drawn_and_a_drag_beside_it_turns_t
     assert_ne!(camera(&mut page), before);
     assert_eq!(page.value("byId('answer').textContent"), json!("nothing"));
 
-    // A finger does the same.
+    // A drag by touch pushes too.
     page.resize(390, 844);
     page.until("!player.isStale && !stage.isStale");
     let [x, y] = trunk(&mut page);
     page.swipe(&[[x, y], [x + 10.0, y], [x + 40.0, y]]);
-    page.until("byId('answer').textContent.startsWith('push: done')");
-    keep(&mut page, "live-drag-390");
+    page.until("part('answer').textContent.startsWith('push: done')");
+    screenshot(&mut page, "live-drag-390");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);
     walk.end_with(view);

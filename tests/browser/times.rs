@@ -1,4 +1,4 @@
-//! How long a page takes to open and to scrub: `cargo test --release --test browser ten_minutes -- --nocapture` prints it.
+//! Times to open and to scrub a page: `cargo test --release --test browser ten_minutes -- --nocapture` prints them.
 
 use super::live::biped;
 use super::{address_of, open, report};
@@ -7,13 +7,13 @@ use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::time::Instant;
 
-/// How long until the picture and the plots are there, as the page itself says [ms].
+/// Time until view and plots are drawn, as the page itself measures it [ms].
 const OPEN: &str = "performance.getEntriesByName('open')[0].startTime";
 
-/// A hundred places are scrubbed to so often; the least time is the page's, the rest is the machine's.
+/// Repetitions of scrubbing to a hundred positions. The least time counts, because the rest is due to other programs.
 const BATCHES: usize = 5;
 
-/// Times of a page: until it is open, and for each place that is scrubbed to [ms].
+/// Times of a page: to open it, and to scrub to one position [ms].
 fn times(address: &str) -> [f64; 2] {
     let mut page = open(address, 1280, 720);
     page.value("player.play(false)");
@@ -32,7 +32,7 @@ fn times(address: &str) -> [f64; 2] {
     [page.number(OPEN), scrub]
 }
 
-/// How long a recording takes, from the command on: until it has been read, and from there until its page is open [ms].
+/// Times of a recording: from the command until it is read, and from then until its page is open [ms].
 fn times_of_recording(file: &str) -> [f64; 2] {
     let start = Instant::now();
     let mut view = biped(&["view", file, "--port", "0"]).spawn().unwrap();
@@ -44,7 +44,7 @@ fn times_of_recording(file: &str) -> [f64; 2] {
     [read, opened]
 }
 
-/// Run by `cargo test --release --test browser ten_minutes -- --nocapture` it prints the times.
+/// `cargo test --release --test browser ten_minutes -- --nocapture` prints the times.
 #[test]
 fn ten_minutes_open_and_scrub_within_twice_the_time_of_fourteen_seconds() {
     let (short, long) = (report(&[], &[]), report(&["duration=600"], &[]));
@@ -64,7 +64,7 @@ fn ten_minutes_open_and_scrub_within_twice_the_time_of_fourteen_seconds() {
     [short, long].into_iter().for_each(|(folder, _)| std::fs::remove_dir_all(folder).unwrap());
 }
 
-/// Two processors read a recording, and a browser draws it: on a machine that others use no ratio holds.
+/// Two processors read the recording while a browser draws, so the ratio holds on an idle machine only.
 #[test]
 #[ignore = "wants a machine of its own: cargo test --release --test browser a_recording -- --ignored --nocapture"]
 fn a_recording_of_ten_minutes_opens_within_three_times_the_time_of_its_report() {

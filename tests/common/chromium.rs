@@ -1,5 +1,4 @@
-//! A real browser without a window, spoken to over two pipes: Chrome's DevTools protocol, one JSON object after the other, each
-//! ended by a zero byte.
+//! A headless browser, controlled through two pipes by Chrome's DevTools protocol: a sequence of JSON objects, each terminated by a zero byte.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
@@ -12,7 +11,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest wait for anything: far more than it takes on a busy machine.
+/// Longest wait for any condition: far more than a busy machine needs.
 const LONG: Duration = Duration::from_secs(90);
 
 /// A browser with one page.
@@ -23,14 +22,14 @@ pub struct Browser {
     folder: PathBuf,
     page: String,
     count: u64,
-    /// What the page has complained of.
+    /// Errors of the page: exceptions and messages on its console.
     pub complaints: Vec<String>,
-    /// Addresses that it asked for.
+    /// Addresses that the page requested.
     pub requests: Vec<String>,
 }
 
 impl Browser {
-    /// Starts it, and opens a page of a size.
+    /// Starts the browser, and opens a page in a window of the given size.
     pub fn open(address: &str, width: u32, height: u32) -> Browser {
         let folder = fresh_path("chromium");
         std::fs::create_dir(&folder).expect("a folder of our own");
@@ -42,11 +41,11 @@ impl Browser {
             Command::new(name).arg("--version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok()
         });
         let program = program.expect("Chromium is needed: apt-get install chromium");
-        // A shell, because only it hands over pipes as 3 and 4.
+        // A shell connects the pipes as file descriptors 3 and 4.
         let process = Command::new("sh")
             .args(["-c", "exec \"$0\" \"$@\" 3<\"$COMMANDS\" 4>\"$EVENTS\"", program])
             .args(["--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"])
-            // WebGL on the processor; the rest of the page as wherever there is no graphics processor.
+            // WebGL is emulated on the CPU; the rest of the page is drawn as on a machine without a GPU.
             .arg("--disable-gpu-compositing")
             .args(["--remote-debugging-pipe", "--disable-background-networking", "--no-first-run", "--hide-scrollbars"])
             .arg(format!("--user-data-dir={}", folder.join("profile").display()))
@@ -73,46 +72,46 @@ impl Browser {
         browser
     }
 
-    /// As a screen of this size; narrow ones are phones'.
+    /// Emulates a screen of this size. A narrow one is a phone.
     pub fn resize(&mut self, width: u32, height: u32) {
         let screen = json!({"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600});
         self.call("Emulation.setDeviceMetricsOverride", screen);
     }
 
-    /// As a system that prefers dark or light.
+    /// Emulates a system with a preference for dark or light.
     pub fn prefers(&mut self, scheme: &str) {
         let features = json!({"features": [{"name": "prefers-color-scheme", "value": scheme}]});
         self.call("Emulation.setEmulatedMedia", features);
     }
 
-    /// The value of an expression in the page.
+    /// Evaluates an expression in the page.
     pub fn value(&mut self, expression: &str) -> Value {
         let answer = self.call("Runtime.evaluate", evaluation(expression));
         assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
         answer["result"]["value"].clone()
     }
 
-    /// The same, as a number.
+    /// Evaluates an expression to a number.
     pub fn number(&mut self, expression: &str) -> f64 {
         self.value(expression).as_f64().unwrap_or_else(|| panic!("{expression} is no number"))
     }
 
     /// Waits until an expression is true.
     pub fn until(&mut self, expression: &str) {
-        let (start, wish) = (Instant::now(), evaluation(expression));
-        // Between two pages there is nobody to answer.
+        let (start, request) = (Instant::now(), evaluation(expression));
+        // Between two pages there is no answer.
         let holds = |answer: Result<Value, Value>| {
             let answer = answer.unwrap_or_default();
             assert!(answer.get("exceptionDetails").is_none(), "{expression}: {answer}");
             answer["result"]["value"] == json!(true)
         };
-        while !holds(self.attempt("Runtime.evaluate", wish.clone())) {
+        while !holds(self.attempt("Runtime.evaluate", request.clone())) {
             assert!(start.elapsed() < LONG, "{expression} did not come true; {:?}", self.complaints);
             std::thread::sleep(Duration::from_millis(20));
         }
     }
 
-    /// What it looks like, as PNG in base 64.
+    /// A screenshot as PNG.
     pub fn picture(&mut self) -> Vec<u8> {
         use base64::Engine;
         let picture = self.call("Page.captureScreenshot", json!({"format": "png"}));
@@ -120,7 +119,7 @@ impl Browser {
         base64::prelude::BASE64_STANDARD.decode(text).expect("base 64")
     }
 
-    /// Drags with the left button, as far as the last place, and holds.
+    /// Drags with the left button along a path, without releasing it.
     pub fn drag(&mut self, places: &[[f64; 2]]) {
         for (index, place) in places.iter().enumerate() {
             if index == 0 {
@@ -130,12 +129,12 @@ impl Browser {
         }
     }
 
-    /// Lets go of the left button.
+    /// Releases the left button.
     pub fn drop_at(&mut self, place: [f64; 2]) {
         self.mouse("mouseReleased", place, 0, 1);
     }
 
-    /// Clicks so often in a row.
+    /// Clicks a number of times in a row.
     pub fn click(&mut self, place: [f64; 2], times: u32) {
         self.mouse("mouseMoved", place, 0, 0);
         for count in 1..=times {
@@ -144,7 +143,7 @@ impl Browser {
         }
     }
 
-    /// Presses a key and lets go of it, by its names on a keyboard and in text.
+    /// Presses and releases a key, by its name.
     pub fn press(&mut self, key: &str) {
         for kind in ["keyDown", "keyUp"] {
             let text = if key.len() == 1 && kind == "keyDown" { key } else { "" };
@@ -160,7 +159,7 @@ impl Browser {
         self.call("Input.dispatchMouseEvent", event);
     }
 
-    /// Moves a finger over places, from touching to lifting.
+    /// Moves a finger along a path, from touch to release.
     pub fn swipe(&mut self, places: &[[f64; 2]]) {
         for (index, [x, y]) in places.iter().enumerate() {
             let kind = if index == 0 { "touchStart" } else { "touchMove" };
@@ -179,11 +178,11 @@ impl Browser {
         if !self.page.is_empty() {
             message["sessionId"] = json!(self.page);
         }
-        self.commands.write_all(format!("{message}\0").as_bytes()).expect("a browser that listens");
+        self.commands.write_all(format!("{message}\0").as_bytes()).expect("an open pipe to the browser");
         loop {
             let mut answer = vec![];
-            self.events.read_until(0, &mut answer).expect("a browser that speaks");
-            answer.pop().unwrap_or_else(|| panic!("the browser ended amid {method}"));
+            self.events.read_until(0, &mut answer).expect("an open pipe from the browser");
+            answer.pop().unwrap_or_else(|| panic!("the browser exited during {method}"));
             let answer: Value = serde_json::from_slice(&answer).expect("JSON");
             match answer["id"].as_u64() {
                 Some(id) if id == self.count => {
@@ -220,7 +219,7 @@ fn evaluation(expression: &str) -> Value {
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // Also its children end when they have nobody to speak to.
+        // Its child processes exit when their pipes close.
         let _ = self.process.kill();
         let _ = self.process.wait();
         let _ = std::fs::remove_dir_all(&self.folder);

@@ -1,6 +1,6 @@
-//! What other languages need here: a Python with packages, and compilers.
+//! Tools for other languages: a Python with packages, and compilers.
 //!
-//! Python's packages come into a virtual environment under the target folder, once.
+//! The Python packages are installed once, into a virtual environment in the target folder.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// The wheels that controllers, plant and the comparisons need.
-const WHEELS: [&str; 10] = [
+/// The packages that controllers, plant and comparisons need.
+const PACKAGES: [&str; 10] = [
     "iceoryx2==0.10.0",
     "numpy",
     "xxhash==4.1.0",
@@ -25,35 +25,35 @@ const WHEELS: [&str; 10] = [
     "pandas",
 ];
 
-/// A Python that has them.
+/// The Python interpreter of that environment.
 pub fn python() -> &'static PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| {
         let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("python");
-        let (python, made) = (folder.join("bin/python3"), folder.join(WHEELS.join(" ")));
-        // one test file at a time
+        let (python, marker) = (folder.join("bin/python3"), folder.join(PACKAGES.join(" ")));
+        // only one test program installs at a time
         let lock = File::create(folder.with_extension("lock")).expect("a file of ours");
         lock.lock().expect("a lock");
-        if !made.exists() {
+        if !marker.exists() {
             let venv = Command::new("python3").args(["-m", "venv"]).arg(&folder).output().expect("Python 3");
             assert!(venv.status.success(), "{}", String::from_utf8_lossy(&venv.stderr));
             let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-            let pip = Command::new(&python).args(pip).args(WHEELS).output().expect("pip");
+            let pip = Command::new(&python).args(pip).args(PACKAGES).output().expect("pip");
             assert!(pip.status.success(), "{}", String::from_utf8_lossy(&pip.stderr));
-            std::fs::write(made, "").expect("a file of ours");
+            std::fs::write(marker, "").expect("a file of ours");
         }
         python
     })
 }
 
-/// Where cargo puts the library for tests.
+/// The folder of the C library, as cargo builds it for tests.
 fn libraries() -> PathBuf {
     let folder = Path::new(env!("CARGO_BIN_EXE_biped")).parent().expect("a folder").join("deps");
     assert!(folder.join("libbiped_c.so").exists(), "no libbiped_c.so in {}", folder.display());
     folder
 }
 
-/// Compiles a source of this repository, and gives the program.
+/// Compiles a source file of this repository. Returns the path of the program.
 pub fn compile(compiler: &str, standard: &str, source: &str) -> PathBuf {
     let (program, libraries) = (fresh_path("native"), libraries());
     let output = Command::new(compiler)
@@ -61,7 +61,7 @@ pub fn compile(compiler: &str, standard: &str, source: &str) -> PathBuf {
         .arg(&program)
         .args(["-Icontroller/foreign/c", "-Imessages/include", "-L"])
         .arg(&libraries)
-        // found there, whatever cargo has in LD_LIBRARY_PATH
+        // the program finds the library there, independently of LD_LIBRARY_PATH
         .args(["-lbiped_c", "-lm", &format!("-Wl,--disable-new-dtags,-rpath,{}", libraries.display())])
         .output()
         .unwrap_or_else(|error| panic!("there is no compiler `{compiler}` ({error}): install g++, which brings both"));

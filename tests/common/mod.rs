@@ -1,4 +1,4 @@
-//! Runs of the program, and what their summaries must show.
+//! Runs of the program, and checks of their summaries.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 #![allow(dead_code, reason = "each test file uses a part of this")]
@@ -17,19 +17,19 @@ pub struct Summary {
     json: Value,
 }
 
-/// A file or folder of its own in the system's place for such.
+/// A new path in the system's temporary folder.
 pub fn fresh_path(name: &str) -> PathBuf {
     static COUNT: AtomicU32 = AtomicU32::new(0);
     let count = COUNT.fetch_add(1, Relaxed);
     std::env::temp_dir().join(format!("biped-test-{}-{count}-{name}", std::process::id()))
 }
 
-/// Runs a scene in one process, `settings` replacing values of it.
+/// Runs a scene in one process, with changed values.
 pub fn run(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &["--in-process"])
 }
 
-/// Runs a scene in one process on the smallest model that gives its answer.
+/// Runs a scene in one process with its smallest equivalent model.
 pub fn run_smallest(scene: &str, settings: &[&str]) -> Summary {
     run_as(scene, settings, &["--in-process", "--smallest"])
 }
@@ -60,7 +60,7 @@ fn run_as(scene: &str, settings: &[&str], flags: &[&str]) -> Summary {
     summary
 }
 
-/// Runs many cases of a scene at once.
+/// Runs several cases of a scene in parallel.
 pub fn run_all(scene: &str, cases: &[&[&str]]) -> Vec<Summary> {
     std::thread::scope(|scope| {
         let runs: Vec<_> = cases.iter().map(|settings| scope.spawn(|| run(scene, settings))).collect();
@@ -74,7 +74,7 @@ impl Summary {
         self.json["fell"].as_bool().expect("yes or no")
     }
 
-    /// A number; a list gives its greatest.
+    /// A number of the summary; of a list, the largest.
     pub fn number(&self, key: &str) -> f64 {
         let one = |value: &Value| value.as_f64().unwrap_or(f64::NAN);
         match &self.json[key] {
@@ -83,18 +83,18 @@ impl Summary {
         }
     }
 
-    /// That a word is this.
-    pub fn says(&self, key: &str, word: &str) {
+    /// Asserts the value of a text.
+    pub fn assert_text(&self, key: &str, word: &str) {
         assert_eq!(self.json[key].as_str(), Some(word), "{}: {key}", self.name);
     }
 
-    /// Hash of every state.
+    /// Hash of all states.
     pub fn hash(&self) -> &str {
         self.json["trajectory_hash"].as_str().expect("a hash")
     }
 
-    /// That the robot stayed up and each number lies in its range. A number that was not measured lies in none.
-    pub fn shows(&self, claims: &[(&str, RangeInclusive<f64>)]) {
+    /// Asserts that the robot stayed up and that each number is in its range. A missing number is in none.
+    pub fn assert_ranges(&self, claims: &[(&str, RangeInclusive<f64>)]) {
         let fall = self.number("fall_time_s");
         assert!(!self.fell(), "{}: fell at {fall:.2} s", self.name);
         let broken = claims.iter().filter(|(key, range)| !range.contains(&self.number(key)));
@@ -104,7 +104,7 @@ impl Summary {
     }
 }
 
-/// One of the scenes that come with the program, with values replaced.
+/// A built-in scene with changed values.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/launch/scenes");
     let paths = [format!("{folder}/{name}.toml"), format!("{folder}/known/{name}.toml")];
@@ -113,18 +113,18 @@ pub fn scene(name: &str, settings: &[&str]) -> Scene {
     messages::load::load(path, &settings, &[]).expect("a good scene")
 }
 
-/// A robot in a file, for as long as this lives.
+/// A robot file that is removed when dropped.
 pub struct RobotFile {
     path: PathBuf,
 }
 
 impl RobotFile {
-    /// Of a robot as TOML.
+    /// Writes a robot as TOML.
     pub fn new(robot: &Robot) -> RobotFile {
         RobotFile::of("toml", &toml::to_string(robot).expect("TOML"))
     }
 
-    /// Of any text.
+    /// Writes a text to a file with this extension.
     pub fn of(kind: &str, text: &str) -> RobotFile {
         let path = fresh_path(&format!("robot.{kind}"));
         std::fs::write(&path, text).expect("a file");
@@ -136,7 +136,7 @@ impl RobotFile {
         self.path.to_str().expect("a path of plain letters")
     }
 
-    /// The setting that puts it into a scene.
+    /// The setting that uses it in a scene.
     pub fn setting(&self) -> String {
         format!("robot={}", self.path())
     }
@@ -148,7 +148,7 @@ impl Drop for RobotFile {
     }
 }
 
-/// The robot of Table 1 with every length times this and every mass times its cube.
+/// The robot of Table 1 with all lengths scaled by a factor and all masses by its cube.
 pub fn similar(length: f64) -> Robot {
     let mut bodies = table_1();
     for body in &mut bodies {
@@ -161,7 +161,7 @@ pub fn similar(length: f64) -> Robot {
     Robot { name: format!("Table 1 times {length}"), drives: DriveParameters::default(), bodies }
 }
 
-/// The robot of Table 1 with shanks this much longer.
+/// The robot of Table 1 with its shanks scaled in length by a factor.
 pub fn shanks(length: f64) -> Robot {
     let mut bodies = table_1();
     for (shank, ankle) in [(2, 1), (6, 7)] {

@@ -1,4 +1,4 @@
-//! Other programs read our files: the exported robot as the same equations of motion, a recording by its own schemas.
+//! Other programs read the exported files: simulators compute the same equations of motion, and readers decode a recording by its own schemas.
 
 use super::{number, run};
 use crate::common::{RobotFile, fresh_path, scene, shanks, similar};
@@ -37,7 +37,7 @@ fn states(scene: &Scene) -> Value {
         json!({"x": state.x, "xdot": state.xdot, "H": rows, "b": b})
     });
     let states: Vec<Value> = states.collect();
-    // by the order of the degrees of freedom, which need not be that of the wire
+    // in the order of the degrees of freedom, which can differ from wire order
     let jointed = scene.bodies.iter().zip(&model.body_link).filter(|(body, _)| body.joint.is_some());
     let name = |name: &str| name.replace([' ', '-'], "_") + "_joint";
     let mut joints: Vec<(usize, String)> = jointed.map(|(body, &link)| (link, name(&body.name))).collect();
@@ -47,8 +47,8 @@ fn states(scene: &Scene) -> Value {
     json!({"joints": joints, "gravity": model.gravity.as_slice(), "free": free, "states": states})
 }
 
-/// Greatest differences of H and b, each over its greatest entry, by engine. The export gets other settings than ours
-/// where the test wants to see a difference.
+/// Largest differences of H and b relative to their largest entries, for each simulator. `exported` are the settings of the exported robot; they
+/// differ from `settings` in the negative case.
 fn differences(name: &str, settings: &[&str], exported: &[&str]) -> Value {
     let folder = fresh_path("export");
     std::fs::create_dir_all(&folder).expect("a folder");
@@ -72,7 +72,7 @@ fn differences(name: &str, settings: &[&str], exported: &[&str]) -> Value {
 }
 
 #[test]
-fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot() {
+fn mujoco_and_pinocchio_compute_the_same_equations_of_motion_from_the_exported_robot() {
     let loaded = [
         "plant.base=quaternion",
         "plant.payload_kg=2",
@@ -97,11 +97,14 @@ fn mujoco_and_pinocchio_find_the_same_equations_of_motion_in_the_exported_robot(
     }
     let without = differences("walk", &free, &["plant.drive_inertia=0"]);
     for engine in ["mujoco", "pinocchio"] {
-        assert!(number(&without, engine) > 1e-3, "negative control: {engine} must miss the drives, {without}");
+        assert!(
+            number(&without, engine) > 1e-3,
+            "negative case: without drive inertia {engine} has to differ, {without}"
+        );
     }
 }
 
-/// What Python's reader of MCAP finds in a recording.
+/// The contents of a recording, by the MCAP reader for Python.
 fn read(file: &Path) -> Value {
     let output = Command::new(python()).arg("tests/foreign/recording.py").arg(file).output().expect("Python");
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -109,7 +112,7 @@ fn read(file: &Path) -> Value {
 }
 
 #[test]
-fn a_recording_reads_as_its_own_schemas_and_foxglove_s_say() {
+fn a_recording_matches_its_own_schemas_and_those_of_foxglove() {
     let file = fresh_path("walk.mcap");
     let (output, summary) = run("walk", &["--record", &file.to_string_lossy(), "--set", "duration=4"]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
@@ -125,7 +128,7 @@ fn a_recording_reads_as_its_own_schemas_and_foxglove_s_say() {
 }
 
 #[test]
-fn a_recording_that_is_killed_anywhere_opens_and_converts_into_a_whole_one() {
+fn a_truncated_recording_opens_and_converts_into_a_complete_one() {
     for bytes in [1_000_000, 2_500_000, 4_000_000] {
         killed_at(bytes);
     }
@@ -141,7 +144,7 @@ fn killed_at(bytes: u64) {
     let begun = Instant::now();
     while file.metadata().map_or(0, |about| about.len()) < bytes {
         assert!(begun.elapsed().as_secs() < 60, "nothing is recorded");
-        std::thread::yield_now(); // so that it is often amid a chunk
+        std::thread::yield_now(); // so that the file often ends within a chunk
     }
     walk.kill().and_then(|()| walk.wait()).expect("our own child");
     let killed = read(&file);
@@ -158,7 +161,7 @@ fn killed_at(bytes: u64) {
     [file, whole].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
 }
 
-/// The line of docs/WIRE.md.
+/// Runs the line of docs/WIRE.md.
 #[test]
 fn pandas_reads_a_recording_as_one_table() {
     let [file, table] = ["table.mcap", "table.csv"].map(fresh_path);

@@ -1,6 +1,5 @@
-//! Claims about programs that are not ours: controllers in Python keep the robot up as our own does, MuJoCo's robot walks
-//! as ours does, what fails is named, other engines read the exported robot as the same equations of motion, and other
-//! readers our recordings.
+//! Claims about foreign programs: controllers in Python and a plant in MuJoCo walk like the built-in ones, failures are named, other simulators
+//! compute the same equations of motion from the exported robot, and other readers open the recordings.
 
 #![expect(clippy::expect_used, clippy::panic, reason = "a test may panic")]
 
@@ -17,7 +16,7 @@ use common::fresh_path;
 use serde_json::Value;
 use std::process::{Command, Output};
 
-/// A run with a controller given by a command; also its summary, if it left one.
+/// Runs a scene. Returns the output, and the summary if there is one.
 fn run(scene: &str, arguments: &[&str]) -> (Output, Value) {
     let folder = fresh_path("foreign");
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
@@ -25,7 +24,7 @@ fn run(scene: &str, arguments: &[&str]) -> (Output, Value) {
         .arg(&folder)
         .args(arguments)
         .env("PYTHONDONTWRITEBYTECODE", "1")
-        .env("OPENBLAS_NUM_THREADS", "1") // eight joints need no threads
+        .env("OPENBLAS_NUM_THREADS", "1") // with eight joints, threads only cost time
         .output()
         .expect("the program starts");
     let summary = std::fs::read_to_string(folder.join("summary.json")).unwrap_or_default();

@@ -1,10 +1,10 @@
-//! `biped conform` passes programs in Python that keep the rules of the wire, and names the one that others break.
+//! `biped conform` accepts the Python programs, and names the rule that a changed program breaks.
 
 use crate::common::fresh_path;
 use crate::languages::python;
 use std::process::Command;
 
-/// What `biped conform` finds in a program in Python: exit code, and all it says.
+/// Runs `biped conform` on a Python program. Returns its exit code and output.
 fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
         .args(["conform", role, &format!("{} {arguments}", python().display())])
@@ -17,7 +17,7 @@ fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
 }
 
 #[test]
-fn ours_in_python_keep_the_rules_of_the_wire() {
+fn the_python_programs_obey_the_rules_of_the_wire_format() {
     for controller in ["stand.py", "walk.py"] {
         let (code, told) = conform("--controller", &format!("controller/foreign/python/{controller}"));
         assert!(code == Some(0) && told.contains("32 rules kept"), "{controller}: {told}");
@@ -26,11 +26,11 @@ fn ours_in_python_keep_the_rules_of_the_wire() {
     assert!(code == Some(0) && told.contains("37 rules kept") && told.contains("lockstep alone"), "{told}");
 }
 
-/// A piece of session.py, what takes its place, and what must be said of that.
+/// A piece of session.py, its replacement, and the expected message.
 type Flaw = [&'static str; 3];
 
 #[test]
-fn who_breaks_a_rule_is_told_which() {
+fn a_broken_rule_is_named() {
     let programs: [&[Flaw]; 4] = [
         &[
             ["stamp.seq + 1, asked.seq,", "stamp.seq + 1, asked.seq - 1,", "ack is the number of the sensors answered"],
@@ -79,7 +79,7 @@ fn who_breaks_a_rule_is_told_which() {
         }
         std::fs::remove_dir_all(folder).expect("our own folder");
     };
-    // most of their time is waiting for what must not come
+    // in parallel, because most of the time is spent waiting for messages that must not come
     std::thread::scope(|scope| {
         for flaws in programs {
             scope.spawn(move || try_one(flaws));

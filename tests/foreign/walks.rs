@@ -1,4 +1,4 @@
-//! Controllers in Python, and a robot in MuJoCo, walk as ours do.
+//! Controllers in Python and a plant in MuJoCo walk like the built-in ones.
 
 use super::{number, run};
 use crate::common::{RobotFile, fresh_path, shanks};
@@ -6,7 +6,7 @@ use crate::languages::python;
 use messages::session::Session;
 use serde_json::Value;
 
-/// The same with one of the controllers in Python; it must end well.
+/// Runs a scene with one of the Python controllers. The run has to succeed.
 fn run_python(scene: &str, controller: &str, settings: &[&str]) -> Value {
     let command = format!("{} controller/foreign/python/{controller}", python().display());
     let mut arguments = vec!["--controller", &command];
@@ -18,7 +18,7 @@ fn run_python(scene: &str, controller: &str, settings: &[&str]) -> Value {
 }
 
 #[test]
-fn a_spring_and_a_damper_in_python_stand() {
+fn the_standing_controller_in_python_stands() {
     let summary = run_python("stand", "stand.py", &["duration=1"]);
     assert_eq!(summary["fell"], false);
     let distance = number(&summary, "distance_m");
@@ -26,7 +26,7 @@ fn a_spring_and_a_damper_in_python_stand() {
 }
 
 #[test]
-fn the_paper_in_numpy_walks_as_far_as_the_paper_in_rust() {
+fn the_controller_in_numpy_walks_as_far_as_the_one_in_rust() {
     let theirs = run_python("walk", "walk.py", &[]);
     let (_, ours) = run("walk", &[]);
     let (theirs, ours) = (number(&theirs, "distance_m"), number(&ours, "distance_m"));
@@ -34,7 +34,7 @@ fn the_paper_in_numpy_walks_as_far_as_the_paper_in_rust() {
 }
 
 #[test]
-fn the_paper_in_numpy_goes_on_amid_the_step_in_which_it_died() {
+fn the_controller_in_numpy_continues_within_the_step_after_a_restart() {
     let script = fresh_path("dies.py");
     let once = fresh_path("dead");
     let text = format!(
@@ -48,14 +48,14 @@ fn the_paper_in_numpy_goes_on_amid_the_step_in_which_it_died() {
     let command = format!("{} {}", python().display(), script.display());
     let (output, summary) = run("walk", &["--controller", &command, "--respawn", "1", "--set", "duration=4"]);
     let errors = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && errors.contains("starting it anew"), "{}: {errors}", output.status);
+    assert!(output.status.success() && errors.contains("restarting it"), "{}: {errors}", output.status);
     let distance = number(&summary, "distance_m");
     assert!((0.25..0.45).contains(&distance), "{distance} m");
     [script, once].iter().for_each(|file| std::fs::remove_file(file).expect("our own file"));
 }
 
 #[test]
-fn our_controller_walks_the_robot_of_mujoco_as_far_as_ours() {
+fn the_controller_walks_as_far_in_mujoco_as_in_the_plant() {
     let session = format!("mujoco-{}", std::process::id());
     let command = format!("{} plant/foreign/mujoco/plant.py", python().display());
     let (output, theirs) = run("walk", &["--plant", &command, "--set", "duration=4", "--session", &session]);
@@ -78,7 +78,7 @@ fn our_controller_walks_the_robot_of_mujoco_as_far_as_ours() {
 }
 
 #[test]
-fn another_robot_is_walked_by_the_paper_in_numpy_and_by_mujoco_as_by_ours() {
+fn another_robot_walks_alike_with_numpy_as_controller_and_with_mujoco_as_plant() {
     let robot = RobotFile::new(&shanks(1.2));
     let setting = robot.setting();
     let settings = ["duration=4", &setting];
@@ -95,8 +95,8 @@ fn another_robot_is_walked_by_the_paper_in_numpy_and_by_mujoco_as_by_ours() {
 }
 
 #[test]
-fn what_python_lacks_is_a_sentence_that_says_how_to_get_it() {
-    // -S: without any package that was installed
+fn a_missing_python_package_is_reported_with_its_install_command() {
+    // -S hides all installed packages
     for (role, script) in
         [("--controller", "controller/foreign/python/walk.py"), ("--plant", "plant/foreign/mujoco/plant.py")]
     {
@@ -108,12 +108,12 @@ fn what_python_lacks_is_a_sentence_that_says_how_to_get_it() {
 }
 
 #[test]
-fn a_foreign_controller_that_dies_or_never_answers_is_named_and_nothing_stays() {
+fn a_foreign_controller_that_dies_or_never_answers_is_named_and_leaves_nothing() {
     let crash = format!("{} -c \"raise ValueError('no legs')\"", python().display());
     let (output, _) = run("stand", &["--controller", &crash, "--respawn", "1"]);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(4), "{errors}");
-    assert!(errors.contains("starting it anew"), "{errors}");
+    assert!(errors.contains("restarting it"), "{errors}");
     assert!(errors.contains("the controller failed (exit status: 1)") && errors.contains("no legs"), "{errors}");
 
     let (output, _) = run("stand", &["--controller", "sh -c 'sleep 61.0625; true'", "--patience", "1"]);

@@ -1,34 +1,37 @@
-//! That what nothing drives only loses energy: of seeds by the tests, of all that a fuzzer makes of them by its harness.
+//! The claim that a passive scene never gains energy. The tests check it for the stored inputs, and the fuzzer for every input it generates.
 
 use messages::scene::Scene;
 use messages::wire::Torques;
 use plant::kinematics::{self, Pose};
 use plant::{Plant, PlantError};
 
-/// Runs that many periods of a scene in which nothing gives energy back, and compares the energy of each with the one before: `most` may be
-/// made, as a part of the greatest that there was.
+/// Runs a number of control periods of a passive scene. In each, the energy may rise by `most` at most, relative to the largest energy so
+/// far.
 ///
 /// # Errors
-/// As the plant.
+/// Those of the plant.
 ///
 /// # Panics
-/// If it has risen, unless the scene began inside the ground, which lifts it out.
+/// If the energy rises by more, unless the scene starts inside the ground, which pushes the bodies out.
 pub fn check(scene: &Scene, periods: usize, most: f64) -> Result<(), PlantError> {
     let mut plant = Plant::new(scene)?;
-    let is_lifted = plant.truth().penetration > 0.0;
+    let starts_inside = plant.truth().penetration > 0.0;
     let (mut before, mut scale) = energy(&plant);
     for period in 0..periods {
         plant.advance(&Torques::default())?;
         let (now, size) = energy(&plant);
         scale = scale.max(size);
         let made = now - before;
-        assert!(made <= most * scale || is_lifted, "{made:e} J of {scale:e} J are made in period {period}");
+        assert!(
+            made <= most * scale || starts_inside,
+            "the energy rises by {made:e} J of {scale:e} J in period {period}"
+        );
         before = now;
     }
     Ok(())
 }
 
-/// Kinetic energy and that in the field of gravity [J], and the greatest part of it that was ever looked at.
+/// Kinetic plus potential energy [J], and the sum of their magnitudes [J].
 fn energy(plant: &Plant) -> (f64, f64) {
     let mut pose = Pose::new(plant.model());
     kinematics::pose(plant.model(), plant.state(), &mut pose);

@@ -1,7 +1,7 @@
-//! Claims about inputs that a fuzzer found: each is refused with one sentence and its exit code, or runs and loses energy as it must.
+//! Claims about inputs that a fuzzer found: each is refused with one sentence and an exit code, or runs without gaining energy.
 //!
 //! `tests/data/fuzz/`: `scene-*` scenes, `set-*` settings of the walk, one a line, `robot-*` robots, `contact-*` contact
-//! problems. `tests/fuzz/run` looks for more.
+//! problems. `tests/fuzz/run` searches for more.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -11,10 +11,10 @@ use messages::load::load;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
-/// Energy that rounding may make, as a part of what there is [-].
+/// Energy gain that rounding may cause, relative to the energy [-].
 const ROUNDING: f64 = 1e-9;
 
-/// The files whose names begin so.
+/// The stored inputs whose names begin with a word.
 fn files(beginning: &str) -> Vec<PathBuf> {
     let folder = format!("{}/tests/data/fuzz", env!("CARGO_MANIFEST_DIR"));
     let files = std::fs::read_dir(folder).expect("the inputs").map(|file| file.expect("a file").path());
@@ -25,7 +25,7 @@ fn files(beginning: &str) -> Vec<PathBuf> {
     files
 }
 
-/// Runs the program to its end: its exit code, and what it said was wrong.
+/// Runs the program. Returns its exit code and standard error.
 fn biped(arguments: &[&str]) -> (i32, String) {
     let Output { status, stderr, .. } =
         Command::new(env!("CARGO_BIN_EXE_biped")).args(arguments).output().expect("the program starts");
@@ -34,7 +34,7 @@ fn biped(arguments: &[&str]) -> (i32, String) {
     (code, errors)
 }
 
-/// That the program ended in one of these ways: in order, or with one sentence that is not long.
+/// Asserts that the program exits with one of these codes: 0 without a message, any other with one short sentence.
 fn ends(arguments: &[&str], codes: &[i32]) -> i32 {
     let (code, errors) = biped(arguments);
     println!("{code} {arguments:?}: {}", errors.trim());
@@ -74,13 +74,13 @@ fn a_walk_with_absurd_settings_is_refused_or_fails_with_a_sentence() {
 }
 
 #[test]
-fn a_robot_that_cannot_walk_is_told_so() {
+fn a_robot_that_cannot_walk_is_refused_with_a_sentence() {
     for path in files("robot-") {
         ends(&["run", "walk", "--robot", text(&path), "--in-process", "--quiet"], &[2, 4]);
     }
 }
 
-/// Who reads the error need not know in how many processes it happened.
+/// The error message does not depend on the number of processes.
 #[test]
 fn one_process_and_two_refuse_with_the_same_sentence() {
     let settings = |path: &Path| -> Vec<String> {
@@ -103,7 +103,7 @@ fn one_process_and_two_refuse_with_the_same_sentence() {
         let (twofold, words) = run(&["--patience", "20"]);
         let sentence = |words: &str| words.lines().find(|line| line.starts_with("error: ")).expect("one").to_string();
         let (alone, words) = (sentence(&alone), sentence(&words));
-        // which of the two failed is told as well
+        // two processes also name the role that failed
         let bare = words.split_once("): ").map_or(words.clone(), |(_, rest)| format!("error: {rest}"));
         assert!(code == twofold && (words == alone || bare == alone), "{code} {alone}\n{twofold} {words}");
         compared += 1;
@@ -112,7 +112,7 @@ fn one_process_and_two_refuse_with_the_same_sentence() {
     assert!(compared > 10);
 }
 
-/// Coulomb's law with the round cone is solved, whatever the others make of it.
+/// The law `Cone` solves these problems, even if other laws do not.
 #[test]
 fn contact_problems_that_were_slow_are_solved() {
     for path in files("contact-") {
@@ -129,31 +129,31 @@ fn contact_problems_that_were_slow_are_solved() {
     }
 }
 
-/// The scene inside a recording is checked like any other, and lengths in it are not believed.
+/// The scene inside a recording is checked like any other, and its lengths are validated.
 #[test]
-fn a_recording_that_lies_is_refused() {
+fn an_inconsistent_recording_is_refused() {
     let file = std::env::temp_dir().join(format!("biped-test-{}-lies.mcap", std::process::id()));
-    let lies = text(&file);
-    let record = ["run", "stand", "--in-process", "--quiet", "--set", "duration=0.05", "--record", lies];
+    let path = text(&file);
+    let record = ["run", "stand", "--in-process", "--quiet", "--set", "duration=0.05", "--record", path];
     assert_eq!(biped(&record).0, 0);
     let good = std::fs::read(&file).expect("a recording");
-    let says = b"mass = 1.0";
-    let at = good.windows(says.len()).position(|bytes| bytes == says).expect("a scene in it");
-    for lie in [b"mass = nan", b"mass = 0.0", b"mass = 1e9", b"mess = 1.0"] {
+    let original = b"mass = 1.0";
+    let at = good.windows(original.len()).position(|bytes| bytes == original).expect("a scene in it");
+    for value in [b"mass = nan", b"mass = 0.0", b"mass = 1e9", b"mess = 1.0"] {
         let mut bad = good.clone();
-        bad[at..at + says.len()].copy_from_slice(lie);
+        bad[at..at + original.len()].copy_from_slice(value);
         std::fs::write(&file, bad).expect("a file");
-        for command in [&["replay", lies][..], &["replay", "--plant", lies], &["info", lies]] {
-            // a mass that can be is not what was recorded
-            let codes: &[i32] = if lie == b"mass = 1e9" { &[0, 2, 4] } else { &[2] };
+        for command in [&["replay", path][..], &["replay", "--plant", path], &["info", path]] {
+            // a valid mass, but not the recorded one
+            let codes: &[i32] = if value == b"mass = 1e9" { &[0, 2, 4] } else { &[2] };
             ends(command, codes);
         }
     }
     std::fs::remove_file(&file).expect("our own file");
     for path in files("lie") {
-        // as if this version had written it: else nothing further in it is looked at
+        // with the schema hash of this version; otherwise the file is refused before the rest is read
         let mut bytes = std::fs::read(&path).expect("a recording");
-        let key = b"schema\x10\0\0\0"; // and sixteen digits
+        let key = b"schema\x10\0\0\0"; // sixteen hexadecimal digits follow
         let at = bytes.windows(key.len()).position(|here| here == key).expect("its schema") + key.len();
         bytes[at..at + 16].copy_from_slice(format!("{:016x}", messages::wire::SCHEMA_HASH).as_bytes());
         let path = std::env::temp_dir().join(format!("biped-test-{}-lie.mcap", std::process::id()));

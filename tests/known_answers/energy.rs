@@ -1,14 +1,14 @@
-//! Plastic contact never raises the energy: scene 23. Newton's restitution with friction does.
+//! Plastic impacts never raise the energy: scene 23. Newton's law of restitution with friction can.
 
 use crate::support::{scene, totals};
 use messages::scene::Scene;
 use plant::Plant;
 use rayon::prelude::*;
 
-/// Impacts of one seed.
+/// Number of impacts with one seed.
 const BATCH: u64 = 1000;
 
-/// Energy that a random impact of a double pendulum's tip on the floor gives, in parts of the energy before it.
+/// Relative energy gain of a random impact of the tip of a double pendulum on the floor.
 fn gain(scene: &mut Scene, random: &mut fastrand::Rng) -> f64 {
     let mut number = |size: f64| size * (2.0 * random.f64() - 1.0);
     scene.initial.joints = vec![number(3.1), number(3.1)];
@@ -20,14 +20,14 @@ fn gain(scene: &mut Scene, random: &mut fastrand::Rng) -> f64 {
     totals(&plant).kinetic / before - 1.0
 }
 
-/// An impact of no duration: no gravity, a step of a picosecond, the tip on the floor.
+/// An impact without duration: no gravity, a step of one picosecond, the tip on the floor.
 fn impact(settings: &[&str]) -> Scene {
     let still = ["plant.gravity=0", "plant.dt=1e-12", "rate=1e12", "duration=1e-6", "initial.clearance=0.0"];
     scene("double-pendulum", &[&still[..], settings].concat())
 }
 
-/// Impacts with seeds of their own, on all cores.
-fn none_of(count: u64, law: &str) {
+/// Asserts that no random impact gains energy. Each batch has its own seed; batches run on all cores.
+fn assert_no_gain(count: u64, law: &str) {
     let scene = impact(&[&format!("plant.law={law}")]);
     let impacts = |batch: u64| {
         let (mut scene, mut random) = (scene.clone(), fastrand::Rng::with_seed(batch));
@@ -44,14 +44,14 @@ fn none_of(count: u64, law: &str) {
 }
 
 #[test]
-fn no_plastic_impact_of_a_million_raises_the_energy() {
-    none_of(1_000_000, "Aligned");
-    none_of(20_000, "EnergyQp");
-    none_of(20_000, "Complementarity");
+fn none_of_a_million_plastic_impacts_raises_the_energy() {
+    assert_no_gain(1_000_000, "Aligned");
+    assert_no_gain(20_000, "EnergyQp");
+    assert_no_gain(20_000, "Complementarity");
 }
 
-/// Newton's law of impact with friction (Kane & Levinson) throws some tips back with more than there was. Its coefficient is lowered there, so
-/// none does; with the whole of it some would.
+/// With friction, Newton's law of impact can raise the energy (Kane & Levinson). The plant reduces the coefficient of restitution in such impacts,
+/// so no impact does.
 #[test]
 fn no_impact_with_restitution_raises_the_energy() {
     let mut random = fastrand::Rng::with_seed(23);

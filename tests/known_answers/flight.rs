@@ -6,14 +6,15 @@ use nalgebra::{Rotation3, Vector3};
 use plant::Plant;
 use std::f64::consts::PI;
 
-/// Period of the body's own spin: 4 K(m)/p of the elliptic functions of Euler's top, K by the arithmetic-geometric mean.
+/// Period of the angular velocity in the body frame: 4 K(m)/p, from the elliptic functions of Euler's top. K comes from the arithmetic-geometric
+/// mean.
 fn period(moments: [f64; 3], spin: [f64; 3]) -> f64 {
     let mut order = [0, 1, 2];
-    order.sort_by(|&a, &b| moments[b].total_cmp(&moments[a])); // greatest first
+    order.sort_by(|&a, &b| moments[b].total_cmp(&moments[a])); // largest first
     let [i1, i2, i3] = order.map(|k| moments[k]);
     let sum = |power: i32| (0..3).map(|k| moments[k].powi(power) * spin[k] * spin[k]).sum::<f64>();
     let (double_energy, momentum) = (sum(1), sum(2));
-    // the axis about which the momentum circles
+    // the axis about which the angular momentum precesses
     let (i1, i3) = if momentum > double_energy * i2 { (i1, i3) } else { (i3, i1) };
     let rate = ((i1 - i2) * (momentum - double_energy * i3) / (i1 * i2 * i3)).sqrt();
     let modulus = (i2 - i3) * (double_energy * i1 - momentum) / ((i1 - i2) * (momentum - double_energy * i3));
@@ -24,12 +25,12 @@ fn period(moments: [f64; 3], spin: [f64; 3]) -> f64 {
     4.0 * PI / (2.0 * a) / rate
 }
 
-/// Spin of the base in its own axes.
-fn own_spin(plant: &Plant) -> Vector3<f64> {
+/// Angular velocity of the base in the body frame.
+fn body_rate(plant: &Plant) -> Vector3<f64> {
     pose(plant).links[plant.model().base_link].rotation.transpose() * spin(plant)
 }
 
-/// Error of the spin after one period of a step that divides it, of energy, and of angular momentum.
+/// Errors after one period, with a step that divides the period: angular velocity, energy, and angular momentum.
 fn tumble(method: &str, steps: u32) -> [f64; 3] {
     let mut scene = scene("spinning-box", &[&format!("plant.method={method}")]);
     let exact = period(scene.bodies[0].moments(), scene.initial.angular_velocity);
@@ -44,11 +45,11 @@ fn tumble(method: &str, steps: u32) -> [f64; 3] {
         drift[0] = drift[0].max((now.kinetic / start.kinetic - 1.0).abs());
         drift[1] = drift[1].max((now.angular - start.angular).norm() / start.angular.norm());
     }
-    [(own_spin(&plant) - Vector3::new(1.0, 2.0, 3.0)).norm(), drift[0], drift[1]]
+    [(body_rate(&plant) - Vector3::new(1.0, 2.0, 3.0)).norm(), drift[0], drift[1]]
 }
 
 #[test]
-fn a_tumbling_box_returns_to_its_spin_after_its_period() {
+fn a_tumbling_box_repeats_its_angular_velocity_after_its_period() {
     let methods = [
         ("ExplicitEuler", 1),
         ("SemiImplicitEuler", 1),
@@ -72,10 +73,10 @@ fn a_tumbling_box_returns_to_its_spin_after_its_period() {
     }
 }
 
-/// A fourteenth of it is lost in 5 s at 10 ms (gained, where the spin is integrated in the body's axes); the energy of the
-/// symmetric rule stays within 1e-5.
+/// In 5 s with steps of 10 ms, explicit Euler loses 1/14 of the energy (and gains it if the angular velocity is integrated in the body frame).
+/// The implicit midpoint rule keeps the energy within 1e-5.
 #[test]
-fn the_explicit_rule_of_euler_does_not_keep_the_energy_of_a_box() {
+fn explicit_euler_does_not_conserve_the_energy_of_a_box() {
     let gain = |method: &str| {
         let mut plant = plant("spinning-box", &[&format!("plant.method={method}"), "plant.dt=0.01", "rate=100"]);
         let start = totals(&plant).kinetic;
@@ -87,12 +88,12 @@ fn the_explicit_rule_of_euler_does_not_keep_the_energy_of_a_box() {
     assert!((0.05..0.1).contains(&explicit.abs()) && implicit.abs() < 1e-5);
 }
 
-/// A cube rolled by `roll` that turns about its own y axis, as a matrix.
+/// Orientation of a cube with the given roll, after a rotation about its own y axis.
 fn turned(roll: f64, angle: f64) -> Rotation3<f64> {
     Rotation3::from_axis_angle(&Vector3::x_axis(), roll) * Rotation3::from_axis_angle(&Vector3::y_axis(), angle)
 }
 
-/// Error of the attitude after 3 s, having passed 90° of pitch: by base and distance from the singular place [rad].
+/// Error of the orientation after 3 s, in which the pitch passes 90° at a distance of `roll` from the singularity [rad].
 fn gimbal(base: Base, roll: f64, settings: &[&str]) -> Result<f64, plant::PlantError> {
     let mut scene = scene("gimbal", settings);
     scene.plant.base = base;
@@ -107,7 +108,7 @@ fn gimbal(base: Base, roll: f64, settings: &[&str]) -> Result<f64, plant::PlantE
 }
 
 #[test]
-fn a_quaternion_turns_through_the_pole_as_if_it_were_nowhere() {
+fn a_quaternion_base_passes_the_pole_without_loss_of_accuracy() {
     for roll in [0.1, 0.01, 0.001, 0.0] {
         let error = gimbal(Base::Quaternion, roll, &[]).expect("a turn");
         println!("roll {roll}: {error:e}");
@@ -115,9 +116,9 @@ fn a_quaternion_turns_through_the_pole_as_if_it_were_nowhere() {
     }
 }
 
-/// Straight through the pole of the virtual joints H has no inverse: that is an error and no NaN.
+/// At the pole of the virtual joints H is singular. That is an error, not a NaN.
 #[test]
-fn virtual_joints_lose_digits_near_the_pole_and_say_so_at_it() {
+fn virtual_joints_lose_digits_near_the_pole_and_report_it_at_the_pole() {
     let errors = [0.1, 0.01, 0.001].map(|roll| gimbal(Base::Virtual, roll, &["plant.method=Rk4"]).expect("a turn"));
     println!("{errors:?}");
     assert!(errors[0] < 1e-9 && errors[0] < errors[1] && errors[1] < errors[2]);
@@ -129,13 +130,13 @@ fn virtual_joints_lose_digits_near_the_pole_and_say_so_at_it() {
         }
     }
     let at_pole = scene("gimbal", &["initial.orientation_deg=[0.0, 90.0, 0.0]"]);
-    let error = Plant::new(&at_pole).err().expect("no way to turn every way").to_string();
+    let error = Plant::new(&at_pole).err().expect("a singular pose").to_string();
     assert!(error.contains("±90°"), "{error}");
 }
 
-/// The centre of mass of the whole robot falls as a stone, however it tumbles.
+/// The centre of mass of a tumbling robot follows the parabola of a falling point.
 #[test]
-fn a_robot_in_flight_keeps_its_momenta() {
+fn a_robot_in_flight_conserves_its_momenta() {
     let euler = ["plant.method=SemiImplicitEuler", "rate=1000"];
     let settings = ["plant.gravity=9.81", "initial.position=[0.0, 0.0, 40.0]", "initial.velocity=[1.0, -0.5, 2.0]"];
     let drift = |h: f64| {
@@ -143,12 +144,12 @@ fn a_robot_in_flight_keeps_its_momenta() {
         let start = totals(&plant);
         run(&mut plant, 2.0);
         let now = totals(&plant);
-        let way = start.com + start.com_velocity * 2.0 - Vector3::z() * (0.5 * 9.81 * 4.0);
+        let parabola = start.com + start.com_velocity * 2.0 - Vector3::z() * (0.5 * 9.81 * 4.0);
         let energy = (now.kinetic + now.potential) - (start.kinetic + start.potential);
-        [(now.com - way).norm(), (now.angular - start.angular).norm() / start.angular.norm(), energy.abs()]
+        [(now.com - parabola).norm(), (now.angular - start.angular).norm() / start.angular.norm(), energy.abs()]
     };
     let (coarse, fine) = (drift(1e-3), drift(2.5e-4));
-    println!("way, angular momentum, energy: {coarse:?}, {fine:?} with a quarter of the step");
+    println!("position, angular momentum, energy: {coarse:?}, {fine:?} with a quarter of the step");
     for (coarse, fine) in coarse.iter().zip(fine) {
         assert!(fine < 0.3 * coarse);
     }

@@ -1,4 +1,4 @@
-//! Impacts with a closed form: scenes 5, 6, 7 and 10. One step with next to no gravity is the impact law and nothing else.
+//! Impacts with a closed-form solution: scenes 5, 6, 7 and 10. With almost no gravity, one step shows the impact law alone.
 
 use crate::support::{G, assert_near, load, plant, scene, spin, step, threshold, totals};
 use messages::scene::{Law, Scene};
@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 use plant::Plant;
 use std::f64::consts::PI;
 
-/// Laws that are Coulomb's in the plane.
+/// Laws that are exactly Coulomb's in the plane.
 const COULOMB: [Law; 2] = [Law::Complementarity, Law::Aligned];
 
-/// The scene's body upright on the ground and turning at `spin` about the point (x, 0).
+/// The body of a scene, upright on the ground and rotating at `spin` about the point (x, 0).
 fn turning(name: &str, law: Law, x: f64, height: f64, spin: f64) -> Scene {
     let mut scene = scene(name, &["plant.gravity=1e-9", "initial.clearance=0.0", &format!("plant.law={law}")]);
     scene.initial.orientation_deg = [0.0; 3];
@@ -18,7 +18,7 @@ fn turning(name: &str, law: Law, x: f64, height: f64, spin: f64) -> Scene {
     scene
 }
 
-/// Velocity of the base after one step: forward, up, turning.
+/// Velocity of the base after one step: forward, up, and about the y axis.
 fn after(scene: &Scene) -> [f64; 3] {
     let mut plant = Plant::new(scene).expect("a body");
     plant.step().expect("a step");
@@ -26,7 +26,7 @@ fn after(scene: &Scene) -> [f64; 3] {
 }
 
 #[test]
-fn an_impact_leaves_a_rocking_block_housner_s_part_of_its_spin() {
+fn an_impact_of_a_rocking_block_keeps_housners_fraction_of_its_angular_velocity() {
     let tilt = 0.25_f64.atan();
     let ratio = 1.0 - 1.5 * tilt.sin().powi(2);
     assert_near("ratio", ratio, 0.911_764_705_882, 1e-12);
@@ -49,9 +49,9 @@ fn an_impact_leaves_a_rocking_block_housner_s_part_of_its_spin() {
     }
 }
 
-/// Wider than its height times √2, both corners stay down.
+/// If a block is wider than √2 times its height, both corners stay on the ground.
 #[test]
-fn a_squat_block_stops_at_once() {
+fn a_squat_block_stops_at_its_first_impact() {
     for law in COULOMB {
         for speed in after(&turning("squat-block", law, 0.15, 0.1, -1.0)) {
             assert_near("speed", speed, 0.0, 1e-10);
@@ -66,14 +66,14 @@ fn a_squat_block_stops_at_once() {
     }
 }
 
-/// A wheel without a rim keeps (ρ² + cos 2a)/(1 + ρ²) of its spin, a being half the angle between spokes.
+/// A rimless wheel keeps the fraction (ρ² + cos 2a)/(1 + ρ²) of its angular velocity; a is half the angle between spokes.
 #[test]
-fn an_impact_leaves_a_rimless_wheel_its_part_of_the_spin() {
+fn an_impact_of_a_rimless_wheel_keeps_the_predicted_fraction_of_its_angular_velocity() {
     let half = PI / 8.0;
     for law in COULOMB {
         for gyration in [1e-6, 0.1, 1.0_f64] {
             let mut scene = turning("rimless-wheel", law, half.sin(), half.cos(), 1.0);
-            // about the tip behind, which is at -x
+            // about the rear tip, which is at -x
             scene.initial.velocity = [half.cos(), 0.0, -half.sin()];
             scene.bodies[0].inertia = Some([gyration; 3]);
             let ratio = (gyration + (2.0 * half).cos()) / (1.0 + gyration);
@@ -89,9 +89,9 @@ fn an_impact_leaves_a_rimless_wheel_its_part_of_the_spin() {
     }
 }
 
-/// Painlevé's rod: the tip that leads into the ground stops dead where μ > (t² + 4)/3t, t = tan θ, however short the step.
+/// Painlevé's rod: its leading tip stops at once if μ > (t² + 4)/3t, t = tan θ, at any step size.
 #[test]
-fn a_rod_jams_where_painleve_says() {
+fn a_rod_jams_at_painleves_angle() {
     let (c, s) = (0.2_f64.sqrt(), 0.8_f64.sqrt());
     let (normal, both, tangent) = (1.0 + 3.0 * c * c, 3.0 * c * s, 1.0 + 3.0 * s * s);
     let determinant = normal * tangent - both * both;
@@ -107,14 +107,14 @@ fn a_rod_jams_where_painleve_says() {
             let mut plant = Plant::new(&rod(1.4)).expect("a rod");
             plant.advance(&messages::wire::Torques::default()).expect("a step");
             let force: Vector3<f64> = load(&plant, 0) * h;
-            // both components of the tip's velocity, (-g h, 1), are stopped
+            // the impulse stops both components of the tip's velocity, (-g h, 1)
             let fall = 9.81 * h;
             assert_near("f_N", force.z, (both + tangent * fall) / determinant, 1e-10);
             assert_near("f_F", force.x, -(normal + both * fall) / determinant, 1e-10);
             assert_near("f_N in the limit", force.z, 0.3, 10.0 * fall);
             assert_near("f_F in the limit", force.x, -0.4, 10.0 * fall);
             assert_near("energy ratio", totals(&plant).kinetic / 0.5, 0.6, 10.0 * fall);
-            // below it slides on
+            // below the limit the rod continues to slide
             assert_near("v", after(&rod(1.3))[0], 1.0, 100.0 * fall);
         }
     }
@@ -138,9 +138,9 @@ fn the_least_friction_that_jams_a_rod_is_four_thirds() {
     }
 }
 
-/// The printed program stops it at any friction: its slip throws the tip up.
+/// Under the printed QP the rod stops at any friction, because its slip throws the tip upward.
 #[test]
-fn the_printed_program_fires_the_rod_at_any_friction() {
+fn the_printed_qp_ejects_the_rod_at_any_friction() {
     for mu in [0.2, 0.5, 1.0, 1.3] {
         let settings = [format!("plant.friction={mu}"), "plant.dt=1e-9".into(), "rate=1e9".into()];
         let scene =
@@ -151,8 +151,8 @@ fn the_printed_program_fires_the_rod_at_any_friction() {
     }
 }
 
-/// The time from half the critical tilt to the impact, ∫ dθ/ω with ω² = 2 p² (cos(α - θ₀) - cos(α - θ)), p² = 3 g/4 R, whose
-/// pole at the start the substitution θ = θ₀ (1 - u²) takes away.
+/// The time from half the critical tilt to the impact, ∫ dθ/ω with ω² = 2 p² (cos(α - θ₀) - cos(α - θ)), p² = 3 g/4 R. The
+/// substitution θ = θ₀ (1 - u²) removes the singularity at the start.
 fn quarter_period() -> f64 {
     let (tipping, radius) = (0.25_f64.atan(), 0.1_f64.hypot(0.4));
     let (start, pull) = (0.5 * tipping, 3.0 * 9.81 / (4.0 * radius));
@@ -162,14 +162,14 @@ fn quarter_period() -> f64 {
         let fall = 2.0 * ((2.0 * tipping - start - angle) / 2.0).sin() * ((start - angle) / 2.0).sin();
         if u == 0.0 { 0.0 } else { 2.0 * start * u / (2.0 * pull * fall).sqrt() }
     };
-    // a midpoint rule that is extrapolated, for the integrand is even and smooth
+    // Richardson extrapolation of the midpoint rule, because the integrand is even and smooth
     let sum = |n: u32| (0..n).map(|k| rate((f64::from(k) + 0.5) / f64::from(n))).sum::<f64>() / f64::from(n);
     let [a, b, c] = [1000, 2000, 4000].map(sum);
     let [d, e] = [(4.0 * b - a) / 3.0, (4.0 * c - b) / 3.0];
     (16.0 * e - d) / 15.0
 }
 
-/// Both sides of the moment, a billionth apart: the spin is that of the energy, then that of Housner.
+/// Just before and just after the impact, at a relative distance of 1e-9: the angular velocity follows from the energy, then from Housner.
 #[test]
 fn a_rocking_block_strikes_after_its_quarter_period() {
     let exact = quarter_period();
@@ -188,9 +188,9 @@ fn a_rocking_block_strikes_after_its_quarter_period() {
     }
 }
 
-/// A few sweeps of Gauss-Seidel leave the corner that lifts under load.
+/// After a few sweeps of projected Gauss-Seidel, the corner that should lift still carries load.
 #[test]
-fn sweeps_keep_both_corners_of_a_rocking_block_loaded() {
+fn projected_gauss_seidel_keeps_both_corners_of_a_rocking_block_loaded() {
     let ratio = 1.0 - 1.5 * 0.25_f64.atan().sin().powi(2);
     let error = |sweeps: u16| -after(&turning("rocking-block", Law::Sweep(sweeps), 0.1, 0.4, -1.0))[2] - ratio;
     let errors = [1, 4, 50].map(error);
@@ -198,8 +198,7 @@ fn sweeps_keep_both_corners_of_a_rocking_block_loaded() {
     assert!(errors[0].abs() > 1e-3 && errors[2].abs() < errors[0].abs());
 }
 
-/// A box that is thrown tumbles over its corners and comes to rest on a face, and no step has more energy than the one
-/// before.
+/// A thrown box tumbles over its corners and comes to rest on a face. No step gains energy.
 #[test]
 fn a_thrown_box_comes_to_rest_on_a_face() {
     for settings in [&[][..], &["plant.method=SemiImplicitEuler"]] {

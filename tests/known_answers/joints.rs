@@ -21,9 +21,9 @@ inertia = [0.5, 0.5, 0.5]
 joint = { parent = "wall", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0], stiffness = 50.0, damping = 2.0, rest = 0.3 }
 "#;
 
-/// J q'' = k (q0 - q) - d q', let go at 0: q0 (1 - e^(-a t) (cos w t + a/w sin w t)), a = d/2J, w² = k/J - a².
+/// J q'' = k (q0 - q) - d q', released at rest at q = 0: q0 (1 - e^(-a t) (cos w t + a/w sin w t)), a = d/2J, w² = k/J - a².
 #[test]
-fn a_spring_and_damper_swing_as_their_formula_says() {
+fn a_spring_with_a_damper_oscillates_by_its_formula() {
     let (a, w) = (2.0, 96f64.sqrt());
     let exact = |t: f64| 0.3 * (1.0 - (-a * t).exp() * ((w * t).cos() + a / w * (w * t).sin()));
     let error = |dt: f64| {
@@ -38,7 +38,7 @@ fn a_spring_and_damper_swing_as_their_formula_says() {
     assert!(coarse < 2e-3 && fine < 0.51 * coarse);
 }
 
-/// The servo's own damping makes no step too long: at 3 N·m·s/rad an explicit one blows up above 0.92 ms.
+/// The damping of the servos is integrated implicitly, so it limits no step. At 3 N·m·s/rad an explicit integration diverges above 0.92 ms.
 #[test]
 fn servos_hold_a_robot_in_the_air_at_any_step() {
     let joints = [

@@ -1,10 +1,10 @@
-//! Where laws differ, and where all must agree: scene 24, and what fails on scenes 4 and 7.
+//! Where contact laws differ and where all have to agree: scene 24, and the failures of some laws in scenes 4 and 7.
 
 use crate::support::{G, assert_near, plant, pose, run, scene, spin, step, totals};
 use messages::scene::Law;
 use plant::Plant;
 
-/// How far the foot went, and how far it turned [m, rad].
+/// Distance and rotation of the foot until it stops [m, rad].
 fn stop(law: &str) -> [f64; 2] {
     let mut plant = plant("spinning-foot", &[&format!("plant.law={law}")]);
     let mut turned = 0.0;
@@ -16,9 +16,9 @@ fn stop(law: &str) -> [f64; 2] {
     [pose(&plant).reference.xy().norm(), turned]
 }
 
-/// The pressure under a spinning, sliding sole is not unique, so neither is where it stops: the spread of the laws.
+/// The pressure under a spinning, sliding sole is not unique, so the laws stop it at somewhat different places.
 #[test]
-fn a_spinning_sliding_foot_stops_nearly_alike_where_friction_is_round() {
+fn a_spinning_sliding_foot_stops_at_similar_places_under_all_laws() {
     let round = stop("Cone");
     let spread = [
         ("FixedPoint(Aclm)", 0.2),
@@ -38,12 +38,12 @@ fn a_spinning_sliding_foot_stops_nearly_alike_where_friction_is_round() {
         assert_near(law, turned / round[1], 1.0, most);
     }
     let way = 1.0 / (2.0 * 0.5 * G);
-    assert!(round[0] > way, "spin takes friction away from the slide: farther than {way} m");
+    assert!(round[0] > way, "rotation reduces the friction against sliding: farther than {way} m");
 }
 
-/// Sliding askew, a pyramid fixed in the world turns the way; the cone and facets along the slip do not.
+/// In oblique sliding, a friction pyramid that is fixed in the world deflects the cube. The cone and facets along the slip do not.
 #[test]
-fn a_cube_slides_straight_under_laws_that_do_not_know_north() {
+fn a_cube_slides_straight_under_isotropic_laws() {
     let askew = |law: &str| {
         let mut plant = plant("slide30", &[&format!("plant.law={law}")]);
         run(&mut plant, 1.0);
@@ -60,7 +60,7 @@ fn a_cube_slides_straight_under_laws_that_do_not_know_north() {
     assert!(pyramids[0] > 1.0);
 }
 
-/// All laws hold what sticks: the same velocity, none.
+/// Every law keeps a sticking cube at rest.
 #[test]
 fn all_laws_agree_when_everything_sticks() {
     for law in Law::ALL.into_iter().filter(|law| *law != Law::SpringDamper) {
@@ -73,7 +73,7 @@ fn all_laws_agree_when_everything_sticks() {
     }
 }
 
-/// Friction bounded by the last step's normal force knows nothing of an impact: the wheel's foot slips.
+/// Lagged friction is bounded by the normal force of the previous step, which is too small at an impact: the tip of the wheel slips.
 #[test]
 fn lagged_friction_slips_at_the_impact_of_a_wheel() {
     let ratio = |law: &str| {
@@ -93,9 +93,9 @@ fn lagged_friction_slips_at_the_impact_of_a_wheel() {
     assert!((lagged - 0.5_f64.sqrt()).abs() > 0.01);
 }
 
-/// It brakes with the friction of the step before, also when rolling has begun: the ball is flung past rolling.
+/// Lagged friction still brakes in the first step of rolling, so the ball overshoots.
 #[test]
-fn lagged_friction_makes_a_kink_where_rolling_begins() {
+fn lagged_friction_causes_a_kink_at_the_start_of_rolling() {
     let kink = |law: &str| {
         let mut plant = plant("roll", &[&format!("plant.law={law}")]);
         let mut worst = 0.0_f64;

@@ -1,11 +1,11 @@
-//! Balls: the point of contact moves on the body.
+//! Rolling balls: the contact point moves along the body.
 
 use crate::support::{G, assert_near, clearance, plant, run, scene, spin, step, totals};
 use plant::Plant;
 
-/// Friction spins the ball up while m (v + 2/5 r w) stays: it rolls at 5/7 v from 2 v/(7 mu g) on.
+/// Friction accelerates the rotation of the ball while m (v + 2/5 r w) stays constant. From the time 2 v/(7 mu g) on, the ball rolls at 5/7 v.
 #[test]
-fn a_sliding_ball_rolls_at_five_sevenths_of_its_speed() {
+fn a_sliding_ball_ends_rolling_at_five_sevenths_of_its_speed() {
     let (mu, t) = (0.3, 2.0 / (7.0 * 0.3 * G));
     assert_near("t*", t, 0.097_082_7, 1e-7);
     let mut plant = plant("roll", &[]);
@@ -22,7 +22,7 @@ fn a_sliding_ball_rolls_at_five_sevenths_of_its_speed() {
     }
 }
 
-/// Let fall from h it bounces for sqrt(2 h/g) (1 + e)/(1 - e), and then rests.
+/// A ball dropped from h bounces for sqrt(2 h/g) (1 + e)/(1 - e), and then rests.
 #[test]
 fn a_bouncing_ball_comes_to_rest_at_the_end_of_infinitely_many_bounces() {
     let exact = (2.0 / G).sqrt() * 3.0;
@@ -47,15 +47,15 @@ fn a_bouncing_ball_comes_to_rest_at_the_end_of_infinitely_many_bounces() {
     }
 }
 
-/// From impact to impact the time is exact, though there are infinitely many: where they crowd, one impulse ends them.
+/// With event detection the time is exact, although there are infinitely many impacts: where they accumulate, one impulse replaces them.
 #[test]
-fn a_bouncing_ball_comes_to_rest_on_time_from_event_to_event() {
+fn event_detection_finds_the_time_when_a_bouncing_ball_comes_to_rest() {
     let exact = (2.0 / G).sqrt() * 3.0;
     for method in ["Rk4Impact", "EventDriven"] {
         let mut plant = plant("zeno", &[&format!("plant.method={method}")]);
         run(&mut plant, 0.6);
         let v = totals(&plant).com_velocity.z;
-        // first rebound at half the speed of impact
+        // the first rebound has half the impact speed
         let [impact, speed] = [(2.0 / G).sqrt(), 0.5 * (2.0 * G).sqrt()];
         assert_near("velocity on the first rebound", v, speed - G * (0.6 - impact), 1e-11);
         run(&mut plant, exact - 2e-3);
@@ -68,9 +68,9 @@ fn a_bouncing_ball_comes_to_rest_on_time_from_event_to_event() {
     }
 }
 
-/// Rolling begins on time, within a step as well as between two.
+/// The start of rolling is detected at its exact time, which lies within a step.
 #[test]
-fn a_ball_begins_to_roll_on_time_from_event_to_event() {
+fn event_detection_finds_the_time_when_a_ball_starts_rolling() {
     for method in ["Rk4Impact", "EventDriven"] {
         for (part, rolls) in [(1.0 - 1e-9, false), (1.0 + 1e-9, true)] {
             let start = 2.0 / (7.0 * 0.3 * G);
@@ -93,7 +93,7 @@ fn a_ball_begins_to_roll_on_time_from_event_to_event() {
     }
 }
 
-/// A ball that is thrown with back spin comes back: 5/7 v - 2/7 r w.
+/// A ball with enough back spin returns: its final velocity is 5/7 v - 2/7 r w.
 #[test]
 fn a_ball_with_back_spin_returns() {
     let mut plant = plant("roll", &["initial.angular_velocity=[0.0, -50.0, 0.0]", "duration=1.0"]);
@@ -101,10 +101,9 @@ fn a_ball_with_back_spin_returns() {
     assert_near("v", totals(&plant).com_velocity.x, (5.0 - 2.0 * 5.0) / 7.0, 1e-11);
 }
 
-/// A disc on edge falls over a circle of contact points in the way of a ball with its centre off the axis: the energy of
-/// rolling without slip stays to the order of the step.
+/// A ball with an eccentric centre of mass rolls without slip. Its energy is constant up to the order of the step.
 #[test]
-fn a_loaded_ball_rocks_about_its_lowest_place_without_gaining_energy() {
+fn an_eccentric_ball_rocks_about_its_lowest_position_without_gaining_energy() {
     let settings = ["bodies.ball.com=[0.03, 0.0, 0.0]", "initial.velocity=[0.0, 0.0, 0.0]", "plant.friction=1.0"];
     let energy = |dt: &str| {
         let mut plant = plant("roll", &[&settings[..], &[dt]].concat());

@@ -1,13 +1,13 @@
-//! What slides, sticks, and must not lift: scenes 1, 2, 3 and 20; and the walk before its first step.
+//! Sliding and sticking without lift-off: scenes 1, 2, 3 and 20; and the walk before its first step.
 
 use crate::support::{G, advance, assert_near, clearance, load, plant, pose, position, run, scene, step, totals};
 use controller::Controller;
 use messages::scene::Law;
 use plant::Plant;
 
-/// The paper's step, for which the closed forms hold.
+/// The integration method of the paper, which the closed forms assume.
 const EULER: &str = "plant.method=SemiImplicitEuler";
-/// The laws that are Coulomb's on a straight slip.
+/// The laws that are exactly Coulomb's for straight slip.
 const COULOMB: [Law; 2] = [Law::Complementarity, Law::Aligned];
 
 #[test]
@@ -30,9 +30,9 @@ fn a_block_slides_to_a_stop_with_its_front_loaded_more() {
     }
 }
 
-/// The printed program throws it up. With the gap in it the block glides μ v h above the ground, if it is not thrown up first.
+/// The printed QP throws the block upward. With the gap in the QP, the block glides μ v h above the ground, unless it is thrown upward first.
 #[test]
-fn a_sliding_block_leaves_the_ground_under_the_energy_programs() {
+fn a_sliding_block_leaves_the_ground_under_the_energy_qps() {
     let mut thrown = plant("sliding-block", &["plant.law=EnergyQp", EULER]);
     let mut highest = 0.0_f64;
     for _ in 0..100 {
@@ -49,7 +49,7 @@ fn a_sliding_block_leaves_the_ground_under_the_energy_programs() {
     }
 }
 
-/// Height to which the printed program throws a point from v at μ = 0.5: up at μ v_F, v_F = (v - μ g h)/(1 + μ²).
+/// Height to which the printed QP throws a point that slides at v with μ = 0.5. The point leaves upward at μ v_F, v_F = (v - μ g h)/(1 + μ²).
 fn hop(v: f64, h: f64) -> f64 {
     let thrown = 0.5 * (v - 0.5 * G * h) / 1.25;
     (0..).map(|k| (thrown - f64::from(k) * G * h) * h).take_while(|rise| *rise > 0.0).sum()
@@ -76,9 +76,9 @@ fn a_fast_cube_neither_lifts_nor_tumbles() {
     assert_near("hop", highest, 0.291, 0.01);
 }
 
-/// Slopes from 3° to 40°, friction .01 rad more or less than they need.
+/// Slopes from 3° to 40°, with friction angles .01 rad above and below the slope.
 #[test]
-fn a_block_sticks_for_ever_or_slips_by_the_law_of_falling() {
+fn a_block_sticks_or_slides_with_the_acceleration_of_the_slope() {
     for degrees in 3..=40 {
         let slope = f64::from(degrees).to_radians();
         for (spare, law) in [(0.01, Law::Aligned), (-0.01, Law::Aligned), (0.01, Law::Complementarity)] {
@@ -115,11 +115,11 @@ fn a_cube_sticks_for_an_hour_inside_its_friction_cone() {
     assert!(way <= 1e-9);
 }
 
-/// Both legs move in planes across the trunk's roll axis, which the trunk's width parts: on two flat soles a trunk that has rolled by φ
-/// stands on width/cos φ. So it cannot sway on both feet unless they slide, however slowly; where friction holds them, they tip: from
-/// μ = .67 on a little.
+/// The legs have no hip roll, so both move in parallel planes at a distance of the hip width. With two flat soles and a roll angle φ of the
+/// trunk, the soles are width/cos φ apart. The robot can therefore sway on both feet only if they slide. Where friction prevents that, they tip:
+/// slightly, from μ = .67.
 #[test]
-fn who_has_no_hip_to_roll_spreads_the_feet_by_swaying() {
+fn a_robot_without_hip_roll_spreads_its_feet_while_swaying() {
     let (off, tipped, roll) = sway("0.6");
     println!("rolled by {roll:.4} rad; off by {off:.1e} m, corners {tipped:.1e} m up");
     assert_near("roll", roll, 0.05, 0.01);
@@ -134,8 +134,8 @@ fn who_has_no_hip_to_roll_spreads_the_feet_by_swaying() {
 /// Distance of the hips [m].
 const HIPS: f64 = 0.1;
 
-/// The walk until it lifts a foot: by how much at most the distance of the soles is not that, how high a corner gets [m], and how far
-/// the trunk rolls [rad].
+/// The walk until it lifts a foot: largest deviation from that distance [m], largest height of a contact point [m], and largest roll of the
+/// trunk [rad].
 fn sway(friction: &str) -> (f64, f64, f64) {
     let scene = scene("walk", &[&format!("plant.friction={friction}")]);
     let mut plant = Plant::new(&scene).expect("a robot");

@@ -1,5 +1,5 @@
-//! The comparison scenes whose equations have no closed solution, a puck that slides and turns and a ball that rolls, held to a
-//! fine integration of these. Laws and methods differ there by what they do to a velocity that changes its direction, or its place.
+//! The comparison scenes without a closed-form solution, a sliding and turning puck and a rolling ball, compared with an accurate integration of
+//! their equations. They distinguish laws and methods, because the direction of slip and the contact point change continuously.
 
 use crate::support::{G, assert_near, plant, pose, run, spin, totals};
 use nalgebra::{Rotation2, Vector2};
@@ -7,12 +7,12 @@ use plant::Plant;
 
 /// The paper's method.
 const PAPER: &[&str] = &["plant.method=SemiImplicitEuler", "plant.dt=0.001", "rate=1000"];
-/// As the scenes are.
+/// The settings of the scene itself.
 const OWN: &[&str] = &[];
-/// From event to event.
+/// Event detection.
 const BEST: &[&str] = &["plant.method=EventDriven"];
 
-/// The state after a time: the classical method of fourth order, in 5000 steps.
+/// The state after a time, by the classical Runge-Kutta method in 5000 steps.
 fn integrated<const N: usize>(mut state: [f64; N], time: f64, rate: impl Fn([f64; N]) -> [f64; N]) -> [f64; N] {
     let h = time / 5000.0;
     let moved = |state: [f64; N], by: f64, rates: [f64; N]| std::array::from_fn(|i| state[i] + by * rates[i]);
@@ -32,7 +32,7 @@ fn turned(plant: &Plant) -> [f64; 2] {
     [ahead.y.atan2(ahead.x), spin(plant).z]
 }
 
-/// Three legs carry m g/3 each, and each is braked against its own velocity: how far off yaw and angular velocity are.
+/// Errors of yaw and angular velocity. Each of three legs carries m g/3, and its friction opposes its own velocity.
 fn puck(settings: &[&str]) -> [f64; 2] {
     let legs = [0.0, 120.0, 240.0].map(|degrees: f64| Rotation2::new(degrees.to_radians()) * Vector2::new(0.1, 0.0));
     let [yaw, .., rate] = integrated([0.0, 2.0, 0.0, 1.0], 0.5, |[yaw, vx, vy, spin]| {
@@ -52,7 +52,7 @@ fn puck(settings: &[&str]) -> [f64; 2] {
 }
 
 #[test]
-fn a_puck_slides_and_turns_as_three_points_of_coulomb_do() {
+fn a_puck_slides_and_turns_like_three_coulomb_points() {
     for (settings, most) in [(PAPER, 1e-3), (OWN, 1e-10), (BEST, 1e-12)] {
         let errors = puck(settings);
         println!("{settings:?}: yaw, rate off by {errors:?}");
@@ -60,7 +60,7 @@ fn a_puck_slides_and_turns_as_three_points_of_coulomb_do() {
     }
 }
 
-/// The error of a step of h and of one of h/2, as the power of h that it goes with.
+/// The observed order of the error, from steps of h and h/2.
 fn order(error: impl Fn(&[&str]) -> f64, method: &str, [coarse, fine]: [f64; 2]) -> f64 {
     let of = |dt: f64| {
         let settings = [format!("plant.method={method}"), format!("plant.dt={dt}"), format!("rate={}", 1.0 / dt)];
@@ -71,9 +71,9 @@ fn order(error: impl Fn(&[&str]) -> f64, method: &str, [coarse, fine]: [f64; 2])
     order
 }
 
-/// Impulses ask what sticks to stick where a step ends, which costs an order; accelerations do not.
+/// Impulse-based methods enforce sticking at the end of a step, which costs one order. Acceleration-based ones do not.
 #[test]
-fn errors_fall_as_the_order_of_each_method_says() {
+fn errors_decrease_with_the_order_of_each_method() {
     for (method, wanted, steps) in [
         ("SemiImplicitEuler", 1.0, [2e-3, 1e-3]),
         ("MidpointMoreau", 1.0, [2e-3, 1e-3]),
@@ -91,10 +91,11 @@ fn errors_fall_as_the_order_of_each_method_says() {
     }
 }
 
-/// `Aligned` has the corner of each contact's diamond along its own slip, and comes to the same with smaller steps. Facets fixed in the
-/// world brake all three legs along one of them while the slips differ by less than the facets do: nothing brakes the turn, at any step.
+/// `Aligned` has a corner of each contact's diamond along its own slip, so it converges with smaller steps. Facets that are fixed in the world brake
+/// all three legs along the same facet while their slip directions differ by less than the facets do. Nothing then brakes the rotation, at any
+/// step.
 #[test]
-fn fixed_facets_let_what_slides_turn_freely_and_a_diamond_along_the_slip_does_not() {
+fn a_sliding_puck_turns_freely_under_fixed_facets_but_not_under_a_diamond_along_the_slip() {
     let error = |law: &str, dt: &str| {
         let law = format!("plant.law={law}");
         puck(&[law.as_str(), "plant.method=MoreauJean", &format!("plant.dt={dt}")])[1]
@@ -113,7 +114,7 @@ fn fixed_facets_let_what_slides_turn_freely_and_a_diamond_along_the_slip_does_no
     }
 }
 
-/// How far off the angle of the loaded ball is that rolls [rad]: φ' of ½ (k² + r² + d² - 2 r d cos φ) φ'² - g d (1 - cos φ).
+/// Error of the angle of the eccentric ball [rad]; φ' follows from ½ (k² + r² + d² - 2 r d cos φ) φ'² - g d (1 - cos φ).
 fn ball(settings: &[&str]) -> f64 {
     let (radius, offset, gyration, start) = (0.1, 0.04, 0.002, -1.2);
     let [angle, rate] = integrated([start, 0.0], 1.75, |[angle, rate]| {
@@ -128,7 +129,7 @@ fn ball(settings: &[&str]) -> f64 {
 }
 
 #[test]
-fn a_loaded_ball_rolls_to_and_fro_as_lagrange_says() {
+fn an_eccentric_ball_rolls_to_and_fro_by_lagranges_equation() {
     for (settings, most) in [(PAPER, 0.05), (OWN, 2e-7), (BEST, 1e-11)] {
         let error = ball(settings);
         println!("{settings:?}: angle off by {error:e} rad");
@@ -136,9 +137,9 @@ fn a_loaded_ball_rolls_to_and_fro_as_lagrange_says() {
     }
 }
 
-/// What it rolls is what it turns: its middle gets on by the radius times the angle.
+/// The centre of a rolling ball advances by the radius times the angle.
 #[test]
-fn a_ball_that_rolls_does_not_slip() {
+fn a_rolling_ball_does_not_slip() {
     for (settings, most) in [(OWN, 1e-8), (BEST, 1e-11)] {
         let mut plant = plant("ball", settings);
         let middle = |plant: &Plant| pose(plant).point(plant.model().base_link, &nalgebra::Vector3::zeros()).x;

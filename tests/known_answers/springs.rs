@@ -1,10 +1,10 @@
-//! Ground of springs and dampers: scene 18.
+//! Ground with springs and dampers: scene 18.
 
 use crate::support::{assert_near, scene, threshold};
 use messages::scene::Method;
 use plant::Plant;
 
-/// Whether a point on its spring, a thousandth off where it would rest, stays there.
+/// Whether a point on its spring stays near its rest position, after an initial offset of a thousandth.
 fn is_stable(method: Method, damping_ratio: f64, step: f64) -> bool {
     let mut scene = scene("spring-ground", &[]);
     scene.plant.method = method;
@@ -14,14 +14,14 @@ fn is_stable(method: Method, damping_ratio: f64, step: f64) -> bool {
     scene.plant.contact_damping_ratio = damping_ratio;
     scene.plant.dt = step / scene.plant.contact_stiffness.sqrt();
     let mut plant = Plant::new(&scene).expect("a point");
-    // half a step on, where the midpoint method takes its forces: at its limit the point is always at rest at the end of a step
+    // half a step ahead, where the midpoint method evaluates its forces: at the limit of stability the point is at rest at the end of every step
     let ahead = |plant: &Plant| plant.state().x[1] + 0.5 * scene.plant.dt * plant.state().xdot[1];
     (0..20_000).all(|_| plant.step().is_ok() && (ahead(&plant) / rest - 1.0).abs() < 0.1)
 }
 
-/// The paper's step and the default are stable on a spring of frequency ω and damping ratio ζ if and only if ω h < 2 (√(1 + ζ²) − ζ).
+/// The paper's method and the default are stable on a spring of frequency ω and damping ratio ζ if and only if ω h < 2 (√(1 + ζ²) − ζ).
 #[test]
-fn a_spring_sets_a_limit_to_the_step() {
+fn a_spring_limits_the_stable_step() {
     for (damping_ratio, published) in [(0.0_f64, 2.0), (0.1, 1.810), (1.0, 0.8284)] {
         let exact = 2.0 * ((1.0 + damping_ratio * damping_ratio).sqrt() - damping_ratio);
         assert_near("published", exact, published, 5e-4);

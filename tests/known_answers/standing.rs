@@ -5,7 +5,7 @@ use messages::wire::Torques;
 use nalgebra::Vector2;
 use plant::Plant;
 
-/// At 0.3 m/s, wherever in a step it falls on.
+/// At 0.3 m/s, at any phase within the step.
 #[test]
 fn a_flat_foot_stops_at_the_ground() {
     let fall = 0.3 / G;
@@ -27,13 +27,13 @@ fn a_flat_foot_stops_at_the_ground() {
 }
 
 #[test]
-fn eight_corners_carry_the_weight_together() {
+fn eight_contact_points_share_the_weight() {
     let mut plant = plant("eight-corners", &[]);
     for _ in 0..1000 {
         advance(&mut plant);
         let forces: Vec<_> = (0..8).map(|i| load(&plant, i)).collect();
         assert_near("sum", forces.iter().map(|f| f.z).sum(), 137.34, 1e-10);
-        // with any part of it: even shares, 17.1675 N, have the least norm, but what is given is least in energy units
+        // equal shares, 17.1675 N, have the least Euclidean norm; the result has the least norm in units of energy
         for force in &forces {
             assert!((14.0..21.0).contains(&force.z), "{force}");
             assert_near("friction of one", force.xy().norm(), 0.0, 1e-3);
@@ -43,9 +43,9 @@ fn eight_corners_carry_the_weight_together() {
     }
 }
 
-/// Whatever the order in which they are given.
+/// In any order of the list in the scene.
 #[test]
-fn the_order_of_the_corners_is_not_seen_in_the_motion() {
+fn the_order_of_the_contact_points_does_not_affect_the_motion() {
     let mut random = fastrand::Rng::with_seed(13);
     let mut scene =
         scene("eight-corners", &["plant.incline_deg=20", "plant.friction=0.2", "initial.velocity=[0.3, 0.2, 0.0]"]);
@@ -65,11 +65,11 @@ fn the_order_of_the_corners_is_not_seen_in_the_motion() {
     }
 }
 
-/// A pivot turns by h w a step, so that by the paper's step a contact which only stops velocities opens by ½ h² w² l, and again at each step
-/// until it is let go. A law that lets a point close its gap draws it back each time. The default's law holds at the end of the step: what is
-/// left of the opening is of third order.
+/// A pivoting body rotates by h w in a step. With the paper's method, a contact that only stops velocities opens by ½ h² w² l in each step, until it
+/// is released. A law that closes gaps pulls it back each time. The default law holds at the end of the step, so the opening is only of
+/// third order.
 #[test]
-fn the_gap_of_a_pivot_does_not_open() {
+fn the_gap_at_a_pivot_does_not_open() {
     let worst = |method: &str, law: &str, h: f64| {
         let settings = [format!("plant.method={method}"), format!("plant.law={law}"), format!("plant.dt={h}")];
         let mut plant = plant("pivot", &settings.each_ref().map(String::as_str));
@@ -98,7 +98,7 @@ fn the_gap_of_a_pivot_does_not_open() {
     assert!(coarse < 0.03 && fine < 0.3 * coarse && open < 1.0);
 }
 
-/// Greatest gap of the pivot at 1 ms [m].
+/// Largest gap at the pivot with a step of 1 ms [m].
 fn worst_gap(method: &str) -> f64 {
     let mut plant = plant("pivot", &[&format!("plant.method={method}")]);
     let mut worst = 0.0_f64;
@@ -109,9 +109,9 @@ fn worst_gap(method: &str) -> f64 {
     worst
 }
 
-/// The rest state is the same for every step; the cumulated impulse tends to its limit.
+/// The final pose is the same for every step size, and the total impulse converges.
 #[test]
-fn halving_the_step_twelve_times_changes_neither_rest_nor_impulse() {
+fn the_final_pose_and_the_impulse_converge_under_twelve_halvings_of_the_step() {
     let mut before: Option<(Vec<f64>, Vec<f64>)> = None;
     let mut changes = vec![];
     for halvings in 0..=12 {
@@ -137,15 +137,15 @@ fn halving_the_step_twelve_times_changes_neither_rest_nor_impulse() {
         before = Some((rest, sums));
     }
     println!("{changes:?}");
-    // only the momentum of the landing, 0.3 N·s, comes a step earlier or later
+    // the only difference is the momentum of the landing, 0.3 N·s, which comes one step earlier or later
     for (h, change) in changes {
         assert!(change <= 0.3 * h, "h {h}: the impulse moves by {change} N·s²");
     }
 }
 
-/// The peak force of the printed program on a slider grows as 1/h; that of Coulomb's law does not.
+/// The peak force of the printed QP on a slider grows as 1/h. That of Coulomb's law does not.
 #[test]
-fn only_the_printed_program_has_a_peak_force_that_grows_with_the_rate() {
+fn only_the_printed_qp_has_a_peak_force_that_grows_with_the_rate() {
     let peak = |law: &str, h: f64| {
         let settings = [format!("plant.law={law}"), format!("plant.dt={h}"), format!("rate={}", 1.0 / h)];
         let mut plant = plant("slide", &settings.each_ref().map(String::as_str));

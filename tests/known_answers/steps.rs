@@ -1,4 +1,4 @@
-//! From just after one step of a walker to just after the next, as a map, with its fixed point and multipliers.
+//! The return map of a walker, from just after one step to just after the next, with its fixed point and multipliers.
 
 use crate::support::{advance, load, pose};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -6,20 +6,20 @@ use plant::Plant;
 use plant::kinematics::{self, Pose};
 use plant::state::State;
 
-/// States after a step that the one just after it is extrapolated from.
+/// Number of states after a step, from which the state just after the step is extrapolated.
 const SAMPLES: usize = 4;
 
-/// The state just after the next step, with the time that passed [s] and the foot that now stands.
+/// The state just after the next step, the time that passed [s], and the new stance foot.
 pub struct Step {
     pub state: State,
     pub time: f64,
     pub foot: usize,
 }
 
-/// Walks on from a state with the foot `stance` on the ground until a foot ahead of it carries.
+/// Simulates from a state with the foot `stance` on the ground until a foot ahead of it carries load.
 ///
-/// The engine stops at multiples of dt. The moment of the step is where the motion after it, which is smooth, has the foot
-/// behind on the ground: it is extrapolated back by the polynomial through positions and velocities of four states.
+/// The simulation has states only at multiples of dt. The time of the step itself is found by extrapolation: the smooth motion after the step
+/// is extrapolated back, through positions and velocities of four states, to the time at which the rear foot is on the ground.
 pub fn walk_on(plant: &mut Plant, stance: usize, h: f64) -> Step {
     let feet = plant.model().contact_points.len();
     let mut steps = 0;
@@ -43,7 +43,7 @@ pub fn walk_on(plant: &mut Plant, stance: usize, h: f64) -> Step {
         kinematics::pose(plant.model(), &extrapolated(&samples, -back, h), &mut pose);
         pose.reference.z + pose.lowest(&corner).z
     };
-    // it leaves the ground at once and rises, so going back it comes down
+    // the rear foot rises after the step, so backward in time it descends
     let (mut late, mut early) = (0.0, h);
     for _ in 0..60 {
         let middle = 0.5 * (late + early);
@@ -52,7 +52,7 @@ pub fn walk_on(plant: &mut Plant, stance: usize, h: f64) -> Step {
     Step { state: extrapolated(&samples, -late, h), time: f64::from(steps) * h - late, foot }
 }
 
-/// Value and slope at `time` of the polynomial that has given values and slopes at 0, h, 2h, … (Hermite, by divided differences).
+/// Value and slope at `time` of the Hermite polynomial through values and slopes at 0, h, 2h, …, by divided differences.
 pub fn extrapolated(samples: &[State], time: f64, h: f64) -> State {
     let mut state = samples[0].clone();
     let nodes: Vec<f64> = (0..2 * samples.len()).map(|k| (k / 2) as f64 * h).collect();
@@ -76,7 +76,7 @@ pub fn extrapolated(samples: &[State], time: f64, h: f64) -> State {
     state
 }
 
-/// A walker as a map: numbers that say how it moves just after a step, to those after the next, with the time between.
+/// The return map of a walker: from the coordinates just after a step to those after the next one, and the time between.
 pub type Map<'a> = dyn Fn(&DVector<f64>) -> (DVector<f64>, f64) + 'a;
 
 /// Jacobian by central differences.
@@ -91,7 +91,7 @@ fn jacobian(map: &Map, at: &DVector<f64>, by: f64) -> DMatrix<f64> {
     DMatrix::from_columns(&columns)
 }
 
-/// Fixed point by Newton's method from a guess, its multipliers from the largest, and the period.
+/// Fixed point by Newton's method from a guess, its multipliers in descending order, and the period.
 pub fn limit_cycle(map: &Map, guess: DVector<f64>) -> (DVector<f64>, Vec<Complex<f64>>, f64) {
     let mut at = guess;
     for _ in 0..6 {

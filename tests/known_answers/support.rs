@@ -1,4 +1,4 @@
-//! A scene of the program's, run step by step, and what to look at.
+//! Scenes that are simulated step by step, and the quantities that the tests check.
 
 use messages::scene::Scene;
 use messages::wire::Torques;
@@ -6,10 +6,10 @@ use nalgebra::Vector3;
 use plant::Plant;
 use plant::kinematics::{self, Pose, Totals};
 
-/// Free fall [m/s²].
+/// Gravity [m/s²].
 pub const G: f64 = 9.81;
 
-/// One of the scenes that come with the program or with the tests, with values replaced.
+/// A built-in scene or one of the tests, with changed values.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
     let folder = format!("{}/launch/scenes", env!("CARGO_MANIFEST_DIR"));
     let data = format!("{}/tests/data", env!("CARGO_MANIFEST_DIR"));
@@ -19,17 +19,17 @@ pub fn scene(name: &str, settings: &[&str]) -> Scene {
     messages::load::load(path, &settings, &[]).expect("a good scene")
 }
 
-/// The scene's plant at time zero.
+/// The plant of a scene at time zero.
 pub fn plant(name: &str, settings: &[&str]) -> Plant {
     Plant::new(&scene(name, settings)).expect("a scene that can be simulated")
 }
 
-/// The next step.
+/// Performs one step.
 pub fn step(plant: &mut Plant) {
     plant.step().expect("a step");
 }
 
-/// The next control period, whose mean forces [`load`] tells.
+/// Performs one control period; [`load`] returns its mean forces.
 pub fn advance(plant: &mut Plant) {
     plant.advance(&Torques::default()).expect("a period");
 }
@@ -39,12 +39,12 @@ pub fn load(plant: &Plant, i: usize) -> Vector3<f64> {
     Vector3::from_column_slice(&plant.truth().contact_force[3 * i..3 * i + 3])
 }
 
-/// Where the base is [m].
+/// Position of the base [m].
 pub fn position(plant: &Plant) -> Vector3<f64> {
     pose(plant).point(plant.model().base_link, &Vector3::zeros())
 }
 
-/// The value between `low`, at which `holds` is false, and `high`, at which it is true, where it changes; or the other way.
+/// The value between `low` and `high` at which `holds` changes, by bisection.
 pub fn threshold(mut low: f64, mut high: f64, mut holds: impl FnMut(f64) -> bool) -> f64 {
     let at_low = holds(low);
     assert_ne!(at_low, holds(high), "nothing changes between {low} and {high}");
@@ -55,14 +55,14 @@ pub fn threshold(mut low: f64, mut high: f64, mut holds: impl FnMut(f64) -> bool
     high
 }
 
-/// Runs until the simulated time [s].
+/// Runs up to a simulated time [s].
 pub fn run(plant: &mut Plant, until: f64) {
     while (plant.time_ns() as f64) < until * 1e9 - 0.5 {
         step(plant);
     }
 }
 
-/// Pose of the present state.
+/// Pose of the current state.
 pub fn pose(plant: &Plant) -> Pose {
     let mut pose = Pose::new(plant.model());
     kinematics::pose(plant.model(), plant.state(), &mut pose);
@@ -74,19 +74,19 @@ pub fn totals(plant: &Plant) -> Totals {
     kinematics::totals(plant.model(), plant.state(), &pose(plant))
 }
 
-/// Height of the lowest point that can touch [m].
+/// Height of the lowest contact point [m].
 pub fn clearance(plant: &Plant) -> f64 {
     let pose = pose(plant);
     let heights = plant.model().contact_points.iter().map(|corner| pose.reference.z + pose.lowest(corner).z);
     heights.fold(f64::INFINITY, f64::min)
 }
 
-/// Angular velocity of the base in W [rad/s].
+/// Angular velocity of the base in the world frame [rad/s].
 pub fn spin(plant: &Plant) -> Vector3<f64> {
     pose(plant).links[plant.model().base_link].velocity.angular
 }
 
-/// That a value is what it must be.
+/// Asserts that a value is within a tolerance of its exact value.
 #[track_caller]
 pub fn assert_near(what: &str, value: f64, exact: f64, tolerance: f64) {
     assert!((value - exact).abs() <= tolerance, "{what}: {value:e}, not {exact:e}, off by {:e}", value - exact);

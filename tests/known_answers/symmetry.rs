@@ -1,11 +1,11 @@
-//! Nature has no left and no north: scene 21. A thrown foot lands on a corner, tumbles, slides and rests.
+//! Symmetry under mirroring, rotation and renumbering: scene 21. A thrown foot lands on a corner, tumbles, slides and comes to rest.
 
 use crate::support::{pose, scene};
 use messages::scene::Scene;
 use nalgebra::{Matrix3, Rotation3, Vector3};
 use plant::Plant;
 
-/// Place, attitude and velocities of the base at every step.
+/// Position, orientation and velocities of the base at every step.
 fn path(scene: &Scene, steps: usize) -> Vec<[Vector3<f64>; 6]> {
     let mut plant = Plant::new(scene).expect("a foot");
     (0..steps)
@@ -19,7 +19,7 @@ fn path(scene: &Scene, steps: usize) -> Vec<[Vector3<f64>; 6]> {
         .collect()
 }
 
-/// Greatest difference of one path and the other as `map` has it, and whether every bit is the same.
+/// Largest difference between one path and the other one after `map`, and whether all bits are equal.
 fn difference(
     one: &[[Vector3<f64>; 6]],
     other: &[[Vector3<f64>; 6]],
@@ -43,14 +43,14 @@ fn a_mirrored_world_moves_as_its_mirror_image_to_the_last_bit() {
     initial.velocity[1] = -initial.velocity[1];
     mirrored.bodies[0].contacts.iter_mut().for_each(|point| point[1] = -point[1]);
     let flip = |v: &Vector3<f64>| Vector3::new(v.x, -v.y, v.z);
-    // a mirror turns an axis of turning about, and the body's own y axis
+    // mirroring reverses rotation axes and the body's own y axis
     let map = |s: &[Vector3<f64>; 6]| [flip(&s[0]), flip(&s[1]), -flip(&s[2]), flip(&s[3]), flip(&s[4]), -flip(&s[5])];
     let (worst, same) = difference(&path(&scene, 1500), &path(&mirrored, 1500), map);
     assert!(same, "mirrored: off by {worst:e}");
 }
 
 #[test]
-fn contacts_may_be_numbered_in_any_way_without_changing_a_bit() {
+fn the_numbering_of_contacts_does_not_change_a_bit() {
     let scene = scene("tumbling-foot", &[]);
     let reference = path(&scene, 1500);
     let mut random = fastrand::Rng::with_seed(21);
@@ -72,7 +72,7 @@ fn a_world_turned_by_37_degrees_moves_as_before() {
     turned.initial.angular_velocity = (turn * Vector3::from(scene.initial.angular_velocity)).into();
     let reference = path(&scene, 1500);
     let (worst, _) = difference(&reference, &path(&turned, 1500), |s| s.map(|v| turn * v));
-    let greatest = reference.iter().flatten().map(|v| v.norm()).fold(0.0, f64::max); // it spins at 12 rad/s
+    let greatest = reference.iter().flatten().map(|v| v.norm()).fold(0.0, f64::max); // the foot spins at 12 rad/s
     println!("turned: {worst:e} of {greatest}");
     assert!(worst < 3e-13 * greatest);
 }

@@ -1,5 +1,5 @@
-//! Passive walkers on the general engine: scenes 7, 8 and 9. Feet are contact points, what happens at a step is the contact law,
-//! and limit cycle and multipliers are those of the map from just after one step to just after the next.
+//! Passive walkers in the general simulator: scenes 7, 8 and 9. Feet are contact points, the contact law computes the impact of a step, and limit cycle
+//! and multipliers are those of the return map from just after one step to just after the next.
 
 use crate::steps::{extrapolated, limit_cycle, walk_on};
 use crate::support::{advance, assert_near, pose, scene};
@@ -9,7 +9,7 @@ use plant::Plant;
 use plant::state::State;
 use std::f64::consts::PI;
 
-/// A scene with a method and a step, one to a control period.
+/// A scene with a method, and with one step of the given size in each control period.
 fn by(name: &str, method: &str, h: f64) -> Scene {
     let settings = [
         format!("plant.method={method}"),
@@ -20,8 +20,8 @@ fn by(name: &str, method: &str, h: f64) -> Scene {
     scene(name, &settings.each_ref().map(String::as_str))
 }
 
-/// Legs of a two-legged walker just after a step: angle of the standing leg and the rates of both, from the normal of the
-/// ground, forward. The other leg's angle is opposite.
+/// Return map of a two-legged walker. The coordinates just after a step are the angle of the stance leg and the rates of both legs, measured forward
+/// from the normal of the ground. The angle of the other leg is opposite.
 fn legs(scene: &Scene, at: &DVector<f64>) -> (DVector<f64>, f64) {
     let (angle, rate, other) = (at[0], at[1], at[2]);
     let mut scene = scene.clone();
@@ -35,12 +35,12 @@ fn legs(scene: &Scene, at: &DVector<f64>) -> (DVector<f64>, f64) {
     let mut plant = Plant::new(&scene).expect("a walker");
     let step = walk_on(&mut plant, 0, scene.plant.dt);
     assert_eq!(step.foot, 1);
-    // left is the base
+    // the left leg is the base
     let (x, v) = (&step.state.x, &step.state.xdot);
     (DVector::from_vec(vec![x[2] + x[3], v[2] + v[3], v[2]]), step.time)
 }
 
-/// A wheel without a rim, on two spokes, turning about the front one.
+/// Return map of a rimless wheel that stands on two spokes and rotates about the front one.
 fn wheel(scene: &Scene, at: &DVector<f64>) -> (DVector<f64>, f64) {
     let mut scene = scene.clone();
     let (sin, cos) = (PI / 8.0).sin_cos();
@@ -56,7 +56,7 @@ fn wheel(scene: &Scene, at: &DVector<f64>) -> (DVector<f64>, f64) {
     (DVector::from_vec(vec![step.state.xdot[2]]), step.time)
 }
 
-/// The limit cycle of a wheel of gyration radius² `gyration` and spokes of 1 m on a slope of 0.08 rad, in closed form.
+/// The limit cycle of a rimless wheel with squared radius of gyration `gyration` and spokes of 1 m on a slope of 0.08 rad, in closed form.
 fn wheel_by_hand(gyration: f64) -> [f64; 3] {
     let half = PI / 8.0;
     let ratio = (gyration + (2.0 * half).cos()) / (1.0 + gyration);
@@ -65,7 +65,7 @@ fn wheel_by_hand(gyration: f64) -> [f64; 3] {
 }
 
 #[test]
-fn a_wheel_without_a_rim_has_the_limit_cycle_of_its_closed_form() {
+fn a_rimless_wheel_has_the_limit_cycle_of_its_closed_form() {
     let scene = by("rimless-wheel", "EventDriven", 5e-3);
     let [after, before, multiplier] = wheel_by_hand(0.0);
     assert_near("w after", after, 1.095_462_839_648, 1e-12);
@@ -89,7 +89,7 @@ fn a_wheel_without_a_rim_has_the_limit_cycle_of_its_closed_form() {
     println!("as the wheel's own inertia vanishes: {limit:?}");
     assert_near("w after", limit[0], after, 1e-9);
     assert_near("multiplier", limit[1], multiplier, 1e-4);
-    // seen through where the spoke behind leaves the ground, which is known to 1e-9 m
+    // the lift-off of the rear spoke is known to 1e-9 m
     assert_near("period", limit[2], 1.034_549_811_423, 4e-9);
     assert_near("speed", 2.0 * (PI / 8.0).sin() / limit[2], 0.739_806_683, 4e-9);
 }
@@ -101,7 +101,7 @@ fn the_compass_gait_has_its_known_limit_cycle() {
     let guess = DVector::from_vec(vec![-0.27, 1.09, 0.37]);
     let (at, multipliers, period) = limit_cycle(&|at| legs(&scene, at), guess);
     println!("{at} {multipliers:?} {period}");
-    // the angles of the literature are from the vertical
+    // the literature measures angles from the vertical
     assert_near("standing leg", at[0] + slope, -0.218_774_617_980, 1e-6);
     assert_near("swinging leg", -at[0] + slope, 0.323_774_617_980, 1e-6);
     assert_near("its rate", at[1], 1.092_866_810_580, 1e-6);
@@ -113,7 +113,7 @@ fn the_compass_gait_has_its_known_limit_cycle() {
     }
 }
 
-/// Twenty steps on, tile by tile, each as long as the legs are apart.
+/// Twenty more steps, on tiles with the length of a step.
 #[test]
 fn the_compass_gait_keeps_walking() {
     let mut scene = scene("compass-gait", &[]);
@@ -128,7 +128,7 @@ fn the_compass_gait_keeps_walking() {
     assert_near("way", way, 20.0 * 2.0 * 0.271_274_617_980_f64.sin(), 1e-6);
 }
 
-/// Its feet weigh `foot` each in a body of 1 kg.
+/// Sets the mass of each foot to `foot`, with a hip of 1 kg.
 fn with_feet(scene: &Scene, foot: f64) -> Scene {
     let mut scene = scene.clone();
     let [left, right] = &mut scene.bodies[..] else { unreachable!("two legs") };
@@ -140,7 +140,7 @@ fn with_feet(scene: &Scene, foot: f64) -> Scene {
     scene
 }
 
-/// The limit of no mass in the feet, from three small ones.
+/// The limit of massless feet, extrapolated from three small masses.
 #[test]
 fn the_simplest_walker_has_its_known_limit_cycle() {
     let scene = by("simplest-walker", "EventDriven", 2e-2);
@@ -172,8 +172,8 @@ fn the_simplest_walker_has_its_known_limit_cycle() {
     assert_near("third multiplier", limit[6], 0.0, 1e-4);
 }
 
-/// Where a walk from the limit cycle is when the next standing leg is upright: time, the other leg's angle to it, both rates.
-/// So late after the impact that its unsteadiness within a step has settled.
+/// State of a walk from the limit cycle when the next stance leg is upright: time, angle between the legs, and both rates. That is late enough after
+/// the impact for its irregularity within a step to decay.
 fn upright(method: &str, h: f64) -> DVector<f64> {
     let mut plant = Plant::new(&by("compass-gait", method, h)).expect("a walker");
     let angle = |state: &State| state.x[2] + state.x[3];
@@ -182,7 +182,7 @@ fn upright(method: &str, h: f64) -> DVector<f64> {
         assert!(f64::from(steps) * h < 2.0, "it does not walk");
         advance(&mut plant);
         let now = plant.state().clone();
-        // the right leg swings first, and is upright twice: swinging forward beside the left one, and standing
+        // the right leg swings first and is upright twice: as it swings past the left one, and as the stance leg
         if f64::from(steps) * h > 0.9 && angle(&before) < 0.0 && angle(&now) >= 0.0 {
             let pair = [before, now];
             let (mut low, mut high) = (0.0, h);
@@ -198,8 +198,8 @@ fn upright(method: &str, h: f64) -> DVector<f64> {
     unreachable!()
 }
 
-/// Slope of the logarithms of error and step over many steps, for the moment of the impact within a step makes single errors
-/// jump; and the error at 1 ms.
+/// Order of the error, and the error at 1 ms. The order is the slope of a fit over many step sizes, because single errors depend on the phase of the
+/// impact within a step.
 fn order(method: &str, exact: &DVector<f64>) -> (f64, f64) {
     let steps = (0..24).map(|k| 4e-3 * 0.92_f64.powi(k));
     let points: Vec<_> = steps.map(|h| (h.ln(), (upright(method, h) - exact).norm().ln())).collect();
@@ -209,7 +209,7 @@ fn order(method: &str, exact: &DVector<f64>) -> (f64, f64) {
     (slope, (y + slope * (1e-3_f64.ln() - x)).exp())
 }
 
-/// Impulses at the end of a step make any method one of first order where a leg pivots; forces in every stage do not.
+/// With impulses at the end of a step, every method has first order while a leg pivots. With forces in every stage, it keeps its order.
 #[test]
 fn the_compass_gait_converges_with_the_order_of_the_method() {
     let expected =

@@ -1,18 +1,18 @@
-//! A busy machine: a reader that waits must not lose its processor at every look to whoever computes.
+//! A busy machine: a waiting reader must not lose its processor to other programs at every poll.
 
 use super::*;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// How long a walk in lockstep takes, and how it ends.
+/// Wall-clock time and output of a lockstep walk.
 fn walk() -> (Duration, Output) {
-    let begun = Instant::now();
+    let start = Instant::now();
     let output = biped(&["run", "walk", "--quiet"]).output().expect("the program starts");
-    (begun.elapsed(), output)
+    (start.elapsed(), output)
 }
 
-/// If each look gave the processor to a program that computes for a slice of milliseconds, it would take three hundred times as long.
+/// If every poll gave the processor to another program for a time slice of milliseconds, the walk would take 300 times as long.
 #[test]
-fn a_walk_in_lockstep_goes_on_beside_programs_that_compute() {
+fn a_lockstep_walk_keeps_its_bits_and_progress_on_a_busy_machine() {
     let (alone, over) = (walk(), AtomicBool::new(false));
     let processors = std::thread::available_parallelism().map_or(1, usize::from);
     let busy = std::thread::scope(|scope| {
@@ -32,5 +32,5 @@ fn a_walk_in_lockstep_goes_on_beside_programs_that_compute() {
     }
     let times = busy.0.as_secs_f64() / alone.0.as_secs_f64();
     println!("{:.2?} alone, {:.2?} beside {processors} programs: {times:.1} times", alone.0, busy.0);
-    assert!(times < 40.0, "{times:.0} times as long");
+    assert!(times < 40.0, "the walk takes {times:.0} times as long");
 }

@@ -1,6 +1,6 @@
-//! However a process ends, the others say so, end in order, and leave nothing.
+//! When a process ends in any way, the others report it, exit in order, and leave no files.
 
-use super::{all_gone, end, eventually, fresh_folder, roles_of, send, session, start, walking};
+use super::{assert_all_gone, end, eventually, fresh_folder, roles_of, send, session, start, walking};
 use nix::sys::signal::Signal;
 use std::path::PathBuf;
 
@@ -13,52 +13,52 @@ fn a_run_that_ends_by_itself_leaves_nothing_behind() {
         roles.len() == 2
     });
     assert_eq!(end(launcher).0, Some(0));
-    all_gone(&roles);
+    assert_all_gone(&roles);
 }
 
 #[test]
-fn ctrl_c_and_term_end_everything_in_order() {
+fn sigint_and_sigterm_end_a_run_in_order() {
     for signal in [Signal::SIGINT, Signal::SIGTERM] {
         let (launcher, roles) = walking();
         send(launcher.id() as i32, signal);
         let (code, errors) = end(launcher);
         assert_eq!(code, Some(130), "{errors}");
         assert!(errors.contains("interrupted"), "{errors}");
-        all_gone(&roles);
+        assert_all_gone(&roles);
     }
 }
 
 #[test]
-fn children_die_with_a_killed_launcher_and_the_last_one_clears_up() {
+fn children_of_a_killed_launcher_exit_and_the_last_one_removes_the_session_files() {
     let (mut launcher, roles) = walking();
     launcher.kill().expect("our own child");
     launcher.wait().expect("the launcher ends");
-    all_gone(&roles);
+    assert_all_gone(&roles);
 }
 
 #[test]
-fn a_killed_child_is_named_and_the_other_is_ended() {
+fn a_killed_child_is_named_and_the_other_child_is_terminated() {
     for role in ["plant", "controller"] {
         let (launcher, roles) = walking();
         let victim = roles.iter().find(|child| child.name == role).expect("the role is there");
-        send(victim.number, Signal::SIGKILL);
+        send(victim.pid, Signal::SIGKILL);
         let (code, errors) = end(launcher);
         assert_eq!(code, Some(4), "{errors}");
         assert!(errors.contains(&format!("the {role} failed")) && errors.contains("SIGKILL"), "{errors}");
-        all_gone(&roles);
+        assert_all_gone(&roles);
     }
 }
 
 #[test]
-fn what_a_foreign_program_leaves_behind_ends_with_it() {
+fn descendants_of_a_foreign_program_end_with_it() {
     let file = fresh_folder("orphan").with_extension("pid");
     let script = format!("sh -c 'sleep 600 & echo $! > {}; exit 3'", file.display());
     let (code, errors) = end(start(&["run", "stand", "--quiet", "--controller", &script]));
     assert!(code == Some(3) && errors.contains("the controller failed (exit status: 3)"), "{code:?} {errors}");
-    let orphan = std::fs::read_to_string(&file).expect("its number");
+    let orphan = std::fs::read_to_string(&file).expect("its process ID");
     let stat = PathBuf::from(format!("/proc/{}/stat", orphan.trim()));
     let is_dead = || std::fs::read_to_string(&stat).map_or(true, |stat| stat.contains(") Z "));
-    eventually("the end of what it has started", is_dead);
+    eventually("the end of its descendant", is_dead);
     std::fs::remove_file(file).expect("our own file");
 }
 
@@ -66,15 +66,15 @@ fn what_a_foreign_program_leaves_behind_ends_with_it() {
 fn a_stopped_controller_is_a_fault_in_real_time() {
     let (launcher, roles) = walking();
     let victim = roles.iter().find(|child| child.name == "controller").expect("a controller");
-    send(victim.number, Signal::SIGSTOP);
+    send(victim.pid, Signal::SIGSTOP);
     let (code, errors) = end(launcher);
     assert!(code == Some(4) || code == Some(7), "{code:?} {errors}");
     assert!(errors.contains("silent") && errors.contains("damped"), "{errors}");
-    all_gone(&roles);
+    assert_all_gone(&roles);
 }
 
 #[test]
-fn a_peer_that_never_comes_is_named_each_second_and_then_given_up() {
+fn a_missing_peer_is_reported_each_second_until_the_patience_ends() {
     for (role, missing) in [("plant", "controller"), ("controller", "plant")] {
         let session = session(&format!("lonely-{role}"));
         let (code, errors) = end(start(&[role, "walk", "--patience", "2.5", "--session", session.name()]));
@@ -88,7 +88,7 @@ fn a_peer_that_never_comes_is_named_each_second_and_then_given_up() {
 }
 
 #[test]
-fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
+fn a_controller_does_not_wait_for_a_plant_that_cannot_start() {
     let session = session("cannot");
     let bad = ["--set", "plant.law=EnergyQp", "--set", "plant.method=EventDriven", "--session", session.name()];
     let controller = start(&[&["controller", "walk", "--patience", "50"], &bad[..]].concat());
@@ -96,6 +96,6 @@ fn a_controller_does_not_wait_for_a_plant_that_cannot_begin() {
     let (code, errors) = end(start(&[&["plant", "walk"], &bad[..]].concat()));
     assert!(code == Some(2) && errors.contains("plant.law of the method EventDriven"), "{errors}");
     let (code, errors) = end(controller);
-    assert!(code == Some(0) && !errors.contains("no plant"), "it waited out its patience: {errors}");
+    assert!(code == Some(0) && !errors.contains("no plant"), "it waited until its patience ended: {errors}");
     assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
 }

@@ -1,4 +1,4 @@
-//! Claims about the processes: same results however they are started, an orderly end however they end.
+//! Claims about the processes: the results do not depend on how the processes are started, and every kind of end is orderly.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// Longest wait for anything here: far more than it takes on a busy machine.
+/// Longest wait for any condition: far more than a busy machine needs.
 const LONG: Duration = Duration::from_secs(60);
 
 fn biped(arguments: &[&str]) -> Command {
@@ -28,7 +28,7 @@ fn start(arguments: &[&str]) -> Child {
     biped(arguments).spawn().expect("the program starts")
 }
 
-/// Exit code and what was written to standard error.
+/// Waits for the exit of a process. Returns its exit code and standard error.
 fn end(child: Child) -> (Option<i32>, String) {
     let Output { status, stderr, .. } = child.wait_with_output().expect("the program ends");
     (status.code(), String::from_utf8_lossy(&stderr).into_owned())
@@ -54,36 +54,36 @@ fn session(name: &str) -> Session {
 }
 
 /// A child of `biped run`.
-struct Role {
+struct RoleProcess {
     name: String,
-    number: i32,
+    pid: i32,
     session: Session,
 }
 
-/// The running children of a process that are already plant or controller.
-fn roles_of(launcher: u32) -> Vec<Role> {
+/// The children of a launcher that already run as plant or controller.
+fn roles_of(launcher: u32) -> Vec<RoleProcess> {
     let list = std::fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).unwrap_or_default();
-    let role = |number: &str| {
-        let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).ok()?;
+    let role = |pid: &str| {
+        let line = std::fs::read_to_string(format!("/proc/{pid}/cmdline")).ok()?;
         let words: Vec<_> = line.split('\0').collect();
         let session = words.iter().position(|word| *word == "--session")?;
         let session = Session::named(words.get(session + 1)?).ok()?;
-        Some(Role { name: words[1].into(), number: number.parse().ok()?, session })
+        Some(RoleProcess { name: words[1].into(), pid: pid.parse().ok()?, session })
     };
     list.split_whitespace().filter_map(role).collect()
 }
 
-fn is_running(number: i32) -> bool {
-    // A zombie has ended, even if nobody in this container reaps orphans.
-    let stat = std::fs::read_to_string(format!("/proc/{number}/stat")).unwrap_or_default();
+fn is_running(pid: i32) -> bool {
+    // A zombie has exited, even if no process of this container reaps orphans.
+    let stat = std::fs::read_to_string(format!("/proc/{pid}/stat")).unwrap_or_default();
     stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with('Z'))
 }
 
-/// A long real-time run that has begun to walk, with its two children.
-fn walking() -> (Child, Vec<Role>) {
+/// A long real-time walk that has started, and its two children.
+fn walking() -> (Child, Vec<RoleProcess>) {
     let launcher = start(&["run", "walk", "--realtime", "--quiet", "--set", "duration=300"]);
     let mut roles = vec![];
-    eventually("two processes that speak", || {
+    eventually("two connected processes", || {
         roles = roles_of(launcher.id());
         roles.len() == 2 && roles[0].session.shm_files().len() > 10
     });
@@ -91,11 +91,12 @@ fn walking() -> (Child, Vec<Role>) {
     (launcher, roles)
 }
 
-fn all_gone(roles: &[Role]) {
-    eventually("the end of the processes", || !roles.iter().any(|role| is_running(role.number)));
+/// Asserts that all processes exit and that no session files are left.
+fn assert_all_gone(roles: &[RoleProcess]) {
+    eventually("the end of the processes", || !roles.iter().any(|role| is_running(role.pid)));
     assert_eq!(roles[0].session.shm_files(), Vec::<PathBuf>::new());
 }
 
-fn send(number: i32, signal: Signal) {
-    kill(Pid::from_raw(number), signal).expect("a signal to our own child");
+fn send(pid: i32, signal: Signal) {
+    kill(Pid::from_raw(pid), signal).expect("a signal to our own child");
 }

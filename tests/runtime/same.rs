@@ -1,4 +1,4 @@
-//! The same results, however plant and controller are started.
+//! The results do not depend on how plant and controller are started.
 
 use super::{end, eventually, fresh_folder, session, start};
 use std::path::{Path, PathBuf};
@@ -10,7 +10,7 @@ fn trajectory_hash(folder: &Path) -> String {
 }
 
 #[test]
-fn two_processes_walk_bit_for_bit_like_one_and_like_themselves() {
+fn two_processes_repeat_the_bits_of_one_process_and_their_own() {
     let run = |name: &str, extra: &[&str]| {
         let folder = fresh_folder(name);
         let out = folder.to_string_lossy().into_owned();
@@ -23,11 +23,11 @@ fn two_processes_walk_bit_for_bit_like_one_and_like_themselves() {
     let two = run("two", &[]);
     assert_eq!(run("again", &[]), two);
     assert_eq!(run("one", &["--in-process"]), two);
-    assert_ne!(run("other", &["--set", "plant.friction=0.69"]), two, "the hash must see a difference");
+    assert_ne!(run("other", &["--set", "plant.friction=0.69"]), two, "negative case: another scene has another hash");
 }
 
 #[test]
-fn sessions_side_by_side_never_meet_and_a_name_is_taken_once() {
+fn parallel_sessions_are_independent_and_a_name_is_used_once() {
     let folders = ["alone", "left", "right"].map(fresh_folder);
     let walk = |folder: &Path, extra: &[&str]| {
         let out = folder.to_string_lossy().into_owned();
@@ -39,7 +39,7 @@ fn sessions_side_by_side_never_meet_and_a_name_is_taken_once() {
     eventually("both sessions", || left.members().len() == 3 && right.members().len() == 3);
     let (code, errors) = end(start(&["run", "walk", "--quiet", "--session", left.name()]));
     assert_eq!(code, Some(5), "{errors}");
-    assert!(errors.contains(left.name()) && errors.contains("running already"), "{errors}");
+    assert!(errors.contains(left.name()) && errors.contains("already running"), "{errors}");
     for run in runs {
         assert_eq!(end(run), (Some(0), String::new()));
     }

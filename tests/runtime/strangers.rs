@@ -1,4 +1,4 @@
-//! Who else may come: any program that speaks the messages, and nobody who speaks others or takes a place that is taken.
+//! Foreign programs: any program that uses the wire format can take part, except with another version or in a role that is already taken.
 
 use super::{LONG, end, fresh_folder, session, start};
 use messages::port::{Contract, ControllerPort, Pace, PlantPort};
@@ -31,8 +31,8 @@ fn a_second_controller_and_a_wrong_wire_version_are_refused() {
     std::fs::remove_file(file).expect("our own file");
 }
 
-/// A controller of somebody else's making, which answers as `answer` says, until the plant gives it up.
-fn odd_controller(name: &str, answer: impl Fn(&Stamp) -> Torque) -> (Option<i32>, String) {
+/// Runs a plant with a controller that answers by `answer` until the plant ends. Returns the plant's exit code and standard error.
+fn test_controller(name: &str, answer: impl Fn(&Stamp) -> Torque) -> (Option<i32>, String) {
     let session = session(name);
     let file = fresh_folder(name).with_extension("toml");
     std::fs::write(&file, "[initial]\nclearance = 0.0\n[controller]\n").expect("a scene file");
@@ -42,7 +42,7 @@ fn odd_controller(name: &str, answer: impl Fn(&Stamp) -> Torque) -> (Option<i32>
     let plant = start(&["plant", &path, "--patience", "1", "--session", session.name()]);
     let begin = Instant::now();
     loop {
-        assert!(begin.elapsed() < LONG, "the plant never said goodbye");
+        assert!(begin.elapsed() < LONG, "the plant never sent its last sensors message");
         match port.wait().expect("waiting") {
             Some(sensors) if sensors.last != 0 => break,
             Some(sensors) => port.send(answer(&sensors.stamp)).expect("answering"),
@@ -53,7 +53,7 @@ fn odd_controller(name: &str, answer: impl Fn(&Stamp) -> Torque) -> (Option<i32>
     end(plant)
 }
 
-/// The stamp of a right answer.
+/// The stamp of a correct answer.
 fn reply(asked: &Stamp) -> Stamp {
     Stamp { run: asked.run, seq: asked.seq, ack: asked.seq, ..Stamp::default() }
 }
@@ -63,7 +63,7 @@ fn limp(asked: &Stamp) -> Torque {
 }
 
 #[test]
-fn bad_commands_never_reach_the_robot_and_are_told_by_reason() {
+fn bad_commands_never_reach_the_robot_and_are_counted_by_reason() {
     type Answer = fn(&Stamp) -> Torque;
     let cases: [(&str, &str, Answer); 4] = [
         ("nan", "not finite", |asked| Torque { torques: Torques { torque: [f64::NAN; 8] }, ..limp(asked) }),
@@ -72,7 +72,7 @@ fn bad_commands_never_reach_the_robot_and_are_told_by_reason() {
         ("early", "ahead", |asked| Torque { stamp: Stamp { ack: 9, ..reply(asked) }, ..limp(asked) }),
     ];
     for (name, words, answer) in cases {
-        let (code, errors) = odd_controller(name, answer);
+        let (code, errors) = test_controller(name, answer);
         assert_eq!(code, Some(3), "{name}: {errors}");
         assert!(errors.contains("refused: ") && errors.contains(words), "{name}: {errors}");
     }
@@ -80,5 +80,5 @@ fn bad_commands_never_reach_the_robot_and_are_told_by_reason() {
 
 #[test]
 fn any_program_that_speaks_the_messages_can_be_the_controller() {
-    assert_eq!(odd_controller("limp", limp), (Some(0), String::new()));
+    assert_eq!(test_controller("limp", limp), (Some(0), String::new()));
 }

@@ -35,7 +35,7 @@ mod watch;
 use self::core::Core;
 pub use args::ChartArgs;
 use shared::exit::Failure;
-use shared::output::{folder, say, unwritten, write_whole};
+use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use watch::Watch;
@@ -49,8 +49,8 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let chosen = cases::chosen(&args.scenes)?;
     let table = args.peers.as_ref().and_then(Option::as_deref);
     let given = table.map_or(Ok(vec![]), peers::read)?;
-    folder(&args.out)?;
-    let failed = |error| unwritten(&args.out, &error);
+    create_folder(&args.out)?;
+    let failed = |error| write_failure(&args.out, &error);
     let watch = Watch::new(args.quiet, stop);
     if args.orders {
         return orders::run(&args.out, &watch);
@@ -68,7 +68,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let write = |rows: &[csv::Row], remarks: &[String]| {
         let remark = [vec![held.clone()], remarks.to_vec()].concat().join(" ");
         page::write(&args.out, &chosen, rows, &remark)?;
-        write_whole(&args.out.join("chart.csv"), &csv::table(rows))
+        write_atomically(&args.out.join("chart.csv"), &csv::table(rows))
     };
     let alone = "Other simulators are not drawn: biped chart --peers measures them too.".to_string();
     let remarks = match &args.peers {
@@ -87,12 +87,12 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     watch.finish();
     write(&rows, &remarks).map_err(failed)?;
-    say(format!(
+    print_text(format!(
         "{} measurements in {}, drawn in chart.html beside it; {:.0} s\n",
         rows.len(),
         args.out.join("chart.csv").display(),
         begun.elapsed().as_secs_f64(),
     ));
-    say(crate::study::tables::table(&bounds::table(&chosen, &rows)));
+    print_text(crate::study::tables::table(&bounds::table(&chosen, &rows)));
     Ok(())
 }

@@ -24,8 +24,8 @@ use clap::Args;
 use guest::Host;
 use report::Report;
 use shared::args::SceneArgs;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::say;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::print_text;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
@@ -45,7 +45,7 @@ pub struct ConformArgs {
     #[arg(long, value_name = "COMMAND")]
     plant: Option<String>,
     /// Time limit for its start and its answers [s]
-    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::seconds)]
+    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::parse_seconds)]
     patience: f64,
 }
 
@@ -69,8 +69,8 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
         Some(_) => plant::check(&host, &mut report),
     }
     .map_err(|error| Failure::new(Exit::Fault, error))?;
-    say(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
-    unless(stop)?;
+    print_text(format_args!("\n{} rules kept, {} broken\n", report.kept, report.broken));
+    check_interrupt(stop)?;
     match report.broken {
         0 => Ok(()),
         1 => Err(Failure::new(Exit::Nonconforming, "a rule of docs/WIRE.md is broken")),

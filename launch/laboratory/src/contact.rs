@@ -4,9 +4,9 @@ use crate::study::tables::table;
 use clap::Args;
 use messages::scene::Law;
 use plant::contact::{Memory, Problem, Solver, tangents};
-use shared::case::Case;
 use shared::exit::{Exit, Failure};
-use shared::output::say;
+use shared::output::print_text;
+use shared::unsolved_problem::UnsolvedProblem;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
@@ -30,18 +30,18 @@ pub struct ContactArgs {
 /// A file that cannot be read or is no contact problem.
 pub fn run(args: &ContactArgs) -> Result<(), Failure> {
     let refused = |reason| Failure::new(Exit::Usage, format!("{}: {reason}", args.file.display()));
-    let case = Case::read(&args.file).map_err(refused)?;
+    let case = UnsolvedProblem::read(&args.file).map_err(refused)?;
     let laws = if args.laws.is_empty() { &Law::ALL[..] } else { &args.laws };
     let Problem { contacts, tangents, .. } = case.problem;
     let residual = case.residual.map_or("none".into(), |residual| format!("{residual:.1e}"));
-    say(format!(
+    print_text(format!(
         "Step {} at t = {:.4} s: {contacts} contacts, {tangents} tangents; {} left {residual}, not {:.1e}.\n\n",
         case.step, case.time, case.law, case.tolerance
     ));
     let columns =
         ["law", "own residual", "natural map", "Signorini", "energy J", "pivots", "fallback", "least time µs"];
     let rows = [columns.map(String::from).to_vec()].into_iter().chain(laws.iter().map(|&law| row(&case.problem, law)));
-    say(table(&rows.collect::<Vec<_>>()));
+    print_text(table(&rows.collect::<Vec<_>>()));
     Ok(())
 }
 

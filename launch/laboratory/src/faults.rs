@@ -25,9 +25,9 @@ mod stop;
 
 use abreast::side_by_side;
 use clap::Args;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{folder, say, unwritten, write_whole};
-use shared::progress::Counter;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{create_folder, print_text, write_atomically, write_failure};
+use shared::progress::BatchProgress;
 use stage::{Outcome, Role, Trial};
 use std::fmt;
 use std::path::PathBuf;
@@ -194,11 +194,11 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
         return Err(Failure::new(Exit::Usage, "no fault has the words of --only in its name"));
     }
-    args.out.as_deref().map_or(Ok(()), folder)?;
+    args.out.as_deref().map_or(Ok(()), create_folder)?;
     let seed = args.seed.unwrap_or_else(|| fastrand::u64(..1 << 32));
     let mut random = fastrand::Rng::with_seed(seed);
     let quick = if args.quick { " --quick" } else { "" };
-    say(format_args!("biped faults{quick} --seed {seed}\n\n{HEAD}"));
+    print_text(format_args!("biped faults{quick} --seed {seed}\n\n{HEAD}"));
     let (mut rows, mut failures) = (vec![], vec![]);
     for (fault, whole, few) in FAULTS.into_iter().filter(|(fault, ..)| wanted(*fault)) {
         let trials = if args.quick { few } else { whole };
@@ -211,15 +211,15 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
         {
             row.failures.push(format!("a new process drives after {median:?}, not {RESPAWN:?}"));
         }
-        say(format_args!("| {} |\n", row.cells().join(" | ")));
+        print_text(format_args!("| {} |\n", row.cells().join(" | ")));
         let told = row.failures.iter().take(TOLD).map(|failure| format!("{fault}: {failure}"));
         failures.extend(told);
         rows.push(row);
     }
     if let Some(folder) = &args.out {
-        write(folder, &rows, seed).map_err(|error| unwritten(folder, &error))?;
+        write(folder, &rows, seed).map_err(|error| write_failure(folder, &error))?;
     }
-    unless(stop)?;
+    check_interrupt(stop)?;
     match rows.iter().map(|row| row.failures.len()).sum() {
         0_usize => Ok(()),
         count => Err(Failure::new(Exit::Fault, format!("{count} trials failed, such as\n{}", failures.join("\n")))),
@@ -233,8 +233,8 @@ fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<(
         markdown += &format!("| {} |\n", cells.join(" | "));
         csv += &(cells.map(|cell| format!("\"{}\"", cell.replace('"', "'"))).join(",") + "\n");
     }
-    write_whole(&folder.join("faults.md"), &markdown)?;
-    write_whole(&folder.join("faults.csv"), &csv)
+    write_atomically(&folder.join("faults.md"), &markdown)?;
+    write_atomically(&folder.join("faults.csv"), &csv)
 }
 
 impl Fault {
@@ -242,10 +242,10 @@ impl Fault {
     fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<Trial> {
         let chance = &mut random.fork(); // the same for this kind, whatever the others draw
         let times = |count: usize, trial: &mut dyn FnMut(usize) -> Trial| {
-            let progress = Counter::new(quiet, count, 0, "trials");
+            let progress = BatchProgress::new(quiet, count, 0, "trials");
             let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {
                 let told = trial(nth);
-                progress.add(1);
+                progress.add_done(1);
                 told
             });
             let all: Vec<Trial> = all.collect();

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 use sessions::run::in_process;
 use shared::exit::Failure;
 use shared::list::SCENES;
-use shared::output::say;
+use shared::output::print_text;
 
 /// Prints, of every scene, the hash of its states in the first second and in the whole run, as `biped run` tells it.
 ///
@@ -17,7 +17,7 @@ use shared::output::say;
 /// If a scene is bad, which a test excludes.
 pub fn print() -> Result<(), Failure> {
     let rows = SCENES.par_iter().map(|&(name, _)| row(name)).collect::<Result<String, Failure>>()?;
-    say(format!("{:<16} {:<16} {:<16} {}\n{rows}", "scene", "first second", "whole run", "s"));
+    print_text(format!("{:<16} {:<16} {:<16} {}\n{rows}", "scene", "first second", "whole run", "s"));
     Ok(())
 }
 

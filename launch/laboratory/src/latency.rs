@@ -39,9 +39,9 @@ use host::Host;
 use lines::Wake;
 use messages::port::Waiting;
 use results::Results;
-use sessions::realtime::{RealtimeArgs, keep_to};
+use sessions::realtime::{RealtimeArgs, pin_to_nth};
 use shared::exit::Failure;
-use shared::output::{folder, say, unwritten, write_whole};
+use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -67,14 +67,14 @@ pub struct LatencyArgs {
 /// # Errors
 /// A link that breaks, a folder that cannot be written, or Ctrl-C.
 pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    folder(&args.out)?;
-    let failed = |error| unwritten(&args.out, &error);
+    create_folder(&args.out)?;
+    let failed = |error| write_failure(&args.out, &error);
     let mut results = Results::new(Host::watch());
     let mut bench = Bench::start(if args.quick { Plan::QUICK } else { Plan::FULL }, args.quiet, stop)?;
     bench.expect(bench.plan.rounds as usize * Carrier::ALL.len() + walk::count() + 2);
     breakdown::alone(&mut results)?;
     bench::apart(|| {
-        keep_to(0); // the other process uses another processor, so that all links are compared over the same distance
+        pin_to_nth(0); // the other process uses another processor, so that all links are compared over the same distance
         carrier::measure(&mut bench, &mut results)?;
         walk::measure(&mut bench, &mut results)
     })?;
@@ -85,9 +85,9 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     results.host.finish();
     breakdown::parts(&mut results);
     judge(&mut results);
-    write_whole(&args.out.join("latency.json"), &results.json()?).map_err(failed)?;
+    write_atomically(&args.out.join("latency.json"), &results.json()?).map_err(failed)?;
     page::write(&args.out, &results).map_err(failed)?;
-    say(format_args!(
+    print_text(format_args!(
         "{results}\nfigures in {}, drawn in latency.html beside it\n",
         args.out.join("latency.json").display()
     ));

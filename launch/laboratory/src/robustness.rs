@@ -23,8 +23,8 @@ use cells::Cells;
 use grid::{Case, Grid};
 use rayon::prelude::*;
 use shared::exit::{Exit, Failure};
-use shared::output::{folder, say, unwritten, write_whole};
-use shared::progress::Counter;
+use shared::output::{create_folder, print_text, write_atomically, write_failure};
+use shared::progress::BatchProgress;
 use std::sync::atomic::AtomicBool;
 use table::Table;
 
@@ -37,19 +37,19 @@ pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let cases = grid.cases();
     if !args.merge.is_empty() {
         let rows = table::merge(&args.merge, &grid, &cases)?;
-        folder(&args.out)?;
+        create_folder(&args.out)?;
         return draw(args, &grid, &cases, &rows);
     }
-    folder(&args.out)?;
+    create_folder(&args.out)?;
     let path = args.out.join(args.shard.map_or("robustness.csv".into(), |shard| shard.file_name()));
     let mine: Vec<_> = cases.iter().filter(|case| args.shard.is_none_or(|shard| shard.has(case.number))).collect();
     let table = Table::resume(&path, &grid, &cases)?;
     let missing: Vec<_> = mine.iter().copied().filter(|case| !table.has(case.number)).collect();
-    let counter = Counter::new(args.quiet, mine.len(), mine.len() - missing.len(), "runs");
+    let counter = BatchProgress::new(args.quiet, mine.len(), mine.len() - missing.len(), "runs");
     let done = missing.par_iter().try_for_each(|case| {
         let outcome = study::observe(&args.scene, &case.scene(), stop)?;
         table.append(case, &outcome)?;
-        counter.add(1);
+        counter.add_done(1);
         Ok(())
     });
     counter.finish();
@@ -67,7 +67,7 @@ pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
         _ => failure,
     })?;
     match args.shard {
-        Some(_) => say(format!(
+        Some(_) => print_text(format!(
             "{count} runs in {}; --merge merges the shards
 ",
             path.display()
@@ -83,10 +83,10 @@ fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[Case], rows: &[Option<Strin
     let files = [("robustness.csv", table::text(grid, rows)), ("robustness.svg", map::survival(grid, &cells))];
     for (name, text) in files {
         let path = args.out.join(name);
-        write_whole(&path, &text).map_err(|error| unwritten(&path, &error))?;
+        write_atomically(&path, &text).map_err(|error| write_failure(&path, &error))?;
     }
-    say(cells.summary(grid));
-    say(format!(
+    print_text(cells.summary(grid));
+    print_text(format!(
         "{} runs in {}, drawn in robustness.svg beside it\n",
         cases.len(),
         args.out.join("robustness.csv").display()

@@ -9,8 +9,8 @@ use messages::session::Session;
 use messages::wire::Truth;
 use records::recording::{McapRecorder, RecordArgs, RecordingEnd};
 use shared::csv;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{folder, say, tell, unwritten, write_whole};
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{create_folder, log, print_text, write_atomically, write_failure};
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -66,7 +66,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 /// # Errors
 /// A quantity that grows, or a process that ends.
 pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    args.out.as_deref().map_or(Ok(()), folder)?;
+    args.out.as_deref().map_or(Ok(()), create_folder)?;
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
     let (_, scene) = walk(&["duration=1000000"]).map_err(fault)?;
@@ -74,24 +74,24 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let time = Duration::from_secs_f64(args.minutes * 60.0);
     let Soaked { samples, simulated, falls, end } = soak(&scene, tape, pace, time, stop).map_err(fault)?;
     if let Some(folder) = &args.out {
-        write_whole(&folder.join("soak.csv"), &table(&samples)).map_err(|error| unwritten(folder, &error))?;
+        write_atomically(&folder.join("soak.csv"), &table(&samples)).map_err(|error| write_failure(folder, &error))?;
     }
     let (Some(first), Some(last)) = (samples.first(), samples.last()) else {
         return Err(Failure::new(Exit::Interrupted, "interrupted before the first sample"));
     };
     let (minutes, hours) = (last.0 / 60.0, simulated / 3600.0);
     let count = samples.len();
-    say(format_args!("{name}, {minutes:.1} min, {hours:.2} h simulated, {falls} falls, {count} samples\n\n"));
-    say("| | first | last | slope per hour |\n|---|---|---|---|\n");
+    print_text(format_args!("{name}, {minutes:.1} min, {hours:.2} h simulated, {falls} falls, {count} samples\n\n"));
+    print_text("| | first | last | slope per hour |\n|---|---|---|---|\n");
     let mut grown = vec![];
     for (column, (what, limit)) in COLUMNS.iter().enumerate() {
         let (from, to) = (first.1[column], last.1[column]);
-        say(format_args!("| {what} | {from:.1} | {to:.1} | {:.1} |\n", slope(&samples, column)));
+        print_text(format_args!("| {what} | {from:.1} | {to:.1} | {:.1} |\n", slope(&samples, column)));
         if to - from > *limit {
             grown.push(format!("{what} grew from {from:.1} to {to:.1}"));
         }
     }
-    unless(stop)?;
+    check_interrupt(stop)?;
     match (grown.is_empty(), end.filter(|end| end.exit != Exit::Ok)) {
         (true, None) => Ok(()),
         (true, Some(end)) => Err(Failure::new(end.exit, end.message)),
@@ -151,7 +151,7 @@ fn soak(
             }
             truth = *next;
             if let Some(Err(early)) = tape.as_mut().map(|tape| tape.push(&truth)) {
-                tell(format_args!("{}; the walk goes on", early.message));
+                log(format_args!("{}; the walk goes on", early.message));
                 (tape, end) = (None, Some(early));
             }
             replies.extend(Some(truth.reply_ns).filter(|ns| *ns > 0));

@@ -5,12 +5,12 @@ use messages::scene::Scene;
 use rayon::prelude::*;
 use records::analysis::RunAnalysis;
 use records::summary::Summary;
-use sessions::run::{goes_on, in_process};
+use sessions::run::{check_run, in_process};
 use shared::csv;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use shared::output::folder;
-use shared::progress::Counter;
+use shared::output::create_folder;
+use shared::progress::BatchProgress;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
@@ -40,23 +40,23 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(belongs_to("--count", "problems"));
     }
     args.pushes.check(args.study)?;
-    args.out.as_deref().map_or(Ok(()), folder)?;
+    args.out.as_deref().map_or(Ok(()), create_folder)?;
     if let Study::Pushes = args.study {
         return pushes::run(args, stop);
     }
     if solves {
         let count = args.count.unwrap_or(1_000_000) as usize;
-        let counter = Counter::new(args.quiet, count, 0, "problems");
-        let mut results = problems::solve(count, stop, |more| counter.add(more))?;
+        let counter = BatchProgress::new(args.quiet, count, 0, "problems");
+        let mut results = problems::solve(count, stop, |more| counter.add_done(more))?;
         counter.finish();
         let rows = problems::rows(&mut results);
         return hand_out(args, &table(&rows), &[("", csv::text(&rows))]);
     }
     let cases = cases(args.study);
-    let counter = Counter::new(args.quiet, cases.len(), 0, "cases");
+    let counter = BatchProgress::new(args.quiet, cases.len(), 0, "cases");
     let study = |case| {
         let outcome = simulate(case, stop);
-        counter.add(1);
+        counter.add_done(1);
         outcome
     };
     let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
@@ -81,7 +81,7 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, 
     let (mut recorder, start) = (RunAnalysis::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
         recorder.push(truth);
-        goes_on(&recorder, stop)
+        check_run(&recorder, stop)
     });
     match result {
         Err(failure) if failure.exit == Exit::Interrupted => Err(failure),

@@ -1,7 +1,7 @@
 //! A process under test, and what it writes to its standard error.
 
 use nix::sys::signal::Signal;
-use sessions::children::hear;
+use sessions::children::read_stderr;
 use sessions::process::Process;
 use std::process::{Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
@@ -46,18 +46,18 @@ impl Subject {
     ) -> Result<Subject, String> {
         let silent = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut process = start(silent).map_err(|error| format!("{command:?} cannot be started: {error}"))?;
-        let words = process.stderr().map(|pipe| std::thread::spawn(move || hear(pipe)));
+        let words = process.stderr().map(|pipe| std::thread::spawn(move || read_stderr(pipe)));
         Ok(Subject { process, words })
     }
 
     /// Its process identifier.
     pub fn number(&self) -> u32 {
-        self.process.number()
+        self.process.pid()
     }
 
     /// Whether it has ended.
     pub fn has_ended(&mut self) -> bool {
-        self.process.ended().is_some()
+        self.process.try_wait().is_some()
     }
 
     /// Sends a signal to it, or to its group.

@@ -20,7 +20,7 @@ use crate::view::page::ViewPage;
 use figure::Figure;
 use messages::scene::Scene;
 use shared::exit::{Exit, Failure};
-use shared::output::{MARK, folder, remove_drawings, replaces, write_whole};
+use shared::output::{MARK, check_replaceable, create_folder, remove_own_figures, write_atomically};
 use std::path::Path;
 use std::{fs, io};
 
@@ -58,10 +58,10 @@ const FILES: [(&str, &str); 4] = [
 /// # Errors
 /// If the folder cannot be created, or contains a file of the same name that this program did not write.
 pub fn prepare(path: &Path) -> Result<(), Failure> {
-    folder(path)?;
+    create_folder(path)?;
     FILES.iter().try_for_each(|(name, head)| {
         let file = path.join(name);
-        replaces(&file, head.as_bytes())
+        check_replaceable(&file, head.as_bytes())
             .map_err(|error| Failure::new(Exit::Usage, format!("{}: {error}", file.display())))
     })
 }
@@ -75,13 +75,13 @@ pub fn write(folder: &Path, analysis: &RunAnalysis, summary: &Summary, scene: &S
     let figures = figures(analysis);
     let drawings = folder.join("figures");
     fs::create_dir_all(&drawings)?;
-    remove_drawings(&drawings)?; // an earlier run may have had other figures
-    write_whole(&folder.join("summary.json"), &summary.json())?;
-    write_whole(&folder.join("trajectory.csv"), &trajectory_csv::table(analysis))?;
-    write_whole(&folder.join("report.html"), &page(&figures, analysis, summary, scene, text))?;
-    write_whole(&folder.join("scene.toml"), &format!("{SCENE_HEADER}{text}"))?;
+    remove_own_figures(&drawings)?; // an earlier run may have had other figures
+    write_atomically(&folder.join("summary.json"), &summary.json())?;
+    write_atomically(&folder.join("trajectory.csv"), &trajectory_csv::table(analysis))?;
+    write_atomically(&folder.join("report.html"), &page(&figures, analysis, summary, scene, text))?;
+    write_atomically(&folder.join("scene.toml"), &format!("{SCENE_HEADER}{text}"))?;
     for panel in figures.iter().flat_map(|figure| &figure.panels) {
-        write_whole(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
+        write_atomically(&drawings.join(panel.name).with_extension("svg"), &panel.svg)?;
     }
     Ok(())
 }

@@ -1,9 +1,9 @@
-//! The two processes: started, watched, and never left behind. Either may be somebody else's program.
+//! Plant and controller as child processes: started, watched, and always ended. Either may be a foreign program.
 
 mod stderr;
 
 use crate::export;
-use crate::process::{self, Process};
+use crate::process::{self, Process, WAIT_POLL};
 use clap::Args;
 use indicatif::ProgressBar;
 use messages::peer_environment::PeerEnvironment;
@@ -12,71 +12,72 @@ use nix::sys::prctl;
 use nix::sys::signal::Signal;
 use nix::unistd::{Pid, getppid};
 use shared::exit::{Exit, Failure};
-use shared::output::tell;
+use shared::output::log;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::process::{Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-use stderr::Author;
-pub use stderr::hear;
+use stderr::Origin;
+pub use stderr::read_stderr;
 
-/// Time that a process gets to end in order before it is killed.
-const GRACE: Duration = Duration::from_secs(2);
+/// Time that a process has to exit after SIGTERM before it is killed.
+const TERMINATION_TIMEOUT: Duration = Duration::from_secs(2);
 
 /// Plant or controller as a child process.
 #[derive(Debug)]
-pub struct Role {
+pub struct RoleProcess {
     /// `plant` or `controller`.
     pub name: &'static str,
     process: Process,
-    complaints: Option<JoinHandle<Vec<String>>>,
+    errors: Option<JoinHandle<Vec<String>>>,
 }
 
-impl Role {
-    /// Starts `biped NAME ARGUMENTS`. What it writes is passed on line by line above the progress bar, but its errors
-    /// are kept for [`Role::verdict`].
+impl RoleProcess {
+    /// Starts `biped NAME ARGUMENTS`. Its standard error is printed line by line above the progress bar, except its last error, which
+    /// [`RoleProcess::outcome`] returns.
     ///
     /// # Errors
     /// If the system cannot start it.
-    pub fn start(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<Role, Failure> {
-        Role::spawn(name, &[&[name.into()], arguments].concat(), &[], Author::Ours, Stdio::null(), bar)
+    pub fn start(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<RoleProcess, Failure> {
+        RoleProcess::spawn(name, &[&[name.into()], arguments].concat(), &[], Origin::Own, Stdio::null(), bar)
     }
 
-    /// The same for a plant that gets ready, but says nothing until [`Role::begin`].
+    /// Starts `biped NAME ARGUMENTS` like [`RoleProcess::start`], but the plant waits after its initialization for
+    /// [`RoleProcess::release`].
     ///
     /// # Errors
     /// If the system cannot start it.
-    pub fn hold(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<Role, Failure> {
-        Role::spawn(name, &[&[name.into()], arguments].concat(), &[], Author::Ours, Stdio::piped(), bar)
+    pub fn start_held(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<RoleProcess, Failure> {
+        RoleProcess::spawn(name, &[&[name.into()], arguments].concat(), &[], Origin::Own, Stdio::piped(), bar)
     }
 
-    /// Lets it go on: the end of its standard input tells it to, as our death would.
-    pub fn begin(&mut self) {
+    /// Releases a held plant by closing its standard input. The death of this process would close it too.
+    pub fn release(&mut self) {
         drop(self.process.stdin());
     }
 
-    /// Starts somebody else's program, named as to a shell, with these environment variables. It is treated as our own
-    /// are: what it writes to its standard error is shown, and it dies with us.
+    /// Starts a foreign program, given as a shell command, with additional environment variables. Its standard error is shown, and it
+    /// dies with this process.
     ///
     /// # Errors
     /// If the system cannot start it.
-    pub fn foreign(
+    pub fn start_foreign(
         name: &'static str,
         command: &str,
         environment: &[(&'static str, String)],
         bar: &ProgressBar,
-    ) -> Result<Role, Failure> {
-        Role::spawn(name, &["become".into(), command.into()], environment, Author::Foreign, Stdio::null(), bar)
+    ) -> Result<RoleProcess, Failure> {
+        RoleProcess::spawn(name, &["become".into(), command.into()], environment, Origin::Foreign, Stdio::null(), bar)
     }
 
     fn spawn(
         name: &'static str,
         arguments: &[String],
         environment: &[(&'static str, String)],
-        author: Author,
+        origin: Origin,
         input: Stdio,
         bar: &ProgressBar,
-    ) -> Result<Role, Failure> {
+    ) -> Result<RoleProcess, Failure> {
         let failed = |error| Failure::new(Exit::Fault, format!("the {name} process cannot be started: {error}"));
         let mut command = Command::new(std::env::current_exe().map_err(failed)?);
         command
@@ -86,55 +87,53 @@ impl Role {
             .stdin(input)
             .stdout(Stdio::null())
             .stderr(Stdio::piped());
-        let mut process = match author {
-            Author::Ours => Process::start(&mut command),
-            Author::Foreign => Process::start_group(&mut command),
+        let mut process = match origin {
+            Origin::Own => Process::start(&mut command),
+            Origin::Foreign => Process::start_group(&mut command),
         }
         .map_err(failed)?;
         let bar = bar.clone();
-        let show = move |line: &str| bar.suspend(|| tell(format_args!("{name}: {line}")));
-        let complaints = process.stderr().map(|stderr| stderr::listen(stderr, author, show));
-        Ok(Role { name, process, complaints })
+        let show = move |line: &str| bar.suspend(|| log(format_args!("{name}: {line}")));
+        let errors = process.stderr().map(|stderr| stderr::forward(stderr, origin, show));
+        Ok(RoleProcess { name, process, errors })
     }
 
-    /// The number of the process.
-    pub fn number(&self) -> u32 {
-        self.process.number()
+    /// Its process ID.
+    pub fn pid(&self) -> u32 {
+        self.process.pid()
     }
 
-    /// Its exit status, once it has ended.
-    pub fn ended(&mut self) -> Option<ExitStatus> {
-        self.process.ended()
+    /// Checks whether it has exited, and returns its exit status if so.
+    pub fn try_wait(&mut self) -> Option<ExitStatus> {
+        self.process.try_wait()
     }
 
-    /// The same as of the last look.
+    /// The result of the last check for its exit.
     pub fn status(&self) -> Option<ExitStatus> {
         self.process.status()
     }
 
-    /// What killed it, if it died: a signal, or a fault of its own. Whoever ends with any other code has said why, and
-    /// would say so again.
-    pub fn death(&mut self) -> Option<ExitStatus> {
-        self.ended().filter(|status| Exit::of_child(status.code()) == Exit::Fault)
+    /// Checks whether it has crashed: by a signal, or with [`Exit::Fault`]. After any other exit code a restart would end in the same way.
+    pub fn crash(&mut self) -> Option<ExitStatus> {
+        self.try_wait().filter(|status| Exit::of_child(status.code()) == Exit::Fault)
     }
 
-    /// Asks it to end in order, also if it has been stopped.
-    pub fn ask_to_end(&mut self) {
+    /// Asks it to exit by SIGTERM. A stopped process is continued so that it can.
+    pub fn terminate(&mut self) {
         self.process.signal(Signal::SIGTERM);
         self.process.signal(Signal::SIGCONT);
     }
 
-    /// What it had ended with when [`Role::ended`] or [`Role::death`] last looked: nothing if in order, else its exit code and
-    /// its last words.
+    /// The outcome at the last check for its exit: success as long as it runs, or if it exited with code 0.
     ///
     /// # Errors
-    /// If it failed, with the exit code that says how.
-    pub fn verdict(&mut self) -> Result<(), Failure> {
+    /// If it failed, with its exit code and its last error.
+    pub fn outcome(&mut self) -> Result<(), Failure> {
         let Some(status) = self.process.status() else { return Ok(()) };
         if status.success() {
             return Ok(());
         }
-        let words = self.complaints.take().and_then(|listener| listener.join().ok()).unwrap_or_default();
+        let words = self.errors.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
         let words = if words.is_empty() { String::new() } else { format!(": {}", words.join("\n")) };
         let (exit, words) = match status.signal() == Some(Signal::SIGBUS as i32) {
             true => (Exit::SharedMemory, format!(": /dev/shm is full{words}")),
@@ -144,78 +143,79 @@ impl Role {
     }
 }
 
-/// Asks every process to end, and waits for it, `meanwhile` doing what they may be waiting for; kills what does not.
-pub fn end(roles: &mut [Role], mut meanwhile: impl FnMut()) {
-    roles.iter_mut().for_each(Role::ask_to_end);
-    wait(roles, GRACE, &mut meanwhile);
+/// Terminates all processes and kills those that do not exit in time. `meanwhile` is called while waiting, for example to drain a topic
+/// that blocks them.
+pub fn terminate_all(roles: &mut [RoleProcess], mut meanwhile: impl FnMut()) {
+    roles.iter_mut().for_each(RoleProcess::terminate);
+    wait_for_all(roles, TERMINATION_TIMEOUT, &mut meanwhile);
     roles.iter_mut().for_each(|role| role.process.signal(Signal::SIGKILL));
-    wait(roles, GRACE, &mut meanwhile);
+    wait_for_all(roles, TERMINATION_TIMEOUT, &mut meanwhile);
 }
 
-/// Waits for every process to end by itself, for a limited time.
-pub fn wait(roles: &mut [Role], limit: Duration, mut meanwhile: impl FnMut()) {
+/// Waits until all processes have exited by themselves, for a limited time.
+pub fn wait_for_all(roles: &mut [RoleProcess], limit: Duration, mut meanwhile: impl FnMut()) {
     let start = Instant::now();
-    while roles.iter_mut().any(|role| role.ended().is_none()) && start.elapsed() < limit {
+    while roles.iter_mut().any(|role| role.try_wait().is_none()) && start.elapsed() < limit {
         meanwhile();
-        rest(roles, Duration::from_millis(1));
+        sleep_until_exit(roles, WAIT_POLL);
     }
 }
 
-/// Sleeps for a time, or until one of the processes ends.
-pub fn rest(roles: &[Role], limit: Duration) {
-    process::rest(roles.iter().map(|role| &role.process), limit);
+/// Sleeps for a time, or until one of the processes exits.
+pub fn sleep_until_exit(roles: &[RoleProcess], limit: Duration) {
+    process::sleep_until_exit(roles.iter().map(|role| &role.process), limit);
 }
 
-/// All that somebody else's program must know to take part: the invitation, and the robot. `biped` is among its programs.
+/// The environment variables of a foreign program: the session and the scene, the robot as MJCF, and a PATH with `biped`.
 ///
 /// # Errors
-/// If the scene has no robot that MJCF can say.
-pub fn environment(invitation: &PeerEnvironment) -> Result<Vec<(&'static str, String)>, Failure> {
-    let mut environment = invitation.environment();
-    environment.push(("BIPED_MJCF", export::mjcf(&invitation.scene)?));
-    let ours = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
-    let path = std::env::var("PATH").into_iter().chain(ours);
-    environment.push(("PATH", path.collect::<Vec<_>>().join(":")));
-    Ok(environment)
+/// If the robot of the scene cannot be exported as MJCF.
+pub fn environment_variables(invitation: &PeerEnvironment) -> Result<Vec<(&'static str, String)>, Failure> {
+    let mut variables = invitation.environment();
+    variables.push(("BIPED_MJCF", export::mjcf(&invitation.scene)?));
+    let own_folder = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
+    let path = std::env::var("PATH").into_iter().chain(own_folder);
+    variables.push(("PATH", path.collect::<Vec<_>>().join(":")));
+    Ok(variables)
 }
 
-/// A session that is cleared away when it is dropped, after every process of it has ended.
-pub struct Swept(pub Session);
+/// Removes the files of a session when it is dropped. Drop it after all processes of the session have exited.
+pub struct SessionCleanup(pub Session);
 
-impl Drop for Swept {
+impl Drop for SessionCleanup {
     fn drop(&mut self) {
         self.0.remove_files();
     }
 }
 
-/// Arguments of `biped become`, which this program gives to itself.
+/// Arguments of the hidden command `biped become`, by which this program starts foreign programs.
 #[derive(Args)]
 pub struct BecomeArgs {
-    /// Program and arguments, as to a shell
+    /// Shell command: program and arguments
     command: String,
-    /// Process to die with
+    /// ID of the parent process: this process dies with it
     #[arg(long)]
     parent: i32,
 }
 
-/// Becomes somebody else's program that dies with the parent.
+/// Replaces this process by a foreign program that dies with the parent.
 ///
 /// # Errors
-/// If the parent is dead already or there is no shell.
-pub fn become_other(args: &BecomeArgs) -> Result<(), Failure> {
-    die_with(args.parent)?;
-    // the shell steps aside, or it would die with us and leave the program behind
+/// If the parent is already dead, or there is no shell.
+pub fn exec_foreign(args: &BecomeArgs) -> Result<(), Failure> {
+    die_with_parent(args.parent)?;
+    // The shell replaces itself by `exec`. Otherwise the shell would die with the parent, and the program would stay.
     let error = Command::new("sh").args(["-c", &format!("exec {}", args.command)]).exec();
     Err(Failure::new(Exit::Fault, format!("there is no shell to start `{}`: {error}", args.command)))
 }
 
-/// In a child: asks the system for a TERM when the parent dies, however it dies.
+/// In a child process: has the system send SIGTERM when the parent dies for any reason.
 ///
 /// # Errors
-/// If it is dead already.
-pub fn die_with(parent: i32) -> Result<(), Failure> {
-    let asked = prctl::set_pdeathsig(Signal::SIGTERM);
-    match asked.is_ok() && getppid() == Pid::from_raw(parent) {
+/// If the parent is already dead.
+pub fn die_with_parent(parent: i32) -> Result<(), Failure> {
+    let set = prctl::set_pdeathsig(Signal::SIGTERM);
+    match set.is_ok() && getppid() == Pid::from_raw(parent) {
         true => Ok(()),
         false => Err(Failure::new(Exit::Interrupted, "the process that started this one has ended")),
     }

@@ -1,6 +1,6 @@
-//! `biped doctor`: whether this machine is fit to run, and what is running; `biped clean`: removes what dead sessions left.
+//! `biped doctor` checks this machine and lists the running sessions. `biped clean` removes the files of dead sessions.
 
-use crate::place::Place;
+use crate::host_environment::HostEnvironment;
 use crate::realtime;
 use messages::port::{REQUIRED_SHM, TRANSPORT};
 use messages::session::{REQUIRED_FILES, SHARED_MEMORY, Session, ShmUsage, StaleSession};
@@ -9,41 +9,41 @@ use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
 use nix::sys::statvfs::{FsFlags, statvfs};
 use nix::sys::utsname::uname;
 use shared::exit::{Exit, Failure};
-use shared::output::say;
+use shared::output::print_text;
 use std::fmt;
 use std::os::unix::fs::MetadataExt;
 
-/// Open files that a role needs, with room to spare.
-const HANDLES: u64 = 256;
-/// Clocks that are read in nanoseconds and without the kernel's help.
-const CLOCKS: [&str; 4] = ["tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page"];
+/// Open files that a session needs, with a margin: the program itself refuses to start below 128.
+const MIN_OPEN_FILES: u64 = 256;
+/// Clock sources that take nanoseconds to read, because no system call is needed.
+const FAST_CLOCKS: [&str; 4] = ["tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page"];
 
-/// One line of the doctor's.
+/// The result of one check.
 #[derive(Debug)]
-struct Finding {
-    what: &'static str,
+struct CheckResult {
+    item: &'static str,
     found: String,
-    state: State,
+    level: Level,
 }
 
-/// How it is.
+/// The severity of a result, with advice.
 #[derive(Debug)]
-enum State {
+enum Level {
     Ok,
-    /// Runs, but could do better in real time if one did this.
+    /// Runs work, but real-time runs would be better with this advice.
     Warning(String),
-    /// Something is wrong, until one does this.
+    /// Runs fail until the user follows this advice.
     Wrong(String),
 }
 
-impl fmt::Display for Finding {
+impl fmt::Display for CheckResult {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let (word, advice) = match &self.state {
-            State::Ok => ("ok", ""),
-            State::Warning(advice) => ("warning", advice.as_str()),
-            State::Wrong(advice) => ("wrong", advice.as_str()),
+        let (word, advice) = match &self.level {
+            Level::Ok => ("ok", ""),
+            Level::Warning(advice) => ("warning", advice.as_str()),
+            Level::Wrong(advice) => ("wrong", advice.as_str()),
         };
-        writeln!(f, "{word:<8} {:<18} {}", self.what, self.found)?;
+        writeln!(f, "{word:<8} {:<18} {}", self.item, self.found)?;
         if !advice.is_empty() {
             writeln!(f, "{:<27} → {advice}", "")?;
         }
@@ -51,50 +51,50 @@ impl fmt::Display for Finding {
     }
 }
 
-impl Finding {
-    fn ok(what: &'static str, found: impl ToString) -> Finding {
-        Finding { what, found: found.to_string(), state: State::Ok }
+impl CheckResult {
+    fn ok(item: &'static str, found: impl ToString) -> CheckResult {
+        CheckResult { item, found: found.to_string(), level: Level::Ok }
     }
 
-    /// Well if `good`; else what to do about it.
-    fn judged(what: &'static str, found: impl ToString, good: bool, otherwise: impl FnOnce() -> State) -> Finding {
-        Finding { what, found: found.to_string(), state: if good { State::Ok } else { otherwise() } }
+    /// Ok if `good`, otherwise the given level.
+    fn checked(item: &'static str, found: impl ToString, good: bool, otherwise: impl FnOnce() -> Level) -> CheckResult {
+        CheckResult { item, found: found.to_string(), level: if good { Level::Ok } else { otherwise() } }
     }
 }
 
-/// Says how the machine is.
+/// Runs all checks and prints their results.
 ///
 /// # Errors
-/// If something is wrong.
+/// If a result is wrong.
 pub fn doctor() -> Result<(), Failure> {
-    let all = [program(), kernel(), limits(), memory(), sessions(), remains()];
-    let findings: Vec<Finding> = all.into_iter().flatten().collect();
-    findings.iter().for_each(say);
-    match findings.iter().filter(|finding| matches!(finding.state, State::Wrong(_))).count() {
+    let all = [program(), kernel(), limits(), memory(), sessions(), dead_sessions()];
+    let results: Vec<CheckResult> = all.into_iter().flatten().collect();
+    results.iter().for_each(print_text);
+    match results.iter().filter(|result| matches!(result.level, Level::Wrong(_))).count() {
         0 => Ok(()),
-        count => Err(Failure::new(Exit::Fault, format!("{count} of {} findings: something is wrong", findings.len()))),
+        count => Err(Failure::new(Exit::Fault, format!("{count} of {} checks failed", results.len()))),
     }
 }
 
-/// Removes what dead sessions of this user left, and says what.
+/// Removes the files of this user's dead sessions, and lists them.
 ///
 /// # Errors
-/// If something of it cannot be removed.
+/// If a file cannot be removed.
 pub fn clean() -> Result<(), Failure> {
     let dead = StaleSession::all();
     if dead.is_empty() {
-        say("nothing is left of any dead session\n");
+        print_text("no dead session has left files\n");
     }
     for remains in dead {
         let (name, bytes) = (name_of(&remains), remains.bytes());
         if !remains.remove() {
-            say(format_args!("session {name}: somebody has just entered it, so it stays\n"));
+            print_text(format_args!("session {name}: kept, because a process has just joined it\n"));
             continue;
         }
-        say(format_args!("session {name}: removed {} files, {} kB\n", remains.files.len(), bytes >> 10));
-        remains.files.iter().for_each(|path| say(format_args!("  {}\n", path.display())));
-        if let Some(stays) = remains.files.iter().find(|path| path.symlink_metadata().is_ok()) {
-            return Err(Failure::new(Exit::SharedMemory, format!("{} cannot be removed", stays.display())));
+        print_text(format_args!("session {name}: removed {} files, {} kB\n", remains.files.len(), bytes >> 10));
+        remains.files.iter().for_each(|path| print_text(format_args!("  {}\n", path.display())));
+        if let Some(kept) = remains.files.iter().find(|path| path.symlink_metadata().is_ok()) {
+            return Err(Failure::new(Exit::SharedMemory, format!("{} cannot be removed", kept.display())));
         }
     }
     Ok(())
@@ -104,12 +104,12 @@ fn name_of(remains: &StaleSession) -> String {
     remains.name().unwrap_or_else(|| "without a name".into())
 }
 
-fn program() -> Vec<Finding> {
+fn program() -> Vec<CheckResult> {
     let version = format!("biped {}, wire schema {SCHEMA_HASH:016x}, {TRANSPORT}", env!("CARGO_PKG_VERSION"));
-    vec![Finding::ok("program", version)]
+    vec![CheckResult::ok("program", version)]
 }
 
-fn kernel() -> Vec<Finding> {
+fn kernel() -> Vec<CheckResult> {
     let kernel = uname().map_or(String::new(), |names| {
         format!("{} {}", names.release().to_string_lossy(), names.version().to_string_lossy())
     });
@@ -117,100 +117,100 @@ fn kernel() -> Vec<Finding> {
     let clock = read("/sys/devices/system/clocksource/clocksource0/current_clocksource");
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     vec![
-        Finding::judged("kernel", &kernel, preemptive, || {
-            State::Warning(
+        CheckResult::checked("kernel", &kernel, preemptive, || {
+            Level::Warning(
                 "a kernel with PREEMPT_RT bounds how late a real-time loop wakes; lockstep needs none".into(),
             )
         }),
-        Finding::judged("clock", &clock, CLOCKS.contains(&clock.as_str()), || {
-            State::Warning(format!("reading it is slow: boot with clocksource={}", CLOCKS[0]))
+        CheckResult::checked("clock", &clock, FAST_CLOCKS.contains(&clock.as_str()), || {
+            Level::Warning(format!("reading it is slow: boot with clocksource={}", FAST_CLOCKS[0]))
         }),
-        Finding::judged("processors", cores, cores >= 2, || {
-            State::Warning("plant and controller take turns on one: `biped run --in-process` is sooner done".into())
+        CheckResult::checked("processors", cores, cores >= 2, || {
+            Level::Warning("plant and controller share one processor: `biped run --in-process` is faster".into())
         }),
     ]
 }
 
-/// What the system limits; what real time needs is asked for in truth, by a thread that does nothing else.
-fn limits() -> Vec<Finding> {
+/// The limits of the system. Real-time privileges are tested by requesting them in a thread of their own.
+fn limits() -> Vec<CheckResult> {
     let limit = |resource| getrlimit(resource).map_or(0, |(soft, _)| soft);
     let text = |value: u64| if value == RLIM_INFINITY { "unlimited".to_string() } else { value.to_string() };
     let (locked, priority, files) =
         (limit(Resource::RLIMIT_MEMLOCK), limit(Resource::RLIMIT_RTPRIO), limit(Resource::RLIMIT_NOFILE));
-    let [memory, fifo] = std::thread::spawn(realtime::refusals).join().unwrap_or_default();
-    let granted = |what, limit, refusal: Option<String>| {
-        let found = format!("{limit}; {}", if refusal.is_none() { "granted when asked" } else { "refused when asked" });
-        Finding::judged(what, found, refusal.is_none(), || State::Warning(refusal.unwrap_or_default()))
+    let [memory, fifo] = std::thread::spawn(realtime::missing_privileges).join().unwrap_or_default();
+    let granted = |item, limit, remedy: Option<String>| {
+        let found = format!("{limit}; {}", if remedy.is_none() { "granted on request" } else { "refused on request" });
+        CheckResult::checked(item, found, remedy.is_none(), || Level::Warning(remedy.unwrap_or_default()))
     };
     vec![
         granted("limit memlock", format!("{} bytes", text(locked)), memory),
         granted("limit rtprio", text(priority), fifo),
-        Finding::judged("limit nofile", text(files), files >= HANDLES, || {
-            State::Wrong(format!("a session needs {HANDLES} open files: `ulimit -n {HANDLES}`"))
+        CheckResult::checked("limit nofile", text(files), files >= MIN_OPEN_FILES, || {
+            Level::Wrong(format!("a session needs {MIN_OPEN_FILES} open files: `ulimit -n {MIN_OPEN_FILES}`"))
         }),
     ]
 }
 
-fn memory() -> Vec<Finding> {
-    let what = SHARED_MEMORY;
-    let finding = match ShmUsage::now() {
-        Err(error) => Finding { what, found: error.to_string(), state: State::Wrong(unusable()) },
+fn memory() -> Vec<CheckResult> {
+    let item = SHARED_MEMORY;
+    let result = match ShmUsage::now() {
+        Err(error) => CheckResult { item, found: error.to_string(), level: Level::Wrong(access_advice()) },
         Ok(ShmUsage { size, free, files }) => {
             let mut found =
                 format!("{} MB, {} MB free; a session needs {} MB", size >> 20, free >> 20, REQUIRED_SHM >> 20);
             if files < REQUIRED_FILES {
-                found += &format!(", and {REQUIRED_FILES} files of which {files} can be made");
+                found += &format!(", and {REQUIRED_FILES} files, of which {files} can be created");
             }
-            Finding::judged(what, found, free >= REQUIRED_SHM && files >= REQUIRED_FILES, || {
-                State::Wrong(format!("remove files there, or {}", Place::here().enlarges()))
+            CheckResult::checked(item, found, free >= REQUIRED_SHM && files >= REQUIRED_FILES, || {
+                Level::Wrong(format!("remove files there, or {}", HostEnvironment::detect().how_to_enlarge_shm()))
             })
         }
     };
-    vec![finding]
+    vec![result]
 }
 
-/// What would let this user write to shared memory.
-fn unusable() -> String {
+/// What makes shared memory writable for this user.
+fn access_advice() -> String {
     let is_read_only = statvfs(SHARED_MEMORY).is_ok_and(|about| about.flags().contains(FsFlags::ST_RDONLY));
     match std::fs::metadata(SHARED_MEMORY) {
         Err(_) => format!("mount a tmpfs there: `mount -t tmpfs -o mode=1777 tmpfs {SHARED_MEMORY}`"),
         Ok(_) if is_read_only => format!("`mount -o remount,rw {SHARED_MEMORY}`"),
         Ok(about) => {
             let (owner, mode) = (about.uid(), about.mode() & 0o7777);
-            format!("it belongs to user {owner}, with the mode {mode:o}: `chmod 1777 {SHARED_MEMORY}`")
+            format!("it belongs to user {owner} and has mode {mode:o}: `chmod 1777 {SHARED_MEMORY}`")
         }
     }
 }
 
-fn sessions() -> Vec<Finding> {
+fn sessions() -> Vec<CheckResult> {
     let running = Session::running();
-    let finding = |session: &Session| {
+    let result = |session: &Session| {
         let members = session.members();
-        let members: Vec<String> = members.iter().map(|number| format!("{} {number}", role_of(*number))).collect();
-        Finding::ok("session", format!("{}: {}", session.name(), members.join(", ")))
+        let members: Vec<String> = members.iter().map(|pid| format!("{} {pid}", role_of(*pid))).collect();
+        CheckResult::ok("session", format!("{}: {}", session.name(), members.join(", ")))
     };
     match running.is_empty() {
-        true => vec![Finding::ok("sessions", "none is running")],
-        false => running.iter().map(finding).collect(),
+        true => vec![CheckResult::ok("sessions", "none is running")],
+        false => running.iter().map(result).collect(),
     }
 }
 
-fn remains() -> Vec<Finding> {
-    let finding = |dead: &StaleSession| {
+fn dead_sessions() -> Vec<CheckResult> {
+    let result = |dead: &StaleSession| {
         let found = format!("{}: {} files, {} kB", name_of(dead), dead.files.len(), dead.bytes() >> 10);
-        let advice = "`biped clean` removes it, and so does the next session that begins";
-        Finding { what: "dead session", found, state: State::Wrong(advice.into()) }
+        let advice = "`biped clean` or the start of the next session removes it";
+        CheckResult { item: "dead session", found, level: Level::Wrong(advice.into()) }
     };
     let dead = StaleSession::all();
     match dead.is_empty() {
-        true => vec![Finding::ok("dead sessions", "nothing is left of any")],
-        false => dead.iter().map(finding).collect(),
+        true => vec![CheckResult::ok("dead sessions", "none has left files")],
+        false => dead.iter().map(result).collect(),
     }
 }
 
-/// What a process does in its session: `plant`, `controller`, `run`, or the name of another program.
-fn role_of(number: u32) -> String {
-    let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).unwrap_or_default();
+/// The role of a process in its session: `plant`, `controller`, `run`, or the name of a foreign program.
+fn role_of(pid: u32) -> String {
+    let line = std::fs::read_to_string(format!("/proc/{pid}/cmdline")).unwrap_or_default();
     let mut words = line.split('\0');
     let program = words.next().and_then(|path| path.rsplit('/').next()).unwrap_or("?");
     match (program, words.next()) {

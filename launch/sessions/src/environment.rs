@@ -4,16 +4,16 @@ use clap::{Args, ValueEnum};
 use messages::peer_environment::PeerEnvironment;
 use messages::session::Session;
 use serde_json::{Map, Value, json};
-use shared::args::only_named;
-use shared::exit::{Failure, unless};
-use shared::output::say;
+use shared::args::single_named;
+use shared::exit::{Failure, check_interrupt};
+use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 /// Arguments of `biped session`.
 #[derive(Args)]
 pub struct EnvironmentArgs {
-    /// Name of the session; without it, the only one that somebody named
+    /// Name of the session; by default the only named session that is running
     name: Option<String>,
     /// How the environment is printed
     #[arg(long, value_enum, default_value = "shell")]
@@ -46,13 +46,13 @@ fn wait(text: &str) -> Result<f64, String> {
 pub fn run(args: &EnvironmentArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let name = match &args.name {
         Some(name) => name.clone(),
-        None => only_named(Session::running())?.name().into(),
+        None => single_named(Session::running())?.name().into(),
     };
     let found = PeerEnvironment::attach(&name, Duration::from_secs_f64(args.wait), || !stop.load(Relaxed));
-    unless(stop)?;
+    check_interrupt(stop)?;
     let variables = found?.environment();
     let object = || variables.iter().map(|(key, value)| (key.to_string(), Value::from(value.as_str()))).collect();
-    say(match args.format {
+    print_text(match args.format {
         Format::Shell => variables.iter().map(|(key, value)| format!("export {key}={}\n", quoted(value))).collect(),
         Format::Json => pretty(&Value::Object(object())),
         Format::Vscode => pretty(&launch_entry(&name, object())),

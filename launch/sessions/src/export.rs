@@ -1,15 +1,15 @@
-//! `biped export`: the robot of a scene for other programs, as URDF or as MJCF, and as TOML to be edited.
+//! `biped export`: the robot of a scene as URDF or MJCF for other programs, or as TOML for editing.
 //!
 //! | | URDF | MJCF |
 //! |---|---|---|
-//! | base | free, or fixed to `world` | as the scene has it |
-//! | J_r | `drake:rotor_inertia`, as Drake reads it: URDF has no place for it | `armature` |
-//! | springs, their damping | damping alone | both |
+//! | base | free, or fixed to `world` | as in the scene |
+//! | J_r | `drake:rotor_inertia`, an extension of Drake; URDF itself has no rotor inertia | `armature` |
+//! | springs and their damping | damping only | both |
 //! | initial state | none | keyframe `start` |
-//! | ground, friction, gravity, step | none: they belong to the world | as in the scene |
+//! | ground, friction, gravity, step | none: URDF describes robots only | as in the scene |
 //!
-//! A contact point becomes a ball of 1 mm that touches the ground where the point does while the body is upright; in MJCF
-//! a site marks the point itself.
+//! A contact point becomes a sphere with a radius of 1 mm. While the body is upright, the sphere touches the ground exactly at the point.
+//! In MJCF a site marks the point itself.
 
 mod mjcf;
 mod robot;
@@ -20,22 +20,22 @@ use clap::{Args, ValueEnum};
 use messages::load::load;
 use messages::scene::Scene;
 use plant::PlantError;
-use robot::Robot;
-use shared::args::fitted;
+use robot::ExportRobot;
+use shared::args::settings_with_robot;
 use shared::exit::Failure;
 use shared::list;
-use shared::output::say;
+use shared::output::print_text;
 
 /// Arguments of `biped export`.
 #[derive(Args)]
 pub struct ExportArgs {
-    /// As what
+    /// Output format
     #[arg(value_enum)]
     format: Format,
-    /// Built-in scene (see `biped list`) or path of a TOML file; the default has the robot of the paper's Table 1
+    /// Built-in scene (see `biped list`) or path of a TOML file; the default scene has the robot of the paper's Table 1
     #[arg(default_value = "walk")]
     scene: String,
-    /// Put the robot of this TOML or URDF file into the scene first
+    /// Use the robot of this TOML or URDF file
     #[arg(long, value_name = "FILE")]
     robot: Option<String>,
     /// Replace a value of the scene, for example plant.drive_inertia=0; repeatable
@@ -43,25 +43,25 @@ pub struct ExportArgs {
     settings: Vec<String>,
 }
 
-/// Description of a robot.
+/// Format of the exported robot.
 #[derive(Clone, Copy, ValueEnum)]
 enum Format {
-    /// For ROS, Pinocchio, Drake
+    /// For ROS, Pinocchio and Drake
     Urdf,
-    /// For MuJoCo: with the ground, motors in wire order, and the scene's gravity, friction and step
+    /// For MuJoCo: with ground, motors in wire order, and the gravity, friction and step of the scene
     Mjcf,
-    /// For this program: to be edited and read by --robot
+    /// For this program: edit it and pass it to --robot
     Toml,
 }
 
-/// Prints it.
+/// Prints the robot.
 ///
 /// # Errors
-/// A scene that is refused.
+/// If the scene is invalid.
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
-    let scene = load(&args.scene, &fitted(&args.robot, &args.settings), list::SCENES)?;
-    say(match args.format {
-        Format::Urdf => urdf::text(&scene, &Robot::new(&scene)?),
+    let scene = load(&args.scene, &settings_with_robot(&args.robot, &args.settings), list::SCENES)?;
+    print_text(match args.format {
+        Format::Urdf => urdf::text(&scene, &ExportRobot::new(&scene)?),
         Format::Mjcf => mjcf(&scene)?,
         Format::Toml => toml::text(&scene),
     });
@@ -71,7 +71,7 @@ pub fn run(args: &ExportArgs) -> Result<(), Failure> {
 /// The robot and its ground as MJCF.
 ///
 /// # Errors
-/// A scene that is refused.
+/// If the scene is invalid.
 pub fn mjcf(scene: &Scene) -> Result<String, PlantError> {
-    mjcf::text(scene, &Robot::new(scene)?)
+    mjcf::text(scene, &ExportRobot::new(scene)?)
 }

@@ -1,16 +1,16 @@
-//! Sessions: plant and controller as processes, started, watched, asked and ended.
+//! Sessions: starting plant and controller as processes, watching, controlling, swapping and ending them.
 
-pub mod allowance;
 pub mod children;
-pub mod desk;
+pub mod control;
 pub mod doctor;
 pub mod environment;
 pub mod export;
+pub mod host_environment;
 pub mod model;
-pub mod opening;
-pub mod place;
+pub mod open;
 pub mod process;
 pub mod realtime;
+pub mod resource_limits;
 pub mod roles;
 pub mod run;
 pub mod scaffold;

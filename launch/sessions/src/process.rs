@@ -1,4 +1,4 @@
-//! A child process: its end is noticed at once, signals reach whatever it has started, and it never outlives its owner.
+//! A child process. Its exit is noticed at once, signals reach its descendants too, and it never outlives its owner.
 
 use nix::sys::signal::{Signal, kill};
 use nix::sys::wait::{Id, WaitPidFlag, WaitStatus, waitid};
@@ -11,14 +11,17 @@ use std::os::unix::process::CommandExt;
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus};
 use std::time::{Duration, Instant};
 
-/// A process that was started here. Dropping it kills and reaps it.
+/// Interval between two checks while waiting, for systems where an exit cannot be polled.
+pub(crate) const WAIT_POLL: Duration = Duration::from_millis(1);
+
+/// A child process. Dropping it kills and reaps it.
 #[derive(Debug)]
 pub struct Process {
     child: Child,
-    /// Whether it leads a process group, which is signalled and ended as a whole.
+    /// Whether it leads a process group, which is signalled and killed as a whole.
     is_group: bool,
-    /// Becomes readable when the process ends.
-    end: Option<OwnedFd>,
+    /// Becomes readable when the process exits.
+    pidfd: Option<OwnedFd>,
     status: Option<ExitStatus>,
 }
 
@@ -29,12 +32,12 @@ impl Process {
     /// If the system cannot start it.
     pub fn start(command: &mut Command) -> io::Result<Process> {
         let child = command.spawn()?;
-        let number = rustix::process::Pid::from_child(&child);
-        let end = rustix::process::pidfd_open(number, PidfdFlags::empty()).ok();
-        Ok(Process { child, is_group: false, end, status: None })
+        let pid = rustix::process::Pid::from_child(&child);
+        let pidfd = rustix::process::pidfd_open(pid, PidfdFlags::empty()).ok();
+        Ok(Process { child, is_group: false, pidfd, status: None })
     }
 
-    /// Starts a command as the leader of a process group: the processes that it starts are signalled with it, and killed when it ends.
+    /// Starts a command as the leader of a process group. Its descendants are signalled with it, and killed when it exits.
     ///
     /// # Errors
     /// If the system cannot start it.
@@ -44,28 +47,28 @@ impl Process {
         Ok(process)
     }
 
-    /// Its process identifier.
-    pub fn number(&self) -> u32 {
+    /// Its process ID.
+    pub fn pid(&self) -> u32 {
         self.child.id()
     }
 
-    /// The writing end of its standard input, once, if that is a pipe.
+    /// The writing end of its standard input, if that is a pipe. The first call takes it.
     pub fn stdin(&mut self) -> Option<ChildStdin> {
         self.child.stdin.take()
     }
 
-    /// The reading end of its standard output, once, if that is a pipe.
+    /// The reading end of its standard output, if that is a pipe. The first call takes it.
     pub fn stdout(&mut self) -> Option<ChildStdout> {
         self.child.stdout.take()
     }
 
-    /// The reading end of its standard error, once, if that is a pipe.
+    /// The reading end of its standard error, if that is a pipe. The first call takes it.
     pub fn stderr(&mut self) -> Option<ChildStderr> {
         self.child.stderr.take()
     }
 
-    /// Its exit status, once it has ended.
-    pub fn ended(&mut self) -> Option<ExitStatus> {
+    /// Checks whether it has exited, and returns its exit status if so.
+    pub fn try_wait(&mut self) -> Option<ExitStatus> {
         if self.status.is_none() {
             if self.is_group {
                 self.kill_orphans();
@@ -75,56 +78,56 @@ impl Process {
         self.status
     }
 
-    /// What the last call of [`Process::ended`] returned.
+    /// The result of the last call of [`Process::try_wait`].
     pub fn status(&self) -> Option<ExitStatus> {
         self.status
     }
 
-    /// Sends a signal to it, or to its group. Does nothing once it has ended.
+    /// Sends a signal to it, or to its group. Does nothing once it has exited.
     pub fn signal(&mut self, signal: Signal) {
-        // Its number belongs to it only until it is reaped.
-        if let (None, Ok(number)) = (self.ended(), i32::try_from(self.child.id())) {
-            let _ = kill(Pid::from_raw(if self.is_group { -number } else { number }), signal);
+        // After the process is reaped, the system may give its ID to another one.
+        if let (None, Ok(pid)) = (self.try_wait(), i32::try_from(self.child.id())) {
+            let _ = kill(Pid::from_raw(if self.is_group { -pid } else { pid }), signal);
         }
     }
 
-    /// Waits for its end, for a limited time.
+    /// Waits until it exits, for a limited time.
     pub fn wait(&mut self, limit: Duration) -> Option<ExitStatus> {
         let start = Instant::now();
-        while self.ended().is_none() && start.elapsed() < limit {
-            rest([&*self], Duration::from_millis(1));
+        while self.try_wait().is_none() && start.elapsed() < limit {
+            sleep_until_exit([&*self], WAIT_POLL);
         }
         self.status
     }
 
-    /// Kills what the leader of a group has left behind. This has to happen before the leader is reaped, as long as the
-    /// number of the group belongs to it.
+    /// Kills the descendants that an exited leader of a group has left running. This has to happen before the leader is reaped, because
+    /// the ID of the group stays reserved only until then.
     fn kill_orphans(&self) {
-        let Ok(number) = i32::try_from(self.child.id()) else { return };
+        let Ok(pid) = i32::try_from(self.child.id()) else { return };
         let flags = WaitPidFlag::WEXITED | WaitPidFlag::WNOHANG | WaitPidFlag::WNOWAIT;
-        let status = waitid(Id::Pid(Pid::from_raw(number)), flags);
+        let status = waitid(Id::Pid(Pid::from_raw(pid)), flags);
         if status.is_ok_and(|status| status != WaitStatus::StillAlive) {
-            let _ = kill(Pid::from_raw(-number), Signal::SIGKILL);
+            let _ = kill(Pid::from_raw(-pid), Signal::SIGKILL);
         }
     }
 }
 
 impl Drop for Process {
     fn drop(&mut self) {
-        if self.ended().is_none() {
+        if self.try_wait().is_none() {
             self.signal(Signal::SIGKILL);
             let _ = self.child.wait();
         }
     }
 }
 
-/// Sleeps for a time, or until one of the processes ends.
-pub fn rest<'a>(processes: impl IntoIterator<Item = &'a Process>, limit: Duration) {
+/// Sleeps for a time, or until one of the processes exits.
+pub fn sleep_until_exit<'a>(processes: impl IntoIterator<Item = &'a Process>, limit: Duration) {
     let running = processes.into_iter().filter(|process| process.status.is_none());
-    let mut ends: Vec<PollFd> =
-        running.filter_map(|process| Some(PollFd::new(process.end.as_ref()?, PollFlags::IN))).collect();
+    let mut exits: Vec<PollFd> =
+        running.filter_map(|process| Some(PollFd::new(process.pidfd.as_ref()?, PollFlags::IN))).collect();
     match Timespec::try_from(limit) {
-        Ok(limit) if !ends.is_empty() => _ = poll(&mut ends, Some(&limit)),
+        Ok(limit) if !exits.is_empty() => _ = poll(&mut exits, Some(&limit)),
         _ => std::thread::sleep(limit),
     }
 }

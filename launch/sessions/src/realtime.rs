@@ -1,6 +1,6 @@
-//! What a process asks of the system before a real-time loop: no paging, no early eviction, its own processor.
+//! Real-time settings of a process, applied before its loop begins: locked memory, scheduler, processor affinity, timer slack.
 
-use crate::place::{Place, Right};
+use crate::host_environment::{HostEnvironment, Privilege};
 use clap::Args;
 use messages::port::Pace;
 use nix::errno::Errno;
@@ -16,85 +16,87 @@ use thread_priority::{
     thread_native_id,
 };
 
-/// Priority under SCHED_FIFO when none is given: above the kernel's interrupt threads (50), below its watchdogs (99).
-const PRIORITY: u8 = 80;
-/// Stack that is touched beforehand, so that no call meets a new page in the loop [bytes].
-const STACK: usize = 512 << 10;
+/// Default priority under SCHED_FIFO: above the kernel's interrupt threads (50), below its watchdogs (99).
+const DEFAULT_PRIORITY: u8 = 80;
+/// Stack that is touched beforehand, so that no call in the loop causes a page fault [bytes].
+const TOUCHED_STACK: usize = 512 << 10;
 
-/// How hard a process asks for real time.
+/// Real-time settings on the command line.
 #[derive(Args, Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct RealtimeArgs {
-    /// Lock memory and use the real-time scheduler SCHED_FIFO, at this priority (80 if none is given). Says of each step
+    /// Lock memory and use the real-time scheduler SCHED_FIFO at this priority (default: 80). Reports for each setting
     /// whether the system granted it; with `require`, a refusal is an error
     #[arg(long, value_name = "PRIO|require", num_args = 0..=1, require_equals = true, default_missing_value = "80",
-        value_parser = wish)]
-    rt: Option<Wish>,
-    /// Stay on this processor; under `run` that is the plant's, and the controller takes the next one
+        value_parser = parse_rt)]
+    rt: Option<RtOption>,
+    /// Run on this processor only; with `run`, the plant uses this one and the controller the next one
     #[arg(long, value_name = "N")]
     cpu: Option<usize>,
 }
 
 /// Value of `--rt`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-enum Wish {
-    At(u8),
+enum RtOption {
+    Priority(u8),
     Require,
 }
 
-fn wish(text: &str) -> Result<Wish, String> {
+fn parse_rt(text: &str) -> Result<RtOption, String> {
     match text.parse() {
-        Ok(priority @ 1..=99) => Ok(Wish::At(priority)),
-        _ if text == "require" => Ok(Wish::Require),
+        Ok(priority @ 1..=99) => Ok(RtOption::Priority(priority)),
+        _ if text == "require" => Ok(RtOption::Require),
         _ => Err("a priority from 1 to 99 is needed, or `require`".into()),
     }
 }
 
-/// One thing that the system may refuse.
+/// One setting that the system may refuse.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Step {
-    Memory,
-    Stack,
-    Processor(usize),
+enum Setting {
+    LockMemory,
+    TouchStack,
+    Affinity(usize),
     Fifo(u8),
 }
 
-impl Step {
+impl Setting {
     fn name(self) -> String {
         match self {
-            Step::Memory => "memory locked".into(),
-            Step::Stack => format!("{} kB of stack touched", STACK >> 10),
-            Step::Processor(number) => format!("processor {number}"),
-            Step::Fifo(priority) => format!("SCHED_FIFO at priority {priority}"),
+            Setting::LockMemory => "memory locked".into(),
+            Setting::TouchStack => format!("{} kB of stack touched", TOUCHED_STACK >> 10),
+            Setting::Affinity(number) => format!("processor {number}"),
+            Setting::Fifo(priority) => format!("SCHED_FIFO at priority {priority}"),
         }
     }
 
-    fn ask(self) -> Result<(), Errno> {
+    fn apply(self) -> Result<(), Errno> {
         match self {
-            Step::Memory => mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE),
-            Step::Stack => {
-                black_box([0_u8; STACK]);
+            Setting::LockMemory => mlockall(MlockAllFlags::MCL_CURRENT | MlockAllFlags::MCL_FUTURE),
+            Setting::TouchStack => {
+                black_box([0_u8; TOUCHED_STACK]);
                 Ok(())
             }
-            Step::Processor(number) => {
+            Setting::Affinity(number) => {
                 let mut only = CpuSet::new();
                 only.set(number).and_then(|()| sched_setaffinity(Pid::from_raw(0), &only))
             }
-            Step::Fifo(priority) => fifo(priority),
+            Setting::Fifo(priority) => set_fifo(priority),
         }
     }
 
-    /// The line that makes the system grant it.
+    /// What the user can do so that the system grants it.
     fn remedy(self) -> String {
         match self {
-            Step::Memory => Place::here().grants(Right::Memory),
-            Step::Stack => "`ulimit -s unlimited`".into(),
-            Step::Processor(_) => format!("--cpu with one of those that `taskset -cp {}` names", std::process::id()),
-            Step::Fifo(priority) => Place::here().grants(Right::Fifo(priority)),
+            Setting::LockMemory => HostEnvironment::detect().how_to_grant(Privilege::LockMemory),
+            Setting::TouchStack => "`ulimit -s unlimited`".into(),
+            Setting::Affinity(_) => {
+                format!("--cpu with one of the processors that `taskset -cp {}` lists", std::process::id())
+            }
+            Setting::Fifo(priority) => HostEnvironment::detect().how_to_grant(Privilege::Fifo(priority)),
         }
     }
 }
 
-fn fifo(priority: u8) -> Result<(), Errno> {
+fn set_fifo(priority: u8) -> Result<(), Errno> {
     let priority = priority.try_into().map(ThreadPriority::Crossplatform).map_err(|_| Errno::EINVAL)?;
     let policy = ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo);
     set_thread_priority_and_policy(thread_native_id(), priority, policy).map_err(|error| match error {
@@ -104,35 +106,35 @@ fn fifo(priority: u8) -> Result<(), Errno> {
 }
 
 impl RealtimeArgs {
-    /// A real-time scheduler and a loop that never rests would take a processor from everybody: only what the clock
-    /// paces may have it.
+    /// Checks that the settings fit the pace. A lockstep loop never sleeps, so under a real-time scheduler it would block its
+    /// processor for all other threads.
     ///
     /// # Errors
-    /// `--rt` in lockstep.
-    pub fn suits(self, pace: Pace) -> Result<(), Failure> {
+    /// If `--rt` is given in lockstep.
+    pub fn check_pace(self, pace: Pace) -> Result<(), Failure> {
         match (self.rt, pace) {
             (Some(_), Pace::Lockstep) => Err(Failure::new(
                 Exit::Usage,
-                "--rt needs --realtime: in lockstep nothing has a deadline, and the two processes never rest",
+                "--rt needs --realtime: in lockstep there are no deadlines, and the two processes never sleep",
             )),
             _ => Ok(()),
         }
     }
 
-    /// Asks the system for everything wished, for the calling thread and its memory; to be called when all memory is
-    /// there and before the loop begins. Returns a line for each step.
+    /// Applies all settings to the calling thread and its memory. Call it after all memory is allocated and before the loop begins.
+    /// Returns one line for each setting.
     ///
     /// # Errors
-    /// With `--rt=require`, the first refusal.
-    pub fn prepare(self) -> Result<Vec<String>, Failure> {
+    /// With `--rt=require`, the first refused setting.
+    pub fn apply(self) -> Result<Vec<String>, Failure> {
         let mut lines = vec![];
-        for step in self.steps() {
-            match step.ask() {
-                Ok(()) => lines.push(format!("real time: {}: granted", step.name())),
+        for setting in self.settings() {
+            match setting.apply() {
+                Ok(()) => lines.push(format!("real time: {}: granted", setting.name())),
                 Err(errno) => {
-                    let words =
-                        format!("{}: refused ({}); what would grant it: {}", step.name(), errno.desc(), step.remedy());
-                    if self.rt == Some(Wish::Require) {
+                    let (name, remedy) = (setting.name(), setting.remedy());
+                    let words = format!("{name}: refused ({}); what would grant it: {remedy}", errno.desc());
+                    if self.rt == Some(RtOption::Require) {
                         return Err(Failure::new(Exit::Refused, format!("--rt=require: {words}")));
                     }
                     lines.push(format!("real time: {words}"));
@@ -142,71 +144,75 @@ impl RealtimeArgs {
         Ok(lines)
     }
 
-    fn steps(self) -> Vec<Step> {
-        let fifo = self.rt.map(|wish| match wish {
-            Wish::At(priority) => Step::Fifo(priority),
-            Wish::Require => Step::Fifo(PRIORITY),
+    fn settings(self) -> Vec<Setting> {
+        let fifo = self.rt.map(|option| match option {
+            RtOption::Priority(priority) => Setting::Fifo(priority),
+            RtOption::Require => Setting::Fifo(DEFAULT_PRIORITY),
         });
-        // The scheduler comes last: nothing that takes long is done under it.
-        let memory = fifo.map(|_| [Step::Memory, Step::Stack]);
-        memory.into_iter().flatten().chain(self.cpu.map(Step::Processor)).chain(fifo).collect()
+        // The scheduler comes last, because locking memory takes long and must not run under it.
+        let memory = fifo.map(|_| [Setting::LockMemory, Setting::TouchStack]);
+        memory.into_iter().flatten().chain(self.cpu.map(Setting::Affinity)).chain(fifo).collect()
     }
 
-    /// The same wishes for a child of `run`: plant (0) or controller (1), on a processor of its own.
-    pub fn of_child(self, child: usize) -> RealtimeArgs {
+    /// The settings for a child of `run`: plant (0) or controller (1), each on its own processor.
+    pub fn for_child(self, child: usize) -> RealtimeArgs {
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
-        // One that does not exist is left for the system to refuse.
+        // A processor that does not exist stays unchanged: the system refuses it later.
         let next = |cpu| if cpu < processors { (cpu + child) % processors } else { cpu };
         RealtimeArgs { cpu: self.cpu.map(next), ..self }
     }
 
-    /// Them as arguments.
+    /// The settings as command-line arguments.
     pub fn arguments(self) -> Vec<String> {
-        let rt = self.rt.map(|wish| match wish {
-            Wish::At(priority) => format!("--rt={priority}"),
-            Wish::Require => "--rt=require".into(),
+        let rt = self.rt.map(|option| match option {
+            RtOption::Priority(priority) => format!("--rt={priority}"),
+            RtOption::Require => "--rt=require".into(),
         });
         rt.into_iter().chain(self.cpu.map(|cpu| format!("--cpu={cpu}"))).collect()
     }
 }
 
-/// What would grant locked memory and the real-time scheduler, if the system refuses them; for a thread of its own, which
-/// gets what is granted.
-pub fn refusals() -> [Option<String>; 2] {
-    [Step::Memory, Step::Fifo(PRIORITY)].map(|step| step.ask().err().map(|_| step.remedy()))
+/// Tries to lock memory and to use the real-time scheduler. For each, returns the remedy if the system refuses it. Call it in a thread
+/// of its own, because granted settings stay in effect.
+pub fn missing_privileges() -> [Option<String>; 2] {
+    [Setting::LockMemory, Setting::Fifo(DEFAULT_PRIORITY)]
+        .map(|setting| setting.apply().err().map(|_| setting.remedy()))
 }
 
-/// Keeps the calling thread to the first (0), second (1) … of the processors that it may use, if there are so many.
-pub fn keep_to(nth: usize) {
-    confine(usable().into_iter().skip(nth).take(1));
+/// Pins the calling thread to the first (0), second (1), … of the processors that it may use, if there are that many.
+pub fn pin_to_nth(nth: usize) {
+    set_affinity(allowed_processors().into_iter().skip(nth).take(1));
 }
 
-/// Keeps the calling thread to every second of the processors that it may use, beginning with the first (0) or second (1), if
-/// there are two: both sides of a lockstep run spin, and if the scheduler puts them on one, a period takes twice as long.
-pub fn keep_apart(side: usize) {
-    let usable = usable();
-    if usable.len() > 1 {
-        confine(usable.into_iter().skip(side).step_by(2));
+/// Pins the calling thread to every second processor that it may use, beginning with the first (0) or the second (1), if there are two.
+/// Both processes of a lockstep run spin; on the same processor, a period would take twice as long.
+pub fn pin_to_half(side: usize) {
+    let allowed = allowed_processors();
+    if allowed.len() > 1 {
+        set_affinity(allowed.into_iter().skip(side).step_by(2));
     }
 }
 
 /// Processors that the calling thread may use.
-fn usable() -> Vec<usize> {
+fn allowed_processors() -> Vec<usize> {
     let allowed = sched_getaffinity(Pid::from_raw(0)).unwrap_or_default();
     (0..CpuSet::count()).filter(|cpu| allowed.is_set(*cpu) == Ok(true)).collect()
 }
 
-/// Lets the calling thread use these alone. None at all are refused by the system.
-fn confine(processors: impl Iterator<Item = usize>) {
-    let mut only = CpuSet::new();
-    processors.for_each(|cpu| _ = only.set(cpu));
-    let _ = sched_setaffinity(Pid::from_raw(0), &only);
+/// Sets the processors that the calling thread may use. The system ignores an empty set.
+fn set_affinity(processors: impl Iterator<Item = usize>) {
+    let mut set = CpuSet::new();
+    processors.for_each(|cpu| _ = set.set(cpu));
+    let _ = sched_setaffinity(Pid::from_raw(0), &set);
 }
 
-/// Lets the calling thread's sleeps end on time: by default Linux may end them 50 µs late, to save power.
-pub fn wake_on_time() {
-    // Refused by no system that has it; if it were, sleeps would only be as late as before.
-    let _ = set_timerslack(1);
+/// Smallest timer slack [ns]. Zero would restore the default.
+const MIN_TIMER_SLACK: u64 = 1;
+
+/// Minimizes the timer slack of the calling thread. By default Linux may extend a sleep by 50 µs to save power.
+pub fn minimize_timer_slack() {
+    // No known system refuses this; after a refusal, sleeps end as late as before.
+    let _ = set_timerslack(MIN_TIMER_SLACK);
 }
 
 #[cfg(test)]
@@ -214,33 +220,39 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wish_is_a_priority_or_to_require_one() {
-        assert_eq!((wish("1"), wish("99"), wish("require")), (Ok(Wish::At(1)), Ok(Wish::At(99)), Ok(Wish::Require)));
+    fn rt_takes_a_priority_or_require() {
+        assert_eq!(
+            (parse_rt("1"), parse_rt("99"), parse_rt("require")),
+            (Ok(RtOption::Priority(1)), Ok(RtOption::Priority(99)), Ok(RtOption::Require))
+        );
         for bad in ["0", "100", "-1", "", "yes"] {
-            assert!(wish(bad).is_err(), "{bad}");
+            assert!(parse_rt(bad).is_err(), "{bad}");
         }
     }
 
     #[test]
-    fn children_get_the_same_wishes_on_processors_of_their_own() {
-        let args = RealtimeArgs { rt: Some(Wish::At(70)), cpu: Some(0) };
-        assert_eq!(args.of_child(0).arguments(), ["--rt=70", "--cpu=0"]);
+    fn children_get_the_same_settings_on_different_processors() {
+        let args = RealtimeArgs { rt: Some(RtOption::Priority(70)), cpu: Some(0) };
+        assert_eq!(args.for_child(0).arguments(), ["--rt=70", "--cpu=0"]);
         let other = std::thread::available_parallelism().map_or(1, usize::from).min(2) - 1;
-        assert_eq!(args.of_child(1).arguments(), ["--rt=70".to_string(), format!("--cpu={other}")]);
-        assert!(RealtimeArgs::default().of_child(1).arguments().is_empty());
+        assert_eq!(args.for_child(1).arguments(), ["--rt=70".to_string(), format!("--cpu={other}")]);
+        assert!(RealtimeArgs::default().for_child(1).arguments().is_empty());
     }
 
     #[test]
-    fn the_scheduler_is_asked_last_and_only_if_wished() {
-        let all = RealtimeArgs { rt: Some(Wish::Require), cpu: Some(1) }.steps();
-        assert_eq!(all, [Step::Memory, Step::Stack, Step::Processor(1), Step::Fifo(PRIORITY)]);
-        assert!(RealtimeArgs::default().steps().is_empty());
+    fn the_scheduler_is_set_last_and_only_on_request() {
+        let all = RealtimeArgs { rt: Some(RtOption::Require), cpu: Some(1) }.settings();
+        assert_eq!(
+            all,
+            [Setting::LockMemory, Setting::TouchStack, Setting::Affinity(1), Setting::Fifo(DEFAULT_PRIORITY)]
+        );
+        assert!(RealtimeArgs::default().settings().is_empty());
     }
 
     #[test]
-    fn a_processor_that_does_not_exist_is_refused_with_advice() {
-        let step = Step::Processor(1000);
-        assert_eq!(step.ask(), Err(Errno::EINVAL));
-        assert!(step.remedy().contains("taskset -cp"));
+    fn a_missing_processor_is_refused_with_a_remedy() {
+        let setting = Setting::Affinity(1000);
+        assert_eq!(setting.apply(), Err(Errno::EINVAL));
+        assert!(setting.remedy().contains("taskset -cp"));
     }
 }

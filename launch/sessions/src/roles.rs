@@ -1,7 +1,7 @@
-//! `biped plant` and `biped controller`: the two roles, started by hand, by `biped run`, or in somebody else's place.
+//! `biped plant` and `biped controller`: the two roles, started by hand, by `biped run`, or in place of a foreign program.
 
 use crate::children;
-use crate::opening::guarded;
+use crate::open::open_with_timeout;
 use crate::realtime;
 use clap::Args;
 use messages::peer_environment::PeerEnvironment;
@@ -10,17 +10,17 @@ use messages::session::Session;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use shared::args::PaceArgs;
 use shared::args::SceneArgs;
-use shared::exit::{Failure, unless};
-use shared::output::tell;
+use shared::exit::{Failure, check_interrupt};
+use shared::output::log;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Arguments of `biped plant` and `biped controller`.
 #[derive(Args)]
 pub struct RoleArgs {
-    /// Built-in scene (see `biped list`) or path of a TOML file; without it, all is as in the environment that
-    /// `--controller` and `--plant` of another biped made
+    /// Built-in scene (see `biped list`) or path of a TOML file. Without it, session and scene come from the environment
+    /// variables that `biped run --controller` and `--plant` set
     scene: Option<String>,
-    /// Put the robot of this TOML or URDF file into the scene, which is fitted to it
+    /// Use the robot of this TOML or URDF file; the scene is scaled to it
     #[arg(long, value_name = "FILE", requires = "scene")]
     robot: Option<String>,
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
@@ -33,16 +33,16 @@ pub struct RoleArgs {
     /// Name of the session that plant and controller share [biped]; without a scene, a running session to attach to
     #[arg(long)]
     session: Option<String>,
-    /// Leave room for a tunnel to another machine, which `biped tunnel` opens
+    /// Prepare the session for `biped tunnel`, which connects it with another machine
     #[arg(long, requires = "scene")]
     tunnel: bool,
-    /// Process to die with
+    /// ID of the parent process: this process dies with it
     #[arg(long, hide = true)]
     parent: Option<i32>,
 }
 
 impl RoleArgs {
-    /// Where to take part: as the arguments say, as the session of this name has published, or as the environment says.
+    /// The session and the scene: from the arguments, from a running session of that name, or from the environment variables.
     fn invitation(&self, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
         let keeps_waiting = || !stop.load(Relaxed);
         let environment = match (&self.scene, &self.session) {
@@ -56,32 +56,32 @@ impl RoleArgs {
                 Ok(PeerEnvironment { session, contract, patience: self.pace.patience(), scene, takes_over: false })
             }
         };
-        unless(stop)?;
+        check_interrupt(stop)?;
         Ok(environment?)
     }
 }
 
-/// Name of the session, unless another one is given.
+/// Default name of the session.
 const SESSION: &str = "biped";
 
 /// `biped plant`.
 ///
 /// # Errors
-/// A sentence and an exit code.
+/// Why the role failed, with an exit code.
 pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let environment = begin(args, 0, stop)?;
+    let environment = prepare(args, 0, stop)?;
     let PeerEnvironment { session, contract, patience, scene, .. } = &environment;
-    let port = guarded(|| PlantPort::open(session, contract))?;
+    let port = open_with_timeout(|| PlantPort::open(session, contract))?;
     environment.publish()?;
-    ready(args)?;
+    apply_realtime(args)?;
     if args.parent.is_some() {
-        held(stop);
+        wait_for_release(stop);
     }
     let options = plant::process::Options { pace: contract.pace, speed: args.pace.speed, patience: *patience };
     let (tally, result) = plant::process::run(scene, port, options, stop);
-    let remarks = tally.to_string();
-    if !remarks.is_empty() {
-        tell(remarks);
+    let counts = tally.to_string();
+    if !counts.is_empty() {
+        log(counts);
     }
     Ok(result?)
 }
@@ -89,42 +89,44 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// `biped controller`.
 ///
 /// # Errors
-/// A sentence and an exit code.
+/// Why the role failed, with an exit code.
 pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let PeerEnvironment { session, contract, patience, scene, takes_over } = begin(args, 1, stop)?;
+    let PeerEnvironment { session, contract, patience, scene, takes_over } = prepare(args, 1, stop)?;
     let port = match takes_over {
         true => ControllerPort::open_when_free(&session, &contract, || !stop.load(Relaxed))?,
-        false => guarded(|| ControllerPort::open(&session, &contract))?,
+        false => open_with_timeout(|| ControllerPort::open(&session, &contract))?,
     };
-    ready(args)?;
+    apply_realtime(args)?;
     Ok(controller::process::run(&scene, port, patience, stop)?)
 }
 
-/// What both roles begin with: plant (0) and controller (1).
-fn begin(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
+/// The common start of both roles, plant (0) and controller (1): session, scene, parent, processors.
+fn prepare(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
     let invitation = args.invitation(stop)?;
     if let Some(parent) = args.parent {
-        // Nobody else may be left to clear up after it.
-        children::die_with(parent).inspect_err(|_| invitation.session.remove_files())?;
+        // If the parent is already dead, nobody else may be left to remove the files.
+        children::die_with_parent(parent).inspect_err(|_| invitation.session.remove_files())?;
     }
-    args.system.suits(invitation.contract.pace)?;
+    args.system.check_pace(invitation.contract.pace)?;
     match invitation.contract.pace {
-        Pace::RealTime => realtime::wake_on_time(),
-        Pace::Lockstep => realtime::keep_apart(side), // at once: moved later, it waits for whoever is where it comes to
+        Pace::RealTime => realtime::minimize_timer_slack(),
+        Pace::Lockstep => realtime::pin_to_half(side), // first of all: a thread that moves later waits for the threads of its new processor
     }
     Ok(invitation)
 }
 
-/// What both roles ask of the system, now that all their shared memory is there.
-fn ready(args: &RoleArgs) -> Result<(), Failure> {
-    args.system.prepare()?.iter().for_each(tell);
+/// Applies the real-time settings. Call it when all shared memory is mapped, so that it is locked too.
+fn apply_realtime(args: &RoleArgs) -> Result<(), Failure> {
+    args.system.apply()?.iter().for_each(log);
     Ok(())
 }
 
-/// Waits for the end of the standard input: whoever started us then listens, or has ended.
-fn held(stop: &AtomicBool) {
-    let limit = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+/// Interval at which a held plant checks whether the user has interrupted it: 100 ms.
+const STOP_POLL: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
+
+/// Waits until standard input is closed: the parent is then ready to record, or has exited.
+fn wait_for_release(stop: &AtomicBool) {
     let input = std::io::stdin();
-    let is_open = || poll(&mut [PollFd::new(&input, PollFlags::IN)], Some(&limit)).map_or(true, |ends| ends == 0);
+    let is_open = || poll(&mut [PollFd::new(&input, PollFlags::IN)], Some(&STOP_POLL)).map_or(true, |ready| ready == 0);
     while !stop.load(Relaxed) && is_open() {}
 }

@@ -1,13 +1,14 @@
-//! The main job: run a scene, watch over it, record it, and say what came out.
+//! `biped run`: runs a scene, records it, and prints a summary.
 
 mod args;
+mod monitor;
 mod one_process;
 mod two_processes;
-mod watch;
 
 use crate::model::RunModel;
 use messages::load;
 use messages::scene::Scene;
+use monitor::{RunMonitor, fall_failure};
 use nix::time::ClockId;
 use plant::Plant;
 use plant::smallest::smallest;
@@ -15,91 +16,92 @@ use records::recording::McapRecorder;
 use records::report;
 use records::summary::Summary;
 use shared::exit::{Exit, Failure};
-use shared::output::{keeps, say, tell, unwritten};
+use shared::output::{log, print_text, refuse_overwriting_input, write_failure};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-use watch::{Watch, fell};
 
 pub use args::RunArgs;
-pub use one_process::{disturbed_in_process, in_process};
-pub use watch::goes_on;
+pub use monitor::check_run;
+pub use one_process::{in_process, in_process_with};
 
-/// A depth at the beginning that is told; less is the rounding of a pose that somebody wrote down [m].
-const TOLD_DEPTH: f64 = 1e-6;
+/// Initial penetration above which the user is warned; less can be rounding in the pose of the scene [m].
+const PENETRATION_WARNING: f64 = 1e-6;
 
-/// Energy made that is told, as a part of the greatest kinetic energy [-]: what the default leaves a walk is a hundredth of this.
-const TOLD_ENERGY: f64 = 0.02;
+/// Energy error above which the user is warned, relative to the largest kinetic energy [-]. The walk with the default method has a
+/// hundredth of it.
+const ENERGY_WARNING: f64 = 0.02;
 
-/// Runs a scene. Also of a run that was cut short, what was recorded is summed up and written.
+/// Runs a scene. A run that ends early is summarized and reported too.
 ///
 /// # Errors
-/// A sentence and an exit code; a fall is one of them.
+/// Why the run failed, with an exit code. A fall is a failure.
 pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    args.system.suits(args.pace.pace())?;
-    let begun = Instant::now() - processor_time(); // so much of it the program took to get here
-    let written = args.scene.load()?;
-    let plan = args.smallest.then(|| smallest(&written)).transpose()?;
-    let scene = plan.as_ref().map_or(&written, |plan| &plan.scene);
+    args.system.check_pace(args.pace.pace())?;
+    let start = Instant::now() - processor_time(); // includes the start of the program
+    let named_scene = args.scene.load()?;
+    let plan = args.smallest.then(|| smallest(&named_scene)).transpose()?;
+    let scene = plan.as_ref().map_or(&named_scene, |plan| &plan.scene);
     if scene.controller.is_none() && (args.controller.is_some() || !args.swap.is_empty()) {
-        let alone = format!("scene {} has no controller, so --controller and --swap do nothing", args.scene.scene);
-        return Err(Failure::new(Exit::Usage, alone));
+        let words = format!("scene {} has no controller, so --controller and --swap have no effect", args.scene.scene);
+        return Err(Failure::new(Exit::Usage, words));
     }
     if let Some(late) = args.swap.iter().find(|swap| swap.time >= scene.duration) {
         let words = format!("--swap {}: the run ends at {} s", late.time, scene.duration);
         return Err(Failure::new(Exit::Usage, words));
     }
-    tell_depth(scene);
-    let mut watch = Watch::new(scene, args.out.is_some(), args.quiet);
+    warn_of_penetration(scene);
+    let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
     for output in args.record.path().into_iter().chain(args.out.as_deref()) {
         for input in [Some(&args.scene.scene), args.scene.robot.as_ref()].into_iter().flatten() {
-            keeps(Path::new(input), output)?;
+            refuse_overwriting_input(Path::new(input), output)?;
         }
     }
     args.out.as_deref().map_or(Ok(()), report::prepare)?;
-    watch.tape = args.record.recorder(scene)?;
+    monitor.recording = args.record.recorder(scene)?;
     let outcome = match args.in_process {
-        true => one_process::run(scene, &mut watch, stop),
-        false => two_processes::run(args, scene, &mut watch, stop),
+        true => one_process::run(scene, &mut monitor, stop),
+        false => two_processes::run(args, scene, &mut monitor, stop),
     };
-    watch.progress.finish();
-    if let Some(Err(end)) = watch.tape.take().map(McapRecorder::finish) {
-        tell(format_args!("{}", end.message));
-        watch.end = Some(end);
+    monitor.progress.finish();
+    if let Some(Err(end)) = monitor.recording.take().map(McapRecorder::finish) {
+        log(format_args!("{}", end.message));
+        monitor.recording_end = Some(end);
     }
-    if watch.lost > 0 {
-        tell(format_args!("{} control periods were not recorded", watch.lost));
+    if monitor.lost > 0 {
+        log(format_args!("{} control periods were not recorded", monitor.lost));
     }
-    if watch.latest.seq == 0 {
-        return outcome.and(Err(Failure::new(Exit::Fault, "the run ended, but nothing of it was recorded")));
+    if monitor.latest.seq == 0 {
+        return outcome
+            .and(Err(Failure::new(Exit::Fault, "the run ended before its first control period was recorded")));
     }
     let processes = if args.in_process || scene.controller.is_none() { 1 } else { 2 };
-    let wall = begun.elapsed();
-    let RunModel { size, cost_ratio } = RunModel::of(&written, plan.as_ref())?;
-    let summary = Summary::new(&args.scene.scene, &watch.recorder, wall, processes).with_model(size, cost_ratio);
-    let recording_ended_by = watch.end.as_ref().map(|end| end.message.clone());
+    let wall = start.elapsed();
+    let RunModel { size, cost_ratio } = RunModel::of(&named_scene, plan.as_ref())?;
+    let summary = Summary::new(&args.scene.scene, &monitor.recorder, wall, processes).with_model(size, cost_ratio);
+    let recording_ended_by = monitor.recording_end.as_ref().map(|end| end.message.clone());
     let summary = Summary { recording_ended_by, ..summary.with_end(outcome.as_ref().err()) };
-    // The report before the summary is printed: a standard output that is full ends this program.
+    // The report is written before the summary is printed, because a write error of standard output ends the program.
     let report = args.out.as_deref().map_or(Ok(()), |folder| {
-        let written = report::write(folder, &watch.recorder, &summary, scene, &load::text(scene));
-        written.map_err(|error| unwritten(folder, &error))
+        let written = report::write(folder, &monitor.recorder, &summary, scene, &load::text(scene));
+        written.map_err(|error| write_failure(folder, &error))
     });
     if outcome.is_ok() || summary.duration_s > 0.0 {
-        say(&summary); // a start that failed has none
+        print_text(&summary); // after a failed start there is no summary
     }
     if outcome.is_ok() {
-        tell_energy(&summary);
+        warn_of_energy_error(&summary);
     }
     report?;
     if let Some(folder) = &args.out {
-        say(format_args!("  {:<20} {}\n", "report", folder.join("report.html").display()));
+        print_text(format_args!("  {:<20} {}\n", "report", folder.join("report.html").display()));
     }
-    let failed = watch.end.filter(|end| end.exit != Exit::Ok);
+    let failed = monitor.recording_end.filter(|end| end.exit != Exit::Ok);
     let recorded =
-        failed.map_or(Ok(()), |end| Err(Failure::new(end.exit, "the run is over, but not all of it is recorded")));
+        failed.map_or(Ok(()), |end| Err(Failure::new(end.exit, "the run is complete, but its recording is not")));
     match (summary.fall_time_s, outcome.and(recorded)) {
-        // What fails after a fall fails because of it.
-        (Some(time), Ok(())) => Err(fell(time)),
+        // A fault after a fall is a consequence of the fall.
+        (Some(time), Ok(())) => Err(fall_failure(time)),
         (Some(time), Err(failure)) if matches!(failure.exit, Exit::Fault | Exit::Unrecorded) => {
             Err(Failure::new(Exit::Fell, format!("the robot fell after {time:.2} s; then {}", failure.message)))
         }
@@ -107,34 +109,34 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
 }
 
-/// Says so if energy was made or lost by nobody.
-fn tell_energy(summary: &Summary) {
+/// Warns about energy that the integration method has generated or lost.
+fn warn_of_energy_error(summary: &Summary) {
     let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
-    let is_pushed = summary.requests.iter().any(|asked| asked.impulse_ns.is_some());
-    for (what, energy, is_known, other) in [
-        ("made", *energy_made_j, is_pushed, ""),
+    let is_pushed = summary.requests.iter().any(|request| request.impulse_ns.is_some());
+    for (what, energy, is_explained, advice) in [
+        ("gained", *energy_made_j, is_pushed, ""),
         ("lost", *energy_lost_j, false, ", and a method of second order loses less"),
     ] {
-        if energy > TOLD_ENERGY * kinetic && !is_known {
-            tell(format_args!(
-                "the run {what} {energy:.1e} J, of {kinetic:.1e} J of motion at most: plant.dt is too long for plant.method{other}"
+        if energy > ENERGY_WARNING * kinetic && !is_explained {
+            log(format_args!(
+                "the run {what} {energy:.1e} J; its largest kinetic energy is {kinetic:.1e} J: plant.dt is too long for plant.method{advice}"
             ));
         }
     }
 }
 
-/// Says so if the scene begins inside the ground. What keeps a plant from being made is told by the run.
-fn tell_depth(scene: &Scene) {
+/// Warns about a robot that starts inside the ground. An invalid scene is reported later, by the run.
+fn warn_of_penetration(scene: &Scene) {
     let depth = Plant::new(scene).map_or(0.0, |plant| plant.truth().penetration);
-    if depth > TOLD_DEPTH {
+    if depth > PENETRATION_WARNING {
         let millimetres = depth * 1e3;
-        tell(format_args!(
-            "the scene begins {millimetres:.3} mm inside the ground, which lifts it out: initial.clearance = 0 puts it on the ground"
+        log(format_args!(
+            "the robot starts {millimetres:.3} mm inside the ground, which pushes it out: initial.clearance = 0 puts it on the ground"
         ));
     }
 }
 
-/// What this process has computed so far.
+/// Processor time of this process so far.
 fn processor_time() -> Duration {
     ClockId::CLOCK_PROCESS_CPUTIME_ID.now().map_or(Duration::ZERO, Duration::from)
 }

@@ -5,7 +5,7 @@ use clap::{Args, Subcommand, ValueEnum};
 use messages::load::load;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use shared::output::{say, unwritten, write_whole};
+use shared::output::{print_text, write_atomically, write_failure};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -87,13 +87,16 @@ pub fn run(args: &NewArgs) -> Result<(), Failure> {
         NewArgs::Scene(args) => {
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &messages::load::text(&scene))?;
-            say(format!("{0}: run it by `biped run {0}`; `biped list --keys` explains every key\n", path.display()));
+            print_text(format!(
+                "{0}: run it by `biped run {0}`; `biped list --keys` explains every key\n",
+                path.display()
+            ));
             Ok(())
         }
         NewArgs::Robot(args) => {
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &toml::text(&scene))?;
-            say(format!("{0}: walk it by `biped run walk --robot {0}`\n", path.display()));
+            print_text(format!("{0}: walk it by `biped run walk --robot {0}`\n", path.display()));
             Ok(())
         }
     }
@@ -103,7 +106,7 @@ fn controller(args: &ControllerArgs) -> Result<(), Failure> {
     let folder = &args.folder;
     fs::create_dir(folder).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => there(folder),
-        _ => unwritten(folder, &error),
+        _ => write_failure(folder, &error),
     })?;
     let (code, class, scene, more) = args.from.parts();
     let origin = if let Origin::Stand = args.from { "stand" } else { "walk" };
@@ -118,9 +121,9 @@ fn controller(args: &ControllerArgs) -> Result<(), Failure> {
     ];
     let copies = LIBRARY.iter().chain(more).map(|(name, text)| (*name, text.to_string()));
     for (name, text) in texts.into_iter().chain(copies) {
-        write_whole(&folder.join(name), &text).map_err(|error| unwritten(folder, &error))?;
+        write_atomically(&folder.join(name), &text).map_err(|error| write_failure(folder, &error))?;
     }
-    say(format!("{}: README.md says how to run it\n", folder.display()));
+    print_text(format!("{}: README.md says how to run it\n", folder.display()));
     Ok(())
 }
 
@@ -172,7 +175,7 @@ fn file(path: &Path, text: &str) -> Result<PathBuf, Failure> {
     if path.exists() {
         return Err(there(&path));
     }
-    write_whole(&path, text).map_err(|error| unwritten(&path, &error))?;
+    write_atomically(&path, text).map_err(|error| write_failure(&path, &error))?;
     Ok(path)
 }
 

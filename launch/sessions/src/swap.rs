@@ -1,11 +1,11 @@
-//! Hot swap: another controller takes the robot over while it walks.
+//! Hot swap: another controller takes over the robot while it walks.
 //!
-//! A successor is started while the one before still drives, and waits for its place, all else being ready. When it is
-//! time the one before is asked to end, and the place is free. In lockstep the plant's desk lets time stand still at that
-//! very control period, until the successor drives. In real time the watchdog bridges the gap. The plant moves from the
-//! torques of the one to those of the other (`plant/src/handover.rs`).
+//! The successor is started while its predecessor is still in control. It initializes itself, joins the session, and waits for the
+//! place of the controller. When the time has come, the predecessor is terminated, which frees the place. In lockstep the plant is
+//! paused at exactly that control period until the successor is in control. In real time the watchdog bridges the gap. The plant
+//! blends from the torques of the predecessor to those of the successor (`plant/src/handover.rs`).
 
-use crate::children::{self, Role};
+use crate::children::{self, RoleProcess};
 use messages::port::{Action, Contract, Pace, ask};
 use messages::session::Session;
 use messages::wire::Stamp;
@@ -15,19 +15,19 @@ use std::collections::VecDeque;
 use std::str::FromStr;
 use std::time::{Duration, Instant};
 
-/// What a successor still needs once it is a member of the session.
-const SETTLING: Duration = Duration::from_millis(100);
-/// Members are looked for this often.
-const LOOK: Duration = Duration::from_millis(20);
-/// Time for the one before to leave in order.
-const LEAVE: Duration = Duration::from_secs(2);
+/// Time that a successor needs from joining the session until it is ready.
+const READY_DELAY: Duration = Duration::from_millis(100);
+/// Interval at which the members of the session are listed.
+const MEMBERS_POLL: Duration = Duration::from_millis(20);
+/// Time that the predecessor has to exit after SIGTERM before it is killed.
+const EXIT_TIMEOUT: Duration = Duration::from_secs(2);
 
-/// When which program takes over.
+/// One planned swap.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Swap {
     /// Simulated time [s].
     pub time: f64,
-    /// As of `--controller`.
+    /// Command of the successor, as for `--controller`.
     pub command: String,
 }
 
@@ -45,104 +45,109 @@ impl FromStr for Swap {
     }
 }
 
-/// The controllers that are still to come.
-pub struct Succession {
+/// The swaps that are still to come.
+pub struct SwapSchedule {
     session: Session,
     contract: Contract,
-    /// With one that does not join.
+    /// Time that a successor has to join the session.
     patience: Duration,
-    left: VecDeque<Swap>,
-    /// The next one.
-    heir: Option<Heir>,
-    looked: Instant,
+    pending: VecDeque<Swap>,
+    /// The successor of the next swap, once it is started.
+    successor: Option<Successor>,
+    last_poll: Instant,
 }
 
-struct Heir {
-    role: Role,
+struct Successor {
+    role: RoleProcess,
     started: Instant,
-    /// Since when it has been a member of the session.
+    /// When it was first seen as a member of the session.
     joined: Option<Instant>,
 }
 
-impl Succession {
-    /// In order of time.
-    pub fn new(swaps: &[Swap], session: &Session, contract: &Contract, patience: Duration) -> Succession {
-        let mut left = swaps.to_vec();
-        left.sort_by(|a, b| a.time.total_cmp(&b.time));
-        let (left, session) = (left.into(), session.clone());
-        Succession { session, contract: *contract, patience, left, heir: None, looked: Instant::now() }
+impl SwapSchedule {
+    /// Sorts the swaps by time.
+    pub fn new(swaps: &[Swap], session: &Session, contract: &Contract, patience: Duration) -> SwapSchedule {
+        let mut pending = swaps.to_vec();
+        pending.sort_by(|a, b| a.time.total_cmp(&b.time));
+        let (pending, session) = (pending.into(), session.clone());
+        SwapSchedule { session, contract: *contract, patience, pending, successor: None, last_poll: Instant::now() }
     }
 
-    /// Looks whether it is time for the next one, by the stamp of the latest truth, and lets it take the incumbent's place.
+    /// Starts the successor of the next swap if it is not started yet, and performs the swap when it is due. `now` is the stamp of the
+    /// latest truth. `meanwhile` is called while the predecessor exits.
     ///
     /// # Errors
-    /// If it cannot be started, or fails before its time.
-    pub fn look(
+    /// If the successor cannot be started, or fails before it takes over.
+    pub fn poll(
         &mut self,
         now: &Stamp,
-        incumbent: &mut Role,
-        start: impl FnOnce(&str) -> Result<Role, Failure>,
+        controller: &mut RoleProcess,
+        start: impl FnOnce(&str) -> Result<RoleProcess, Failure>,
         mut meanwhile: impl FnMut(),
     ) -> Result<(), Failure> {
-        let Some(next) = self.left.front().cloned().filter(|_| now.seq > 0) else { return Ok(()) };
-        if self.heir.is_none() {
-            self.heir = Some(Heir { role: start(&next.command)?, started: Instant::now(), joined: None });
-            self.stand_still_at(next.time);
+        let Some(next) = self.pending.front().cloned().filter(|_| now.seq > 0) else { return Ok(()) };
+        if self.successor.is_none() {
+            self.successor = Some(Successor { role: start(&next.command)?, started: Instant::now(), joined: None });
+            self.pause_at(next.time);
         }
-        let is_ready = self.is_ready()?; // or it has failed
-        let is_due = is_ready && now.sim_ns as f64 * 1e-9 >= next.time - 0.5 / self.contract.rate;
-        if let Some(heir) = self.heir.take_if(|_| is_due) {
-            incumbent.ask_to_end();
-            children::wait(std::slice::from_mut(incumbent), LEAVE, &mut meanwhile);
-            *incumbent = heir.role; // whoever has not left is killed
-            self.left.pop_front();
-            if self.left.is_empty() && self.contract.pace == Pace::Lockstep {
+        let is_ready = self.is_ready()?;
+        let half_period = 0.5 / self.contract.rate; // rounds to the nearest control period
+        let is_due = is_ready && now.sim_ns as f64 * 1e-9 >= next.time - half_period;
+        if let Some(successor) = self.successor.take_if(|_| is_due) {
+            controller.terminate();
+            children::wait_for_all(std::slice::from_mut(controller), EXIT_TIMEOUT, &mut meanwhile);
+            *controller = successor.role; // dropping the predecessor kills it if it still runs
+            self.pending.pop_front();
+            if self.pending.is_empty() && self.contract.pace == Pace::Lockstep {
                 let _ = ask(&self.session, Action::Resume);
             }
         }
         Ok(())
     }
 
-    /// In lockstep, lets time run to this one [s], and stand still there. A plant without a desk goes on.
-    fn stand_still_at(&self, time: f64) {
+    /// In lockstep, runs the plant up to a simulated time [s] and pauses it there. A plant without a control service runs on.
+    fn pause_at(&self, time: f64) {
         if self.contract.pace == Pace::RealTime {
             return;
         }
         if let Ok(reply) = ask(&self.session, Action::Pause) {
-            let there = ((time * self.contract.rate).round() as u64).saturating_add(1);
-            let periods = there.saturating_sub(reply.stamp.seq);
+            let target = ((time * self.contract.rate).round() as u64).saturating_add(1);
+            let periods = target.saturating_sub(reply.stamp.seq);
             let _ = (periods > 0).then(|| ask(&self.session, Action::Step { periods }));
         }
     }
 
-    /// Whether the next one waits for nothing but its place.
+    /// Whether the successor is ready to take over.
+    ///
+    /// # Errors
+    /// If it has exited, or does not join in time.
     fn is_ready(&mut self) -> Result<bool, Failure> {
-        let Some(heir) = &mut self.heir else { return Ok(false) };
-        if heir.role.ended().is_some() {
-            heir.role.verdict()?;
-            return Err(Failure::new(Exit::PeerMissing, "the successor ended before its turn came"));
+        let Some(successor) = &mut self.successor else { return Ok(false) };
+        if successor.role.try_wait().is_some() {
+            successor.role.outcome()?;
+            return Err(Failure::new(Exit::PeerMissing, "the successor exited before it took over"));
         }
-        if heir.joined.is_none() && self.looked.elapsed() > LOOK {
-            self.looked = Instant::now();
-            let group = heir.role.number();
-            let of_it = |member: u32| i32::try_from(member).is_ok_and(|member| group_of(member) == group);
-            heir.joined = self.session.members().into_iter().any(of_it).then(Instant::now);
+        if successor.joined.is_none() && self.last_poll.elapsed() > MEMBERS_POLL {
+            self.last_poll = Instant::now();
+            let group = successor.role.pid(); // a foreign program leads a process group
+            let is_in_group = |member: u32| i32::try_from(member).is_ok_and(|member| group_of(member) == group);
+            successor.joined = self.session.members().into_iter().any(is_in_group).then(Instant::now);
         }
-        if heir.joined.is_none() && heir.started.elapsed() > self.patience {
+        if successor.joined.is_none() && successor.started.elapsed() > self.patience {
             let words = format!("the successor did not join within {:?}", self.patience);
             return Err(Failure::new(Exit::PeerMissing, words));
         }
-        Ok(heir.joined.is_some_and(|joined| joined.elapsed() > SETTLING))
+        Ok(successor.joined.is_some_and(|joined| joined.elapsed() > READY_DELAY))
     }
 
-    /// What has not come about.
-    pub fn rest(&self) -> Option<String> {
-        let next = self.left.front()?;
+    /// A message about the first swap that has not been performed, if there is one.
+    pub fn unfinished(&self) -> Option<String> {
+        let next = self.pending.front()?;
         Some(format!("`{}` was to take over at t {} s, but did not", next.command, next.time))
     }
 }
 
-/// Number of a process's group; 0 if it has ended.
+/// ID of the process group of a process; 0 if it has exited.
 fn group_of(member: i32) -> u32 {
     getpgid(Some(Pid::from_raw(member))).map_or(0, |group| group.as_raw().unsigned_abs())
 }
@@ -152,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_swap_is_a_time_and_a_command() {
+    fn a_swap_needs_a_time_and_a_command() {
         let good = Swap { time: 2.5, command: "python3 a=b.py".into() };
         assert_eq!("2.5=python3 a=b.py".parse(), Ok(good));
         for bad in ["python3", "=x", "-1=x", "NaN=x", "3="] {

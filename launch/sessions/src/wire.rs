@@ -1,31 +1,31 @@
-//! `biped wire`: the wire format for other languages.
+//! `biped wire`: the wire format for programs in other languages.
 
 use clap::{Args, ValueEnum};
 use messages::describe;
-use shared::output::say;
+use shared::output::print_text;
 
 /// Arguments of `biped wire`.
 #[derive(Args)]
 pub struct WireArgs {
-    /// For whom
+    /// Output format
     #[arg(value_enum)]
     language: Language,
 }
 
-/// For whom the wire format is printed.
+/// Output format of `biped wire`.
 #[derive(Clone, Copy, ValueEnum)]
 enum Language {
-    /// A header for C and C++
+    /// Header for C and C++
     C,
-    /// A module of ctypes structures
+    /// Python module of ctypes structures
     Python,
     /// Tables for people
     Markdown,
 }
 
-/// Prints it.
+/// Prints the wire format.
 pub fn run(args: &WireArgs) {
-    say(match args.language {
+    print_text(match args.language {
         Language::C => describe::c_header(),
         Language::Python => describe::python_module(),
         Language::Markdown => describe::markdown(),

@@ -1,4 +1,4 @@
-//! Arguments that several commands take: a scene, the pace of a run, a running session.
+//! Command-line arguments that several commands share: scene, pace, session.
 
 use crate::exit::{Exit, Failure};
 use crate::list::SCENES;
@@ -7,14 +7,15 @@ use messages::load::load;
 use messages::port::Pace;
 use messages::scene::Scene;
 use messages::session::Session;
+use std::ops::RangeInclusive;
 use std::time::Duration;
 
-/// Which scene, and what is different in it.
+/// A scene and the changes to it.
 #[derive(Args, Clone)]
 pub struct SceneArgs {
     /// Built-in scene (see `biped list`) or path of a TOML file
     pub scene: String,
-    /// Put the robot of this TOML or URDF file into the scene, which is fitted to it; `biped export toml` prints one to edit
+    /// Use the robot of this TOML or URDF file; the scene is scaled to it. `biped export toml` prints one to edit
     #[arg(long, value_name = "FILE")]
     pub robot: Option<String>,
     /// Replace a value of the scene, for example plant.friction=0.3 (see `biped list --keys`); repeatable
@@ -23,110 +24,118 @@ pub struct SceneArgs {
 }
 
 impl SceneArgs {
-    /// Loads the scene, with the robot and the values that are given.
+    /// Loads the scene with its robot and its changed values.
     ///
     /// # Errors
-    /// A scene that is not there or is refused.
+    /// If the scene is missing or invalid.
     pub fn load(&self) -> Result<Scene, Failure> {
-        Ok(load(&self.scene, &fitted(&self.robot, &self.settings), SCENES)?)
+        Ok(load(&self.scene, &settings_with_robot(&self.robot, &self.settings), SCENES)?)
     }
 }
 
-/// The settings of a scene, its robot before all others.
-pub fn fitted(robot: &Option<String>, settings: &[String]) -> Vec<String> {
+/// The settings of a scene, with the robot as the first one: later settings can change it.
+pub fn settings_with_robot(robot: &Option<String>, settings: &[String]) -> Vec<String> {
     robot.iter().map(|path| format!("robot={path}")).chain(settings.iter().cloned()).collect()
 }
 
-/// How the two processes speak.
+/// Default of `--patience` [s]. Starting both processes takes less than a second; a loaded machine needs a margin.
+pub const DEFAULT_PATIENCE: f64 = 10.0;
+
+/// The pace of a run, and how long each process waits for the other.
 #[derive(Args, Clone, Copy)]
 pub struct PaceArgs {
-    /// Run at the pace of the clock instead of as fast as possible
+    /// Run in real time instead of as fast as possible
     #[arg(long)]
     pub realtime: bool,
-    /// Simulated time per real time
-    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = factor, requires = "realtime")]
+    /// Simulated time per real time, with --realtime
+    #[arg(long, default_value_t = 1.0, value_name = "FACTOR", value_parser = parse_speed, requires = "realtime")]
     pub speed: f64,
-    /// Give up when the other process has not been heard of for this long [s]
-    #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = seconds)]
+    /// Time without a message from the other process after which this one gives up [s]
+    #[arg(long, default_value_t = DEFAULT_PATIENCE, value_name = "SECONDS", value_parser = parse_seconds)]
     pub patience: f64,
 }
 
 impl PaceArgs {
-    /// Lockstep, or the clock.
+    /// Lockstep or real time.
     pub fn pace(self) -> Pace {
         if self.realtime { Pace::RealTime } else { Pace::Lockstep }
     }
 
-    /// How long the other process may be silent.
+    /// Longest time without a message from the other process.
     pub fn patience(self) -> Duration {
         Duration::from_secs_f64(self.patience)
     }
 }
 
-fn factor(text: &str) -> Result<f64, String> {
-    let good = text.parse().ok().filter(|factor| (0.001..=100.0).contains(factor));
-    good.ok_or_else(|| "a factor from 0.001 to 100 is needed".into())
+/// Range of `--speed` [-].
+const SPEED_RANGE: RangeInclusive<f64> = 0.001..=100.0;
+/// Range of options that are a time [s].
+const SECONDS_RANGE: RangeInclusive<f64> = 0.1..=1e6;
+
+fn parse_speed(text: &str) -> Result<f64, String> {
+    let speed = text.parse().ok().filter(|speed| SPEED_RANGE.contains(speed));
+    speed.ok_or_else(|| "a factor from 0.001 to 100 is needed".into())
 }
 
-/// Reads a number of seconds.
+/// Parses a time in seconds.
 ///
 /// # Errors
-/// Anything else.
-pub fn seconds(text: &str) -> Result<f64, String> {
-    let good = text.parse().ok().filter(|seconds| (0.1..=1e6).contains(seconds));
-    good.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
+/// If the text is no number, or out of range.
+pub fn parse_seconds(text: &str) -> Result<f64, String> {
+    let seconds = text.parse().ok().filter(|seconds| SECONDS_RANGE.contains(seconds));
+    seconds.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
 }
 
-/// Which session.
+/// The session that a command works on.
 #[derive(Args, Clone)]
 pub struct SessionArgs {
-    /// Name of the session; without it, the one that is running under a name
+    /// Name of the session; by default the only named session that is running
     #[arg(long)]
     session: Option<String>,
 }
 
 impl SessionArgs {
-    /// The session to look at: the one named, or the only one that is running.
+    /// The session to observe: the one with the given name, or the only one that is running.
     ///
     /// # Errors
-    /// If there is none, or more than one to choose from.
+    /// If no session is running, or several are and none is named.
     pub fn find(&self) -> Result<Session, Failure> {
-        self.named().unwrap_or_else(|| only(Session::running()))
+        self.given().unwrap_or_else(|| single(Session::running()))
     }
 
-    /// The session to speak to: the one named, or the only one that somebody named. A run without a name is to be left alone, as
-    /// others count on its bits.
+    /// The session to control: the one with the given name, or the only one that the user has named. A run without a name is
+    /// never chosen by default, because a request would change its results.
     ///
     /// # Errors
     /// As [`SessionArgs::find`].
     pub fn find_named(&self) -> Result<Session, Failure> {
-        self.named().unwrap_or_else(|| only_named(Session::running()))
+        self.given().unwrap_or_else(|| single_named(Session::running()))
     }
 
-    fn named(&self) -> Option<Result<Session, Failure>> {
+    fn given(&self) -> Option<Result<Session, Failure>> {
         self.session.as_ref().map(|name| Ok(Session::named(name)?))
     }
 }
 
-/// The only session that somebody named.
+/// The only session that the user has named.
 ///
 /// # Errors
-/// If there is none, or more than one to choose from.
-pub fn only_named(running: Vec<Session>) -> Result<Session, Failure> {
+/// If there is none, or more than one.
+pub fn single_named(running: Vec<Session>) -> Result<Session, Failure> {
     let (named, unnamed): (Vec<_>, Vec<_>) = running.into_iter().partition(Session::is_named);
     match unnamed.first() {
         Some(run) if named.is_empty() => Err(Failure::new(
             Exit::Usage,
             format!(
-                "the run {0} has no name, and is left alone: speak to it by --session {0}, or start it with --session NAME",
+                "the run {0} has no name of its own, so requests do not go to it: choose it by --session {0}, or start it with --session NAME",
                 run.name()
             ),
         )),
-        _ => only(named),
+        _ => single(named),
     }
 }
 
-fn only(mut running: Vec<Session>) -> Result<Session, Failure> {
+fn single(mut running: Vec<Session>) -> Result<Session, Failure> {
     match running.len() {
         1 => Ok(running.remove(0)),
         0 => Err(Failure::new(
@@ -146,15 +155,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_run_that_nobody_named_is_not_spoken_to_by_chance() {
+    fn requests_do_not_go_to_an_unnamed_run_by_default() {
         let named = |name| Session::named(name).unwrap();
-        let words =
-            |running: Vec<Session>| only_named(running).map(|one| one.name().to_string()).map_err(|e| e.message);
+        let chosen =
+            |running: Vec<Session>| single_named(running).map(|one| one.name().to_string()).map_err(|e| e.message);
         let run = Session::unique();
-        assert!(words(vec![run.clone()]).unwrap_err().contains(&format!("speak to it by --session {}", run.name())));
-        assert_eq!(words(vec![run.clone(), named("lab")]), Ok("lab".into()));
-        assert!(words(vec![named("lab"), named("hall")]).unwrap_err().contains("lab | hall"));
-        assert!(words(vec![]).unwrap_err().contains("no session is running"));
-        assert_eq!(only(vec![run.clone()]).unwrap(), run, "to look on, it is found");
+        assert!(chosen(vec![run.clone()]).unwrap_err().contains(&format!("choose it by --session {}", run.name())));
+        assert_eq!(chosen(vec![run.clone(), named("lab")]), Ok("lab".into()));
+        assert!(chosen(vec![named("lab"), named("hall")]).unwrap_err().contains("lab | hall"));
+        assert!(chosen(vec![]).unwrap_err().contains("no session is running"));
+        assert_eq!(single(vec![run.clone()]).unwrap(), run, "observers find it");
     }
 }

@@ -1,6 +1,6 @@
-//! What can go wrong, and the exit code that says so.
+//! Exit codes, and the failures that end the program with them.
 
-use crate::case::Case;
+use crate::unsolved_problem::UnsolvedProblem;
 use controller::ControllerError;
 use messages::load::SceneError;
 use messages::peer_environment::PeerEnvironmentError;
@@ -9,14 +9,14 @@ use plant::PlantError;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Exit codes of every role.
+/// Exit codes of all commands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Exit {
-    /// All went well.
+    /// Success.
     Ok = 0,
-    /// Wrong arguments, or a scene that is refused.
+    /// Wrong arguments, or an invalid scene.
     Usage = 2,
-    /// The other process did not come, or went away.
+    /// The other process did not start, or ended too early.
     PeerMissing = 3,
     /// The simulation or the controller failed, or results could not be written.
     Fault = 4,
@@ -26,23 +26,23 @@ pub enum Exit {
     SharedMemory = 6,
     /// The robot fell.
     Fell = 7,
-    /// A contact problem was not solved to plant.tolerance; it is in a file.
+    /// A contact problem was not solved to plant.tolerance. It is saved to a file.
     Unsolved = 8,
-    /// The system refused what `--rt=require` asks for.
+    /// The system refused a privilege that `--rt=require` needs.
     Refused = 9,
-    /// A program breaks a rule of the wire.
+    /// A program breaks a rule of the wire format.
     Nonconforming = 10,
-    /// The run is over, but its recording ended before it.
+    /// The run is complete, but its recording ended early.
     Unrecorded = 11,
-    /// Ctrl-C or TERM.
+    /// SIGINT (Ctrl-C) or SIGTERM.
     Interrupted = 130,
 }
 
-/// The same for people.
+/// The exit codes, as `biped --help` shows them.
 pub const HELP: &str = "Exit codes: 0 ok, 2 wrong usage or scene, 3 the other process is missing, 4 fault, \
     5 incompatible processes, 6 shared memory, 7 the robot fell, \
-    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire broken, \
-    11 the recording is not whole, 130 interrupted";
+    8 unsolved contact problem, 9 real time refused, 10 a rule of the wire format broken, \
+    11 incomplete recording, 130 interrupted";
 
 impl From<Exit> for ExitCode {
     fn from(exit: Exit) -> ExitCode {
@@ -51,7 +51,7 @@ impl From<Exit> for ExitCode {
 }
 
 impl Exit {
-    /// The meaning of a child's exit code; one that is not ours, or a signal, is a fault.
+    /// The meaning of a child's exit code. An unknown code, or death by a signal (`None`), is a fault.
     pub fn of_child(code: Option<i32>) -> Exit {
         let known = [
             Exit::Ok,
@@ -65,10 +65,8 @@ impl Exit {
         ];
         known.into_iter().find(|exit| code == Some(*exit as i32)).unwrap_or(Exit::Fault)
     }
-}
 
-impl Exit {
-    /// What cut a run short, in a few words; nothing for what is no early end.
+    /// Why a run ended early, in a few words; `None` if the code is not about an early end.
     pub fn cause(self) -> Option<&'static str> {
         match self {
             Exit::Ok | Exit::Fell | Exit::Nonconforming | Exit::Unrecorded => None,
@@ -83,29 +81,29 @@ impl Exit {
     }
 }
 
-/// An exit code and a sentence.
+/// Why a command failed: an exit code and an error message.
 #[derive(Debug)]
 pub struct Failure {
-    /// The code.
+    /// The exit code.
     pub exit: Exit,
-    /// The sentence.
+    /// The error message.
     pub message: String,
-    /// A contact problem to be written to a file.
-    pub case: Option<Box<Case>>,
+    /// An unsolved contact problem, to be saved to a file.
+    pub unsolved: Option<Box<UnsolvedProblem>>,
 }
 
 impl Failure {
-    /// A failure with a message.
+    /// A failure without a contact problem.
     pub fn new(exit: Exit, message: impl ToString) -> Failure {
-        Failure { exit, message: message.to_string(), case: None }
+        Failure { exit, message: message.to_string(), unsolved: None }
     }
 }
 
-/// Whether to go on: not when the user has asked to stop.
+/// Checks whether the user has interrupted the program.
 ///
 /// # Errors
-/// That.
-pub fn unless(stop: &AtomicBool) -> Result<(), Failure> {
+/// [`Exit::Interrupted`] if so.
+pub fn check_interrupt(stop: &AtomicBool) -> Result<(), Failure> {
     if stop.load(Relaxed) { Err(Failure::new(Exit::Interrupted, "interrupted")) } else { Ok(()) }
 }
 
@@ -142,17 +140,17 @@ impl From<plant::process::PlantProcessError> for Failure {
         match error {
             E::Port(error) => error.into(),
             E::NoController(..) => Failure::new(Exit::PeerMissing, error),
-            E::Plant(PlantError::Unsolved { .. }) => unsolved(error),
-            E::Plant(PlantError::Value { .. }) => Failure::new(Exit::Usage, error), // it began with the scene
+            E::Plant(PlantError::Unsolved { .. }) => unsolved_failure(error),
+            E::Plant(PlantError::Value { .. }) => Failure::new(Exit::Usage, error), // an invalid value of the scene
             E::Plant(_) | E::Silent(_) => Failure::new(Exit::Fault, error),
             E::Interrupted => Failure::new(Exit::Interrupted, error),
         }
     }
 }
 
-fn unsolved(error: plant::process::PlantProcessError) -> Failure {
+fn unsolved_failure(error: plant::process::PlantProcessError) -> Failure {
     let failure = Failure::new(Exit::Unsolved, &error);
-    Failure { case: Case::of(error).map(Box::new), ..failure }
+    Failure { unsolved: UnsolvedProblem::from_error(error).map(Box::new), ..failure }
 }
 
 impl From<controller::process::ProcessError> for Failure {
@@ -162,7 +160,7 @@ impl From<controller::process::ProcessError> for Failure {
             E::Port(error) => error.into(),
             E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
             E::Controller(ControllerError::Singular { .. }) => Failure::new(Exit::Fault, error),
-            E::Controller(_) => Failure::new(Exit::Usage, error), // it began with the scene
+            E::Controller(_) => Failure::new(Exit::Usage, error), // an invalid value of the scene
             E::Interrupted => Failure::new(Exit::Interrupted, error),
         }
     }

@@ -1,10 +1,10 @@
-//! What all commands share: exit codes, output, progress, arguments, built-in scenes.
+//! What all commands share: arguments, built-in scenes, exit codes, output files, progress.
 
 pub mod args;
-pub mod case;
+pub mod atomic_file;
 pub mod csv;
 pub mod exit;
 pub mod list;
 pub mod output;
 pub mod progress;
-pub mod whole;
+pub mod unsolved_problem;

@@ -1,18 +1,18 @@
-//! `biped list`: the built-in scenes, and every key of a scene.
+//! `biped list`: the built-in scenes, and all keys of a scene.
 
 use crate::exit::Failure;
-use crate::output::say;
+use crate::output::print_text;
 use messages::load::{self, BuiltIn};
 use serde_json::Value;
 
-/// The scenes that come with the program.
+/// The built-in scenes: name and TOML text.
 pub const SCENES: &[BuiltIn] = &[
     ("walk", include_str!("../../scenes/walk.toml")),
     ("stamp", include_str!("../../scenes/stamp.toml")),
     ("walk-literal", include_str!("../../scenes/walk-literal.toml")),
     ("paper", include_str!("../../scenes/paper.toml")),
     ("stand", include_str!("../../scenes/stand.toml")),
-    // compared with other engines
+    // for the comparison with other simulators
     ("free", include_str!("../../scenes/free.toml")),
     ("slide", include_str!("../../scenes/slide.toml")),
     ("slide30", include_str!("../../scenes/slide30.toml")),
@@ -25,7 +25,7 @@ pub const SCENES: &[BuiltIn] = &[
     ("wheel", include_str!("../../scenes/wheel.toml")),
     ("turn", include_str!("../../scenes/turn.toml")),
     ("ball", include_str!("../../scenes/ball.toml")),
-    // with known answers
+    // with known solutions
     ("sliding-block", include_str!("../../scenes/known/sliding-block.toml")),
     ("fast-cube", include_str!("../../scenes/known/fast-cube.toml")),
     ("slope", include_str!("../../scenes/known/slope.toml")),
@@ -49,26 +49,26 @@ pub const SCENES: &[BuiltIn] = &[
     ("spinning-foot", include_str!("../../scenes/known/spinning-foot.toml")),
 ];
 
-/// Prints name and description of every built-in scene.
+/// Prints the name and description of every built-in scene.
 ///
 /// # Errors
-/// If one of them is bad, which a test excludes.
+/// If a built-in scene is invalid. A test excludes that.
 pub fn scenes() -> Result<(), Failure> {
     for &(name, _) in SCENES {
-        say(format!("{name:<16} {}\n", load::load(name, &[], SCENES)?.description));
+        print_text(format!("{name:<16} {}\n", load::load(name, &[], SCENES)?.description));
     }
     Ok(())
 }
 
-/// Prints every key with type, default and meaning, from the comments of the scene's own types.
+/// Prints every key of a scene with its type, default and meaning. They come from the JSON schema of the scene types.
 ///
 /// # Errors
 /// None.
 pub fn keys() -> Result<(), Failure> {
     let schema = load::schema();
     let root = schema.as_value();
-    for key in below(root, root, "") {
-        say(format!("{:<34} {:<40} {}\n", key.path, key.kind, key.meaning));
+    for key in keys_of(root, root, "") {
+        print_text(format!("{:<34} {:<40} {}\n", key.path, key.type_name, key.meaning));
     }
     Ok(())
 }
@@ -76,46 +76,46 @@ pub fn keys() -> Result<(), Failure> {
 /// One line of `biped list --keys`.
 struct Key {
     path: String,
-    kind: String,
+    type_name: String,
     meaning: String,
 }
 
-/// The keys of a table, depth first.
-fn below(root: &Value, table: &Value, path: &str) -> Vec<Key> {
+/// The keys of a table and its subtables, depth first.
+fn keys_of(root: &Value, table: &Value, path: &str) -> Vec<Key> {
     let properties = table["properties"].as_object().into_iter().flatten();
     properties
         .flat_map(|(name, property)| {
             let path = format!("{path}{name}");
             let target = resolve(root, property);
             if target["properties"].is_object() {
-                return below(root, target, &format!("{path}."));
+                return keys_of(root, target, &format!("{path}."));
             }
             let items = resolve(root, &property["items"]);
             if items["properties"].is_object() {
-                return below(root, items, &format!("{path}.NAME."));
+                return keys_of(root, items, &format!("{path}.NAME."));
             }
             let default = match &property["default"] {
                 Value::Null => String::new(),
                 default => format!(" = {default}"),
             };
             let meaning = property["description"].as_str().or(target["description"].as_str()).unwrap_or_default();
-            vec![Key { path, kind: kind(root, property) + &default, meaning: meaning.replace('\n', " ") }]
+            vec![Key { path, type_name: type_name(root, property) + &default, meaning: meaning.replace('\n', " ") }]
         })
         .collect()
 }
 
-/// Follows a reference, also an optional one.
+/// Follows a schema reference, also that of an optional value.
 fn resolve<'a>(root: &'a Value, property: &'a Value) -> &'a Value {
     let option = property["anyOf"].as_array().and_then(|options| options.first());
-    let place = option.unwrap_or(property);
-    match place["$ref"].as_str() {
-        Some(reference) => root.pointer(reference.trim_start_matches('#')).unwrap_or(place),
-        None => place,
+    let schema = option.unwrap_or(property);
+    match schema["$ref"].as_str() {
+        Some(reference) => root.pointer(reference.trim_start_matches('#')).unwrap_or(schema),
+        None => schema,
     }
 }
 
-/// Type of a value in words: a TOML type, or the words to choose from.
-fn kind(root: &Value, property: &Value) -> String {
+/// Type of a value: the TOML type, or the allowed words.
+fn type_name(root: &Value, property: &Value) -> String {
     let target = resolve(root, property);
     let choices = target["oneOf"].as_array().into_iter().flatten().filter_map(|choice| choice["const"].as_str());
     let choices: Vec<_> = choices.collect();
@@ -128,7 +128,7 @@ fn kind(root: &Value, property: &Value) -> String {
     };
     let count = target["minItems"].as_u64().map(|count| count.to_string()).unwrap_or_default();
     match name {
-        Some("array") => format!("[{}; {count}]", kind(root, &target["items"])).replace("; ]", "]"),
+        Some("array") => format!("[{}; {count}]", type_name(root, &target["items"])).replace("; ]", "]"),
         Some(name) => name.into(),
         None => "table".into(),
     }
@@ -139,25 +139,31 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_built_in_scene_is_good_and_described() {
+    fn built_in_scenes_are_valid_and_have_descriptions() {
         for &(name, _) in SCENES {
             let scene = load::load(name, &[], SCENES).expect(name);
-            assert!(scene.description.ends_with('.'), "{name} wants a sentence");
+            assert!(scene.description.ends_with('.'), "{name}: the description is no sentence");
         }
     }
 
     #[test]
-    fn every_key_has_type_and_meaning_and_can_be_written() {
+    fn every_key_is_listed_with_type_and_meaning() {
         let schema = load::schema();
-        let keys = below(schema.as_value(), schema.as_value(), "");
+        let keys = keys_of(schema.as_value(), schema.as_value(), "");
         for key in &keys {
-            assert!(!key.kind.is_empty() && !key.meaning.is_empty(), "{} = {}: {}", key.path, key.kind, key.meaning);
+            assert!(
+                !key.type_name.is_empty() && !key.meaning.is_empty(),
+                "{} = {}: {}",
+                key.path,
+                key.type_name,
+                key.meaning
+            );
         }
         let listed = |path: &str| keys.iter().any(|key| key.path == path);
         for path in ["duration", "plant.law", "controller.rate_limit", "initial.clearance", "bodies.NAME.joint.axis"] {
             assert!(listed(path), "{path} is missing");
         }
-        // Every key that a scene writes is listed.
+        // Every key of a serialized scene is listed.
         let scene = load::load("walk", &[], SCENES).expect("walk");
         let written = serde_json::to_value(&scene).expect("plain data");
         for (name, part) in written.as_object().into_iter().flatten() {

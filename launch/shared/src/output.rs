@@ -1,80 +1,82 @@
-//! Standard output, error messages, and refusals before a file is written.
+//! Standard output, error messages, and the checks before a file is written.
 
+pub use crate::atomic_file::{AtomicFile, MARK, check_replaceable, remove_own_figures, write_atomically};
 use crate::exit::{Exit, Failure};
-pub use crate::whole::{Draft, MARK, remove_drawings, replaces, write_whole};
-pub use messages::{log as tell, printable};
+pub use messages::{log, printable};
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
 use std::path::Path;
 use std::process;
 
-/// Characters of a line of an error message: a sentence of this program with a path in it has up to 300.
-const LONGEST_LINE: usize = 400;
-/// Lines of an error message: an excerpt of a file has six, a child's last words up to twenty.
-const MOST_LINES: usize = 30;
+/// Longest line of an error message [characters]. A sentence of this program with a path in it has up to 300.
+const MAX_LINE_CHARS: usize = 400;
+/// Most lines of an error message. An excerpt of a file has 6, the error of a child process up to 20.
+const MAX_LINES: usize = 30;
 
-/// Prints, [`printable`], for names come from anybody; a reader that has had enough, such as `head`, is no error, a full disk ends the program.
-pub fn say(text: impl std::fmt::Display) {
+/// Writes text to standard output. Control characters are escaped, because names in the text may come from foreign files.
+///
+/// A closed pipe, such as that of `head`, is no error. Any other write error, such as a full disk, ends the program.
+pub fn print_text(text: impl std::fmt::Display) {
     let mut out = io::stdout();
     match write!(out, "{}", printable(&text.to_string())).and_then(|()| out.flush()) {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            tell(format_args!("error: what is printed cannot be written: {error}"));
+            log(format_args!("error: standard output cannot be written: {error}"));
             process::exit(Exit::Fault as i32);
         }
         _ => (),
     }
 }
 
-/// A message in which names and excerpts, which come from anybody's file, are printable, and no line is longer than [`LONGEST_LINE`]:
-/// the middle is left out.
-pub fn brief(message: &str) -> String {
-    let mut lines: Vec<String> = message.lines().take(MOST_LINES).map(|line| cut(&printable(line))).collect();
-    if message.lines().count() > MOST_LINES {
+/// Makes an error message safe to print: it escapes control characters, cuts long lines in the middle, and drops lines beyond
+/// [`MAX_LINES`].
+pub fn shortened(message: &str) -> String {
+    let mut lines: Vec<String> = message.lines().take(MAX_LINES).map(|line| shortened_line(&printable(line))).collect();
+    if message.lines().count() > MAX_LINES {
         lines.push("…".into());
     }
     lines.join("\n")
 }
 
-fn cut(line: &str) -> String {
+fn shortened_line(line: &str) -> String {
     let length = line.chars().count();
     let part = |from, count| line.chars().skip(from).take(count).collect::<String>();
-    let half = LONGEST_LINE / 2;
-    if length <= LONGEST_LINE { line.into() } else { format!("{} … {}", part(0, half), part(length - half, half)) }
+    let half = MAX_LINE_CHARS / 2;
+    if length <= MAX_LINE_CHARS { line.into() } else { format!("{} … {}", part(0, half), part(length - half, half)) }
 }
 
-/// Makes a folder for what will be written, before the work and not after it.
+/// Creates an output folder. Commands call this before the work, so that a bad path is reported at once.
 ///
 /// # Errors
-/// If that is not possible.
-pub fn folder(path: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(path).map_err(|error| unwritten(path, &error))
+/// If the folder cannot be created.
+pub fn create_folder(path: &Path) -> Result<(), Failure> {
+    fs::create_dir_all(path).map_err(|error| write_failure(path, &error))
 }
 
-/// A failure about what was to be written.
-pub fn unwritten(path: &Path, error: &impl std::fmt::Display) -> Failure {
+/// The failure that reports a file or folder that cannot be written.
+pub fn write_failure(path: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::new(Exit::Fault, format!("{} cannot be written: {error}", path.display()))
 }
 
-/// Locks a file that is to be written, or refuses, in these words, what somebody else is writing.
+/// Takes an exclusive lock on an output file.
 ///
 /// # Errors
-/// That.
-pub fn alone(file: &File, taken: impl FnOnce() -> String) -> Result<(), Failure> {
+/// If another process holds the lock; `message` then says what to do.
+pub fn lock_for_writing(file: &File, message: impl FnOnce() -> String) -> Result<(), Failure> {
     match file.try_lock() {
-        Err(TryLockError::WouldBlock) => Err(Failure::new(Exit::Usage, taken())),
-        _ => Ok(()), // nor is there a lock where the file system has none
+        Err(TryLockError::WouldBlock) => Err(Failure::new(Exit::Usage, message())),
+        _ => Ok(()), // some file systems have no locks: there the file is written without one
     }
 }
 
-/// Refuses to write into the file that is read.
+/// Refuses an output path that is the input file.
 ///
 /// # Errors
-/// That.
-pub fn keeps(input: &Path, output: &Path) -> Result<(), Failure> {
+/// If both paths name the same file.
+pub fn refuse_overwriting_input(input: &Path, output: &Path) -> Result<(), Failure> {
     let same = input.canonicalize().is_ok_and(|input| output.canonicalize().is_ok_and(|output| input == output));
     match same {
         true => {
-            Err(Failure::new(Exit::Usage, format!("{} is what is read: write into another file", output.display())))
+            Err(Failure::new(Exit::Usage, format!("{} is the input file: write to another file", output.display())))
         }
         false => Ok(()),
     }
@@ -85,11 +87,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_message_shows_escapes_and_is_cut_in_the_middle() {
-        assert_eq!(brief("no scene `\u{1b}[31mred\u{7}`"), "no scene `\\u{1b}[31mred\\u{7}`");
-        let long = brief(&format!("first {} last", "x".repeat(100_000)));
-        assert!(long.starts_with("first ") && long.ends_with(" last") && long.chars().count() == LONGEST_LINE + 3);
-        let lines = brief(&"line\n".repeat(1000));
-        assert_eq!(lines.lines().count(), MOST_LINES + 1);
+    fn error_messages_are_escaped_and_shortened() {
+        assert_eq!(shortened("no scene `\u{1b}[31mred\u{7}`"), "no scene `\\u{1b}[31mred\\u{7}`");
+        let long = shortened(&format!("first {} last", "x".repeat(100_000)));
+        assert!(long.starts_with("first ") && long.ends_with(" last") && long.chars().count() == MAX_LINE_CHARS + 3);
+        let lines = shortened(&"line\n".repeat(1000));
+        assert_eq!(lines.lines().count(), MAX_LINES + 1);
     }
 }

@@ -1,6 +1,6 @@
-//! What a run shows while it runs: a bar with a live line on a terminal, plain lines elsewhere.
+//! Progress on standard error: a bar on a terminal, plain lines elsewhere.
 
-use crate::output::tell;
+use crate::output::log;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use messages::scene::Scene;
 use messages::wire::{PHASES, Truth};
@@ -8,60 +8,65 @@ use std::io::IsTerminal;
 use std::sync::Mutex;
 use std::time::{Duration, Instant};
 
-/// Time between plain lines.
+/// Time between two plain lines.
 const LINE_INTERVAL: Duration = Duration::from_secs(5);
-/// Simulated time over which the speed shown is averaged: about two steps [s].
-const SPEED_SPAN: f64 = 0.6;
+/// Time between two updates of the bar of a run.
+const BAR_INTERVAL: Duration = Duration::from_millis(100);
+/// Simulated time over which the displayed speed is averaged: about the period of two steps [s].
+const SPEED_WINDOW: f64 = 0.6;
+/// Lower bound of the elapsed time in the displayed ratio of simulated to real time, against division by zero [s].
+const MIN_ELAPSED: f64 = 1e-3;
 
-/// The progress of a run, on standard error.
-pub struct Progress {
-    /// The bar, hidden when there is no terminal; other lines go through its `suspend`.
+/// Progress of one run.
+pub struct RunProgress {
+    /// The bar; hidden without a terminal. Print other lines inside its `suspend`.
     pub bar: ProgressBar,
-    lines: bool,
+    has_lines: bool,
     duration: f64,
     start: Instant,
-    told: Instant,
-    /// Time and place of the base that the speed counts from [s, m].
-    from: (f64, f64),
+    last_shown: Instant,
+    /// Start of the window of the speed: simulated time [s] and x of the base [m].
+    window_start: (f64, f64),
     speed: f64,
 }
 
-impl Progress {
-    /// A run of `scene` begins.
-    pub fn new(scene: &Scene, quiet: bool) -> Progress {
-        // Milliseconds; no colours, so that there is nothing for NO_COLOR to switch off.
-        let (bar, lines) = bar(quiet, (scene.duration * 1e3) as u64, "[{bar:10}] {percent:>3} %  {wide_msg}");
+impl RunProgress {
+    /// Progress of a run of `scene`, which begins now.
+    pub fn new(scene: &Scene, quiet: bool) -> RunProgress {
+        // The bar counts milliseconds. It has no colours, so NO_COLOR needs no handling.
+        let (bar, has_lines) = bar(quiet, (scene.duration * 1e3) as u64, "[{bar:10}] {percent:>3} %  {wide_msg}");
         let now = Instant::now();
-        Progress { bar, lines, duration: scene.duration, start: now, told: now, from: (0.0, 0.0), speed: 0.0 }
+        let (duration, window_start) = (scene.duration, (0.0, 0.0));
+        RunProgress { bar, has_lines, duration, start: now, last_shown: now, window_start, speed: 0.0 }
     }
 
-    /// Takes the latest truth; cheap enough for every one of them.
+    /// Updates the speed from the truth of a control period. Call it every period; it is cheap.
     pub fn update(&mut self, truth: &Truth) {
         let (time, x) = (truth.stamp.sim_ns as f64 * 1e-9, truth.base_position[0]);
         if time == 0.0 {
-            self.from = (time, x);
+            self.window_start = (time, x);
         }
-        if time - self.from.0 >= SPEED_SPAN {
-            self.speed = (x - self.from.1) / (time - self.from.0);
-            self.from = (time, x);
+        if time - self.window_start.0 >= SPEED_WINDOW {
+            self.speed = (x - self.window_start.1) / (time - self.window_start.0);
+            self.window_start = (time, x);
         }
     }
 
-    /// Shows the latest truth, when it is time to.
+    /// Shows the latest truth, unless the last update was too recent.
     pub fn show(&mut self, truth: &Truth) {
-        let interval = if self.lines { LINE_INTERVAL } else { Duration::from_millis(100) };
-        if self.told.elapsed() < interval || (self.bar.is_hidden() && !self.lines) {
+        let interval = if self.has_lines { LINE_INTERVAL } else { BAR_INTERVAL };
+        if self.last_shown.elapsed() < interval || (self.bar.is_hidden() && !self.has_lines) {
             return;
         }
-        self.told = Instant::now();
+        self.last_shown = Instant::now();
         self.bar.set_position(truth.stamp.sim_ns / 1_000_000);
         self.bar.set_message(self.line(truth));
-        if self.lines {
-            tell(self.line(truth));
+        if self.has_lines {
+            log(self.line(truth));
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
@@ -74,14 +79,14 @@ impl Progress {
         format!(
             "t {time:.1}/{:.1} s  {:.0}x  x {:+.2} m  {:+.2} m/s  {phase}, {support} foot",
             self.duration,
-            time / self.start.elapsed().as_secs_f64().max(1e-3),
+            time / self.start.elapsed().as_secs_f64().max(MIN_ELAPSED),
             truth.base_position[0],
             self.speed,
         )
     }
 }
 
-/// A bar on a terminal, hidden elsewhere; and whether plain lines take its place.
+/// A bar, which is visible on a terminal only; and whether plain lines replace it.
 fn bar(quiet: bool, length: u64, template: &str) -> (ProgressBar, bool) {
     let is_terminal = std::io::stderr().is_terminal();
     let target = if is_terminal && !quiet { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
@@ -92,68 +97,69 @@ fn bar(quiet: bool, length: u64, template: &str) -> (ProgressBar, bool) {
     (bar, !is_terminal && !quiet)
 }
 
-/// The progress of many runs, on standard error: a bar on a terminal, plain lines elsewhere.
-pub struct Counter {
-    /// The bar, hidden when there is no terminal; lines of others go through its `suspend`.
+/// Progress of a batch of runs or measurements.
+pub struct BatchProgress {
+    /// The bar; hidden without a terminal. Print other lines inside its `suspend`.
     pub bar: ProgressBar,
-    what: &'static str,
-    /// When the last plain line was printed. There are none beside a bar, or if the user wants silence.
-    told: Option<Mutex<Instant>>,
+    /// Plural of what is counted.
+    items: &'static str,
+    /// When the last plain line was printed; `None` if there are no plain lines, because of a bar or `--quiet`.
+    last_line: Option<Mutex<Instant>>,
 }
 
-impl Counter {
-    /// `length` of them are to be done, and `done` of them are done already; `what` is their plural.
-    pub fn new(quiet: bool, length: usize, done: usize, what: &'static str) -> Counter {
-        let template = format!("[{{bar:24}}] {{pos}} of {{len}} {what}, {{elapsed}}, {{eta}} to go{{msg}}");
-        let (bar, lines) = bar(quiet, length as u64, &template);
+impl BatchProgress {
+    /// Progress of `total` items, of which `done` are done already. `items` is their plural.
+    pub fn new(quiet: bool, total: usize, done: usize, items: &'static str) -> BatchProgress {
+        let template = format!("[{{bar:24}}] {{pos}} of {{len}} {items}, {{elapsed}}, {{eta}} to go{{msg}}");
+        let (bar, has_lines) = bar(quiet, total as u64, &template);
         bar.set_position(done as u64);
         bar.reset_eta();
-        Counter { bar, what, told: lines.then(|| Mutex::new(Instant::now())) }
+        BatchProgress { bar, items, last_line: has_lines.then(|| Mutex::new(Instant::now())) }
     }
 
-    /// More are to be done.
-    pub fn expect(&self, more: usize) {
+    /// Increases the total.
+    pub fn add_total(&self, more: usize) {
         self.bar.inc_length(more as u64);
     }
 
-    /// More are done.
-    pub fn add(&self, more: u64) {
-        self.reach(self.bar.position() + more);
+    /// Counts items as done.
+    pub fn add_done(&self, more: u64) {
+        self.set_done(self.bar.position() + more);
     }
 
-    /// So many are done.
-    pub fn reach(&self, count: u64) {
+    /// Sets the number of items that are done.
+    pub fn set_done(&self, count: u64) {
         self.bar.set_position(count);
-        if let Some(Ok(mut told)) = self.told.as_ref().map(Mutex::lock)
-            && told.elapsed() > LINE_INTERVAL
+        if let Some(Ok(mut last_line)) = self.last_line.as_ref().map(Mutex::lock)
+            && last_line.elapsed() > LINE_INTERVAL
         {
-            *told = Instant::now();
-            let (done, all, doing) = (self.bar.position(), self.bar.length().unwrap_or(0), self.bar.message());
-            tell(format_args!("{done} of {all} {}{doing}", self.what));
+            *last_line = Instant::now();
+            let (done, total, activity) = (self.bar.position(), self.bar.length().unwrap_or(0), self.bar.message());
+            log(format_args!("{done} of {total} {}{activity}", self.items));
         }
     }
 
-    /// Shows what is being done.
-    pub fn show(&self, doing: &str) {
-        self.bar.set_message(format!(", {doing}"));
+    /// Shows the current activity beside the count.
+    pub fn set_activity(&self, activity: &str) {
+        self.bar.set_message(format!(", {activity}"));
     }
 
-    /// Tells something beside the bar.
-    pub fn tell(&self, line: &str) {
-        match self.told {
-            Some(_) => tell(line),
+    /// Prints a line above the bar, or a plain line.
+    pub fn log(&self, line: &str) {
+        match self.last_line {
+            Some(_) => log(line),
             None => self.bar.println(line),
         }
     }
 
-    /// Tells something where there is no bar that shows it.
-    pub fn tell_without_bar(&self, line: &str) {
-        if self.told.is_some() {
-            tell(line);
+    /// Prints a plain line; nothing where the bar shows the activity.
+    pub fn log_without_bar(&self, line: &str) {
+        if self.last_line.is_some() {
+            log(line);
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.bar.finish_and_clear();
     }

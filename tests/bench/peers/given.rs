@@ -1,4 +1,4 @@
-//! What everybody is given: states of the robot, and quadratic programs.
+//! The common inputs of all engines: states of the robot, and quadratic programs.
 
 use crate::robot::{Doing, Recording};
 use controller::rate::{bias, resolve, resolve_bounded};
@@ -9,7 +9,7 @@ use plant::contact::{Memory, Problem, Solver};
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// Programs of a family.
+/// Number of programs in a family.
 const PROGRAMS: usize = 50;
 
 /// Joints from hip to foot, left leg first, all about positive axes, as `biped8.xml` has them.
@@ -18,7 +18,7 @@ fn in_their_order(ours: &[f64; JOINTS]) -> [f64; JOINTS] {
 }
 
 /// A header for each situation: name, count, gravity, friction, drive inertia, stiffness and damping of joints; then
-/// position, quaternion, velocity in W, spin in the body, angles, rates and torques, a line for each state.
+/// position, quaternion, velocity in W, angular velocity in the body frame, angles, rates and torques, a line for each state.
 pub fn states(recordings: &[(Doing, Recording)]) -> String {
     let mut text = String::new();
     for (doing, recording) in recordings {
@@ -41,12 +41,12 @@ pub fn states(recordings: &[(Doing, Recording)]) -> String {
     text
 }
 
-/// What a situation is called in files and tables.
+/// The name of a situation in files and tables.
 pub fn name(doing: Doing) -> String {
     format!("{doing:?}").to_lowercase()
 }
 
-/// Programs by family: minimise x·h x/2 + c·x with low <= rows x <= high, and what ours finds.
+/// Programs by family: minimise x·h x/2 + c·x with low <= rows x <= high. With the solution of this simulator.
 pub fn programs(recordings: &[(Doing, Recording)]) -> String {
     let mut families = serde_json::Map::new();
     for (doing, recording) in recordings.iter().filter(|(doing, _)| *doing != Doing::Flying) {
@@ -56,13 +56,13 @@ pub fn programs(recordings: &[(Doing, Recording)]) -> String {
     Value::Object(families).to_string()
 }
 
-/// Some of the problems.
+/// A selection of the problems.
 pub fn contacts(recording: &Recording) -> impl Iterator<Item = &Problem> {
     recording.problems.iter().step_by((recording.problems.len() / PROGRAMS).max(1)).take(PROGRAMS)
 }
 
-/// The energy minimum (14) with |f_1| + |f_2| <= mu f_N, v_N counting from the allowed approach: `EnergyQpGap`. Its
-/// impulses are not unique where A is singular, its velocities are.
+/// The energy minimum (14) with |f_1| + |f_2| <= mu f_N, v_N relative to the allowed approach velocity: `EnergyQpGap`. If A is
+/// singular, the impulses are not unique, but the velocities are.
 fn energy(problem: &Problem) -> Value {
     let m = problem.rows();
     let (mut c, mut rows) = (problem.drift.clone(), vec![]);
@@ -89,7 +89,7 @@ pub struct Rate {
     pub bound: Joints,
 }
 
-/// At postures of the walk, for task rates by chance; every bound is where one joint meets it.
+/// At postures of the walk, for random task rates. Every bound is chosen so that one joint reaches it.
 pub fn rates(recording: &Recording) -> impl Iterator<Item = Rate> {
     let chain = Chain::new(&recording.scene.bodies).expect("a biped");
     let mut random = fastrand::Rng::with_seed(28);

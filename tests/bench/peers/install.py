@@ -1,4 +1,4 @@
-"""Installs what the bench compares with, and prints where it is: `python PATH`, `packages PATH`; one that does not install is named."""
+"""Installs the peers of the bench. Prints their location as `python PATH` and `packages PATH`, and names each package that cannot be installed."""
 
 import subprocess
 import sys

@@ -12,7 +12,7 @@
 #include <time.h>
 
 enum { JOINTS = 8, STATES = 4096, STAGES = 8, REPEATS = 16 };
-#define NEAR 1e-4 /* what is no higher touches: the states are ours, and ours lie exactly on the ground [m] */
+#define NEAR 1e-4 /* a contact point below this height touches; in these states the points lie exactly on the ground [m] */
 
 typedef struct {
   double position[3], orientation[4], velocity[3], spin[3], angle[JOINTS], rate[JOINTS], torque[JOINTS];

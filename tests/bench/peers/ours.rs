@@ -1,4 +1,4 @@
-//! Ours, timed as `mujoco.c` times: stages of many calls at each state, a step once from each.
+//! This simulator, timed like `mujoco.c`: each stage by many calls at each state, a step once from each state.
 
 use super::{Times, given, median};
 use crate::robot::{Doing, Recording, Replay};
@@ -14,10 +14,10 @@ use plant::model::Model;
 use std::hint::black_box;
 use std::time::Instant;
 
-/// Calls of a stage at each state.
+/// Number of calls of a stage at each state.
 const REPEATS: u32 = 16;
 
-/// Adds a round.
+/// Adds the times of a round.
 pub fn measure(recordings: &[(Doing, Recording)], times: &mut Times) {
     let mut add = |situation: &str, stage: &str, ns: f64| {
         times.entry((situation.into(), stage.into())).or_default().push(ns);
@@ -47,7 +47,7 @@ pub fn measure(recordings: &[(Doing, Recording)], times: &mut Times) {
     add("rate", "rate QP within bounds", median(&rates.iter().map(solve).collect::<Vec<_>>()));
 }
 
-/// Time of a call, of several in a row [ns].
+/// Mean time of a call in a sequence of several [ns].
 fn time(calls: u32, mut call: impl FnMut()) -> f64 {
     let begun = Instant::now();
     (0..calls).for_each(|_| call());
@@ -67,7 +67,7 @@ fn step(doing: Doing, settings: &[String]) -> f64 {
     median(&(0..count).map(step).collect::<Vec<_>>())
 }
 
-/// Of the stages without a contact law, the medians over the states.
+/// Times of the stages without a contact law: medians over the states.
 fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
     let Recording { scene, states, .. } = recording;
     let model = Model::new(scene).expect("a good scene");
@@ -99,7 +99,7 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
     names.into_iter().zip(lists.iter().map(|list| median(list))).collect()
 }
 
-/// Of a contact law, the median over problems that follow each other.
+/// Time of a contact law: median over consecutive problems.
 fn contact<'a>(problems: impl Iterator<Item = &'a Problem>, law: Law, warm: bool) -> f64 {
     let (mut solver, mut memory) = (Solver::default(), Memory::default());
     let mut solve = |problem: &Problem| {

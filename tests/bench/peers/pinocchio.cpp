@@ -1,4 +1,4 @@
-// Pinocchio on the states that the bench wrote: forward dynamics, and the algorithms that it is made of.
+// Pinocchio on the states that the bench wrote: forward dynamics, and the algorithms that it consists of.
 //
 //     c++ -O3 -march=x86-64-v2 pinocchio.cpp … && a.out biped8.urdf states.txt
 //

@@ -1,4 +1,4 @@
-"""Four solvers of quadratic programs on the programs that the bench wrote, by their own clocks.
+"""Four QP solvers on the quadratic programs that the bench wrote, timed by themselves.
 
     python programs.py PROGRAMS.json
 
@@ -18,7 +18,7 @@ ROUNDS = 5
 
 
 def main():
-    """See above."""
+    """Runs every solver on every family."""
     with open(sys.argv[1]) as file:
         families = json.load(file)
     for name, solver in SOLVERS.items():

@@ -21,7 +21,7 @@ use sessions::run::in_process;
 use shared::csv;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use shared::output::{say, unwritten, write_whole};
+use shared::output::{print_text, write_atomically, write_failure};
 use std::time::Instant;
 
 /// Number of measurements, of which the least counts, because the machine may be slow for seconds.
@@ -32,7 +32,7 @@ const ROUNDS: usize = 4;
 /// # Errors
 /// Ctrl-C, a table of other engines, engines that cannot be measured, or a folder that cannot be written.
 pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
-    let failed = |error| unwritten(&args.out, &error);
+    let failed = |error| write_failure(&args.out, &error);
     if let Some(Some(table)) = &args.peers {
         let other = format!("--growth measures peers itself: --peers without {}", table.display());
         return Err(Failure::new(Exit::Usage, other));
@@ -59,15 +59,15 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     let sweeps = sweeps(if args.quick { 0.5 } else { 4.0 }, watch)?;
     watch.finish();
     for curve in Curve::ALL {
-        write_whole(&args.out.join(format!("growth-{}.svg", curve.name)), &drawing::draw(&curve, &points))
+        write_atomically(&args.out.join(format!("growth-{}.svg", curve.name)), &drawing::draw(&curve, &points))
             .map_err(failed)?;
     }
     let header = ["curve", "engine", "x", "us_per_step"].map(String::from);
     let row =
         |point: &Point| [point.curve.into(), point.engine.into(), point.x.to_string(), format!("{:.3}", point.us)];
     let table = csv::text([header].into_iter().chain(points.iter().map(row)));
-    write_whole(&args.out.join("growth.csv"), &table).map_err(failed)?;
-    say(format!("{}\n{}\n{}", times(&points), exponents(&points), processors(&sweeps)));
+    write_atomically(&args.out.join("growth.csv"), &table).map_err(failed)?;
+    print_text(format!("{}\n{}\n{}", times(&points), exponents(&points), processors(&sweeps)));
     Ok(())
 }
 

@@ -12,7 +12,7 @@ use messages::scene::{Method, Scene};
 use plant::{Plant, PlantError};
 use shared::csv;
 use shared::exit::Failure;
-use shared::output::{say, unwritten, write_whole};
+use shared::output::{print_text, write_atomically, write_failure};
 use std::path::Path;
 use std::time::Instant;
 
@@ -78,9 +78,9 @@ pub fn run(out: &Path, progress: &Watch) -> Result<(), Failure> {
         rows.push([word(method)].into_iter().chain(columns.iter().map(|column| column[i].clone())).collect());
     }
     progress.finish();
-    write_whole(&out.join("orders.csv"), &csv::text(&long)).map_err(|error| unwritten(out, &error))?;
-    say(format!("order, error at 1 ms, µs a step; law {LAW}\n\n"));
-    say(table(&rows));
+    write_atomically(&out.join("orders.csv"), &csv::text(&long)).map_err(|error| write_failure(out, &error))?;
+    print_text(format!("order, error at 1 ms, µs a step; law {LAW}\n\n"));
+    print_text(table(&rows));
     Ok(())
 }
 

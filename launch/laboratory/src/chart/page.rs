@@ -9,7 +9,7 @@ use super::{bounds, draw, failures};
 use records::report::plot::escaped;
 use records::report::themed_svg;
 use records::view::page::STYLE;
-use shared::output::write_whole;
+use shared::output::write_atomically;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
@@ -22,7 +22,7 @@ use strum::VariantArray;
 pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::Result<()> {
     let views = [precision(chosen, rows), steps(rows), failures(chosen, rows), models(rows)];
     for (name, svg) in views.iter().flatten() {
-        write_whole(&folder.join(name).with_extension("svg"), svg)?;
+        write_atomically(&folder.join(name).with_extension("svg"), svg)?;
     }
     let [precision, steps, failures, models] =
         views.map(|view| view.iter().map(|(_, svg)| themed_svg(svg)).collect::<String>());
@@ -37,7 +37,7 @@ pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::
         .replace("{{causes}}", &causes())
         .replace("{{thresholds}}", &thresholds(rows))
         .replace("{{models}}", &models);
-    write_whole(&folder.join("chart.html"), &page)
+    write_atomically(&folder.join("chart.html"), &page)
 }
 
 /// Names of files and drawings.

@@ -6,8 +6,8 @@ mod runs;
 use super::cases::Case;
 use super::csv::{Row, parse, table};
 use super::watch::Watch;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{folder as make, write_whole};
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{create_folder as make, write_atomically};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
@@ -33,7 +33,7 @@ pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Resul
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
     make(&files)?;
     let scenes = resolved::text(chosen, quick)?;
-    write_whole(&files.join("scenes.toml"), &scenes).map_err(|error| fault(error.to_string()))?;
+    write_atomically(&files.join("scenes.toml"), &scenes).map_err(|error| fault(error.to_string()))?;
     let mut command = Command::new("python3");
     command.arg(SCRIPT).arg(&files).args(quick.then_some("--quick")).stdout(Stdio::piped());
     let mut script = command.spawn().map_err(|error| fault(format!("python3 does not start: {error}")))?;
@@ -43,12 +43,12 @@ pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Resul
         if line.split_once(" left out, ").is_some_and(|(engine, _)| !engine.contains(' ')) {
             left_out.push(format!("{line}."));
         }
-        if unless(watch.stop).is_err() {
+        if check_interrupt(watch.stop).is_err() {
             let _ = script.kill();
         }
     }
     let status = script.wait().map_err(|error| fault(error.to_string()))?;
-    unless(watch.stop)?;
+    check_interrupt(watch.stop)?;
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }
@@ -56,7 +56,7 @@ pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Resul
     let origin = messages::file::text(&files.join("origin.txt")).map_err(|error| fault(error.to_string()))?;
     let origin: String = origin.lines().map(|line| format!("# {line}\n")).collect();
     let text = format!("{HEAD}{origin}{}", table(&rows));
-    write_whole(&folder.join("peers.csv"), &text).map_err(|error| fault(error.to_string()))?;
+    write_atomically(&folder.join("peers.csv"), &text).map_err(|error| fault(error.to_string()))?;
     Ok((rows, left_out))
 }
 

@@ -1,7 +1,7 @@
 //! Progress of the chart, and the wish to stop.
 
-use shared::exit::{Failure, unless};
-use shared::progress::Counter;
+use shared::exit::{Failure, check_interrupt};
+use shared::progress::BatchProgress;
 use std::sync::atomic::AtomicBool;
 
 /// The stage of the measurement, for the progress display.
@@ -21,7 +21,7 @@ pub enum Job {
 
 /// The progress display and the flag that stops the measurement.
 pub struct Watch<'a> {
-    counter: Counter,
+    counter: BatchProgress,
     /// Whether the user wants to stop.
     pub stop: &'a AtomicBool,
 }
@@ -29,12 +29,12 @@ pub struct Watch<'a> {
 impl<'a> Watch<'a> {
     /// Nothing is to be done yet.
     pub fn new(quiet: bool, stop: &'a AtomicBool) -> Watch<'a> {
-        Watch { counter: Counter::new(quiet, 0, 0, "runs"), stop }
+        Watch { counter: BatchProgress::new(quiet, 0, 0, "runs"), stop }
     }
 
     /// More runs are to be done.
     pub fn expect(&self, runs: usize) {
-        self.counter.expect(runs);
+        self.counter.add_total(runs);
     }
 
     /// A run begins.
@@ -42,14 +42,14 @@ impl<'a> Watch<'a> {
     /// # Errors
     /// Ctrl-C.
     pub fn step(&self, job: Job) -> Result<(), Failure> {
-        self.counter.show(&format!("{job:?}").to_lowercase());
-        self.counter.add(1);
-        unless(self.stop)
+        self.counter.set_activity(&format!("{job:?}").to_lowercase());
+        self.counter.add_done(1);
+        check_interrupt(self.stop)
     }
 
     /// Tells something beside the bar.
     pub fn tell(&self, line: &str) {
-        self.counter.tell(line);
+        self.counter.log(line);
     }
 
     /// Takes the bar away.

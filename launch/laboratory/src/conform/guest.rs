@@ -37,7 +37,7 @@ impl Host {
 
     /// Starts the program in the session.
     pub fn invite(&self, invitation: &PeerEnvironment) -> Result<Guest, String> {
-        let environment = children::environment(invitation).map_err(|failure| failure.message)?;
+        let environment = children::environment_variables(invitation).map_err(|failure| failure.message)?;
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
         command.args(["become", &self.command, "--parent", &std::process::id().to_string()]);

@@ -1,7 +1,7 @@
 //! What was found, rule by rule.
 
 use super::guest::Host;
-use shared::output::say;
+use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// The result of a rule: a remark, or the observed violation.
@@ -21,9 +21,9 @@ impl Report<'_> {
     /// Reports whether a rule of a section of docs/WIRE.md was kept.
     pub fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
         match &finding {
-            Ok(remark) if remark.is_empty() => say(format_args!("ok      {rule}\n")),
-            Ok(remark) => say(format_args!("ok      {rule} ({remark})\n")),
-            Err(instead) => say(format_args!("FAILED  {rule}: {instead} (docs/WIRE.md, {section})\n")),
+            Ok(remark) if remark.is_empty() => print_text(format_args!("ok      {rule}\n")),
+            Ok(remark) => print_text(format_args!("ok      {rule} ({remark})\n")),
+            Err(instead) => print_text(format_args!("FAILED  {rule}: {instead} (docs/WIRE.md, {section})\n")),
         }
         let counter = if finding.is_ok() { &mut self.kept } else { &mut self.broken };
         *counter += 1;
@@ -32,7 +32,7 @@ impl Report<'_> {
 
     /// Reports an observation that breaks no rule.
     pub fn note(&self, text: &str) {
-        say(format_args!("note    {text}\n"));
+        print_text(format_args!("note    {text}\n"));
     }
 
     /// Checks one group after the other, until Ctrl-C.

@@ -2,7 +2,7 @@
 
 use super::memory;
 use super::stage::Trial;
-use shared::progress::Counter;
+use shared::progress::BatchProgress;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Number of parallel trials.
@@ -17,7 +17,7 @@ pub fn side_by_side(
     stop: &AtomicBool,
     trial: &(dyn Fn(usize, &mut fastrand::Rng) -> Trial + Sync),
 ) -> Vec<Trial> {
-    let progress = Counter::new(quiet, count, 0, "trials");
+    let progress = BatchProgress::new(quiet, count, 0, "trials");
     let next = AtomicUsize::new(0);
     let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
     let work = &|first: bool| {
@@ -31,7 +31,7 @@ pub fn side_by_side(
             && nth < count
         {
             told.push((nth, trial(nth, &mut fastrand::Rng::with_seed(seeds[nth]))));
-            progress.add(1);
+            progress.add_done(1);
         }
         told
     };

@@ -49,7 +49,7 @@ fn walk(namespaces: &[&str], script: &str) -> Trial {
     })?;
     let (status, words) = process.end(LIMIT * 20)?;
     let told = words.lines().find(|line| line.contains("the recording")).unwrap_or("").to_string();
-    let is_told = told.contains("ends at") && told.contains("the run goes on");
+    let is_told = told.contains("ends at") && told.contains("the run continues");
     match is(status, Exit::Unrecorded) && is_told {
         true => Ok(Outcome { time: Some(start.elapsed()), remark: told }),
         false => Err(format!("{status}: {words}")),

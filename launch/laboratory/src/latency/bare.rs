@@ -4,7 +4,7 @@ use super::terms::{LOST, PATIENCE, null_plant};
 use messages::port::{BarePort, ControllerPort, PlantPort, PortError, Waiting};
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp};
-use sessions::opening::guarded;
+use sessions::open::open_with_timeout;
 use shared::exit::{Exit, Failure};
 use std::time::Instant;
 
@@ -32,7 +32,7 @@ impl Plant {
     /// If the session cannot be made.
     pub fn open(session: &Session, ours: bool) -> Result<Plant, PortError> {
         let contract = null_plant();
-        guarded(|| match ours {
+        open_with_timeout(|| match ours {
             true => Ok(Plant::Ours(Box::new(PlantPort::open(session, &contract)?.waiting(Waiting::Spin)))),
             false => BarePort::plant(session, &contract).map(Plant::Bare),
         })
@@ -78,7 +78,7 @@ impl Controller {
     /// If the session cannot be made.
     pub fn open(session: &Session, ours: bool) -> Result<Controller, PortError> {
         let contract = null_plant();
-        guarded(|| match ours {
+        open_with_timeout(|| match ours {
             true => Ok(Controller::Ours(Box::new(ControllerPort::open(session, &contract)?.waiting(Waiting::Spin)))),
             false => BarePort::controller(session, &contract).map(Controller::Bare),
         })

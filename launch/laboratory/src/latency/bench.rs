@@ -3,9 +3,9 @@
 use super::lines::{self, Lines};
 use super::peer::Peer;
 use messages::session::Session;
-use sessions::children::Swept;
-use shared::exit::{Exit, Failure, unless};
-use shared::progress::Counter;
+use sessions::children::SessionCleanup;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::progress::BatchProgress;
 use std::os::fd::{AsRawFd, RawFd};
 use std::sync::atomic::AtomicBool;
 
@@ -53,9 +53,9 @@ pub struct Bench<'a> {
     pub number: RawFd,
     pub peer: Peer,
     /// Every session that was made; removed when the other process has ended.
-    pub sessions: Vec<Swept>,
+    pub sessions: Vec<SessionCleanup>,
     pub stop: &'a AtomicBool,
-    pub counter: Counter,
+    pub counter: BatchProgress,
 }
 
 impl<'a> Bench<'a> {
@@ -64,7 +64,7 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// A system that cannot start it.
     pub fn start(plan: Plan, quiet: bool, stop: &'a AtomicBool) -> Result<Bench<'a>, Failure> {
-        let counter = Counter::new(quiet, 0, 0, "measurements");
+        let counter = BatchProgress::new(quiet, 0, 0, "measurements");
         let (file, lines) = lines::create()?; // open while the other process starts
         let (number, peer) = (file.as_raw_fd(), Peer::start()?);
         Ok(Bench { plan, lines, number, peer, sessions: vec![], stop, counter })
@@ -76,13 +76,13 @@ impl<'a> Bench<'a> {
     /// None: the name is valid.
     pub fn session(&mut self) -> Result<Session, Failure> {
         let session = Session::named(&format!("latency-{}-{}", std::process::id(), self.sessions.len()))?;
-        self.sessions.push(Swept(session.clone()));
+        self.sessions.push(SessionCleanup(session.clone()));
         Ok(session)
     }
 
     /// Sets the number of measurements.
     pub fn expect(&self, count: usize) {
-        self.counter.expect(count);
+        self.counter.add_total(count);
     }
 
     /// Starts a measurement.
@@ -90,8 +90,8 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Ctrl-C.
     pub fn step(&self, what: &str) -> Result<(), Failure> {
-        self.counter.show(what);
-        self.counter.add(1);
+        self.counter.set_activity(what);
+        self.counter.add_done(1);
         self.stopped()
     }
 
@@ -100,11 +100,11 @@ impl<'a> Bench<'a> {
     /// # Errors
     /// Ctrl-C.
     pub fn stopped(&self) -> Result<(), Failure> {
-        unless(self.stop)
+        check_interrupt(self.stop)
     }
 
     /// Starts a group of measurements.
     pub fn tell(&self, what: &str) {
-        self.counter.tell_without_bar(&format!("measuring {what}"));
+        self.counter.log_without_bar(&format!("measuring {what}"));
     }
 }

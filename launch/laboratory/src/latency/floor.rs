@@ -2,7 +2,7 @@
 
 use super::spread::Spread;
 use messages::clock::{now_ns, sleep_until};
-use sessions::realtime::{RealtimeArgs, wake_on_time};
+use sessions::realtime::{RealtimeArgs, minimize_timer_slack};
 use shared::exit::{Exit, Failure};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -24,8 +24,8 @@ impl Floor {
         let stop = Arc::new(AtomicBool::new(false));
         let asked = stop.clone();
         let thread = std::thread::spawn(move || {
-            wake_on_time();
-            system.prepare()?;
+            minimize_timer_slack();
+            system.apply()?;
             let mut spread = Spread::new()?;
             let mut deadline = start_ns + PERIOD_NS / 2;
             while !asked.load(Relaxed) {

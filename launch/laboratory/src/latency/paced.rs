@@ -12,11 +12,11 @@ use super::watch::Watch;
 use messages::clock::now_ns;
 use messages::port::{Contract, Pace, RecorderPort, Waiting};
 use messages::wire::{Sensors, Stamp};
-use sessions::children::{self, Role};
-use sessions::opening::guarded;
-use sessions::realtime::{RealtimeArgs, wake_on_time};
+use sessions::children::{self, RoleProcess};
+use sessions::open::open_with_timeout;
+use sessions::realtime::{RealtimeArgs, minimize_timer_slack};
 use shared::exit::{Exit, Failure};
-use shared::output::tell;
+use shared::output::log;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
@@ -37,16 +37,16 @@ const GOODBYE: Duration = Duration::from_secs(1);
 pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> Result<(), Failure> {
     bench.tell("1 kHz without a plant");
     bench.step(LINK)?;
-    wake_on_time();
+    minimize_timer_slack();
     let (session, waiting) = (bench.session()?, Waiting::Hybrid);
     let mut talk = Talk::open(&session, &null_plant(), waiting, bench.stop)?;
-    bench.peer.order(&Order::Echo { session: session.name().into(), waiting, system: system.of_child(1) })?;
+    bench.peer.order(&Order::Echo { session: session.name().into(), waiting, system: system.for_child(1) })?;
     talk.meet()?;
     let (mut wake, mut trip, mut skipped) = (Spread::new()?, Spread::new()?, 0);
     let begin = now_ns() + 20 * PERIOD_NS; // time to get ready
     let end = begin + (bench.plan.paced_s * 1e9) as u64;
-    let floor = Floor::start(begin, system.of_child(0));
-    system.of_child(0).prepare()?;
+    let floor = Floor::start(begin, system.for_child(0));
+    system.for_child(0).apply()?;
     let before = Usage::of("thread-self");
     let (mut deadline, mut seq) = (begin, 1);
     while deadline < end && !bench.stop.load(Relaxed) {
@@ -79,28 +79,28 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     bench.step(WALK)?;
     let (session, seconds) = (bench.session()?, bench.plan.paced_s);
     let contract = Contract::of(&super::walk::scene(seconds)?, Pace::RealTime);
-    let mut port = guarded(|| RecorderPort::open(&session, &contract))?;
+    let mut port = open_with_timeout(|| RecorderPort::open(&session, &contract))?;
     let arguments = |child| {
         let scene = ["walk", "--realtime", "--session", session.name(), "--set"].map(String::from);
-        [&scene[..], &[format!("duration={seconds}")], &system.of_child(child).arguments()[..]].concat()
+        [&scene[..], &[format!("duration={seconds}")], &system.for_child(child).arguments()[..]].concat()
     };
     let mut roles = vec![
-        Role::start("plant", &arguments(0), &bench.counter.bar)?,
-        Role::start("controller", &arguments(1), &bench.counter.bar)?,
+        RoleProcess::start("plant", &arguments(0), &bench.counter.bar)?,
+        RoleProcess::start("controller", &arguments(1), &bench.counter.bar)?,
     ];
-    let plant = format!("{0}/task/{0}", roles[0].number());
+    let plant = format!("{0}/task/{0}", roles[0].pid());
     let (mut watch, mut floor, mut before, mut after) = (Watch::new()?, None, Usage::default(), Usage::default());
     let mut ended_early = false;
     loop {
         std::thread::sleep(LOOK);
-        let ended = roles.iter_mut().map(|role| role.ended().is_some()).collect::<Vec<_>>()[0];
+        let ended = roles.iter_mut().map(|role| role.try_wait().is_some()).collect::<Vec<_>>()[0];
         while let Some(truth) = port.read()? {
             watch.take(&truth);
         }
-        match roles.iter_mut().find_map(|role| role.verdict().err()) {
+        match roles.iter_mut().find_map(|role| role.outcome().err()) {
             // On a busy host the watchdog may end the run, or the robot may fall. This is a result, not an error.
             Some(failure) if failure.exit == Exit::Fault => {
-                bench.counter.bar.suspend(|| tell(format_args!("{WALK}: ended early: {}", failure.message)));
+                bench.counter.bar.suspend(|| log(format_args!("{WALK}: ended early: {}", failure.message)));
                 ended_early = true;
                 break;
             }
@@ -110,7 +110,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         }
         match &floor {
             None if watch.periods() > 0 => {
-                floor = Some(Floor::start(watch.begin_ns(), system.of_child(0)));
+                floor = Some(Floor::start(watch.begin_ns(), system.for_child(0)));
                 before = Usage::of(&plant);
             }
             Some(_) if watch.periods() < (seconds * 1e3) as u64 => after = Usage::of(&plant),
@@ -119,8 +119,8 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         bench.stopped()?;
     }
     match ended_early {
-        true => children::end(&mut roles, || ()),
-        false => children::wait(&mut roles, GOODBYE, || ()),
+        true => children::terminate_all(&mut roles, || ()),
+        false => children::wait_for_all(&mut roles, GOODBYE, || ()),
     }
     while let Some(truth) = port.read()? {
         watch.take(&truth);

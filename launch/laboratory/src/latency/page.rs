@@ -5,7 +5,7 @@ use super::results::{Results, micros};
 use records::report::plot::escaped;
 use records::report::themed_svg;
 use records::view::page::STYLE;
-use shared::output::write_whole;
+use shared::output::write_atomically;
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
@@ -17,7 +17,7 @@ use std::path::Path;
 pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
     let drawings = draw::all(results);
     for (name, svg) in &drawings {
-        write_whole(&folder.join(name).with_extension("svg"), svg)?;
+        write_atomically(&folder.join(name).with_extension("svg"), svg)?;
     }
     let page = include_str!("page.html")
         .replace("{{style}}", STYLE)
@@ -26,7 +26,7 @@ pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
         .replace("{{targets}}", &targets(results))
         .replace("{{series}}", &series(results))
         .replace("{{counts}}", &counts(results));
-    write_whole(&folder.join("latency.html"), &page)
+    write_atomically(&folder.join("latency.html"), &page)
 }
 
 fn targets(results: &Results) -> String {

@@ -13,10 +13,10 @@ use messages::port::{Contract, ControllerPort, Pace};
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped};
 use sessions::children;
-use sessions::opening::guarded;
-use sessions::realtime::keep_to;
+use sessions::open::open_with_timeout;
+use sessions::realtime::pin_to_nth;
 use shared::exit::{Exit, Failure};
-use shared::output::say;
+use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
 /// Arguments of the hidden role.
@@ -32,8 +32,8 @@ pub struct PeerArgs {
 /// # Errors
 /// The failure of a link.
 pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    children::die_with(args.parent)?;
-    keep_to(1);
+    children::die_with_parent(args.parent)?;
+    pin_to_nth(1);
     for line in std::io::stdin().lines().map_while(Result::ok) {
         obey(serde_json::from_str(&line).map_err(|error| Failure::new(Exit::Usage, error))?, stop)?;
     }
@@ -42,7 +42,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// Tells the first process that this one is ready.
 fn ready() {
-    say("ready\n");
+    print_text("ready\n");
 }
 
 fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
@@ -62,14 +62,14 @@ fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
         }
         Order::Echo { session, waiting, system } => {
             let session = Session::named(&session)?;
-            let port = guarded(|| ControllerPort::open(&session, &null_plant()))?;
-            system.prepare()?;
+            let port = open_with_timeout(|| ControllerPort::open(&session, &null_plant()))?;
+            system.apply()?;
             echo(port.waiting(waiting), stop)
         }
         Order::Walk { session, waiting, seconds } => {
             let scene = walk::scene(seconds)?;
             let session = Session::named(&session)?;
-            let port = guarded(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
+            let port = open_with_timeout(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
             ready();
             match controller::process::run(&scene, port.waiting(waiting), PATIENCE, stop) {
                 Err(ProcessError::Interrupted) => Ok(()), // the first process says so

@@ -7,8 +7,8 @@ use messages::clock::now_ns;
 use messages::port::{Contract, PlantPort, Waiting};
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped};
-use sessions::opening::guarded;
-use shared::exit::{Exit, Failure, unless};
+use sessions::open::open_with_timeout;
+use shared::exit::{Exit, Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 
 /// The connection and its measured times.
@@ -36,7 +36,7 @@ impl<'a> Talk<'a> {
         waiting: Waiting,
         stop: &'a AtomicBool,
     ) -> Result<Talk<'a>, Failure> {
-        let port = guarded(|| PlantPort::open(session, contract))?.waiting(waiting);
+        let port = open_with_timeout(|| PlantPort::open(session, contract))?.waiting(waiting);
         Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, times: Vec::with_capacity(MOST) })
     }
 
@@ -76,7 +76,7 @@ impl<'a> Talk<'a> {
             match command {
                 Some(command) if command.stamp.ack == self.latest.seq => return Ok(command),
                 Some(_) => (),
-                None => unless(self.stop)?,
+                None => check_interrupt(self.stop)?,
             }
             if self.heard_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 {
                 return Err(Failure::new(Exit::PeerMissing, LOST));

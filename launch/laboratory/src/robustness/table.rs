@@ -5,7 +5,7 @@ use crate::study::Outcome;
 use records::summary::Summary;
 use shared::csv;
 use shared::exit::{Exit, Failure};
-use shared::output::{alone, replaces, unwritten, write_whole};
+use shared::output::{check_replaceable, lock_for_writing, write_atomically, write_failure};
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
 use std::path::{Path, PathBuf};
@@ -30,11 +30,13 @@ impl Table {
     /// # Errors
     /// A file of another sweep, a file that another process is writing, or one that cannot be written.
     pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
-        let failed = |error: std::io::Error| unwritten(path, &error);
+        let failed = |error: std::io::Error| write_failure(path, &error);
         let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
-        replaces(path, begin.as_bytes()).map_err(failed)?;
+        check_replaceable(path, begin.as_bytes()).map_err(failed)?;
         let mut file = OpenOptions::new().read(true).append(true).create(true).open(path).map_err(failed)?;
-        alone(&file, || format!("another sweep is writing {}: wait for it, or choose another --out", path.display()))?;
+        lock_for_writing(&file, || {
+            format!("another sweep is writing {}: wait for it, or choose another --out", path.display())
+        })?;
         file.read_to_string(&mut old).map_err(|error| unreadable(path, &error))?;
         take(path, &old, grid, cases, &mut rows)
             .map_err(|failure| Failure::new(failure.exit, format!("{}; choose another --out", failure.message)))?;
@@ -57,7 +59,7 @@ impl Table {
     pub fn append(&self, case: &Case, outcome: &Outcome) -> Result<(), Failure> {
         let row = csv::text([[&key(case)[..], &results(outcome)].concat()]);
         let mut growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner);
-        growing.0.write_all(row.as_bytes()).map_err(|error| unwritten(&self.path, &error))?;
+        growing.0.write_all(row.as_bytes()).map_err(|error| write_failure(&self.path, &error))?;
         growing.1[case.number] = Some(row);
         Ok(())
     }
@@ -68,7 +70,7 @@ impl Table {
     /// If it cannot be written.
     pub fn finish(self) -> Result<Vec<Option<String>>, Failure> {
         let rows = self.growing.into_inner().unwrap_or_else(PoisonError::into_inner).1;
-        write_whole(&self.path, &joined(&self.begin, &rows)).map_err(|error| unwritten(&self.path, &error))?;
+        write_atomically(&self.path, &joined(&self.begin, &rows)).map_err(|error| write_failure(&self.path, &error))?;
         Ok(rows)
     }
 }

@@ -15,7 +15,7 @@ use messages::wire::Torques;
 use plant::Plant;
 use plant::contact::{Memory, Solver, tangents};
 use rayon::prelude::*;
-use shared::exit::{Failure, unless};
+use shared::exit::{Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use strum::VariantArray;
@@ -41,7 +41,7 @@ fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result
     let mut memories: [Memory; 2] = Default::default();
     let mut step = 0;
     while tallies[0].count < count && step < 50_000 {
-        unless(stop)?;
+        check_interrupt(stop)?;
         if let Some(controller) = &mut controller {
             // after a fall the controller may fail; the torques are then zero
             torques = controller.tick(&encoders).unwrap_or_default();

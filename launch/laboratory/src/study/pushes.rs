@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use shared::csv;
 use shared::exit::Failure;
 use shared::list::SCENES;
-use shared::progress::Counter;
+use shared::progress::BatchProgress;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use trial::BEGIN;
@@ -54,16 +54,16 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let first = asked.seed.unwrap_or(1);
         walks.extend((0..count as u64).map(|k| (duration, most, first.wrapping_add(k))));
     }
-    let counter = Counter::new(args.quiet, phases.len() + walks.len(), 0, "phases and walks");
+    let counter = BatchProgress::new(args.quiet, phases.len() + walks.len(), 0, "phases and walks");
     let borne: Vec<f64> = phases
         .par_iter()
-        .map(|&(scene, direction, share)| borne(scene, direction, share, stop).inspect(|_| counter.add(1)))
+        .map(|&(scene, direction, share)| borne(scene, direction, share, stop).inspect(|_| counter.add_done(1)))
         .collect::<Result<_, _>>()?;
     let ends: Vec<(Option<f64>, f64)> = walks
         .par_iter()
         .map(|&(duration, most, seed)| {
             let scene = Scene { duration, ..scenes[0].clone() };
-            long_walk(&scene, most, seed, stop).inspect(|_| counter.add(1))
+            long_walk(&scene, most, seed, stop).inspect(|_| counter.add_done(1))
         })
         .collect::<Result<_, _>>()?;
     counter.finish();

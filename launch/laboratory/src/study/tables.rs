@@ -2,7 +2,7 @@
 
 use super::args::{Study, StudyArgs};
 use shared::exit::Failure;
-use shared::output::{say, unwritten, write_whole};
+use shared::output::{print_text, write_atomically, write_failure};
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
@@ -28,15 +28,15 @@ pub fn table(rows: &[Vec<String>]) -> String {
 /// # Errors
 /// A folder that cannot be written.
 pub fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
-    say(markdown);
+    print_text(markdown);
     match &args.out {
         None => Ok(()),
-        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| unwritten(folder, &error)),
+        Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| write_failure(folder, &error)),
     }
 }
 
 fn write(folder: &Path, study: Study, markdown: &str, tables: &[(&str, String)]) -> io::Result<()> {
     let name = format!("{study:?}").to_lowercase();
-    write_whole(&folder.join(format!("{name}.md")), markdown)?;
-    tables.iter().try_for_each(|(of, csv)| write_whole(&folder.join(format!("{name}{of}.csv")), csv))
+    write_atomically(&folder.join(format!("{name}.md")), markdown)?;
+    tables.iter().try_for_each(|(of, csv)| write_atomically(&folder.join(format!("{name}{of}.csv")), csv))
 }

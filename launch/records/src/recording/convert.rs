@@ -8,8 +8,8 @@ use bytemuck::bytes_of;
 use clap::Args;
 use messages::wire::{Message, Truth};
 use shared::csv;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{Draft, folder, say, tell, unwritten};
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{AtomicFile, create_folder, log, print_text, write_failure};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
@@ -62,17 +62,17 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     tables.into_iter().try_for_each(CsvTable::finish)?;
     if let Some(why) = reader.truncated_by {
-        tell(format_args!("{} is cut short: {why}; the tables contain everything before that", args.file.display()));
+        log(format_args!("{} is cut short: {why}; the tables contain everything before that", args.file.display()));
     }
     Ok(())
 }
 
 /// Writes a table per topic.
 fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
-    folder(into)?;
+    create_folder(into)?;
     let mut tables = BTreeMap::new();
     while let Some(message) = reader.next() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let (topic, bytes) = match &message.payload {
             Payload::Sensors(sensors) => (RecordingTopic::Sensors, bytes_of(sensors)),
             Payload::Command(command) => (RecordingTopic::Command, bytes_of(command)),
@@ -96,7 +96,7 @@ fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool)
 fn joint_table(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     let (mut table, mut truth) = (None, Truth::default());
     while let Some(time) = reader.next_truth(&mut truth) {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let table = match &mut table {
             Some(table) => table,
             none => none.insert(CsvTable::create(path.into(), RecordingTopic::Truth, &[])?),
@@ -109,7 +109,7 @@ fn joint_table(reader: &mut RecordingReader, path: &Path, stop: &AtomicBool) -> 
 /// A table that is being written. The file appears under its name only when it is complete.
 struct CsvTable {
     path: PathBuf,
-    draft: Draft,
+    draft: AtomicFile,
     file: Writer<File>,
     message: &'static Message,
     omitted: &'static [&'static str],
@@ -118,8 +118,8 @@ struct CsvTable {
 
 impl CsvTable {
     fn create(path: PathBuf, topic: RecordingTopic, omitted: &'static [&'static str]) -> Result<CsvTable, Failure> {
-        let failed = |error| unwritten(&path, &error);
-        let draft = Draft::of(&path, HEAD).map_err(failed)?;
+        let failed = |error| write_failure(&path, &error);
+        let draft = AtomicFile::create(&path, HEAD).map_err(failed)?;
         let file = csv::writer(draft.file.try_clone().map_err(failed)?);
         let message = topic.message();
         let mut table = CsvTable { path, draft, file, message, omitted, rows: 0 };
@@ -137,12 +137,12 @@ impl CsvTable {
     }
 
     fn line(&mut self, cells: &[String]) -> Result<(), Failure> {
-        self.file.write_record(cells).map_err(|error| unwritten(&self.path, &error))
+        self.file.write_record(cells).map_err(|error| write_failure(&self.path, &error))
     }
 
     fn finish(mut self) -> Result<(), Failure> {
-        self.file.flush().and_then(|()| self.draft.keep()).map_err(|error| unwritten(&self.path, &error))?;
-        say(format_args!("{}: {} rows\n", self.path.display(), self.rows));
+        self.file.flush().and_then(|()| self.draft.commit()).map_err(|error| write_failure(&self.path, &error))?;
+        print_text(format_args!("{}: {} rows\n", self.path.display(), self.rows));
         Ok(())
     }
 }

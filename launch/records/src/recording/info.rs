@@ -2,8 +2,8 @@
 
 use super::reader::{Payload, RecordingReader};
 use clap::Args;
-use shared::exit::{Failure, unless};
-use shared::output::say;
+use shared::exit::{Failure, check_interrupt};
+use shared::output::print_text;
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -26,13 +26,13 @@ pub struct InfoArgs {
 pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut reader = RecordingReader::open(&args.file)?;
     if args.scene {
-        say(reader.metadata("scene"));
+        print_text(reader.metadata("scene"));
         return Ok(());
     }
     let scene = reader.scene().clone();
     let (mut counts, mut end, mut hash) = (BTreeMap::<Arc<str>, u64>::new(), 0, None);
     while let Some(message) = reader.next() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         *counts.entry(message.topic).or_default() += 1;
         end = message.time;
         if let Payload::Truth(truth) = message.payload {
@@ -40,8 +40,8 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
         }
     }
     let seconds = end as f64 * 1e-9;
-    let line = |key: &str, value: String| say(format_args!("  {key:<13}{value}\n"));
-    say(format_args!("{}\n", args.file.display()));
+    let line = |key: &str, value: String| print_text(format_args!("  {key:<13}{value}\n"));
+    print_text(format_args!("{}\n", args.file.display()));
     line("written by", format!("biped {}, wire schema {}", reader.metadata("version"), reader.metadata("schema")));
     line("begun", reader.metadata("begun").into());
     line("robot", format!("{} bodies, {:.1} kg", scene.bodies.len(), scene.bodies.iter().map(|b| b.mass).sum::<f64>()));

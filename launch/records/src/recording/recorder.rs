@@ -9,7 +9,7 @@ use messages::scene::Scene;
 use messages::wire::{Served, Stamp, Truth};
 use nix::sys::statvfs::fstatvfs;
 use shared::exit::{Exit, Failure};
-use shared::output::{alone, tell, unwritten};
+use shared::output::{lock_for_writing, log, write_failure};
 use std::fs::{File, OpenOptions};
 use std::io::Read;
 use std::os::unix::fs::FileTypeExt;
@@ -102,8 +102,8 @@ impl McapRecorder {
             return refuse("is a pipe, but a recording needs a regular file: name another file");
         }
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(path);
-        let file = file.map_err(|error| unwritten(path, &error))?;
-        let metadata = file.metadata().map_err(|error| unwritten(path, &error))?;
+        let file = file.map_err(|error| write_failure(path, &error))?;
+        let metadata = file.metadata().map_err(|error| write_failure(path, &error))?;
         let mut first_bytes = vec![];
         if metadata.is_file() && metadata.len() > 0 {
             let read = File::open(path).and_then(|file| file.take(MAGIC.len() as u64).read_to_end(&mut first_bytes));
@@ -111,13 +111,13 @@ impl McapRecorder {
                 return refuse("exists and is not a recording, so it is not overwritten: name another file");
             }
         }
-        alone(&file, || format!("another run is recording into {}: name another file", path.display()))?;
+        lock_for_writing(&file, || format!("another run is recording into {}: name another file", path.display()))?;
         let recorder = McapRecorder { path: path.into(), file, is_new, limit, scene: scene.clone(), writer: None };
         if let Some(free) = recorder.free() {
             let (free, expected) = (free + metadata.len(), scene.duration * scene.rate * BYTES_PER_PERIOD);
             if free < RESERVED_BYTES + NEXT_CHUNK_BYTES {
                 recorder.finish().map_err(|end| Failure::new(Exit::Fault, end.message))?;
-                return Err(unwritten(
+                return Err(write_failure(
                     path,
                     &format!("the disk has {} left, and a recording {LEAVES_FREE}", megabytes(free)),
                 ));
@@ -129,7 +129,7 @@ impl McapRecorder {
                 let estimate = format!(
                     "the run will take some {expected}, the disk has {free} left, and a recording {LEAVES_FREE}"
                 );
-                tell(format_args!(
+                log(format_args!(
                     "{}: {estimate}: the recording will end before the run, which goes on",
                     path.display()
                 ));
@@ -214,7 +214,7 @@ impl McapRecorder {
             None => Ok(()),
         };
         ended.map_err(|error| RecordingEnd {
-            message: unwritten(&self.path, &describe(&error)).message,
+            message: write_failure(&self.path, &describe(&error)).message,
             exit: Exit::Unrecorded,
         })
     }

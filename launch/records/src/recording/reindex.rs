@@ -5,8 +5,8 @@ use super::reader::RecordingReader;
 use super::record_stream::RecordStream;
 use mcap::records::Record;
 use mcap::{MAGIC, McapError, McapResult};
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{Draft, keeps, say, tell, unwritten};
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{AtomicFile, log, print_text, refuse_overwriting_input, write_failure};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -15,16 +15,17 @@ use std::sync::atomic::AtomicBool;
 /// # Errors
 /// See [`RecordingReader::open`]. Also if the new file cannot be written.
 pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
-    keeps(from, to)?;
+    refuse_overwriting_input(from, to)?;
     RecordingReader::open(from)?; // refuses a file that is not a recording of this program
     let mut records = messages::file::open(from)
         .map(RecordStream::new)
         .map_err(|error| Failure::new(Exit::Usage, format!("{}: cannot be opened: {error}", from.display())))?;
-    let draft = Draft::of(to, MAGIC).map_err(|error| unwritten(to, &error))?;
-    let mut file = draft.file.try_clone().map_err(McapError::from).and_then(create).map_err(|e| unwritten(to, &e))?;
+    let draft = AtomicFile::create(to, MAGIC).map_err(|error| write_failure(to, &error))?;
+    let mut file =
+        draft.file.try_clone().map_err(McapError::from).and_then(create).map_err(|e| write_failure(to, &e))?;
     let (mut unflushed_bytes, mut truncated_by) = (0, Some("the file has no index".to_string()));
     while let Some(record) = records.next() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let copied = record.and_then(|(opcode, data)| {
             unflushed_bytes += data.len();
             mcap::parse_record(opcode, data)
@@ -41,16 +42,16 @@ pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
             }
         }
         if unflushed_bytes > CHUNK_BYTES {
-            file.flush().map_err(|error| unwritten(to, &error))?;
+            file.flush().map_err(|error| write_failure(to, &error))?;
             unflushed_bytes = 0;
         }
     }
-    let summary = file.finish().map_err(|error| unwritten(to, &error))?;
-    draft.keep().map_err(|error| unwritten(to, &error))?;
+    let summary = file.finish().map_err(|error| write_failure(to, &error))?;
+    draft.commit().map_err(|error| write_failure(to, &error))?;
     let count = summary.stats.map_or(0, |stats| stats.message_count);
-    say(format_args!("{}: {count} messages, with index\n", to.display()));
+    print_text(format_args!("{}: {count} messages, with index\n", to.display()));
     if let Some(why) = truncated_by {
-        tell(format_args!("{} is cut short: {why}; {} contains everything before that", from.display(), to.display()));
+        log(format_args!("{} is cut short: {why}; {} contains everything before that", from.display(), to.display()));
     }
     Ok(())
 }

@@ -9,8 +9,8 @@ use messages::port::Action;
 use messages::scene::{LinkScene, Scene};
 use messages::wire::{Command, Stamp, Stamped, Truth};
 use plant::Simulation;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::say;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::print_text;
 use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -72,18 +72,18 @@ pub fn run(args: &ReplayArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let (what, unit) = if args.plant { ("states", "m, rad or their rates") } else { ("commands", "N·m") };
     let Comparison { count, differ, greatest, first, starts, ended_early, has_unrecorded_requests, repeated_requests } =
         comparison;
-    say(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
+    print_text(format_args!("{}: {count} {what} compared, {differ} differ\n", args.file.display()));
     if starts > 1 {
-        say(format_args!("restarted {} times, as recorded\n", starts - 1));
+        print_text(format_args!("restarted {} times, as recorded\n", starts - 1));
     }
     if repeated_requests > 0 {
-        say(format_args!("{repeated_requests} recorded requests repeated\n"));
+        print_text(format_args!("{repeated_requests} recorded requests repeated\n"));
     }
     if let Some(ended_early) = ended_early {
-        say(format_args!("{ended_early}\n"));
+        print_text(format_args!("{ended_early}\n"));
     }
     if let Some(why) = reader.truncated_by {
-        say(format_args!("the recording is cut short after that: {why}\n"));
+        print_text(format_args!("the recording is cut short after that: {why}\n"));
     }
     let hint = if has_unrecorded_requests { "; the plant answered requests that are not recorded" } else { "" };
     match first {
@@ -103,7 +103,7 @@ fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Compari
     let (mut controller, mut last, mut sensors) = (None::<Controller>, Stamp::default(), VecDeque::new());
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let Truth { stamp, command, asked, encoders, .. } = truth;
         if run.replace(stamp.run) != Some(stamp.run) {
             sensors.clear(); // sequence numbers restart with each run
@@ -164,7 +164,7 @@ fn plant(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Comparison, 
     let (mut comparison, mut truth) = (Comparison::default(), Truth::default());
     let mut simulation = None::<Simulation>;
     while reader.next_truth(&mut truth).is_some() {
-        unless(stop)?;
+        check_interrupt(stop)?;
         let Truth { stamp, command, asked: torques, telemetry, .. } = truth;
         comparison.has_unrecorded_requests |= truth.tally.requests > 0 && !reader.has_request_topic();
         let simulation = match &mut simulation {

@@ -17,7 +17,7 @@ use messages::session::Session;
 use messages::wire::{STATES, Truth};
 use serde::Deserialize;
 use shared::exit::{Exit, Failure};
-use shared::output::say;
+use shared::output::print_text;
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -50,7 +50,7 @@ pub fn run(session: &Session, address: SocketAddr, stop: &AtomicBool) -> Result<
     };
     let scene: Scene = session.scene().and_then(|text| toml::from_str(&text).ok()).ok_or_else(unknown)?;
     let server = PageServer::open(address)?;
-    say(format_args!("session {name}: open {}\n", server.url));
+    print_text(format_args!("session {name}: open {}\n", server.url));
     let page_state = Arc::new(LivePage::new(session.clone(), &scene));
     let shared = page_state.clone();
     std::thread::spawn(move || server.serve(move |method, path, query, body| shared.answer(method, path, query, body)));

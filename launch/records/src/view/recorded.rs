@@ -10,9 +10,9 @@ use hyper::Method;
 use hyper::body::Bytes;
 use messages::load;
 use messages::wire::Truth;
-use shared::exit::{Exit, Failure, unless};
-use shared::output::{keeps, say, tell, unwritten, write_whole};
-use shared::progress::Counter;
+use shared::exit::{Exit, Failure, check_interrupt};
+use shared::output::{log, print_text, refuse_overwriting_input, write_atomically, write_failure};
+use shared::progress::BatchProgress;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -35,16 +35,16 @@ pub fn run(
     stop: &AtomicBool,
 ) -> Result<(), Failure> {
     if let Some(out) = out {
-        keeps(file, out)?;
+        refuse_overwriting_input(file, out)?;
     }
     let page = page(file, quiet, stop)?;
     if let Some(out) = out {
-        write_whole(out, &page).map_err(|error| unwritten(out, &error))?;
-        say(format_args!("{}: open {}\n", file.display(), out.display()));
+        write_atomically(out, &page).map_err(|error| write_failure(out, &error))?;
+        print_text(format_args!("{}: open {}\n", file.display(), out.display()));
         return Ok(());
     }
     let server = PageServer::open(address)?;
-    say(format_args!("{}: open {}\n", file.display(), server.url));
+    print_text(format_args!("{}: open {}\n", file.display(), server.url));
     let page = Bytes::from(page);
     std::thread::spawn(move || {
         server.serve(move |method, path, _, _| match (method, path) {
@@ -64,7 +64,7 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
     let scene = reader.scene().clone();
     let (mut analysis, mut truth, mut runs, mut count) = (RunAnalysis::new(&scene), Truth::default(), 0, 0);
     let megabytes = std::fs::metadata(file).map_or(0, |metadata| metadata.len() >> 20);
-    let progress = Counter::new(quiet, megabytes as usize, 0, "MB");
+    let progress = BatchProgress::new(quiet, megabytes as usize, 0, "MB");
     let mut run = None;
     while reader.next_truth(&mut truth).is_some() {
         if run.replace(truth.stamp.run) != Some(truth.stamp.run) {
@@ -73,8 +73,8 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
         analysis.push(&truth);
         count += 1;
         if count % RECORDS_PER_UPDATE == 0 {
-            progress.reach(reader.bytes_read() >> 20);
-            unless(stop)?;
+            progress.set_done(reader.bytes_read() >> 20);
+            check_interrupt(stop)?;
         }
     }
     progress.finish();
@@ -82,12 +82,12 @@ fn page(file: &Path, quiet: bool, stop: &AtomicBool) -> Result<String, Failure> 
         return Err(Failure::new(Exit::Usage, format!("{}: the recording contains no valid records", file.display())));
     }
     if runs > 1 {
-        tell(format_args!("{} contains {runs} runs: the page shows the last one", file.display()));
+        log(format_args!("{} contains {runs} runs: the page shows the last one", file.display()));
     }
     let name = file.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     let mut summary = Summary::new(&name, &analysis, Duration::ZERO, 0);
     if let Some(why) = reader.truncated_by {
-        tell(format_args!("{} is cut short: {why}; the page shows everything before that", file.display()));
+        log(format_args!("{} is cut short: {why}; the page shows everything before that", file.display()));
         summary.cut_short_by = Some("the recording ends here");
     }
     Ok(report::page(&report::figures(&analysis), &analysis, &summary, &scene, &load::text(&scene)))

@@ -7,7 +7,7 @@ use hyper::service::service_fn;
 use hyper_util::rt::{TokioIo, TokioTimer};
 use rustix::net::sockopt::set_tcp_user_timeout;
 use shared::exit::{Exit, Failure};
-use shared::output::tell;
+use shared::output::log;
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -63,7 +63,7 @@ impl PageServer {
         let access = AccessControl::new(address.ip()).map_err(refuse)?;
         let url_address = SocketAddr::new(reachable_address(address.ip()), address.port());
         if !address.ip().is_loopback() {
-            tell(format_args!(
+            log(format_args!(
                 "warning: the page listens on {address} without encryption: anybody who knows its URL with the token, or \
                  intercepts the traffic, can watch and control the session"
             ));

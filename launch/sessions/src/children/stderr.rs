@@ -1,30 +1,31 @@
-//! What a child process writes to its standard error: shown line by line as it comes. Neither bytes that are no text, nor long
-//! lines, nor many of them can do harm: a line is cut, and only the last error is kept.
+//! Standard error of a child process: forwarded line by line, with the last error kept for the final message. Output of any kind is
+//! harmless: invalid UTF-8 is replaced, long lines are cut, and the kept error is bounded.
 
 use shared::output::printable;
 use std::io::{self, BufRead, BufReader, Read};
 use std::thread::JoinHandle;
 
-/// The rest of a longer line is dropped [bytes]. A terminal has lines of 80 to 300.
-const LONGEST_LINE: usize = 1000;
-/// Of a text that is kept whole [bytes].
-const LONGEST_TEXT: u64 = 1 << 16;
-/// So many lines of an error are kept for the sentence at the end: a refusal has up to six. Further ones are shown.
-const KEPT: usize = 20;
+/// Longest forwarded line; the rest is dropped [bytes]. Terminals show 80 to 300.
+const MAX_LINE_BYTES: usize = 1000;
+/// Longest text that [`read_stderr`] returns [bytes].
+const MAX_TEXT_BYTES: u64 = 1 << 16;
+/// Most lines of an error that are kept for the final message; further lines are forwarded. Errors of this program have up to 6.
+const MAX_ERROR_LINES: usize = 20;
 
-/// Whose program a child is.
+/// Whether a child is this program or a foreign one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Author {
-    /// A role of this program. Its error is its last word, and is told at the end, by whoever started it.
-    Ours,
-    /// Somebody else. All lines are shown at once; what they say of the end is told again in one line.
+pub enum Origin {
+    /// This program in another role. Its error is its last output; it is not forwarded, but becomes part of the final message.
+    Own,
+    /// A foreign program. All lines are forwarded; the key line of its last error becomes part of the final message too.
     Foreign,
 }
 
-/// Reads until the child closes it; returns the lines of its last error.
-pub fn listen(
+/// Reads standard error in a thread until the child closes it, and forwards lines to `show`. The thread returns the lines of the last
+/// error.
+pub fn forward(
     stderr: impl Read + Send + 'static,
-    author: Author,
+    origin: Origin,
     show: impl Fn(&str) + Send + 'static,
 ) -> JoinHandle<Vec<String>> {
     std::thread::spawn(move || {
@@ -32,59 +33,62 @@ pub fn listen(
         let mut error: Vec<String> = Vec::new();
         let mut last = String::new();
         while let Ok(Some(line)) = next_line(&mut stderr) {
-            let begins = line.starts_with("error: ") || is_a_crash(&line);
-            if begins && author == Author::Foreign {
+            let is_error_start = line.starts_with("error: ") || is_crash_header(&line);
+            if is_error_start && origin == Origin::Foreign {
                 error.clear();
             }
-            // An error may have more lines, such as the caret under a word.
-            let kept = (begins || !error.is_empty()) && error.len() < KEPT;
-            if !kept || author == Author::Foreign {
+            // An error may have several lines, for example an excerpt of a file.
+            let is_kept = (is_error_start || !error.is_empty()) && error.len() < MAX_ERROR_LINES;
+            if !is_kept || origin == Origin::Foreign {
                 show(&line);
             }
-            if kept {
+            if is_kept {
                 error.push(line.strip_prefix("error: ").unwrap_or(&line).into());
             }
             last = line;
         }
-        match author {
-            Author::Ours => error,
-            Author::Foreign => gist(&error, last).into_iter().collect(),
+        match origin {
+            Origin::Own => error,
+            Origin::Foreign => key_line(&error, last).into_iter().collect(),
         }
     })
 }
 
-/// Reads until the child closes it; returns what fits on a few pages.
-pub fn hear(stderr: impl Read) -> String {
+/// Reads standard error until the child closes it, and returns its first [`MAX_TEXT_BYTES`].
+pub fn read_stderr(stderr: impl Read) -> String {
     let (mut stderr, mut bytes) = (stderr, Vec::new());
-    // Until the child ends: what nobody reads any more would block or kill it.
-    let _ =
-        stderr.by_ref().take(LONGEST_TEXT).read_to_end(&mut bytes).and_then(|_| io::copy(&mut stderr, &mut io::sink()));
+    // The rest is read too: a full or closed pipe would block or kill the child.
+    let _ = stderr
+        .by_ref()
+        .take(MAX_TEXT_BYTES)
+        .read_to_end(&mut bytes)
+        .and_then(|_| io::copy(&mut stderr, &mut io::sink()));
     String::from_utf8_lossy(&bytes).into_owned()
 }
 
-/// The line that says most: of a Python exception the last one, of a panic the one after its place, else the first.
-fn gist(error: &[String], last: String) -> Option<String> {
+/// The most informative line of an error: the last one of a Python exception, the second one of a panic, otherwise the first one.
+fn key_line(error: &[String], last: String) -> Option<String> {
     match error.first()? {
         first if first.starts_with("Traceback ") => Some(last),
-        first if is_a_crash(first) => error.get(1).or(Some(first)).cloned(),
+        first if is_crash_header(first) => error.get(1).or(Some(first)).cloned(),
         first => Some(first.clone()),
     }
 }
 
-/// The first line of a panic, or of what Python says when it ends by an exception.
-fn is_a_crash(line: &str) -> bool {
+/// Whether a line begins the message of a Rust panic or of an uncaught Python exception.
+fn is_crash_header(line: &str) -> bool {
     line.starts_with("thread '") || line.starts_with("Traceback ")
 }
 
-/// The next line without its end, cut and printable; nothing after the last.
+/// The next line without its line end, cut and printable; `None` at the end.
 fn next_line(input: &mut impl BufRead) -> io::Result<Option<String>> {
     let mut bytes = Vec::new();
-    input.by_ref().take(LONGEST_LINE as u64).read_until(b'\n', &mut bytes)?;
+    input.by_ref().take(MAX_LINE_BYTES as u64).read_until(b'\n', &mut bytes)?;
     if bytes.is_empty() {
         return Ok(None);
     }
     let ended = bytes.last() == Some(&b'\n');
-    let is_cut = !ended && bytes.len() == LONGEST_LINE;
+    let is_cut = !ended && bytes.len() == MAX_LINE_BYTES;
     if is_cut {
         input.skip_until(b'\n')?;
     }
@@ -97,55 +101,56 @@ mod tests {
     use super::*;
     use std::sync::{Arc, Mutex};
 
-    /// What is shown and what is kept of this.
-    fn heard(author: Author, text: &'static [u8]) -> (Vec<String>, Vec<String>) {
+    /// Forwards a text; returns the lines that are shown and those that are kept.
+    fn forwarded(origin: Origin, text: &'static [u8]) -> (Vec<String>, Vec<String>) {
         let shown = Arc::new(Mutex::new(Vec::new()));
         let lines = shown.clone();
-        let kept = listen(text, author, move |line| lines.lock().expect("no panic").push(line.into()));
+        let kept = forward(text, origin, move |line| lines.lock().expect("no panic").push(line.into()));
         let kept = kept.join().expect("no panic");
         (Arc::into_inner(shown).expect("the last").into_inner().expect("no panic"), kept)
     }
 
     #[test]
-    fn bytes_that_are_no_text_and_escapes_are_shown_as_such() {
-        let (shown, kept) = heard(Author::Foreign, b"one\n\xff\xfe two \x1b[2J\nthree");
+    fn invalid_utf8_and_control_characters_are_shown_escaped() {
+        let (shown, kept) = forwarded(Origin::Foreign, b"one\n\xff\xfe two \x1b[2J\nthree");
         assert_eq!(shown, ["one", "\u{fffd}\u{fffd} two \\u{1b}[2J", "three"]);
         assert!(kept.is_empty());
     }
 
     #[test]
-    fn after_an_error_of_somebody_elses_program_all_is_shown_still_and_the_last_error_is_kept() {
-        let (shown, kept) = heard(Author::Foreign, b"error: one\nmore\nerror: two\nand more\n");
+    fn all_lines_of_a_foreign_program_are_shown_and_its_last_error_is_kept() {
+        let (shown, kept) = forwarded(Origin::Foreign, b"error: one\nmore\nerror: two\nand more\n");
         assert_eq!(shown, ["error: one", "more", "error: two", "and more"]);
         assert_eq!(kept, ["two"]);
-        let (_, kept) = heard(Author::Foreign, b"Traceback (most recent call last):\n  File x\nValueError: no legs\n");
+        let (_, kept) =
+            forwarded(Origin::Foreign, b"Traceback (most recent call last):\n  File x\nValueError: no legs\n");
         assert_eq!(kept, ["ValueError: no legs"]);
-        let (_, kept) = heard(Author::Foreign, b"thread 'main' panicked at x.rs:1:1:\nno legs\nnote: run with\n");
+        let (_, kept) = forwarded(Origin::Foreign, b"thread 'main' panicked at x.rs:1:1:\nno legs\nnote: run with\n");
         assert_eq!(kept, ["no legs"]);
     }
 
     #[test]
-    fn of_ours_the_error_is_kept_whole_but_never_more_than_a_page() {
-        let (shown, kept) = heard(Author::Ours, b"warm\nerror: one\n  ^\n");
+    fn an_error_of_this_program_is_kept_up_to_the_maximal_number_of_lines() {
+        let (shown, kept) = forwarded(Origin::Own, b"warm\nerror: one\n  ^\n");
         assert_eq!((shown, kept), (vec!["warm".into()], vec!["one".to_string(), "  ^".into()]));
         let many = "error: one\n".to_string() + &"more\n".repeat(100);
-        let (shown, kept) = heard(Author::Ours, many.leak().as_bytes());
-        assert_eq!((shown.len(), kept.len()), (101 - KEPT, KEPT));
+        let (shown, kept) = forwarded(Origin::Own, many.leak().as_bytes());
+        assert_eq!((shown.len(), kept.len()), (101 - MAX_ERROR_LINES, MAX_ERROR_LINES));
     }
 
     #[test]
-    fn a_long_text_that_is_none_is_read_to_its_end() {
+    fn a_long_text_of_invalid_utf8_is_read_to_its_end() {
         let mut endless = io::repeat(0xff).take(1 << 28);
-        assert!(hear(&mut endless).starts_with("\u{fffd}"));
+        assert!(read_stderr(&mut endless).starts_with("\u{fffd}"));
         assert_eq!(endless.limit(), 0);
     }
 
     #[test]
-    fn a_line_without_an_end_is_cut_and_takes_no_memory() {
+    fn a_line_without_an_end_is_cut_without_using_memory() {
         let endless = io::repeat(b'x').take(1 << 30).chain(&b"\nlast\n"[..]);
         let mut input = BufReader::new(endless);
         let line = next_line(&mut input).expect("no fault").expect("a line");
-        assert_eq!(line.chars().count(), LONGEST_LINE + 2);
+        assert_eq!(line.chars().count(), MAX_LINE_BYTES + 2);
         assert_eq!(next_line(&mut input).expect("no fault").as_deref(), Some("last"));
     }
 }

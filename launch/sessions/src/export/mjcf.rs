@@ -1,6 +1,6 @@
 //! A robot and its ground as MJCF.
 
-use super::robot::{Part, Robot, kind, numbers};
+use super::robot::{ExportBody, ExportRobot, POINT_RADIUS, joint_type, numbers};
 use messages::scene::{Base, Scene};
 use nalgebra::{Quaternion, Rotation3, UnitQuaternion, Vector3};
 use plant::PlantError;
@@ -10,8 +10,8 @@ use plant::state::State;
 /// The whole file.
 ///
 /// # Errors
-/// An initial state that is refused.
-pub fn text(scene: &Scene, robot: &Robot) -> Result<String, PlantError> {
+/// If the initial state is invalid.
+pub fn text(scene: &Scene, robot: &ExportRobot) -> Result<String, PlantError> {
     let plant = &scene.plant;
     let mut out = format!(
         "<mujoco model=\"biped\">\n  <!-- Made by `biped export mjcf`. Frames are parallel at zero angles: x forward, y \
@@ -23,71 +23,73 @@ pub fn text(scene: &Scene, robot: &Robot) -> Result<String, PlantError> {
         plant.dt,
         plant.friction,
     );
-    body(&mut out, scene, robot, robot.base, 2);
+    add_body(&mut out, scene, robot, robot.base, 2);
     out += "  </worldbody>\n  <actuator>\n";
-    for (part, _) in robot.joints() {
-        let joint = part.joint_name();
+    for (body, _) in robot.joints() {
+        let joint = body.joint_name();
         let limit = plant.torque_limit;
-        out += &format!("    <motor name=\"{}_motor\" joint=\"{joint}\" ctrlrange=\"-{limit} {limit}\"/>\n", part.name);
+        out += &format!("    <motor name=\"{}_motor\" joint=\"{joint}\" ctrlrange=\"-{limit} {limit}\"/>\n", body.name);
     }
     out += "  </actuator>\n  <sensor>\n";
-    for (part, _) in robot.joints() {
-        out += &format!("    <jointpos name=\"{}_encoder\" joint=\"{}\"/>\n", part.name, part.joint_name());
+    for (body, _) in robot.joints() {
+        out += &format!("    <jointpos name=\"{}_encoder\" joint=\"{}\"/>\n", body.name, body.joint_name());
     }
     out += "  </sensor>\n  <keyframe>\n";
-    let (qpos, qvel) = start(scene)?;
+    let (qpos, qvel) = initial_state(scene)?;
     out += &format!("    <key name=\"start\" qpos=\"{}\" qvel=\"{}\"/>\n", numbers(qpos), numbers(qvel));
     Ok(out + "  </keyframe>\n</mujoco>\n")
 }
 
-/// The scene's initial state as MuJoCo counts it: a free base turns in its own axes, and joints come depth first.
-fn start(scene: &Scene) -> Result<(Vec<f64>, Vec<f64>), PlantError> {
+/// The initial state in MuJoCo's coordinates: the angular velocity of a free base is in the body frame, and joints are in depth-first
+/// order.
+fn initial_state(scene: &Scene) -> Result<(Vec<f64>, Vec<f64>), PlantError> {
     let mut scene = scene.clone();
     if scene.plant.base == Base::Virtual {
         scene.plant.base = Base::Quaternion;
     }
     let State { x, mut xdot } = State::initial(&Model::new(&scene)?, &scene.initial)?;
     if scene.plant.base == Base::Quaternion {
-        let turn = UnitQuaternion::new_normalize(Quaternion::new(x[3], x[4], x[5], x[6]));
-        let spin = turn.inverse_transform_vector(&Vector3::new(xdot[3], xdot[4], xdot[5]));
-        xdot[3..6].copy_from_slice(spin.as_slice());
+        let rotation = UnitQuaternion::new_normalize(Quaternion::new(x[3], x[4], x[5], x[6]));
+        let body_rate = rotation.inverse_transform_vector(&Vector3::new(xdot[3], xdot[4], xdot[5]));
+        xdot[3..6].copy_from_slice(body_rate.as_slice());
     }
     Ok((x, xdot))
 }
 
-/// A body with all that hangs from it.
-fn body(out: &mut String, scene: &Scene, robot: &Robot, index: usize, depth: usize) {
-    let part = &robot.parts[index];
+/// Writes a body and, inside it, its children.
+fn add_body(out: &mut String, scene: &Scene, robot: &ExportRobot, index: usize, depth: usize) {
+    let body = &robot.bodies[index];
     let indent = "  ".repeat(depth);
-    let place = match &part.joint {
+    let pose = match &body.joint {
         Some(joint) => format!("pos=\"{}\"", numbers(joint.at)),
-        None => mount(scene, robot),
+        None => base_pose(scene, robot),
     };
-    *out += &format!("{indent}<body name=\"{}\" {place}>\n", part.name);
-    for line in joints(scene, part).into_iter().chain([inertial(part)]).chain(shapes(part)) {
+    *out += &format!("{indent}<body name=\"{}\" {pose}>\n", body.name);
+    for line in joints(scene, body).into_iter().chain([inertial(body)]).chain(shapes(body)) {
         *out += &format!("{indent}  {line}\n");
     }
     for child in robot.children(index) {
-        body(out, scene, robot, child, depth + 1);
+        add_body(out, scene, robot, child, depth + 1);
     }
     *out += &format!("{indent}</body>\n");
 }
 
-/// Where the base is before its own joints move it.
-fn mount(scene: &Scene, robot: &Robot) -> String {
+/// The pose of the base at zero coordinates.
+fn base_pose(scene: &Scene, robot: &ExportRobot) -> String {
     let model = &robot.model;
-    let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(model.mount_rotation));
-    let quaternion = numbers([turn.w, turn.i, turn.j, turn.k]);
+    let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(model.mount_rotation));
+    let quaternion = numbers([rotation.w, rotation.i, rotation.j, rotation.k]);
     match scene.plant.base {
         Base::Fixed => format!("pos=\"{}\" quat=\"{quaternion}\"", numbers(model.mount_position.iter().copied())),
         Base::Planar => format!("pos=\"{}\"", numbers(model.mount_position.iter().copied())),
-        Base::Virtual | Base::Quaternion => String::new(), // the keyframe has it
+        Base::Virtual | Base::Quaternion => String::new(), // it is in the keyframe
     }
 }
 
-fn joints(scene: &Scene, part: &Part) -> Vec<String> {
+/// The joint of a body, or the joints of the base.
+fn joints(scene: &Scene, body: &ExportBody) -> Vec<String> {
     let plant = &scene.plant;
-    let Some(joint) = &part.joint else {
+    let Some(joint) = &body.joint else {
         let slide = |name, axis| format!("<joint name=\"{name}\" type=\"slide\" axis=\"{axis}\"/>");
         return match plant.base {
             Base::Fixed => vec![],
@@ -105,44 +107,44 @@ fn joints(scene: &Scene, part: &Part) -> Vec<String> {
     }
     vec![format!(
         "<joint name=\"{}\" type=\"{}\" axis=\"{}\" armature=\"{}\" damping=\"{}\"{spring}/>",
-        part.joint_name(),
-        kind(joint, "hinge", "slide"),
+        body.joint_name(),
+        joint_type(joint, "hinge", "slide"),
         numbers(joint.axis),
         plant.drive_inertia,
         plant.joint_damping + joint.damping,
     )]
 }
 
-fn inertial(part: &Part) -> String {
-    let i = &part.inertia;
+fn inertial(body: &ExportBody) -> String {
+    let i = &body.inertia;
     let products = [i[(0, 1)], i[(0, 2)], i[(1, 2)]];
     let moments = match products == [0.0; 3] {
         true => format!("diaginertia=\"{}\"", numbers([i[(0, 0)], i[(1, 1)], i[(2, 2)]])),
         false => format!("fullinertia=\"{}\"", numbers([i[(0, 0)], i[(1, 1)], i[(2, 2)]].into_iter().chain(products))),
     };
-    format!("<inertial pos=\"{}\" mass=\"{}\" {moments}/>", numbers(part.com.iter().copied()), part.mass)
+    format!("<inertial pos=\"{}\" mass=\"{}\" {moments}/>", numbers(body.com.iter().copied()), body.mass)
 }
 
-/// What is drawn, and what touches the ground.
-fn shapes(part: &Part) -> Vec<String> {
-    let half = part.size.map(|side| 0.5 * side);
+/// The visual box and the contact spheres of a body.
+fn shapes(body: &ExportBody) -> Vec<String> {
+    let half = body.size.map(|side| 0.5 * side);
     let mut shapes = vec![];
     if half.iter().all(|&side| side > 0.0) {
         shapes.push(format!(
             "<geom type=\"box\" pos=\"{}\" size=\"{}\" group=\"2\"/>",
-            numbers(part.middle),
+            numbers(body.box_center),
             numbers(half)
         ));
     }
-    for (k, ball) in part.touching.iter().enumerate() {
-        let [x, y, z] = ball.at;
+    for (k, sphere) in body.spheres.iter().enumerate() {
+        let [x, y, z] = sphere.at;
         shapes.push(format!(
             "<geom type=\"sphere\" pos=\"{}\" size=\"{}\" contype=\"1\" conaffinity=\"2\" group=\"3\"/>",
-            numbers(ball.at),
-            ball.radius
+            numbers(sphere.at),
+            sphere.radius
         ));
-        if ball.radius == super::robot::POINT {
-            shapes.push(format!("<site name=\"{}_{k}\" pos=\"{}\"/>", part.name, numbers([x, y, z - ball.radius])));
+        if sphere.radius == POINT_RADIUS {
+            shapes.push(format!("<site name=\"{}_{k}\" pos=\"{}\"/>", body.name, numbers([x, y, z - sphere.radius])));
         }
     }
     shapes

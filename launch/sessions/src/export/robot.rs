@@ -1,4 +1,4 @@
-//! A robot as other programs describe it: bodies, joints and balls, the payload being part of its body.
+//! A robot in the form that URDF and MJCF share: bodies, joints and contact spheres. The payload is part of its body.
 
 use messages::robot::{Joint, JointKind, Sphere};
 use messages::scene::Scene;
@@ -6,94 +6,96 @@ use nalgebra::{Matrix3, Vector3};
 use plant::PlantError;
 use plant::model::Model;
 
-/// Radius of the ball that stands for a point [m].
-pub const POINT: f64 = 1e-3;
+/// Radius of the sphere that represents a contact point [m]: small compared with a foot.
+pub const POINT_RADIUS: f64 = 1e-3;
 
-/// A scene's bodies, in its order, the payload being part of them.
-pub struct Robot {
-    pub parts: Vec<Part>,
+/// The bodies of a scene, in the order of the scene.
+pub struct ExportRobot {
+    pub bodies: Vec<ExportBody>,
+    /// Index of the base body, which has no joint.
     pub base: usize,
     pub model: Model,
 }
 
-/// A body.
-pub struct Part {
+/// A body with its payload.
+pub struct ExportBody {
     pub name: String,
     pub mass: f64,
     pub com: Vector3<f64>,
     /// About the centre of mass, in the body's axes [kg·m²].
     pub inertia: Matrix3<f64>,
-    /// The box that is drawn, and its centre [m].
+    /// Size of the visual box [m].
     pub size: [f64; 3],
-    pub middle: [f64; 3],
+    /// Centre of the visual box [m].
+    pub box_center: [f64; 3],
     pub joint: Option<Joint>,
     pub parent: Option<usize>,
-    pub touching: Vec<Sphere>,
+    pub spheres: Vec<Sphere>,
 }
 
-impl Robot {
-    pub fn new(scene: &Scene) -> Result<Robot, PlantError> {
+impl ExportRobot {
+    pub fn new(scene: &Scene) -> Result<ExportRobot, PlantError> {
         let model = Model::new(scene)?;
         let index = |name: &str| scene.bodies.iter().position(|body| body.name == name);
-        let part = |(body, &link): (&messages::robot::Body, &usize)| {
+        let export = |(body, &link): (&messages::robot::Body, &usize)| {
             let link = &model.links[link];
             let arm = link.payload_arm;
             let payload = link.reduced_mass * (Matrix3::identity() * arm.norm_squared() - arm * arm.transpose());
-            Part {
-                name: plain(&body.name),
+            ExportBody {
+                name: identifier(&body.name),
                 mass: link.mass,
                 com: link.com,
                 inertia: Matrix3::from_diagonal(&link.moments) + payload,
                 size: body.size,
-                middle: body.com,
+                box_center: body.com,
                 parent: body.joint.as_ref().and_then(|joint| index(&joint.parent)),
                 joint: body.joint.clone(),
-                touching: body.contact_spheres().map(ball).collect(),
+                spheres: body.contact_spheres().map(contact_sphere).collect(),
             }
         };
-        let parts: Vec<Part> = scene.bodies.iter().zip(&model.body_link).map(part).collect();
-        let base = parts.iter().position(|part| part.joint.is_none()).unwrap_or_default();
-        Ok(Robot { parts, base, model })
+        let bodies: Vec<ExportBody> = scene.bodies.iter().zip(&model.body_link).map(export).collect();
+        let base = bodies.iter().position(|body| body.joint.is_none()).unwrap_or_default();
+        Ok(ExportRobot { bodies, base, model })
     }
 
-    /// The bodies that hang from one.
+    /// The children of a body in the kinematic tree.
     pub fn children(&self, parent: usize) -> impl Iterator<Item = usize> + '_ {
-        (0..self.parts.len()).filter(move |&child| self.parts[child].parent == Some(parent))
+        (0..self.bodies.len()).filter(move |&child| self.bodies[child].parent == Some(parent))
     }
 
-    /// Body and joint, in wire order.
-    pub fn joints(&self) -> impl Iterator<Item = (&Part, &Joint)> {
-        self.parts.iter().filter_map(|part| part.joint.as_ref().map(|joint| (part, joint)))
+    /// Each joint with the body that it moves, in wire order.
+    pub fn joints(&self) -> impl Iterator<Item = (&ExportBody, &Joint)> {
+        self.bodies.iter().filter_map(|body| body.joint.as_ref().map(|joint| (body, joint)))
     }
 }
 
-impl Part {
-    /// Name of the joint that carries it.
+impl ExportBody {
+    /// Name of the joint between it and its parent.
     pub fn joint_name(&self) -> String {
         format!("{}_joint", self.name)
     }
 }
 
-/// What stands for something that may touch the ground.
-pub fn ball(touching: Sphere) -> Sphere {
-    let [x, y, z] = touching.at;
-    if touching.radius > 0.0 { touching } else { Sphere { at: [x, y, z + POINT], radius: POINT } }
+/// The sphere that represents a contact. A contact point lies at the bottom of its sphere.
+pub fn contact_sphere(contact: Sphere) -> Sphere {
+    let [x, y, z] = contact.at;
+    if contact.radius > 0.0 { contact } else { Sphere { at: [x, y, z + POINT_RADIUS], radius: POINT_RADIUS } }
 }
 
-/// A name that every reader takes.
-pub fn plain(name: &str) -> String {
+/// A name that all readers accept: letters, digits and underscores.
+pub fn identifier(name: &str) -> String {
     name.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '_' }).collect()
 }
 
-/// Numbers with spaces between them; they read back exactly.
+/// Numbers separated by spaces, in decimals that parse back to the same bits.
 pub fn numbers(values: impl IntoIterator<Item = f64>) -> String {
     values.into_iter().map(|value| value.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-/// One of two words.
-pub fn kind<'a>(joint: &Joint, turns: &'a str, slides: &'a str) -> &'a str {
+/// The name of a joint's type: `revolute` or `prismatic`, as the format calls them.
+pub fn joint_type<'a>(joint: &Joint, revolute: &'a str, prismatic: &'a str) -> &'a str {
     match joint.kind {
-        JointKind::Revolute => turns,
-        JointKind::Prismatic => slides,
+        JointKind::Revolute => revolute,
+        JointKind::Prismatic => prismatic,
     }
 }

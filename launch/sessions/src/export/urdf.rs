@@ -1,35 +1,40 @@
 //! A robot as URDF.
 
-use super::robot::{Part, Robot, kind, numbers, plain};
+use super::robot::{ExportBody, ExportRobot, identifier, joint_type, numbers};
 use messages::robot::Joint;
 use messages::scene::{Base, Scene};
 
+/// Position limits of all joints [rad or m], and velocity limits [rad/s or m/s]. URDF requires limits, but this robot has none, so they
+/// are far outside its range.
+const UNLIMITED_POSITION: f64 = 100.0;
+const UNLIMITED_VELOCITY: f64 = 1000.0;
+
 /// The whole file.
-pub fn text(scene: &Scene, robot: &Robot) -> String {
+pub fn text(scene: &Scene, robot: &ExportRobot) -> String {
     let mut out = String::from(
         "<?xml version=\"1.0\"?>\n<!-- Made by `biped export urdf`. Frames are parallel at zero angles: x forward, y \
          left, z up. -->\n",
     );
-    let name = plain(scene.robot.as_deref().unwrap_or("biped"));
+    let name = identifier(scene.robot.as_deref().unwrap_or("biped"));
     out += &format!("<robot name=\"{name}\" xmlns:drake=\"http://drake.mit.edu\">\n");
     let limit = scene.plant.torque_limit;
-    for part in &robot.parts {
-        link(&mut out, part);
+    for body in &robot.bodies {
+        add_link(&mut out, body);
     }
     if scene.plant.base == Base::Fixed {
         let position = numbers(robot.model.mount_position.iter().copied());
-        let turn = numbers(scene.initial.orientation_deg.map(f64::to_radians));
+        let rotation = numbers(scene.initial.orientation_deg.map(f64::to_radians));
         out += &format!(
             "  <link name=\"world\"/>\n  <joint name=\"mount\" type=\"fixed\">\n    <parent link=\"world\"/>\n    <child \
-             link=\"{}\"/>\n    <origin xyz=\"{position}\" rpy=\"{turn}\"/>\n  </joint>\n",
-            robot.parts[robot.base].name
+             link=\"{}\"/>\n    <origin xyz=\"{position}\" rpy=\"{rotation}\"/>\n  </joint>\n",
+            robot.bodies[robot.base].name
         );
     }
-    for (part, own) in robot.joints() {
-        joint(&mut out, robot, part, own, limit, own.damping + scene.plant.joint_damping);
+    for (body, joint) in robot.joints() {
+        add_joint(&mut out, robot, body, joint, limit, joint.damping + scene.plant.joint_damping);
     }
-    for (part, _) in robot.joints() {
-        let name = part.joint_name();
+    for (body, _) in robot.joints() {
+        let name = body.joint_name();
         out += &format!(
             "  <transmission name=\"{name}_drive\">\n    <type>transmission_interface/SimpleTransmission</type>\n    <joint \
              name=\"{name}\"/>\n    <actuator name=\"{name}_motor\">\n      <drake:rotor_inertia value=\"{}\"/>\n      \
@@ -40,15 +45,15 @@ pub fn text(scene: &Scene, robot: &Robot) -> String {
     out + "</robot>\n"
 }
 
-fn link(out: &mut String, part: &Part) {
-    let i = &part.inertia;
-    let (com, middle, size) = (numbers(part.com.iter().copied()), numbers(part.middle), numbers(part.size));
+fn add_link(out: &mut String, body: &ExportBody) {
+    let i = &body.inertia;
+    let (com, center, size) = (numbers(body.com.iter().copied()), numbers(body.box_center), numbers(body.size));
     *out += &format!(
         "  <link name=\"{}\">\n    <inertial>\n      <origin xyz=\"{com}\"/>\n      <mass value=\"{}\"/>\n      <inertia \
          ixx=\"{}\" ixy=\"{}\" ixz=\"{}\" iyy=\"{}\" iyz=\"{}\" izz=\"{}\"/>\n    </inertial>\n    <visual>\n      \
-         <origin xyz=\"{middle}\"/>\n      <geometry><box size=\"{size}\"/></geometry>\n    </visual>\n",
-        part.name,
-        part.mass,
+         <origin xyz=\"{center}\"/>\n      <geometry><box size=\"{size}\"/></geometry>\n    </visual>\n",
+        body.name,
+        body.mass,
         i[(0, 0)],
         i[(0, 1)],
         i[(0, 2)],
@@ -56,27 +61,27 @@ fn link(out: &mut String, part: &Part) {
         i[(1, 2)],
         i[(2, 2)],
     );
-    for ball in &part.touching {
+    for sphere in &body.spheres {
         *out += &format!(
             "    <collision>\n      <origin xyz=\"{}\"/>\n      <geometry><sphere radius=\"{}\"/></geometry>\n    \
              </collision>\n",
-            numbers(ball.at),
-            ball.radius
+            numbers(sphere.at),
+            sphere.radius
         );
     }
     *out += "  </link>\n";
 }
 
-fn joint(out: &mut String, robot: &Robot, part: &Part, own: &Joint, limit: f64, damping: f64) {
-    let parent = part.parent.map_or("", |parent| &robot.parts[parent].name);
+fn add_joint(out: &mut String, robot: &ExportRobot, body: &ExportBody, joint: &Joint, limit: f64, damping: f64) {
+    let parent = body.parent.map_or("", |parent| &robot.bodies[parent].name);
     *out += &format!(
         "  <joint name=\"{}\" type=\"{}\">\n    <parent link=\"{parent}\"/>\n    <child link=\"{}\"/>\n    <origin \
-         xyz=\"{}\"/>\n    <axis xyz=\"{}\"/>\n    <limit lower=\"-100\" upper=\"100\" effort=\"{limit}\" \
-         velocity=\"1000\"/>\n    <dynamics damping=\"{damping}\"/>\n  </joint>\n",
-        part.joint_name(),
-        kind(own, "revolute", "prismatic"),
-        part.name,
-        numbers(own.at),
-        numbers(own.axis),
+         xyz=\"{}\"/>\n    <axis xyz=\"{}\"/>\n    <limit lower=\"-{UNLIMITED_POSITION}\" upper=\"{UNLIMITED_POSITION}\" effort=\"{limit}\" \
+         velocity=\"{UNLIMITED_VELOCITY}\"/>\n    <dynamics damping=\"{damping}\"/>\n  </joint>\n",
+        body.joint_name(),
+        joint_type(joint, "revolute", "prismatic"),
+        body.name,
+        numbers(joint.at),
+        numbers(joint.axis),
     );
 }

@@ -5,7 +5,7 @@ use crate::swap::Swap;
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
 use records::recording::RecordArgs;
-use shared::args::{PaceArgs, SceneArgs};
+use shared::args::{DEFAULT_PATIENCE, PaceArgs, SceneArgs};
 use std::path::PathBuf;
 
 /// Arguments of `biped run`.
@@ -22,41 +22,41 @@ pub struct RunArgs {
     pub(super) out: Option<PathBuf>,
     #[command(flatten)]
     pub(super) record: RecordArgs,
-    /// Name of the session, for `biped pause`, `push` and the like; without it, one that nobody else has
+    /// Name of the session, for `biped pause`, `push` and other requests; by default a unique name
     #[arg(long, conflicts_with = "in_process")]
     pub(super) session: Option<String>,
-    /// Start a plant or controller that dies anew, up to so many times: a new plant begins anew, a new controller goes on
-    /// amid the step
+    /// Restart a crashed plant or controller, at most this many times. A new plant starts a new run; a new controller
+    /// continues the walk within the step
     #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
     pub(super) respawn: u32,
-    /// Program to be the controller, with its arguments: it finds the session in its environment, see docs/WIRE.md
+    /// Foreign program to use as the controller, with its arguments. It gets the session by environment variables, see docs/WIRE.md
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process", value_parser = NonEmptyStringValueParser::new())]
     pub(super) controller: Option<String>,
-    /// Program to be the plant, likewise: another simulator, or a robot's driver
+    /// Foreign program to use as the plant, with its arguments: another simulator, or the driver of a robot
     #[arg(long, value_name = "COMMAND", conflicts_with = "in_process", value_parser = NonEmptyStringValueParser::new())]
     pub(super) plant: Option<String>,
-    /// Let another controller take over at this simulated time, as the robot walks on; COMMAND as for --controller, `biped
-    /// controller` being ours; repeatable
+    /// Let another controller take over at this simulated time while the robot walks. COMMAND is as for --controller; `biped
+    /// controller` is the built-in one; repeatable
     #[arg(long, value_name = "SECONDS=COMMAND", conflicts_with = "in_process")]
     pub(super) swap: Vec<Swap>,
     /// Show no progress
     #[arg(long)]
     pub(super) quiet: bool,
-    /// Run plant and controller in this process, by plain calls: the same results
+    /// Run plant and controller in one process, by function calls: the same results
     #[arg(long, conflicts_with_all = ["realtime", "cpu"])]
     pub(super) in_process: bool,
-    /// Simulate the smallest model that gives the answer of the scene, see `biped model`. In this process alone, where nobody can push: a
-    /// push could ask for a direction that this model does not have
+    /// Simulate the smallest equivalent model of the scene, see `biped model`. Needs --in-process, where no request can push the robot in a
+    /// direction that this model does not have
     #[arg(long, requires = "in_process", conflicts_with = "full")]
     pub(super) smallest: bool,
 }
 
 impl RunArgs {
-    /// What `biped` does without arguments.
-    pub fn main_job(quiet: bool) -> RunArgs {
+    /// The run of `biped` without arguments: `run walk --out out/walk`.
+    pub fn default_run(quiet: bool) -> RunArgs {
         RunArgs {
             scene: SceneArgs { scene: "walk".into(), robot: None, settings: vec![] },
-            pace: PaceArgs { realtime: false, speed: 1.0, patience: 10.0 },
+            pace: PaceArgs { realtime: false, speed: 1.0, patience: DEFAULT_PATIENCE },
             system: RealtimeArgs::default(),
             session: None,
             respawn: 0,

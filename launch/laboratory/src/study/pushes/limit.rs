@@ -27,7 +27,7 @@ use messages::scene::Scene;
 use messages::wire::Telemetry;
 use records::analysis::RunAnalysis;
 use sessions::run::in_process;
-use shared::exit::{Failure, unless};
+use shared::exit::{Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 
 /// Reach of a leg, as a multiple of the height of the centre of gravity [-], and greatest acceleration of a foot [m/s²].
@@ -67,7 +67,7 @@ impl Pendulum {
         let mut recorder = RunAnalysis::without_rows(&scene);
         let mut states = Vec::new();
         in_process(&scene, |truth| {
-            unless(stop)?;
+            check_interrupt(stop)?;
             recorder.push(truth);
             if truth.stamp.sim_ns as f64 * 1e-9 >= BEGIN {
                 states.push(truth.telemetry);

@@ -3,8 +3,8 @@
 use messages::scene::Scene;
 use records::analysis::RunAnalysis;
 use records::summary::yaw;
-use sessions::run::disturbed_in_process;
-use shared::exit::{Exit, Failure, unless};
+use sessions::run::in_process_with;
+use shared::exit::{Exit, Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 
 /// The first push may come when the gait is steady [s].
@@ -39,8 +39,8 @@ pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Tr
     let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
     let mut recorder = RunAnalysis::without_rows(scene);
     let (mut next, mut turned, mut time) = (0, 0.0_f64, 0.0);
-    let end = disturbed_in_process(scene, |truth, simulation| {
-        unless(stop)?;
+    let end = in_process_with(scene, |truth, simulation| {
+        check_interrupt(stop)?;
         recorder.push(truth);
         time = truth.stamp.sim_ns as f64 * 1e-9;
         turned = turned.max(yaw(truth.base_orientation).to_degrees().abs());
