@@ -33,7 +33,7 @@ const SENTENCE: usize = 1500;
 
 /// What the bytes are, by the variable `BIPED_FUZZ`.
 #[derive(Clone, Copy)]
-enum Target {
+enum FuzzTarget {
     /// A scene in TOML.
     Scene,
     /// Settings of the walk, one a line.
@@ -46,23 +46,23 @@ enum Target {
     Recording,
 }
 
-static TARGET: LazyLock<Target> = LazyLock::new(|| match std::env::var("BIPED_FUZZ").as_deref() {
-    Ok("scene") => Target::Scene,
-    Ok("set") => Target::Set,
-    Ok("robot") => Target::Robot,
-    Ok("contact") => Target::Contact,
-    Ok("recording") => Target::Recording,
+static TARGET: LazyLock<FuzzTarget> = LazyLock::new(|| match std::env::var("BIPED_FUZZ").as_deref() {
+    Ok("scene") => FuzzTarget::Scene,
+    Ok("set") => FuzzTarget::Set,
+    Ok("robot") => FuzzTarget::Robot,
+    Ok("contact") => FuzzTarget::Contact,
+    Ok("recording") => FuzzTarget::Recording,
     other => panic!("BIPED_FUZZ is {other:?}, not scene, set, robot, contact or recording"),
 });
 
 fuzz_target!(init: begin(), |input: &[u8]| {
     let begun = seconds();
     let outcome = match *TARGET {
-        Target::Scene => scene(&String::from_utf8_lossy(input)),
-        Target::Set => set(&String::from_utf8_lossy(input)),
-        Target::Robot => load("walk", &[format!("robot={}", file(input).display())], SCENES).map_err(Failure::from).and_then(walks),
-        Target::Contact => commands(input, &[&["contact"]]),
-        Target::Recording => commands(input, &[&["info"], &["replay"], &["replay", "--plant"]]),
+        FuzzTarget::Scene => scene(&String::from_utf8_lossy(input)),
+        FuzzTarget::Set => set(&String::from_utf8_lossy(input)),
+        FuzzTarget::Robot => load("walk", &[format!("robot={}", file(input).display())], SCENES).map_err(Failure::from).and_then(walks),
+        FuzzTarget::Contact => commands(input, &[&["contact"]]),
+        FuzzTarget::Recording => commands(input, &[&["info"], &["replay"], &["replay", "--plant"]]),
     };
     let took = seconds() - begun;
     assert!(took < LONGEST, "it took {took} s");
@@ -89,7 +89,7 @@ fn begin() {
             abort(panic);
         }
     }));
-    if let Target::Recording = *TARGET {
+    if let FuzzTarget::Recording = *TARGET {
         let file = format!("{}/good.mcap", std::env::args().next_back().expect("a folder"));
         let wish = ["biped", "run", "stand", "--in-process", "--quiet", "--set", "duration=0.01", "--record", &file];
         dispatch(Cli::try_parse_from(wish).expect("a command"), &AtomicBool::new(false).into()).expect("a recording");

@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[command(version, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<BipedCommand>,
     /// Simulate the scene's own model, the default; opposite of --smallest
     #[arg(long, global = true, hide = true)]
     full: bool,
@@ -44,7 +44,7 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum BipedCommand {
     /// Run a scene: start both processes, show progress, print a summary
     Run(run::RunArgs),
     /// Run a set of cases in parallel, and print the results as a table
@@ -139,39 +139,39 @@ fn main() -> ExitCode {
 fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     resource_limits::check()?;
     match command {
-        Some(Command::Run(args)) => run::run(&args, stop),
-        Some(Command::Study(args)) => study::run(&args, stop),
-        Some(Command::Chart(args)) => chart::run(&args, stop),
-        Some(Command::Robustness(args)) => robustness::run(&args, stop),
-        Some(Command::Latency(args)) => latency::run(&args, stop),
-        Some(Command::LatencyPeer(args)) => latency::peer(&args, stop),
-        Some(Command::Model(args)) => model::run(&args),
-        Some(Command::Contact(args)) => contact::run(&args),
-        Some(Command::Plant(args)) => roles::plant(&args, stop),
-        Some(Command::Controller(args)) => roles::controller(&args, stop),
-        Some(Command::New(args)) => scaffold::run(&args),
-        Some(Command::Session(args)) => environment::run(&args, stop),
-        Some(Command::Control(command)) => control::run(command),
-        Some(Command::View(args)) => view::run(&args, stop),
-        Some(Command::Top(args)) => top::run(&args, stop),
-        Some(Command::Conform(args)) => conform::run(&args, stop),
-        Some(Command::Faults(args)) => faults::run(&args, stop),
-        Some(Command::Soak(args)) => soak::run(&args, stop),
-        Some(Command::Doctor) => doctor::doctor(),
-        Some(Command::Clean) => doctor::clean(),
-        Some(Command::Wire(args)) => {
+        Some(BipedCommand::Run(args)) => run::run(&args, stop),
+        Some(BipedCommand::Study(args)) => study::run(&args, stop),
+        Some(BipedCommand::Chart(args)) => chart::run(&args, stop),
+        Some(BipedCommand::Robustness(args)) => robustness::run(&args, stop),
+        Some(BipedCommand::Latency(args)) => latency::run(&args, stop),
+        Some(BipedCommand::LatencyPeer(args)) => latency::peer(&args, stop),
+        Some(BipedCommand::Model(args)) => model::run(&args),
+        Some(BipedCommand::Contact(args)) => contact::run(&args),
+        Some(BipedCommand::Plant(args)) => roles::plant(&args, stop),
+        Some(BipedCommand::Controller(args)) => roles::controller(&args, stop),
+        Some(BipedCommand::New(args)) => scaffold::run(&args),
+        Some(BipedCommand::Session(args)) => environment::run(&args, stop),
+        Some(BipedCommand::Control(command)) => control::run(command),
+        Some(BipedCommand::View(args)) => view::run(&args, stop),
+        Some(BipedCommand::Top(args)) => top::run(&args, stop),
+        Some(BipedCommand::Conform(args)) => conform::run(&args, stop),
+        Some(BipedCommand::Faults(args)) => faults::run(&args, stop),
+        Some(BipedCommand::Soak(args)) => soak::run(&args, stop),
+        Some(BipedCommand::Doctor) => doctor::doctor(),
+        Some(BipedCommand::Clean) => doctor::clean(),
+        Some(BipedCommand::Wire(args)) => {
             wire::run(&args);
             Ok(())
         }
-        Some(Command::Tunnel(args)) => tunnel::run(&args, stop),
-        Some(Command::Become(args)) => children::exec_foreign(&args),
-        Some(Command::Export(args)) => export::run(&args),
-        Some(Command::Info(args)) => recording::info::run(&args, stop),
-        Some(Command::Convert(args)) => recording::convert::run(&args, stop),
-        Some(Command::Replay(args)) => recording::replay::run(&args, stop),
-        Some(Command::List { hashes: true, .. }) => hashes::print(),
-        Some(Command::List { keys: false, .. }) => list::scenes(),
-        Some(Command::List { keys: true, .. }) => list::keys(),
+        Some(BipedCommand::Tunnel(args)) => tunnel::run(&args, stop),
+        Some(BipedCommand::Become(args)) => children::exec_foreign(&args),
+        Some(BipedCommand::Export(args)) => export::run(&args),
+        Some(BipedCommand::Info(args)) => recording::info::run(&args, stop),
+        Some(BipedCommand::Convert(args)) => recording::convert::run(&args, stop),
+        Some(BipedCommand::Replay(args)) => recording::replay::run(&args, stop),
+        Some(BipedCommand::List { hashes: true, .. }) => hashes::print(),
+        Some(BipedCommand::List { keys: false, .. }) => list::scenes(),
+        Some(BipedCommand::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::default_run(quiet), stop),
     }
 }

@@ -38,7 +38,7 @@ use shared::exit::Failure;
 use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-use watch::Watch;
+use watch::ChartProgress;
 
 /// Measures everything and draws it.
 ///
@@ -51,7 +51,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let given = table.map_or(Ok(vec![]), peers::read)?;
     create_folder(&args.out)?;
     let failed = |error| write_failure(&args.out, &error);
-    let watch = Watch::new(args.quiet, stop);
+    let watch = ChartProgress::new(args.quiet, stop);
     if args.orders {
         return orders::run(&args.out, &watch);
     }
@@ -59,13 +59,13 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return growth::run(args, &watch);
     }
     let trials = precision::trials(&chosen, args.quick, &watch)?;
-    let mut rows: Vec<_> = trials.iter().flat_map(precision::Trial::rows).collect();
+    let mut rows: Vec<_> = trials.iter().flat_map(precision::MethodTrial::rows).collect();
     rows.extend(steps::rows(args.quick, &watch)?);
     rows.extend(failures::rows(&trials, &watch)?);
     rows.extend(thresholds::rows(&watch)?);
     rows.extend(models::rows(&watch)?);
     let held = Core::hold().remark();
-    let write = |rows: &[csv::Row], remarks: &[String]| {
+    let write = |rows: &[csv::Measurement], remarks: &[String]| {
         let remark = [vec![held.clone()], remarks.to_vec()].concat().join(" ");
         page::write(&args.out, &chosen, rows, &remark)?;
         write_atomically(&args.out.join("chart.csv"), &csv::table(rows))

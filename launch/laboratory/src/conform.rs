@@ -21,8 +21,8 @@ mod stamps;
 pub use company::others;
 
 use clap::Args;
-use guest::Host;
-use report::Report;
+use guest::ProgramSetup;
+use report::RuleReport;
 use shared::args::SceneArgs;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::print_text;
@@ -55,9 +55,9 @@ pub struct ConformArgs {
 /// [`Exit::Nonconforming`] if one is broken.
 pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let scene = SceneArgs { scene: args.scene.clone(), robot: None, settings: args.settings.clone() };
-    let mut report = Report { kept: 0, broken: 0, stop };
+    let mut report = RuleReport { kept: 0, broken: 0, stop };
     let command = args.controller.as_ref().or(args.plant.as_ref()).cloned().unwrap_or_default();
-    let host = Host { command, scene: scene.load()?, patience: Duration::from_secs_f64(args.patience) };
+    let host = ProgramSetup { command, scene: scene.load()?, patience: Duration::from_secs_f64(args.patience) };
     if host.scene.controller.is_none() {
         return Err(Failure::new(
             Exit::Usage,

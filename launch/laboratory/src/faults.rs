@@ -28,7 +28,7 @@ use clap::Args;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use shared::progress::BatchProgress;
-use stage::{Outcome, Role, Trial};
+use stage::{FaultTrial, SessionRole, TrialOutcome};
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -62,11 +62,11 @@ pub struct FaultsArgs {
 /// A kind of fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Fault {
-    Kill(Role),
-    KillAtCall(Role),
-    KillAndRespawn(Role),
-    StopAndContinue(Role),
-    StopForEver(Role),
+    Kill(SessionRole),
+    KillAtCall(SessionRole),
+    KillAndRespawn(SessionRole),
+    StopAndContinue(SessionRole),
+    StopForEver(SessionRole),
     StoppedLauncher,
     StalledRecorder,
     FullMemory,
@@ -76,7 +76,7 @@ enum Fault {
     FileLimit,
     Flood,
     EveryOther,
-    Second(Role),
+    Second(SessionRole),
     OtherContract,
     Race,
     Laid,
@@ -84,7 +84,7 @@ enum Fault {
 }
 
 use Fault::*;
-use Role::{Controller, Launcher, Plant};
+use SessionRole::{Controller, Launcher, Plant};
 
 /// All kinds, with the number of trials of the full and of the quick run. [`KillAtCall`] has at most as many trials as there are calls.
 const FAULTS: [(Fault, usize, usize); 28] = [
@@ -145,7 +145,7 @@ impl fmt::Display for Fault {
 }
 
 /// The results of one kind of fault.
-struct Row {
+struct FaultRow {
     fault: Fault,
     trials: usize,
     failures: Vec<String>,
@@ -153,13 +153,13 @@ struct Row {
     remark: String,
 }
 
-impl Row {
-    fn new(fault: Fault, trials: Vec<Trial>) -> Row {
+impl FaultRow {
+    fn new(fault: Fault, trials: Vec<FaultTrial>) -> FaultRow {
         let (mut times, mut failures, mut remark) = (vec![], vec![], String::new());
         let count = trials.len();
         for trial in trials {
             match trial {
-                Ok(Outcome { time, remark: told }) => {
+                Ok(TrialOutcome { time, remark: told }) => {
                     times.extend(time);
                     remark = if told.is_empty() { remark } else { told };
                 }
@@ -167,7 +167,7 @@ impl Row {
             }
         }
         times.sort_unstable();
-        Row { fault, trials: count, failures, times, remark }
+        FaultRow { fault, trials: count, failures, times, remark }
     }
 
     fn median(&self) -> Option<Duration> {
@@ -205,7 +205,7 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
         if trials == 0 || stop.load(Relaxed) {
             continue;
         }
-        let mut row = Row::new(fault, fault.trials(trials, &mut random, args.quiet, stop));
+        let mut row = FaultRow::new(fault, fault.trials(trials, &mut random, args.quiet, stop));
         if let (KillAndRespawn(_), false, Some(median)) =
             (fault, args.quick, row.median().filter(|time| *time > RESPAWN))
         {
@@ -226,10 +226,10 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
 }
 
-fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<()> {
+fn write(folder: &std::path::Path, rows: &[FaultRow], seed: u64) -> std::io::Result<()> {
     let mut csv = String::from("fault,trials,passed,median_ms,greatest_ms,remark\n");
     let mut markdown = format!("Seed {seed}.\n\n{HEAD}");
-    for cells in rows.iter().map(Row::cells) {
+    for cells in rows.iter().map(FaultRow::cells) {
         markdown += &format!("| {} |\n", cells.join(" | "));
         csv += &(cells.map(|cell| format!("\"{}\"", cell.replace('"', "'"))).join(",") + "\n");
     }
@@ -239,16 +239,16 @@ fn write(folder: &std::path::Path, rows: &[Row], seed: u64) -> std::io::Result<(
 
 impl Fault {
     /// Runs `count` trials.
-    fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<Trial> {
+    fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<FaultTrial> {
         let chance = &mut random.fork(); // the same for this kind, whatever the others draw
-        let times = |count: usize, trial: &mut dyn FnMut(usize) -> Trial| {
+        let times = |count: usize, trial: &mut dyn FnMut(usize) -> FaultTrial| {
             let progress = BatchProgress::new(quiet, count, 0, "trials");
             let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {
                 let told = trial(nth);
                 progress.add_done(1);
                 told
             });
-            let all: Vec<Trial> = all.collect();
+            let all: Vec<FaultTrial> = all.collect();
             progress.finish();
             all
         };

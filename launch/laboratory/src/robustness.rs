@@ -20,7 +20,7 @@ mod table;
 use crate::study;
 pub use args::RobustnessArgs;
 use cells::Cells;
-use grid::{Case, Grid};
+use grid::{Grid, SweepRun};
 use rayon::prelude::*;
 use shared::exit::{Exit, Failure};
 use shared::output::{create_folder, print_text, write_atomically, write_failure};
@@ -78,7 +78,7 @@ pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Writes the whole table and the map, and prints a summary.
-fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[Case], rows: &[Option<String>]) -> Result<(), Failure> {
+fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[SweepRun], rows: &[Option<String>]) -> Result<(), Failure> {
     let cells = Cells::new(grid, cases, rows)?;
     let files = [("robustness.csv", table::text(grid, rows)), ("robustness.svg", map::survival(grid, &cells))];
     for (name, text) in files {

@@ -1,6 +1,6 @@
 //! `biped soak`: a long walk during which memory, open files, shared memory and latency of the processes are monitored.
 
-use crate::faults::stage::{Role, Stage, is_finite, walk};
+use crate::faults::stage::{SessionRole, Stage, is_finite, walk};
 use crate::subject::Subject;
 use clap::Args;
 use messages::port::{Action, Contract, Pace, RecorderPort, ask};
@@ -130,14 +130,14 @@ fn soak(
     let session = &stage.session;
     let words = |error: &dyn ToString| error.to_string();
     let mut port = RecorderPort::open(session, &Contract::of(scene, pace)).map_err(|e| words(&e))?;
-    let start_role = |role: Role| {
+    let start_role = |role: SessionRole| {
         let how: &[&str] = if pace == Pace::RealTime { &["--realtime"] } else { &[] };
         Subject::biped(
             &[&[role.name(), "walk", "--set", "duration=1000000", "--session", session.name()], how].concat(),
         )
     };
-    let mut roles = [start_role(Role::Plant)?, start_role(Role::Controller)?];
-    let numbers = [stage.wait_for(Role::Plant)?, stage.wait_for(Role::Controller)?];
+    let mut roles = [start_role(SessionRole::Plant)?, start_role(SessionRole::Controller)?];
+    let numbers = [stage.wait_for(SessionRole::Plant)?, stage.wait_for(SessionRole::Controller)?];
     let (start, interval) = (Instant::now(), time / SAMPLES);
     let (mut samples, mut replies, mut truth, mut walked) = (vec![], vec![], Truth::default(), 0.0);
     let (mut reset, mut falls, mut end) = (0, 0, None); // the last run that was ended

@@ -23,11 +23,11 @@ pub mod tables;
 
 pub use args::StudyArgs;
 use args::{Study, belongs_to};
-use cases::{Case, cases};
+use cases::{StudyCase, cases};
 use tables::{hand_out, table};
 
 /// The result: a summary, also of a fall, or why there is none.
-pub type Outcome = Result<Summary, String>;
+pub type RunOutcome = Result<Summary, String>;
 
 /// Runs the cases of a study on all cores, prints the table, and writes it if `--out` is given.
 ///
@@ -59,7 +59,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         counter.add_done(1);
         outcome
     };
-    let outcomes: Vec<Outcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
+    let outcomes: Vec<RunOutcome> = cases.par_iter().map(study).collect::<Result<_, Failure>>()?;
     counter.finish();
     let rows = rows(args.study, &cases, &outcomes);
     let more = match args.study {
@@ -69,7 +69,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     hand_out(args, &(markdown(&rows, &outcomes) + &more), &[("", with_commands(rows, &cases))])
 }
 
-fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
+fn simulate(case: &StudyCase, stop: &AtomicBool) -> Result<RunOutcome, Failure> {
     observe(case.scene, &load(case.scene, &case.settings, SCENES)?, stop)
 }
 
@@ -77,7 +77,7 @@ fn simulate(case: &Case, stop: &AtomicBool) -> Result<Outcome, Failure> {
 ///
 /// # Errors
 /// Ctrl-C alone. Every other failure is an outcome.
-pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, Failure> {
+pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<RunOutcome, Failure> {
     let (mut recorder, start) = (RunAnalysis::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {
         recorder.push(truth);
@@ -91,11 +91,11 @@ pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<Outcome, 
     }
 }
 
-type Column = (&'static str, fn(&Summary) -> String);
+type StudyColumn = (&'static str, fn(&Summary) -> String);
 
 /// Columns that a study shows.
-fn columns(study: Study) -> Vec<Column> {
-    let all: [Column; 8] = [
+fn columns(study: Study) -> Vec<StudyColumn> {
+    let all: [StudyColumn; 8] = [
         ("x m", |s| fixed(s.distance_m, 2)),
         ("y m", |s| fixed(s.lateral_m, 3)),
         ("yaw °", |s| fixed(s.yaw_deg, 2)),
@@ -105,7 +105,7 @@ fn columns(study: Study) -> Vec<Column> {
         ("peak N·m", |s| fixed(s.peak_torque_nm.into_iter().fold(0.0, f64::max), 1)),
         ("tilt °", |s| fixed(s.foot_tilt_max_deg, 2)),
     ];
-    let contact: [Column; 9] = [
+    let contact: [StudyColumn; 9] = [
         ("hop mm", |s| fixed(1e3 * s.hop_max_m, 2)),
         ("sinks mm", |s| fixed(1e3 * s.penetration_max_m, 3)),
         ("peak force N", |s| fixed(s.peak_force_n, 0)),
@@ -116,7 +116,7 @@ fn columns(study: Study) -> Vec<Column> {
         ("fallbacks", |s| s.fallbacks.to_string()),
         ("µs/step", |s| fixed(1e6 * s.plant_median_s / s.steps_per_period as f64, 2)),
     ];
-    let more: &[Column] = if let Study::Laws = study { &contact } else { &[] };
+    let more: &[StudyColumn] = if let Study::Laws = study { &contact } else { &[] };
     all.iter().chain(more).copied().collect()
 }
 
@@ -126,10 +126,10 @@ fn fixed(value: f64, digits: usize) -> String {
 }
 
 /// The table as cells. The first row names the columns.
-fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> {
+fn rows(study: Study, cases: &[StudyCase], outcomes: &[RunOutcome]) -> Vec<Vec<String>> {
     let columns = columns(study);
     let names = ["case", "outcome"].into_iter().chain(columns.iter().map(|column| column.0));
-    let cells = |outcome: &Outcome| match outcome {
+    let cells = |outcome: &RunOutcome| match outcome {
         Err(error) => [error.clone()].into_iter().chain(columns.iter().map(|_| String::new())).collect(),
         Ok(summary) => {
             let fate = summary.fall_time_s.map_or("up".into(), |time| format!("fell at {time:.1} s"));
@@ -140,14 +140,14 @@ fn rows(study: Study, cases: &[Case], outcomes: &[Outcome]) -> Vec<Vec<String>> 
     [names.map(String::from).collect()].into_iter().chain(body).collect()
 }
 
-fn markdown(rows: &[Vec<String>], outcomes: &[Outcome]) -> String {
+fn markdown(rows: &[Vec<String>], outcomes: &[RunOutcome]) -> String {
     let up = outcomes.iter().filter(|outcome| outcome.as_ref().is_ok_and(|summary| !summary.fell)).count();
     format!("{}\n{up} of {} stay up.\n", table(rows), outcomes.len())
 }
 
 /// The same with the command line that repeats each case.
-fn with_commands(mut rows: Vec<Vec<String>>, cases: &[Case]) -> String {
-    let command = |case: &Case| {
+fn with_commands(mut rows: Vec<Vec<String>>, cases: &[StudyCase]) -> String {
+    let command = |case: &StudyCase| {
         let settings = case.settings.iter().map(|setting| format!(" --set '{setting}'"));
         format!("biped run {}{}", case.scene, settings.collect::<String>())
     };

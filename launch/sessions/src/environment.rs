@@ -17,7 +17,7 @@ pub struct EnvironmentArgs {
     name: Option<String>,
     /// How the environment is printed
     #[arg(long, value_enum, default_value = "shell")]
-    format: Format,
+    format: EnvironmentFormat,
     /// Time to wait until the session of that name is there [s]
     #[arg(long, default_value_t = 0.0, value_name = "SECONDS", requires = "name", value_parser = wait)]
     wait: f64,
@@ -25,7 +25,7 @@ pub struct EnvironmentArgs {
 
 /// How the environment is printed.
 #[derive(Clone, Copy, ValueEnum)]
-enum Format {
+enum EnvironmentFormat {
     /// For a shell: eval "$(biped session NAME)"
     Shell,
     /// As one JSON object of strings
@@ -53,9 +53,11 @@ pub fn run(args: &EnvironmentArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let variables = found?.environment();
     let object = || variables.iter().map(|(key, value)| (key.to_string(), Value::from(value.as_str()))).collect();
     print_text(match args.format {
-        Format::Shell => variables.iter().map(|(key, value)| format!("export {key}={}\n", quoted(value))).collect(),
-        Format::Json => pretty(&Value::Object(object())),
-        Format::Vscode => pretty(&launch_entry(&name, object())),
+        EnvironmentFormat::Shell => {
+            variables.iter().map(|(key, value)| format!("export {key}={}\n", quoted(value))).collect()
+        }
+        EnvironmentFormat::Json => pretty(&Value::Object(object())),
+        EnvironmentFormat::Vscode => pretty(&launch_entry(&name, object())),
     });
     Ok(())
 }

@@ -31,7 +31,7 @@ use shared::output::print_text;
 pub struct ExportArgs {
     /// Output format
     #[arg(value_enum)]
-    format: Format,
+    format: RobotFormat,
     /// Built-in scene (see `biped list`) or path of a TOML file; the default scene has the robot of the paper's Table 1
     #[arg(default_value = "walk")]
     scene: String,
@@ -43,9 +43,9 @@ pub struct ExportArgs {
     settings: Vec<String>,
 }
 
-/// Format of the exported robot.
+/// RobotFormat of the exported robot.
 #[derive(Clone, Copy, ValueEnum)]
-enum Format {
+enum RobotFormat {
     /// For ROS, Pinocchio and Drake
     Urdf,
     /// For MuJoCo: with ground, motors in wire order, and the gravity, friction and step of the scene
@@ -61,9 +61,9 @@ enum Format {
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &settings_with_robot(&args.robot, &args.settings), list::SCENES)?;
     print_text(match args.format {
-        Format::Urdf => urdf::text(&scene, &ExportRobot::new(&scene)?),
-        Format::Mjcf => mjcf(&scene)?,
-        Format::Toml => toml::text(&scene),
+        RobotFormat::Urdf => urdf::text(&scene, &ExportRobot::new(&scene)?),
+        RobotFormat::Mjcf => mjcf(&scene)?,
+        RobotFormat::Toml => toml::text(&scene),
     });
     Ok(())
 }

@@ -28,7 +28,7 @@ pub struct ControllerArgs {
     folder: PathBuf,
     /// Controller to begin from
     #[arg(long, value_enum, default_value = "stand")]
-    from: Origin,
+    from: Template,
     /// In Python, which is the default and so far the only language: docs/WIRE.md shows C, C++ and Rust
     #[arg(long)]
     python: bool,
@@ -46,7 +46,7 @@ pub struct FileArgs {
 
 /// A controller to begin from.
 #[derive(Clone, Copy, ValueEnum)]
-enum Origin {
+enum Template {
     /// A spring and a damper in each joint
     Stand,
     /// The paper's controller in NumPy
@@ -67,12 +67,12 @@ const GAIT: [(&str, &str); 2] = [python!("robot.py"), python!("gait.py")];
 /// Packages that they need, as tests/common/languages.rs has them.
 const REQUIREMENTS: &str = "iceoryx2==0.10.0\nnumpy\nxxhash\n";
 
-impl Origin {
+impl Template {
     /// The controller, the class in it, and the scene that it is for.
     fn parts(self) -> (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]) {
         match self {
-            Origin::Stand => (python!("stand.py").1, "Stand", "stand", &[]),
-            Origin::Walk => (python!("walk.py").1, "Walk", "walk", &GAIT),
+            Template::Stand => (python!("stand.py").1, "Stand", "stand", &[]),
+            Template::Walk => (python!("walk.py").1, "Walk", "walk", &GAIT),
         }
     }
 }
@@ -109,7 +109,7 @@ fn controller(args: &ControllerArgs) -> Result<(), Failure> {
         _ => write_failure(folder, &error),
     })?;
     let (code, class, scene, more) = args.from.parts();
-    let origin = if let Origin::Stand = args.from { "stand" } else { "walk" };
+    let origin = if let Template::Stand = args.from { "stand" } else { "walk" };
     let program = folder.join("controller.py").display().to_string();
     let code = code.replace(&format!("controller/foreign/python/{origin}.py"), &program);
     let texts = [

@@ -1,21 +1,21 @@
 //! The cost of an error below a bound, compared with the cost of another engine that does not reach the bound.
 
-use super::cases::Case;
-use super::csv::{OURS, Row, View};
+use super::cases::ComparisonScene;
+use super::csv::{Measurement, OURS, View};
 
 /// The engine to compare with, and its step [s].
 const MEASURE: (&str, f64) = ("MuJoCo", 1e-3);
 
 /// One run of a scene: its error and its cost.
 #[derive(Clone, Debug, PartialEq)]
-struct Run<'a> {
-    row: &'a Row,
+struct BoundedRun<'a> {
+    row: &'a Measurement,
     error: f64,
 }
 
 /// A table whose first row names the columns. For each scene it has our cheapest run within the bound, and the fastest and the most
 /// accurate setting of the other engine at its usual step. Costs are CPU time per simulated time. Without that engine it is empty.
-pub fn table(chosen: &[Case], rows: &[Row]) -> Vec<Vec<String>> {
+pub fn table(chosen: &[ComparisonScene], rows: &[Measurement]) -> Vec<Vec<String>> {
     let names = [
         "scene",
         "bound",
@@ -52,17 +52,18 @@ pub fn table(chosen: &[Case], rows: &[Row]) -> Vec<Vec<String>> {
 }
 
 /// Every measured run of a scene, with its largest error.
-fn runs<'a>(case: &Case, rows: &'a [Row]) -> Vec<Run<'a>> {
+fn runs<'a>(case: &ComparisonScene, rows: &'a [Measurement]) -> Vec<BoundedRun<'a>> {
     let metrics = case.question.metrics();
-    let of_case = |row: &&Row| row.view == View::Precision && row.scene == case.name;
-    let mut runs: Vec<Run> = Vec::new();
+    let of_case = |row: &&Measurement| row.view == View::Precision && row.scene == case.name;
+    let mut runs: Vec<BoundedRun> = Vec::new();
     for row in rows.iter().filter(of_case).filter(|row| metrics.contains(&row.metric.as_str())) {
-        let same =
-            |run: &&mut Run| (&run.row.engine, &run.row.method, run.row.dt) == (&row.engine, &row.method, row.dt);
+        let same = |run: &&mut BoundedRun| {
+            (&run.row.engine, &run.row.method, run.row.dt) == (&row.engine, &row.method, row.dt)
+        };
         match runs.iter_mut().rev().find(same) {
             Some(run) if row.error > run.error || row.error.is_nan() => run.error = row.error,
             Some(_) => {}
-            None => runs.push(Run { row, error: row.error }),
+            None => runs.push(BoundedRun { row, error: row.error }),
         }
     }
     runs.retain(|run| run.error.is_finite() && run.row.cost.is_finite());
@@ -74,8 +75,8 @@ mod tests {
     use super::*;
     use crate::chart::cases::chosen;
 
-    fn row(engine: &str, method: &str, metric: &str, error: f64, cost: f64) -> Row {
-        Row {
+    fn row(engine: &str, method: &str, metric: &str, error: f64, cost: f64) -> Measurement {
+        Measurement {
             view: View::Precision,
             scene: "slide".into(),
             engine: engine.into(),

@@ -8,7 +8,7 @@ use shared::list::SCENES;
 
 /// A comparison scene.
 #[derive(Clone, Copy, Debug)]
-pub struct Case {
+pub struct ComparisonScene {
     /// Name of the scene.
     pub name: &'static str,
     /// Heading.
@@ -79,12 +79,18 @@ pub const PENETRATION: &str = "penetration_m";
 /// Greatest height above the ground of a body that should touch it [m].
 pub const HOP: &str = "hop_m";
 
-const fn case(name: &'static str, title: &'static str, words: &'static str, question: Question, bound: f64) -> Case {
-    Case { name, title, words, question, bound }
+const fn case(
+    name: &'static str,
+    title: &'static str,
+    words: &'static str,
+    question: Question,
+    bound: f64,
+) -> ComparisonScene {
+    ComparisonScene { name, title, words, question, bound }
 }
 
 /// The twelve comparison scenes.
-pub const CASES: [Case; 12] = [
+pub const CASES: [ComparisonScene; 12] = [
     case("free", "free: a biped in flight", "drift of the kinetic energy [-]", Question::Flight, 1.5e-12),
     case("slide", "slide: along x", "error of the stopping point [-]", Question::Slide, 1e-5),
     case("slide30", "slide30: across the axes", "error of the stopping point [-]", Question::Slide, 1e-5),
@@ -144,7 +150,7 @@ pub fn word(value: &impl Serialize) -> String {
 ///
 /// In flight laws make no difference. Step doubling is left out where contacts open and close, or where eight points share a load: it
 /// would take its shortest step throughout. The page says so.
-pub fn ways(case: &Case) -> Vec<Way> {
+pub fn ways(case: &ComparisonScene) -> Vec<Way> {
     let steady = !matches!(case.question, Question::Rock | Question::Wheel | Question::Stand);
     let methods = Method::ALL.iter().filter(|&&method| steady || method != Method::StepDoubling);
     let mut ways: Vec<_> = methods.map(|&method| Way { law: LAW, method }).collect();
@@ -155,7 +161,7 @@ pub fn ways(case: &Case) -> Vec<Way> {
 }
 
 /// Steps h of a case, coarse to fine [s]. The coarsest step is always included.
-pub fn steps(case: &Case, way: Way, duration: f64, quick: bool) -> Vec<f64> {
+pub fn steps(case: &ComparisonScene, way: Way, duration: f64, quick: bool) -> Vec<f64> {
     let fits = |h: &f64| duration / h <= 1.001 * way.share() * PATIENCE;
     let grid = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
     match quick {
@@ -169,7 +175,7 @@ pub fn steps(case: &Case, way: Way, duration: f64, quick: bool) -> Vec<f64> {
 ///
 /// # Errors
 /// A name that is not a comparison scene.
-pub fn chosen(names: &[String]) -> Result<Vec<Case>, Failure> {
+pub fn chosen(names: &[String]) -> Result<Vec<ComparisonScene>, Failure> {
     let known = || CASES.map(|case| case.name).join(", ");
     if let Some(name) = names.iter().find(|name| CASES.iter().all(|case| case.name != **name)) {
         let message = format!("--scenes: there is no comparison scene `{name}`; there are {}", known());

@@ -40,7 +40,7 @@ impl View {
 
 /// One measurement. A number that does not apply is NaN, and its cell is empty.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Row {
+pub struct Measurement {
     /// The chart that it is drawn in.
     pub view: View,
     /// Scene.
@@ -62,8 +62,8 @@ pub struct Row {
 }
 
 /// The whole table.
-pub fn table(rows: &[Row]) -> String {
-    let cells = |row: &Row| {
+pub fn table(rows: &[Measurement]) -> String {
+    let cells = |row: &Measurement| {
         // Times vary between runs: three digits are significant.
         let [cost, us] = [row.cost, row.us_per_step].map(|time| format!("{time:.2e}").parse().unwrap_or(time));
         let [scene, engine, method, metric] = [&row.scene, &row.engine, &row.method, &row.metric].map(String::clone);
@@ -78,7 +78,7 @@ pub fn table(rows: &[Row]) -> String {
 ///
 /// # Errors
 /// The first line that is not a row.
-pub fn parse(text: &str) -> Result<Vec<Row>, String> {
+pub fn parse(text: &str) -> Result<Vec<Measurement>, String> {
     let lines = csv::rows(text)?;
     let header = lines.first().map_or(String::new(), |cells| cells.join(","));
     if header != HEADER {
@@ -88,11 +88,11 @@ pub fn parse(text: &str) -> Result<Vec<Row>, String> {
     lines.iter().enumerate().skip(1).map(|(i, cells)| row(cells).ok_or_else(|| refused(i, cells))).collect()
 }
 
-fn row(cells: &[String]) -> Option<Row> {
+fn row(cells: &[String]) -> Option<Measurement> {
     let [view, scene, engine, method, dt, metric, error, cost, us_per_step] =
         <[String; 9]>::try_from(cells.to_vec()).ok()?;
     let value = |cell: String| if cell.is_empty() { Some(f64::NAN) } else { cell.parse().ok() };
-    Some(Row {
+    Some(Measurement {
         view: View::named(&view)?,
         scene,
         engine,
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn a_table_survives_writing_and_reading() {
-        let row = |method: &str, cost| Row {
+        let row = |method: &str, cost| Measurement {
             view: View::Precision,
             scene: "slide".into(),
             engine: "other".into(),

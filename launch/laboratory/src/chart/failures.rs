@@ -1,11 +1,11 @@
 //! View (iii): which method fails in which scene at 1 ms, and why.
 
-use super::cases::{Case, HOP, PENETRATION, Question, Way, scene};
-use super::csv::{OURS, Row, View};
+use super::cases::{ComparisonScene, HOP, PENETRATION, Question, Way, scene};
+use super::csv::{Measurement, OURS, View};
 
-use super::precision::{Fate, Trial};
-use super::trial::{Outcome, watch};
-use super::watch::{Job, Watch};
+use super::precision::{Fate, MethodTrial};
+use super::trial::{RunEnd, watch};
+use super::watch::{ChartProgress, Job};
 use messages::scene::Method;
 use plant::PlantError;
 use rayon::prelude::*;
@@ -92,14 +92,14 @@ pub const REFUSED: &str = "refused";
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is refused for a reason other than its law or method.
-pub fn rows(trials: &[Trial], progress: &Watch) -> Result<Vec<Row>, Failure> {
+pub fn rows(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut ways: Vec<Way> = Vec::new();
-    let mut at_h: Vec<&Trial> = Vec::new();
+    let mut at_h: Vec<&MethodTrial> = Vec::new();
     for trial in trials {
         if !ways.contains(&trial.way) {
             ways.push(trial.way);
         }
-        let far = |trial: &Trial| (trial.h / H).ln().abs();
+        let far = |trial: &MethodTrial| (trial.h / H).ln().abs();
         match at_h.iter_mut().find(|known| known.case.name == trial.case.name && known.way == trial.way) {
             Some(known) if far(trial) < far(known) => *known = trial,
             Some(_) => {}
@@ -116,14 +116,14 @@ pub fn rows(trials: &[Trial], progress: &Watch) -> Result<Vec<Row>, Failure> {
         progress.step(Job::Failing)?;
         Ok(self::row(ZENO, way, H, &bouncing(way)?))
     });
-    let rows: Vec<Vec<Row>> = compared.chain(zeno).collect::<Result<_, Failure>>()?;
+    let rows: Vec<Vec<Measurement>> = compared.chain(zeno).collect::<Result<_, Failure>>()?;
     Ok(rows.into_iter().flatten().collect())
 }
 
 type Causes = Option<Vec<(Cause, f64)>>;
 
-fn row(scene: &str, way: Way, h: f64, causes: &Causes) -> Vec<Row> {
-    let row = |metric: &str, error: f64| Row {
+fn row(scene: &str, way: Way, h: f64, causes: &Causes) -> Vec<Measurement> {
+    let row = |metric: &str, error: f64| Measurement {
         view: View::Failures,
         scene: scene.into(),
         engine: OURS.into(),
@@ -142,7 +142,7 @@ fn row(scene: &str, way: Way, h: f64, causes: &Causes) -> Vec<Row> {
 }
 
 /// The causes of failure of a run, the most serious first; none if the scene was refused.
-fn causes(trial: &Trial) -> Causes {
+fn causes(trial: &MethodTrial) -> Causes {
     let metrics = match &trial.result {
         Err(Fate::Refused) => return None,
         Err(Fate::Broken(error)) => return Some(vec![(broken(error), f64::INFINITY)]),
@@ -181,11 +181,11 @@ fn broken(error: &PlantError) -> Cause {
 }
 
 /// Distance of the final centre of mass from that of a run with the contact points of each body in reverse order [m].
-fn disorder(trial: &Trial) -> f64 {
+fn disorder(trial: &MethodTrial) -> f64 {
     let mut scene = trial.scene.clone();
     scene.bodies.iter_mut().for_each(|body| body.contacts.reverse());
     match watch(&scene, &[]) {
-        Outcome::Done(log) => log.end().zip(trial.end).map_or(0.0, |(one, other)| (one - other).norm()),
+        RunEnd::Done(log) => log.end().zip(trial.end).map_or(0.0, |(one, other)| (one - other).norm()),
         _ => 0.0,
     }
 }
@@ -194,12 +194,12 @@ fn disorder(trial: &Trial) -> f64 {
 fn bouncing(way: Way) -> Result<Causes, Failure> {
     let scene = scene(ZENO, way, H, &[])?;
     let log = match watch(&scene, &[]) {
-        Outcome::Refused => return Ok(None),
-        Outcome::Broken(error) if broken(&error) == Cause::BlowUp => {
+        RunEnd::Refused => return Ok(None),
+        RunEnd::Broken(error) if broken(&error) == Cause::BlowUp => {
             return Ok(Some(vec![(Cause::BlowUp, f64::INFINITY)]));
         }
-        Outcome::Broken(_) => return Ok(Some(vec![(Cause::Zeno, f64::INFINITY)])),
-        Outcome::Done(log) => log,
+        RunEnd::Broken(_) => return Ok(Some(vec![(Cause::Zeno, f64::INFINITY)])),
+        RunEnd::Done(log) => log,
     };
     let radius = scene.bodies[0].spheres.first().map_or(0.0, |ball| ball.radius);
     let heights = || log.sights.iter().map(|sight| (sight.time, sight.totals.com.z - radius));
@@ -210,6 +210,6 @@ fn bouncing(way: Way) -> Result<Causes, Failure> {
 }
 
 /// Position of a case among the columns of the map.
-pub fn columns(chosen: &[Case]) -> Vec<&'static str> {
+pub fn columns(chosen: &[ComparisonScene]) -> Vec<&'static str> {
     chosen.iter().map(|case| case.name).chain([ZENO]).collect()
 }

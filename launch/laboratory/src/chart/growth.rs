@@ -10,13 +10,13 @@ use super::args::ChartArgs;
 use super::core::Core;
 use super::csv::OURS;
 use super::trial::{periods, time};
-use super::watch::{Job, Watch};
+use super::watch::{ChartProgress, Job};
 use crate::study::tables::table;
 use messages::load::load;
 use points::{Point, exponent, keep_least, of};
 use rayon::ThreadPoolBuilder;
 use rayon::prelude::*;
-use scenes::Curve;
+use scenes::GrowthCurve;
 use sessions::run::in_process;
 use shared::csv;
 use shared::exit::{Exit, Failure};
@@ -31,7 +31,7 @@ const ROUNDS: usize = 4;
 ///
 /// # Errors
 /// Ctrl-C, a table of other engines, engines that cannot be measured, or a folder that cannot be written.
-pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
+pub fn run(args: &ChartArgs, watch: &ChartProgress) -> Result<(), Failure> {
     let failed = |error| write_failure(&args.out, &error);
     if let Some(Some(table)) = &args.peers {
         let other = format!("--growth measures peers itself: --peers without {}", table.display());
@@ -40,7 +40,7 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     let mut points = Vec::new();
     let held = Core::hold();
     let rounds = if args.quick { 1 } else { ROUNDS };
-    for curve in (0..rounds).flat_map(|_| &Curve::ALL) {
+    for curve in (0..rounds).flat_map(|_| &GrowthCurve::ALL) {
         let scenes = curve.scenes(args.quick)?;
         watch.expect(scenes.len());
         for (x, scene) in &scenes {
@@ -58,7 +58,7 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
     drop(held);
     let sweeps = sweeps(if args.quick { 0.5 } else { 4.0 }, watch)?;
     watch.finish();
-    for curve in Curve::ALL {
+    for curve in GrowthCurve::ALL {
         write_atomically(&args.out.join(format!("growth-{}.svg", curve.name)), &drawing::draw(&curve, &points))
             .map_err(failed)?;
     }
@@ -73,7 +73,7 @@ pub fn run(args: &ChartArgs, watch: &Watch) -> Result<(), Failure> {
 
 fn times(points: &[Point]) -> String {
     let mut rows = vec![["what grows", "to", "ours µs", "MuJoCo µs", "its / ours"].map(String::from).to_vec()];
-    for curve in Curve::ALL {
+    for curve in GrowthCurve::ALL {
         let theirs = of(points, &curve, peers::NAME);
         for own in of(points, &curve, OURS) {
             let other = theirs.iter().find(|other| other.x == own.x).map_or(f64::NAN, |other| other.us);
@@ -87,7 +87,7 @@ fn times(points: &[Point]) -> String {
 
 fn exponents(points: &[Point]) -> String {
     let mut rows = vec![["exponent", "from", "ours", "MuJoCo"].map(String::from).to_vec()];
-    for curve in Curve::ALL {
+    for curve in GrowthCurve::ALL {
         let of = |engine| exponent(&of(points, &curve, engine), curve.from).map_or("-".into(), |p| format!("{p:.2}"));
         rows.push(vec![curve.name.into(), curve.from.to_string(), of(OURS), of(peers::NAME)]);
     }
@@ -95,7 +95,7 @@ fn exponents(points: &[Point]) -> String {
 }
 
 /// Simulated time per wall time of parallel walks, on one processor and on more; the best of three measurements.
-fn sweeps(seconds: f64, watch: &Watch) -> Result<Vec<(usize, f64)>, Failure> {
+fn sweeps(seconds: f64, watch: &ChartProgress) -> Result<Vec<(usize, f64)>, Failure> {
     let scene = load("walk", &[format!("duration={seconds}")], SCENES)?;
     let all = std::thread::available_parallelism().map_or(1, usize::from);
     let mut sweeps: Vec<_> = (1..=all).map(|threads| (threads, 0.0)).collect();
@@ -126,7 +126,7 @@ mod tests {
 
     #[test]
     fn every_scene_of_every_curve_can_be_simulated_and_grows_as_it_says() {
-        for curve in Curve::ALL {
+        for curve in GrowthCurve::ALL {
             for (x, scene) in curve.scenes(true).expect("good scenes") {
                 let mut plant = plant::Plant::new(&scene).expect("a good scene");
                 for _ in 0..50 {
@@ -144,7 +144,7 @@ mod tests {
     /// 24 equations constrain ten degrees of freedom: redundant equations must be distinguished from rounding.
     #[test]
     fn a_table_that_does_not_tip_is_welded_and_stands_as_corner_by_corner() {
-        for (points, scene) in Curve::ALL[0].scenes(false).expect("good scenes") {
+        for (points, scene) in GrowthCurve::ALL[0].scenes(false).expect("good scenes") {
             let plant = || plant::Plant::new(&scene).expect("a good scene");
             let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_standing_feet(), 0.0_f64, 0);
             for _ in 0..300 {

@@ -2,7 +2,7 @@
 
 use super::cases::{HOP, PENETRATION, Question};
 use super::exact::{Ball, Puck, Wheel, gravity, landing, rocking_ratio, sliding};
-use super::trial::{Log, Sight};
+use super::trial::{RunLog, Sight};
 use messages::scene::Scene;
 use nalgebra::Vector3;
 
@@ -15,7 +15,7 @@ const ROUNDS: usize = 5;
 pub type Metric = (&'static str, f64);
 
 /// Every metric of a run, those that answer the scene's question first.
-pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
+pub fn metrics(question: Question, scene: &Scene, log: &RunLog) -> Vec<Metric> {
     let mut list = errors(question, scene, log);
     match question {
         Question::Flight => return [list, vec![("angular momentum", momentum_drift(&log.sights))]].concat(),
@@ -40,12 +40,12 @@ pub fn metrics(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
 pub const SIGNORINI: &str = "signorini";
 
 /// The metrics that answer the scene's question. The runs of every engine are judged by them.
-pub fn errors(question: Question, scene: &Scene, log: &Log) -> Vec<Metric> {
+pub fn errors(question: Question, scene: &Scene, log: &RunLog) -> Vec<Metric> {
     question.metrics().iter().copied().zip(values(question, scene, log)).collect()
 }
 
 /// Values of [`Question::metrics`]; the second value is 0 where there is only one metric.
-fn values(question: Question, scene: &Scene, log: &Log) -> [f64; 2] {
+fn values(question: Question, scene: &Scene, log: &RunLog) -> [f64; 2] {
     let sights = &log.sights;
     match question {
         Question::Flight => {

@@ -2,9 +2,9 @@
 
 use super::cases::{self, LAW, METHOD, Way};
 use super::core::Core;
-use super::csv::{OURS, Row, View};
-use super::trial::{Log, Outcome, periods, time, watch};
-use super::watch::{Job, Watch};
+use super::csv::{Measurement, OURS, View};
+use super::trial::{RunEnd, RunLog, periods, time, watch};
+use super::watch::{ChartProgress, Job};
 use messages::load::parse;
 use messages::scene::{Base, Law, Scene};
 use shared::exit::{Exit, Failure};
@@ -18,11 +18,11 @@ pub struct Group {
     pub name: &'static str,
     /// Heading: what grows.
     pub title: &'static str,
-    models: fn() -> Result<Vec<Model>, Failure>,
+    models: fn() -> Result<Vec<ModelSize>, Failure>,
 }
 
 /// A model: its name, its scene, and the law.
-type Model = (String, Scene, Law);
+type ModelSize = (String, Scene, Law);
 
 /// The groups as the page shows them.
 pub const GROUPS: [Group; 5] = [
@@ -37,7 +37,7 @@ pub const GROUPS: [Group; 5] = [
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is refused.
-pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
+pub fn rows(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut rows = Vec::new();
     let _core = Core::hold();
     for group in GROUPS {
@@ -47,7 +47,7 @@ pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
         for (name, mut scene, law) in models {
             progress.step(Job::Sizing)?;
             (scene.plant.law, scene.plant.method, scene.plant.dt, scene.rate) = (law, METHOD, H, 1.0 / H);
-            let Outcome::Done(log) = watch(&scene, &[]) else {
+            let RunEnd::Done(log) = watch(&scene, &[]) else {
                 return Err(Failure::new(
                     Exit::Fault,
                     format!("the model {} / {name} cannot be simulated", group.name),
@@ -57,7 +57,7 @@ pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
             answers.push((name, answer(&log), seconds, scene.duration, periods(&scene)));
         }
         let Some(full) = answers.last().map(|last| last.1) else { continue };
-        rows.extend(answers.into_iter().map(|(method, answer, seconds, duration, steps)| Row {
+        rows.extend(answers.into_iter().map(|(method, answer, seconds, duration, steps)| Measurement {
             view: View::Models,
             scene: group.name.into(),
             engine: OURS.into(),
@@ -73,7 +73,7 @@ pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
 }
 
 /// Momentum and kinetic energy at the end [N·s, J].
-fn answer(log: &Log) -> [f64; 4] {
+fn answer(log: &RunLog) -> [f64; 4] {
     let totals = log.sights.last().map(|sight| sight.totals).unwrap_or_default();
     [totals.linear.x, totals.linear.y, totals.linear.z, totals.kinetic]
 }
@@ -133,7 +133,7 @@ com = [0.0, 0.0, 0.8]
 joint = { parent = "ground", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }
 "#;
 
-fn pendulum() -> Result<Vec<Model>, Failure> {
+fn pendulum() -> Result<Vec<ModelSize>, Failure> {
     let (hinge, rod) = (parse(HINGE, "hinge")?, parse(ROD, "rod")?);
     Ok(vec![
         ("fixed: a hinge, 1 degree of freedom".into(), hinge, LAW),
@@ -143,7 +143,7 @@ fn pendulum() -> Result<Vec<Model>, Failure> {
     ])
 }
 
-fn bases() -> Result<Vec<Model>, Failure> {
+fn bases() -> Result<Vec<ModelSize>, Failure> {
     let slide = scene("slide", 0.3)?;
     let names =
         [(Base::Planar, "planar: 3"), (Base::Virtual, "virtual joints: 6"), (Base::Quaternion, "quaternion: 6")];
@@ -151,7 +151,7 @@ fn bases() -> Result<Vec<Model>, Failure> {
 }
 
 /// On a planar base one point stands for an edge of the cube. The upper corners never touch.
-fn points() -> Result<Vec<Model>, Failure> {
+fn points() -> Result<Vec<ModelSize>, Failure> {
     let slide = scene("slide", 0.3)?;
     let (mut two, mut eight) = (on(Base::Planar, &slide), slide.clone());
     two.bodies[0].contacts.retain(|point| point[1] > 0.0);
@@ -163,14 +163,14 @@ fn points() -> Result<Vec<Model>, Failure> {
     ])
 }
 
-fn feet() -> Result<Vec<Model>, Failure> {
+fn feet() -> Result<Vec<ModelSize>, Failure> {
     let free = scene("free", 0.5)?;
     let mut none = free.clone();
     none.bodies.iter_mut().for_each(|body| body.contacts.clear());
     Ok(vec![("0".into(), none, LAW), ("8, both soles".into(), free, LAW)])
 }
 
-fn directions() -> Result<Vec<Model>, Failure> {
+fn directions() -> Result<Vec<ModelSize>, Failure> {
     let slide = scene("slide30", 0.3)?;
     let model = |name: &str, law| (name.into(), slide.clone(), law);
     Ok(vec![

@@ -5,7 +5,7 @@
 //! error also depends on where within a step an impact falls.
 
 use super::cases::{LAW, word};
-use super::watch::{Job, Watch};
+use super::watch::{ChartProgress, Job};
 use crate::study::tables::table;
 use messages::load::parse;
 use messages::scene::{Method, Scene};
@@ -41,7 +41,7 @@ const EXACT: f64 = 1e-11;
 const REFERENCE: f64 = 1e-12;
 
 /// Result of a method for a motion.
-pub struct Found {
+pub struct MethodResult {
     /// Errors with each of [`STEPS`].
     pub errors: [f64; STEPS.len()],
     /// Time of a step [µs].
@@ -52,7 +52,7 @@ pub struct Found {
 ///
 /// # Errors
 /// Ctrl-C, or a folder that cannot be written.
-pub fn run(out: &Path, progress: &Watch) -> Result<(), Failure> {
+pub fn run(out: &Path, progress: &ChartProgress) -> Result<(), Failure> {
     progress.expect(MOTIONS.len() * Method::ALL.len());
     let mut rows = vec![["method".to_string()].into_iter().chain(MOTIONS.map(|(name, _)| name.into())).collect()];
     let mut long =
@@ -95,8 +95,8 @@ fn reference(scene: &Scene) -> Result<Vec<f64>, PlantError> {
 ///
 /// # Errors
 /// A method that cannot simulate the scene, or a run that breaks off.
-pub fn measure(scene: &Scene, method: Method, truth: &[f64]) -> Result<Found, PlantError> {
-    let mut found = Found { errors: [0.0; STEPS.len()], cost: 0.0 };
+pub fn measure(scene: &Scene, method: Method, truth: &[f64]) -> Result<MethodResult, PlantError> {
+    let mut found = MethodResult { errors: [0.0; STEPS.len()], cost: 0.0 };
     for (error, h) in found.errors.iter_mut().zip(STEPS) {
         let (state, cost) = end(scene, method, h)?;
         let pairs = state.iter().zip(truth);
@@ -117,7 +117,7 @@ fn end(scene: &Scene, method: Method, h: f64) -> Result<(Vec<f64>, f64), PlantEr
     Ok(([&plant.state().x[..], &plant.state().xdot].concat(), cost))
 }
 
-impl Found {
+impl MethodResult {
     /// Slope of log error over log step; `None` where the error is rounding.
     pub fn order(&self) -> Option<f64> {
         if self.errors[TOLD] < EXACT {
@@ -148,7 +148,7 @@ mod tests {
     use super::*;
 
     /// Result of a method for a motion.
-    fn found(name: &str, method: Method) -> Result<Found, PlantError> {
+    fn found(name: &str, method: Method) -> Result<MethodResult, PlantError> {
         let (_, text) = MOTIONS.iter().find(|(known, _)| *known == name).unwrap_or_else(|| panic!("{name}"));
         let scene = parse(text, name).unwrap_or_else(|error| panic!("{error}"));
         let truth = reference(&scene).unwrap_or_else(|error| panic!("{name}: {error}"));

@@ -1,7 +1,7 @@
 //! The page: every drawing with an explanation, in one self-contained file.
 
-use super::cases::{Case, LAW, word};
-use super::csv::{OURS, Row, View};
+use super::cases::{ComparisonScene, LAW, word};
+use super::csv::{Measurement, OURS, View};
 use super::failures::{Cause, columns};
 use super::models::GROUPS;
 use super::steps::LOADS;
@@ -19,7 +19,7 @@ use strum::VariantArray;
 ///
 /// # Errors
 /// Errors of the file system, with the file's name.
-pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::Result<()> {
+pub fn write(folder: &Path, chosen: &[ComparisonScene], rows: &[Measurement], remark: &str) -> io::Result<()> {
     let views = [precision(chosen, rows), steps(rows), failures(chosen, rows), models(rows)];
     for (name, svg) in views.iter().flatten() {
         write_atomically(&folder.join(name).with_extension("svg"), svg)?;
@@ -43,27 +43,27 @@ pub fn write(folder: &Path, chosen: &[Case], rows: &[Row], remark: &str) -> io::
 /// Names of files and drawings.
 type Drawings = Vec<(String, String)>;
 
-fn precision(chosen: &[Case], rows: &[Row]) -> Drawings {
-    let drawing = |case: &Case| Some((format!("precision-{}", case.name), draw::precision(case, rows)?));
+fn precision(chosen: &[ComparisonScene], rows: &[Measurement]) -> Drawings {
+    let drawing = |case: &ComparisonScene| Some((format!("precision-{}", case.name), draw::precision(case, rows)?));
     chosen.iter().filter_map(drawing).collect()
 }
 
-fn steps(rows: &[Row]) -> Drawings {
+fn steps(rows: &[Measurement]) -> Drawings {
     let drawing =
         |(scene, title, _): (&str, &str, f64)| Some((format!("step-{scene}"), draw::steps(scene, title, rows)?));
     LOADS.into_iter().filter_map(drawing).collect()
 }
 
-fn failures(chosen: &[Case], rows: &[Row]) -> Drawings {
+fn failures(chosen: &[ComparisonScene], rows: &[Measurement]) -> Drawings {
     draw::failures(&columns(chosen), rows).map(|svg| ("failures".into(), svg)).into_iter().collect()
 }
 
-fn models(rows: &[Row]) -> Drawings {
+fn models(rows: &[Measurement]) -> Drawings {
     GROUPS.iter().filter_map(|group| Some((format!("model-{}", group.name), draw::models(group, rows)?))).collect()
 }
 
 /// The table of costs below an error bound, if other engines were measured.
-fn bounds(chosen: &[Case], rows: &[Row]) -> String {
+fn bounds(chosen: &[ComparisonScene], rows: &[Measurement]) -> String {
     let lines = bounds::table(chosen, rows);
     let line = |(i, cells): (usize, &Vec<String>)| {
         let tag = if i == 0 { "th" } else { "td" };
@@ -83,12 +83,13 @@ fn causes() -> String {
 }
 
 /// The table of thresholds, measured and exact.
-fn thresholds(rows: &[Row]) -> String {
+fn thresholds(rows: &[Measurement]) -> String {
     let mut text = String::new();
-    let of = |row: &Row, kind: &str| row.view == View::Failures && row.engine == OURS && row.metric.ends_with(kind);
+    let of =
+        |row: &Measurement, kind: &str| row.view == View::Failures && row.engine == OURS && row.metric.ends_with(kind);
     for measured in rows.iter().filter(|row| of(row, failures::MEASURED)) {
         let quantity = measured.metric.trim_end_matches(failures::MEASURED);
-        let same = |row: &&Row| {
+        let same = |row: &&Measurement| {
             of(row, failures::EXACT)
                 && (&row.scene, &row.method) == (&measured.scene, &measured.method)
                 && row.metric.starts_with(quantity)

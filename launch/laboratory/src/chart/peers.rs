@@ -3,9 +3,9 @@
 mod resolved;
 mod runs;
 
-use super::cases::Case;
-use super::csv::{Row, parse, table};
-use super::watch::Watch;
+use super::cases::ComparisonScene;
+use super::csv::{Measurement, parse, table};
+use super::watch::ChartProgress;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::{create_folder as make, write_atomically};
 use std::io::{BufRead, BufReader};
@@ -28,7 +28,12 @@ pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: 
 ///
 /// # Errors
 /// Ctrl-C, no Python, a script that fails, or runs that cannot be read.
-pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Result<(Vec<Row>, Vec<String>), Failure> {
+pub fn rows(
+    folder: &Path,
+    chosen: &[ComparisonScene],
+    quick: bool,
+    watch: &ChartProgress,
+) -> Result<(Vec<Measurement>, Vec<String>), Failure> {
     let files = folder.join("peers");
     let fault = |message: String| Failure::new(Exit::Fault, format!("--peers: {message}"));
     make(&files)?;
@@ -64,7 +69,7 @@ pub fn rows(folder: &Path, chosen: &[Case], quick: bool, watch: &Watch) -> Resul
 ///
 /// # Errors
 /// A file that cannot be read or is not such a table.
-pub fn read(table: &Path) -> Result<Vec<Row>, Failure> {
+pub fn read(table: &Path) -> Result<Vec<Measurement>, Failure> {
     if table.is_dir() {
         return runs::rows(table);
     }

@@ -1,11 +1,11 @@
 //! View (i): error against CPU time per simulated second, for steps from coarse to fine.
 
-use super::cases::{self, Case, HOP, PENETRATION, Way, steps, ways};
+use super::cases::{self, ComparisonScene, HOP, PENETRATION, Way, steps, ways};
 use super::core::Core;
-use super::csv::{OURS, Row, View};
+use super::csv::{Measurement, OURS, View};
 use super::metrics::{Metric, SIGNORINI, metrics};
-use super::trial::{Outcome, periods, time, watch};
-use super::watch::{Job, Watch};
+use super::trial::{RunEnd, periods, time, watch};
+use super::watch::{ChartProgress, Job};
 use messages::scene::Scene;
 use nalgebra::Vector3;
 use plant::PlantError;
@@ -23,9 +23,9 @@ pub enum Fate {
 
 /// One run of the sweep.
 #[derive(Clone, Debug)]
-pub struct Trial {
+pub struct MethodTrial {
     /// The scene.
-    pub case: Case,
+    pub case: ComparisonScene,
     /// Law and integrator.
     pub way: Way,
     /// Step [s].
@@ -48,7 +48,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// Ctrl-C, a scene that is refused, or a timed run that differs from the recorded one.
-pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>, Failure> {
+pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) -> Result<Vec<MethodTrial>, Failure> {
     let mut plan = Vec::new();
     for case in chosen {
         for way in ways(case) {
@@ -57,7 +57,8 @@ pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>,
         }
     }
     watch.expect(2 * plan.len());
-    let mut trials: Vec<Trial> = plan.into_par_iter().map(|plan| run(plan, watch)).collect::<Result<_, Failure>>()?;
+    let mut trials: Vec<MethodTrial> =
+        plan.into_par_iter().map(|plan| run(plan, watch)).collect::<Result<_, Failure>>()?;
     let _core = Core::hold();
     for trial in trials.iter_mut().filter(|trial| trial.result.is_ok()) {
         watch.step(Job::Timing)?;
@@ -72,15 +73,24 @@ pub fn trials(chosen: &[Case], quick: bool, watch: &Watch) -> Result<Vec<Trial>,
     Ok(trials)
 }
 
-fn run((case, way, h): (Case, Way, f64), progress: &Watch) -> Result<Trial, Failure> {
+fn run((case, way, h): (ComparisonScene, Way, f64), progress: &ChartProgress) -> Result<MethodTrial, Failure> {
     progress.step(Job::Watching)?;
     let scene = cases::scene(case.name, way, h, &[])?;
-    let mut trial =
-        Trial { case, way, h, scene, result: Ok(Vec::new()), fallbacks: 0, end: None, hash: 0, seconds: f64::NAN };
+    let mut trial = MethodTrial {
+        case,
+        way,
+        h,
+        scene,
+        result: Ok(Vec::new()),
+        fallbacks: 0,
+        end: None,
+        hash: 0,
+        seconds: f64::NAN,
+    };
     match watch(&trial.scene, &[]) {
-        Outcome::Refused => trial.result = Err(Fate::Refused),
-        Outcome::Broken(error) => trial.result = Err(Fate::Broken(error)),
-        Outcome::Done(log) => {
+        RunEnd::Refused => trial.result = Err(Fate::Refused),
+        RunEnd::Broken(error) => trial.result = Err(Fate::Broken(error)),
+        RunEnd::Done(log) => {
             trial.end = log.end();
             trial.result = Ok(metrics(case.question, &trial.scene, &log));
             (trial.fallbacks, trial.hash) = (log.fallbacks, log.hash);
@@ -89,10 +99,10 @@ fn run((case, way, h): (Case, Way, f64), progress: &Watch) -> Result<Trial, Fail
     Ok(trial)
 }
 
-impl Trial {
+impl MethodTrial {
     /// Its rows of the table. The errors of a run that broke off are infinite.
-    pub fn rows(&self) -> Vec<Row> {
-        let row = |metric: &str, error: f64| Row {
+    pub fn rows(&self) -> Vec<Measurement> {
+        let row = |metric: &str, error: f64| Measurement {
             view: View::Precision,
             scene: self.case.name.into(),
             engine: OURS.into(),
@@ -115,7 +125,7 @@ impl Trial {
 ///
 /// `runs` are rows of one method in one scene. Hollow is whoever misses (19) or the ground by more than rounding, and
 /// by no less at its finest step than a third of its coarsest.
-pub fn is_hollow(runs: &[&Row]) -> bool {
+pub fn is_hollow(runs: &[&Measurement]) -> bool {
     [(SIGNORINI, 1e-8), (HOP, 1e-7), (PENETRATION, 1e-7)].iter().any(|&(metric, rounding)| {
         let mut values: Vec<_> =
             runs.iter().filter(|row| row.metric == metric).map(|row| (row.dt, row.error)).collect();

@@ -2,9 +2,9 @@
 
 use super::cases::{self, LAW, METHOD, Way};
 use super::core::Core;
-use super::csv::{OURS, Row, View};
-use super::trial::{Outcome, periods, quantile, times, watch};
-use super::watch::{Job, Watch};
+use super::csv::{Measurement, OURS, View};
+use super::trial::{RunEnd, periods, quantile, times, watch};
+use super::watch::{ChartProgress, Job};
 use messages::scene::{Law, Method, Scene};
 use messages::wire::Torques;
 use shared::exit::{Exit, Failure};
@@ -27,7 +27,7 @@ pub const P99: &str = "p99";
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is refused. A method that cannot simulate a scene, or with which the robot falls, has no row.
-pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
+pub fn rows(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut rows = Vec::new();
     let _core = Core::hold();
     for (name, _, duration) in LOADS {
@@ -41,7 +41,7 @@ pub fn rows(quick: bool, progress: &Watch) -> Result<Vec<Row>, Failure> {
             let Some(mut times) = measure(&scene)? else { continue };
             rows.extend([(MEDIAN, 0.5), (P99, 0.99)].map(|(metric, share)| {
                 let seconds = quantile(&mut times, share);
-                Row {
+                Measurement {
                     view: View::Steps,
                     scene: name.into(),
                     engine: OURS.into(),
@@ -69,7 +69,7 @@ fn ways(name: &str, quick: bool) -> Vec<Way> {
 /// Time of every step [s]. The torques are those of the scene's controller in an earlier run; its states must be reproduced.
 fn measure(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
     let Some(torques) = driven(scene) else { return Ok(None) };
-    let Outcome::Done(log) = watch(scene, &torques) else { return Ok(None) };
+    let RunEnd::Done(log) = watch(scene, &torques) else { return Ok(None) };
     match times(scene, &torques)? {
         (times, hash) if hash == log.hash => Ok(Some(times)),
         _ => Err(Failure::new(Exit::Fault, "the timed run differs from the watched one")),

@@ -2,10 +2,10 @@
 //! with the exact value.
 
 use super::cases::{LAW, METHOD, Way, scene, word};
-use super::csv::{OURS, Row, View};
+use super::csv::{Measurement, OURS, View};
 use super::failures::{EXACT, MEASURED};
-use super::trial::{Log, Outcome, Sight, watch};
-use super::watch::{Job, Watch};
+use super::trial::{RunEnd, RunLog, Sight, watch};
+use super::watch::{ChartProgress, Job};
 use messages::load::parse;
 use messages::scene::{Law, Method, Scene};
 use plant::contact::{Memory, Problem, Solver};
@@ -23,7 +23,7 @@ struct Threshold {
     measured: f64,
 }
 
-type Found = Result<Vec<Threshold>, Failure>;
+type ThresholdResult = Result<Vec<Threshold>, Failure>;
 
 /// A ball on one point, pressed into its spring by its weight and nudged; ω²h² decides whether it comes to rest.
 const SPRING: &str = r#"
@@ -60,15 +60,15 @@ contacts = [[FOOT, 0.0, -0.8944271909999159]]
 ///
 /// # Errors
 /// Ctrl-C, or a bad scene (excluded by a test).
-pub fn rows(progress: &Watch) -> Result<Vec<Row>, Failure> {
-    let jobs: [fn() -> Found; 4] = [springs, sticking, painleve, masses];
+pub fn rows(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
+    let jobs: [fn() -> ThresholdResult; 4] = [springs, sticking, painleve, masses];
     progress.expect(jobs.len());
     let mut rows = Vec::new();
     for job in jobs {
         progress.step(Job::Bisecting)?;
         for threshold in job()? {
             for (kind, value) in [(MEASURED, threshold.measured), (EXACT, threshold.exact)] {
-                rows.push(Row {
+                rows.push(Measurement {
                     view: View::Failures,
                     scene: threshold.scene.into(),
                     engine: OURS.into(),
@@ -99,7 +99,7 @@ fn bisect(mut low: f64, mut high: f64, mut holds: impl FnMut(f64) -> Result<bool
 }
 
 /// h* and k* of springs and dampers: ω h < 2 (√(1 + ζ²) - ζ) under semi-implicit Euler.
-fn springs() -> Found {
+fn springs() -> ThresholdResult {
     let limit = |ratio: f64| 2.0 * ((1.0 + ratio * ratio).sqrt() - ratio);
     let method = format!("{}/{}", word(&Law::SpringDamper), word(&Method::SemiImplicitEuler));
     let mut found = Vec::new();
@@ -122,32 +122,32 @@ fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
     scene.initial.position[2] = -depth * (1.0 + 1e-6);
     (scene.plant.contact_stiffness, scene.plant.contact_damping_ratio) = (stiffness, ratio);
     (scene.plant.method, scene.plant.dt, scene.rate, scene.duration) = (Method::SemiImplicitEuler, h, 1.0 / h, 4e3 * h);
-    let Outcome::Done(log) = watch(&scene, &[]) else { return Ok(false) };
+    let RunEnd::Done(log) = watch(&scene, &[]) else { return Ok(false) };
     let nudge = |part: &[Sight]| part.iter().fold(0.0, |most: f64, sight| most.max((sight.low + depth).abs()));
     let (early, late) = (nudge(&log.sights[..100]), nudge(&log.sights[3900..]));
     Ok(late < 2.0 * early && late < 0.01 * depth)
 }
 
 /// μ* of the block that rests at 26°, and of the one that rocks without slipping.
-fn sticking() -> Found {
+fn sticking() -> ThresholdResult {
     let way = Way { law: LAW, method: METHOD };
-    let run = |name: &str, h: f64, friction: f64, duration: f64| -> Result<Option<(Scene, Log)>, Failure> {
+    let run = |name: &str, h: f64, friction: f64, duration: f64| -> Result<Option<(Scene, RunLog)>, Failure> {
         let settings = [format!("plant.friction={friction}"), format!("duration={duration:?}")];
         let scene = scene(name, way, h, &settings)?;
         Ok(match watch(&scene, &[]) {
-            Outcome::Done(log) => Some((scene, log)),
+            RunEnd::Done(log) => Some((scene, log)),
             _ => None,
         })
     };
     let slips = |friction: f64| -> Result<bool, Failure> {
-        let way = |(_, log): (Scene, Log)| match log.sights.as_slice() {
+        let way = |(_, log): (Scene, RunLog)| match log.sights.as_slice() {
             [first, .., last] => (last.totals.com - first.totals.com).norm(),
             _ => 0.0,
         };
         Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| way(run) > 1e-9))
     };
     let rocks = |friction: f64| -> Result<bool, Failure> {
-        let slip = |(_, log): (Scene, Log)| log.sights.iter().fold(0.0, |slip: f64, sight| slip.max(sight.slip));
+        let slip = |(_, log): (Scene, RunLog)| log.sights.iter().fold(0.0, |slip: f64, sight| slip.max(sight.slip));
         // A sticking edge has the velocity ω²lh = 2e-5 m/s at the end of a step in which the block turned about it.
         Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > 1e-4))
     };
@@ -160,14 +160,14 @@ fn sticking() -> Found {
 }
 
 /// μ* above which a sliding rod jams, (t² + 4)/(3t) with t = tan θ = 2.
-fn painleve() -> Found {
+fn painleve() -> ThresholdResult {
     let mut found = Vec::new();
     for law in [Law::Aligned, LAW] {
         let jams = |friction: f64| -> Result<bool, Failure> {
             let mut scene = parse(&ROD.replace("FOOT", "0.4472135954999579"), "rod")?;
             (scene.plant.law, scene.plant.method, scene.plant.friction) = (law, Method::SemiImplicitEuler, friction);
             (scene.plant.dt, scene.rate, scene.duration) = (1e-6, 1e6, 1e-6);
-            let Outcome::Done(log) = watch(&scene, &[]) else { return Ok(true) };
+            let RunEnd::Done(log) = watch(&scene, &[]) else { return Ok(true) };
             Ok(log.sights.last().is_some_and(|sight| sight.load > 0.1))
         };
         let measured = bisect(0.5, 3.0, |friction| Ok(!jams(friction)?))?;
@@ -178,7 +178,7 @@ fn painleve() -> Found {
 }
 
 /// r* of iterative sweeps: a heavy mass on a light one, mass ratio r, is solved to 1 % if (r/(1 + r))ⁿ < 0.01.
-fn masses() -> Found {
+fn masses() -> ThresholdResult {
     let mut found = Vec::new();
     for sweeps in [4_u16, 8, 50] {
         let measured = bisect(1e-2, 1e9, |ratio| Ok(stacked(Law::Sweep(sweeps), ratio) < 0.01))?;

@@ -35,7 +35,7 @@ pub struct Sight {
 
 /// The record of a run.
 #[derive(Clone, Debug, Default)]
-pub struct Log {
+pub struct RunLog {
     /// The start and every step after it.
     pub sights: Vec<Sight>,
     /// Contact points in the middle and at the end of the run [m].
@@ -54,9 +54,9 @@ pub struct Log {
 
 /// How a run ended.
 #[derive(Clone, Debug)]
-pub enum Outcome {
+pub enum RunEnd {
     /// It reached its end.
-    Done(Log),
+    Done(RunLog),
     /// The method cannot simulate the scene.
     Refused,
     /// It broke off.
@@ -64,15 +64,15 @@ pub enum Outcome {
 }
 
 /// Runs a scene with the `torques` of each control period, and without torques after the last of them; keeps a record.
-pub fn watch(scene: &Scene, torques: &[Torques]) -> Outcome {
-    let Ok(mut plant) = Plant::new(scene) else { return Outcome::Refused };
+pub fn watch(scene: &Scene, torques: &[Torques]) -> RunEnd {
+    let Ok(mut plant) = Plant::new(scene) else { return RunEnd::Refused };
     let mut pose = Pose::new(plant.model());
-    let mut log = Log::default();
+    let mut log = RunLog::default();
     log.sights.reserve(periods(scene) + 1);
     log.see(&plant, &mut pose, 0.0);
     for period in 0..periods(scene) {
         if let Err(error) = plant.advance(torques.get(period).unwrap_or(&Torques::default())) {
-            return Outcome::Broken(error);
+            return RunEnd::Broken(error);
         }
         log.see(&plant, &mut pose, 1.0 / scene.rate);
         if period + 1 == periods(scene) / 2 {
@@ -80,7 +80,7 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> Outcome {
         }
     }
     log.halves[1] = points(&plant, &pose);
-    Outcome::Done(log)
+    RunEnd::Done(log)
 }
 
 /// CPU time of the same run without a record [s], the least of several if it is short, and the hash of its states.
@@ -162,7 +162,7 @@ fn points(plant: &Plant, pose: &Pose) -> Vec<Vector3<f64>> {
     plant.model().contact_points.iter().map(|corner| pose.reference + pose.lowest(corner)).collect()
 }
 
-impl Log {
+impl RunLog {
     /// Where the centre of mass ended [m].
     pub fn end(&self) -> Option<Vector3<f64>> {
         self.sights.last().map(|sight| sight.totals.com)

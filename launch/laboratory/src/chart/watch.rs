@@ -20,16 +20,16 @@ pub enum Job {
 }
 
 /// The progress display and the flag that stops the measurement.
-pub struct Watch<'a> {
+pub struct ChartProgress<'a> {
     counter: BatchProgress,
     /// Whether the user wants to stop.
     pub stop: &'a AtomicBool,
 }
 
-impl<'a> Watch<'a> {
+impl<'a> ChartProgress<'a> {
     /// Nothing is to be done yet.
-    pub fn new(quiet: bool, stop: &'a AtomicBool) -> Watch<'a> {
-        Watch { counter: BatchProgress::new(quiet, 0, 0, "runs"), stop }
+    pub fn new(quiet: bool, stop: &'a AtomicBool) -> ChartProgress<'a> {
+        ChartProgress { counter: BatchProgress::new(quiet, 0, 0, "runs"), stop }
     }
 
     /// More runs are to be done.

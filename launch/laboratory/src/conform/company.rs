@@ -1,7 +1,7 @@
 //! Peers that a program must refuse, and when it must give up: the same for plant and controller.
 
-use super::guest::{GOODBYE, Guest, Host};
-use super::report::Report;
+use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::report::RuleReport;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::session::Session;
 use std::time::{Duration, Instant};
@@ -14,7 +14,7 @@ const REFUSAL: &str = "Topics";
 
 /// What is tested.
 #[derive(Clone, Copy, PartialEq)]
-pub enum Role {
+pub enum ProgramRole {
     Plant,
     Controller,
 }
@@ -26,16 +26,16 @@ enum Held {
     Controller(Box<ControllerPort>),
 }
 
-impl Role {
+impl ProgramRole {
     fn hold_other_side(self, session: &Session, contract: &Contract) -> Result<Held, PortError> {
         Ok(match self {
-            Role::Controller => Held::Plant(Box::new(PlantPort::open(session, contract)?)),
-            Role::Plant => Held::Controller(Box::new(ControllerPort::open(session, contract)?)),
+            ProgramRole::Controller => Held::Plant(Box::new(PlantPort::open(session, contract)?)),
+            ProgramRole::Plant => Held::Controller(Box::new(ControllerPort::open(session, contract)?)),
         })
     }
 
     fn other(self) -> &'static str {
-        if self == Role::Plant { "controller" } else { "plant" }
+        if self == ProgramRole::Plant { "controller" } else { "plant" }
     }
 }
 
@@ -50,7 +50,7 @@ pub fn others(ours: &Contract) -> [(&'static str, Contract); 4] {
 }
 
 /// Sessions with another contract and sessions without a peer, all in parallel.
-pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String> {
+pub fn check(host: &ProgramSetup, role: ProgramRole, report: &mut RuleReport) -> Result<(), String> {
     let mut alone = host.invitation(Pace::Lockstep);
     alone.patience = LONELY;
     let lonely = host.invite(&alone)?;
@@ -66,7 +66,7 @@ pub fn check(host: &Host, role: Role, report: &mut Report) -> Result<(), String>
     }
 
     let deadline = Instant::now() + host.patience + GOODBYE;
-    let end = |guest: &mut Guest| guest.end(deadline.saturating_duration_since(Instant::now()));
+    let end = |guest: &mut ProgramUnderTest| guest.end(deadline.saturating_duration_since(Instant::now()));
     for (what, held, mut guest) in refused {
         let finding = end(&mut guest).and_then(|ended| ended.by_refusing());
         report.rule(&format!("refuses a session with {what}, with a sentence"), REFUSAL, finding);

@@ -1,9 +1,9 @@
 //! The rules of a controller. This program is its plant, with a simulated robot.
 
-use super::company::{self, Role};
-use super::guest::{GOODBYE, Guest, Host};
-use super::report::Report;
-use super::robot::{Robot, SILENCE, simulation};
+use super::company::{self, ProgramRole};
+use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::report::RuleReport;
+use super::robot::{SILENCE, SimulatedRobot, simulation};
 use super::stamps::Stamps;
 use messages::clock::{now_ns, sleep_until};
 use messages::port::Pace;
@@ -23,15 +23,15 @@ const BURST: u64 = 5;
 const ON_TIME: Duration = Duration::from_secs(1);
 
 /// Checks them all.
-pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
-    let company = |host: &Host, report: &mut Report| company::check(host, Role::Controller, report);
+pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
+    let company = |host: &ProgramSetup, report: &mut RuleReport| company::check(host, ProgramRole::Controller, report);
     report.each(host, &[conversation, succession, company, on_time])
 }
 
 /// One session from start to end.
-fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
+fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
-    let mut robot = Robot::new(host, &invitation)?;
+    let mut robot = SimulatedRobot::new(host, &invitation)?;
     let start = Instant::now();
     let mut guest = host.invite(&invitation)?;
     let first = robot.ask(&mut guest, robot.simulation.sensors());
@@ -97,12 +97,12 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
 }
 
 /// A defect of sensors and the function that causes it.
-type Flaw = (&'static str, fn(&mut Sensors));
+type ControllerFlaw = (&'static str, fn(&mut Sensors));
 
 /// Damaged sensors must not be answered; good ones afterwards must be.
-fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
+fn damage(robot: &mut SimulatedRobot, guest: &mut ProgramUnderTest, report: &mut RuleReport) {
     let good = robot.simulation.sensors().sealed();
-    let kinds: [Flaw; 3] = [
+    let kinds: [ControllerFlaw; 3] = [
         ("whose check sum is wrong", |sensors| sensors.encoders.counts[3] ^= 1 << 7),
         ("without the magic", |sensors| sensors.stamp.magic ^= 1),
         ("of another schema", |sensors| {
@@ -125,7 +125,7 @@ fn damage(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
 }
 
 /// Of several sensors at once, the newest must be answered.
-fn burst(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
+fn burst(robot: &mut SimulatedRobot, guest: &mut ProgramUnderTest, report: &mut RuleReport) {
     let first = robot.simulation.sensors();
     let nth = |nth: u64| {
         let stamp = Stamp { seq: first.stamp.seq + nth, mono_ns: now_ns(), ..first.stamp };
@@ -146,9 +146,9 @@ fn burst(robot: &mut Robot, guest: &mut Guest, report: &mut Report) {
 }
 
 /// A killed and restarted controller, a second controller, and TERM.
-fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
+fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
-    let mut robot = Robot::new(host, &invitation)?;
+    let mut robot = SimulatedRobot::new(host, &invitation)?;
     let mut guest = host.invite(&invitation)?;
     if robot.walk(&mut guest, SHORT).is_err() {
         return Ok(()); // already reported
@@ -190,9 +190,9 @@ fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
 }
 
 /// In real time. The result is a remark, because speed is not a rule.
-fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
+fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let invitation = host.invitation(Pace::RealTime);
-    let mut robot = Robot::new(host, &invitation)?;
+    let mut robot = SimulatedRobot::new(host, &invitation)?;
     let mut guest = host.invite(&invitation)?;
     if let Err(instead) = robot.walk(&mut guest, 1) {
         report.rule("answers in real time", "A control period, step 3", Err(instead));

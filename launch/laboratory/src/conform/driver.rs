@@ -1,6 +1,6 @@
 //! The peer of a plant: its controller and a recorder.
 
-use super::guest::{GOODBYE, Guest, Host};
+use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use controller::Controller;
@@ -30,7 +30,7 @@ pub struct Driver {
 }
 
 impl Driver {
-    pub fn new(host: &Host, invitation: &PeerEnvironment) -> Result<Driver, String> {
+    pub fn new(host: &ProgramSetup, invitation: &PeerEnvironment) -> Result<Driver, String> {
         let words = |error: PortError| error.to_string();
         Ok(Driver {
             recorder: RecorderPort::open(&invitation.session, &invitation.contract).map_err(words)?,
@@ -66,7 +66,7 @@ impl Driver {
     }
 
     /// The next sensors, or why there are none.
-    pub fn next(&mut self, guest: &mut Guest) -> Result<Sensors, String> {
+    pub fn next(&mut self, guest: &mut ProgramUnderTest) -> Result<Sensors, String> {
         let start = Instant::now();
         while !self.look()? {
             let before = self.sensors.stamp.seq;
@@ -105,7 +105,7 @@ impl Driver {
     }
 
     /// Runs control periods in lockstep until these sensors or the last ones.
-    pub fn drive(&mut self, guest: &mut Guest, until: u64) -> Result<(), String> {
+    pub fn drive(&mut self, guest: &mut ProgramUnderTest, until: u64) -> Result<(), String> {
         while self.sensors.stamp.seq < until && self.sensors.last == 0 {
             let command = self.answer()?;
             self.pass_on(command)?;

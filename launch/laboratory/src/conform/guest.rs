@@ -15,14 +15,14 @@ use std::time::Duration;
 pub const GOODBYE: Duration = Duration::from_secs(3);
 
 /// The tested program and the scene.
-pub struct Host {
+pub struct ProgramSetup {
     pub command: String,
     pub scene: Scene,
     /// Time limit for its start and its answers.
     pub patience: Duration,
 }
 
-impl Host {
+impl ProgramSetup {
     /// A unique session with the scene's contract.
     pub fn invitation(&self, pace: Pace) -> PeerEnvironment {
         let (scene, session) = (self.scene.clone(), Session::unique());
@@ -36,21 +36,21 @@ impl Host {
     }
 
     /// Starts the program in the session.
-    pub fn invite(&self, invitation: &PeerEnvironment) -> Result<Guest, String> {
+    pub fn invite(&self, invitation: &PeerEnvironment) -> Result<ProgramUnderTest, String> {
         let environment = children::environment_variables(invitation).map_err(|failure| failure.message)?;
         let program = std::env::current_exe().map_err(|error| error.to_string())?;
         let mut command = Command::new(program);
         command.args(["become", &self.command, "--parent", &std::process::id().to_string()]);
-        Ok(Guest { process: Some(Subject::start_group(command.envs(environment))?) })
+        Ok(ProgramUnderTest { process: Some(Subject::start_group(command.envs(environment))?) })
     }
 }
 
 /// A process of the program, with its child processes.
-pub struct Guest {
+pub struct ProgramUnderTest {
     process: Option<Subject>,
 }
 
-impl Guest {
+impl ProgramUnderTest {
     /// Whether it has ended.
     pub fn has_ended(&mut self) -> bool {
         self.process.as_mut().is_none_or(Subject::has_ended)

@@ -1,9 +1,9 @@
 //! The rules of a plant. This program is its controller and a recorder.
 
-use super::company::{self, Role};
+use super::company::{self, ProgramRole};
 use super::driver::Driver;
-use super::guest::{Ended, GOODBYE, Guest, Host};
-use super::report::{Finding, Report};
+use super::guest::{Ended, GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::report::{Finding, RuleReport};
 use super::stamps::Stamps;
 use controller::Controller;
 use messages::clock::random;
@@ -22,21 +22,21 @@ const DURATION: f64 = 0.5;
 const SHORT: u64 = 20;
 
 /// Checks them all.
-pub fn check(host: &Host, report: &mut Report) -> Result<(), String> {
+pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let mut scene = host.scene.clone();
     scene.duration = DURATION;
-    let host = &Host { command: host.command.clone(), scene, patience: host.patience };
-    let company = |host: &Host, report: &mut Report| company::check(host, Role::Plant, report);
+    let host = &ProgramSetup { command: host.command.clone(), scene, patience: host.patience };
+    let company = |host: &ProgramSetup, report: &mut RuleReport| company::check(host, ProgramRole::Plant, report);
     report.each(host, &[conversation, succession, company, silence, on_time])
 }
 
 /// Commands that must not be accepted before the first good one: description, index into [`REFUSALS`], and the defect.
-type Flaw = (&'static str, usize, fn(&mut Command));
-const RAW: [Flaw; 2] = [
+type PlantFlaw = (&'static str, usize, fn(&mut Command));
+const RAW: [PlantFlaw; 2] = [
     ("without the magic", 0, |command| command.stamp.magic ^= 1),
     ("whose check sum is wrong", 3, |command| command.torques.torque[2] += 1.0),
 ];
-const SEALED: [Flaw; 5] = [
+const SEALED: [PlantFlaw; 5] = [
     ("for another run", 1, |command| command.stamp.run ^= 1),
     ("for sensors that were not sent yet", 5, |command| command.stamp.ack += 1),
     ("with a torque that is no number", 6, |command| command.torques.torque[4] = f64::NAN),
@@ -45,7 +45,7 @@ const SEALED: [Flaw; 5] = [
 ];
 
 /// One session from start to end.
-fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
+fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
     let mut driver = Driver::new(host, &invitation)?;
     let start = Instant::now();
@@ -122,7 +122,7 @@ fn conversation(host: &Host, report: &mut Report) -> Result<(), String> {
 }
 
 /// The first encoder counts must be those of the scene's start, to one count.
-fn at_the_start(host: &Host, sensors: &Sensors) -> Finding {
+fn at_the_start(host: &ProgramSetup, sensors: &Sensors) -> Finding {
     let count = TAU / f64::from(host.scene.plant.encoder_bits).exp2();
     for (joint, (&angle, &counts)) in host.scene.initial.joints.iter().zip(&sensors.encoders.counts).enumerate() {
         let wanted = (angle / count).round() as i64;
@@ -150,7 +150,7 @@ fn is_complete(truths: &[Truth], wanted: u64) -> Finding {
 }
 
 /// A killed and restarted plant, a second plant, and TERM.
-fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
+fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let invitation = host.invitation(Pace::Lockstep);
     let mut driver = Driver::new(host, &invitation)?;
     let mut guest = host.invite(&invitation)?;
@@ -184,10 +184,10 @@ fn succession(host: &Host, report: &mut Report) -> Result<(), String> {
 /// Checks that it ends within a time and in an allowed way, and that its last sensors announce the end.
 fn farewell(
     driver: &mut Driver,
-    guest: &mut Guest,
+    guest: &mut ProgramUnderTest,
     what: &str,
     limit: Duration,
-    report: &mut Report,
+    report: &mut RuleReport,
     how: impl Fn(&Ended) -> Finding,
 ) {
     let start = Instant::now();
@@ -205,7 +205,7 @@ fn farewell(
 }
 
 /// A controller that becomes silent in lockstep.
-fn silence(host: &Host, report: &mut Report) -> Result<(), String> {
+fn silence(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let mut invitation = host.invitation(Pace::Lockstep);
     invitation.patience = Duration::from_secs(1);
     let mut driver = Driver::new(host, &invitation)?;
@@ -219,8 +219,8 @@ fn silence(host: &Host, report: &mut Report) -> Result<(), String> {
 }
 
 /// In real time: the number of sensors, and the state of the drives when commands stop.
-fn on_time(host: &Host, report: &mut Report) -> Result<(), String> {
-    let mut host = Host { command: host.command.clone(), scene: host.scene.clone(), patience: host.patience };
+fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
+    let mut host = ProgramSetup { command: host.command.clone(), scene: host.scene.clone(), patience: host.patience };
     host.scene.duration = 1e6;
     let invitation = host.invitation(Pace::RealTime);
     let mut driver = Driver::new(&host, &invitation)?;

@@ -1,6 +1,6 @@
 //! What was found, rule by rule.
 
-use super::guest::Host;
+use super::guest::ProgramSetup;
 use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
@@ -8,16 +8,16 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 pub type Finding = Result<String, String>;
 
 /// A group of rules.
-pub type Part = fn(&Host, &mut Report) -> Result<(), String>;
+pub type RuleGroup = fn(&ProgramSetup, &mut RuleReport) -> Result<(), String>;
 
 /// The report: a line for each rule.
-pub struct Report<'a> {
+pub struct RuleReport<'a> {
     pub kept: usize,
     pub broken: usize,
     pub stop: &'a AtomicBool,
 }
 
-impl Report<'_> {
+impl RuleReport<'_> {
     /// Reports whether a rule of a section of docs/WIRE.md was kept.
     pub fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
         match &finding {
@@ -36,7 +36,7 @@ impl Report<'_> {
     }
 
     /// Checks one group after the other, until Ctrl-C.
-    pub fn each(&mut self, host: &Host, parts: &[Part]) -> Result<(), String> {
+    pub fn each(&mut self, host: &ProgramSetup, parts: &[RuleGroup]) -> Result<(), String> {
         for (nth, part) in parts.iter().enumerate().take_while(|_| !self.stop.load(Relaxed)) {
             part(host, self)?;
             if nth == 0 && self.kept == 0 {

@@ -1,6 +1,6 @@
 //! The peer of a controller: a simulated robot.
 
-use super::guest::{GOODBYE, Guest, Host};
+use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use messages::clock::{now_ns, random};
@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 pub const SILENCE: Duration = Duration::from_millis(100);
 
 /// The peer's side of a session: the robot, and the messages of the controller.
-pub struct Robot {
+pub struct SimulatedRobot {
     pub port: PlantPort,
     pub simulation: Simulation,
     pub stamps: Stamps,
@@ -24,23 +24,23 @@ pub struct Robot {
     pub torques: Torques,
 }
 
-impl Robot {
-    pub fn new(host: &Host, invitation: &PeerEnvironment) -> Result<Robot, String> {
+impl SimulatedRobot {
+    pub fn new(host: &ProgramSetup, invitation: &PeerEnvironment) -> Result<SimulatedRobot, String> {
         let port = PlantPort::open(&invitation.session, &invitation.contract).map_err(|error| error.to_string())?;
         let simulation = simulation(host)?;
         let (stamps, limit) = (Stamps::default(), host.scene.plant.torque_limit);
-        Ok(Robot { port, simulation, stamps, limit, patience: host.patience, torques: Torques::default() })
+        Ok(SimulatedRobot { port, simulation, stamps, limit, patience: host.patience, torques: Torques::default() })
     }
 
     /// Sends these sensors and waits for a command; an error says why there is none.
-    pub fn ask(&mut self, guest: &mut Guest, sensors: Sensors) -> Result<Command, String> {
+    pub fn ask(&mut self, guest: &mut ProgramUnderTest, sensors: Sensors) -> Result<Command, String> {
         let sensors = Sensors { stamp: Stamp { mono_ns: now_ns(), ..sensors.stamp }, ..sensors };
         self.port.send(sensors).map_err(|error| error.to_string())?;
         self.answer(guest, &sensors)
     }
 
     /// Waits for the command that answers these sensors.
-    pub fn answer(&mut self, guest: &mut Guest, sensors: &Sensors) -> Result<Command, String> {
+    pub fn answer(&mut self, guest: &mut ProgramUnderTest, sensors: &Sensors) -> Result<Command, String> {
         let start = Instant::now();
         loop {
             if let Some(command) = self.port.wait().map_err(|error| error.to_string())? {
@@ -61,7 +61,7 @@ impl Robot {
     }
 
     /// Runs control periods in lockstep; returns the torques of each.
-    pub fn walk(&mut self, guest: &mut Guest, periods: usize) -> Result<Vec<Torques>, String> {
+    pub fn walk(&mut self, guest: &mut ProgramUnderTest, periods: usize) -> Result<Vec<Torques>, String> {
         let mut torques = vec![];
         for _ in 0..periods {
             let command = self.ask(guest, self.simulation.sensors())?;
@@ -85,7 +85,7 @@ impl Robot {
 }
 
 /// A robot at the start of the scene, in a run without a fixed end.
-pub fn simulation(host: &Host) -> Result<Simulation, String> {
+pub fn simulation(host: &ProgramSetup) -> Result<Simulation, String> {
     let mut scene = host.scene.clone();
     scene.duration = 1e6;
     Simulation::new(&scene, random(), random()).map_err(|error| error.to_string())

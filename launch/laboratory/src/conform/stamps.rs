@@ -1,6 +1,6 @@
 //! Rules for every message of either sender, and for every command.
 
-use super::report::Report;
+use super::report::RuleReport;
 use messages::wire::{Command, JOINTS, Stamp, Stamped};
 
 const MESSAGE: &str = "Every message";
@@ -118,7 +118,7 @@ impl Stamps {
     }
 
     /// Reports all rules; those about torques only with `commands`.
-    pub fn report(self, report: &mut Report, commands: bool) {
+    pub fn report(self, report: &mut RuleReport, commands: bool) {
         let count = if commands { RULES.len() } else { 5 };
         for ((rule, section), broken) in RULES.into_iter().zip(self.broken).take(count) {
             let remark = if rule == RULES[0].0 { format!("{} messages", self.count) } else { String::new() };

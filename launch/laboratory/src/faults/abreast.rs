@@ -1,7 +1,7 @@
 //! Parallel trials, for those that mostly wait.
 
 use super::memory;
-use super::stage::Trial;
+use super::stage::FaultTrial;
 use shared::progress::BatchProgress;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
@@ -15,13 +15,13 @@ pub fn side_by_side(
     random: &mut fastrand::Rng,
     quiet: bool,
     stop: &AtomicBool,
-    trial: &(dyn Fn(usize, &mut fastrand::Rng) -> Trial + Sync),
-) -> Vec<Trial> {
+    trial: &(dyn Fn(usize, &mut fastrand::Rng) -> FaultTrial + Sync),
+) -> Vec<FaultTrial> {
     let progress = BatchProgress::new(quiet, count, 0, "trials");
     let next = AtomicUsize::new(0);
     let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
     let work = &|first: bool| {
-        let mut told: Vec<(usize, Trial)> = vec![];
+        let mut told: Vec<(usize, FaultTrial)> = vec![];
         // the first worker may use the common shared memory
         if memory::of_ones_own().is_err() && !first {
             return told;

@@ -1,6 +1,6 @@
 //! Bad commands over the real link: a faulty controller is connected to a real plant.
 
-use super::stage::{LIMIT, Outcome, Stage, Trial, is_finite, walk};
+use super::stage::{FaultTrial, LIMIT, Stage, TrialOutcome, is_finite, walk};
 use crate::subject::Subject;
 use controller::Controller;
 use messages::port::{Contract, ControllerPort, Pace, RecorderPort};
@@ -20,7 +20,7 @@ const LONGEST: Duration = Duration::from_secs(1800);
 
 /// The defect of a bad command.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
-pub enum Flaw {
+pub enum CommandFlaw {
     /// A torque is not a number.
     NotANumber,
     /// A torque is infinite.
@@ -39,20 +39,20 @@ pub enum Flaw {
     Early,
 }
 
-impl Flaw {
+impl CommandFlaw {
     /// Gives a good command this defect; `sent` is the previous command.
     fn spoil(self, good: Command, sent: &Command, random: &mut fastrand::Rng) -> Command {
         let (mut bad, joint) = (good, random.usize(0..good.torques.torque.len()));
         let torque = &mut bad.torques.torque[joint];
         match self {
-            Flaw::NotANumber => *torque = f64::NAN,
-            Flaw::Infinite => *torque = if random.bool() { f64::INFINITY } else { f64::NEG_INFINITY },
-            Flaw::Huge => *torque = 10.0_f64.powf(random.f64() * 300.0 + 3.0),
-            Flaw::Duplicated => return *sent,
-            Flaw::Stale => bad.stamp.seq = sent.stamp.seq - random.u64(0..sent.stamp.seq),
-            Flaw::WrongRun => bad.stamp.run ^= random.u64(1..),
-            Flaw::Early => bad.stamp.ack += random.u64(2..1000),
-            Flaw::Flipped => {
+            CommandFlaw::NotANumber => *torque = f64::NAN,
+            CommandFlaw::Infinite => *torque = if random.bool() { f64::INFINITY } else { f64::NEG_INFINITY },
+            CommandFlaw::Huge => *torque = 10.0_f64.powf(random.f64() * 300.0 + 3.0),
+            CommandFlaw::Duplicated => return *sent,
+            CommandFlaw::Stale => bad.stamp.seq = sent.stamp.seq - random.u64(0..sent.stamp.seq),
+            CommandFlaw::WrongRun => bad.stamp.run ^= random.u64(1..),
+            CommandFlaw::Early => bad.stamp.ack += random.u64(2..1000),
+            CommandFlaw::Flipped => {
                 let mut bytes = bytemuck::bytes_of(&good.sealed()).to_vec();
                 let bit = random.usize(0..8 * bytes.len());
                 bytes[bit / 8] ^= 1 << (bit % 8);
@@ -122,11 +122,11 @@ impl Rogue {
         self.truth.tally.refused.iter().sum()
     }
 
-    fn told(&self, how: &str, start: Instant) -> Outcome {
+    fn told(&self, how: &str, start: Instant) -> TrialOutcome {
         let refused = self.truth.tally.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0);
         let refused: Vec<String> = refused.map(|(count, reason)| format!("{count} {reason}")).collect();
         let (walked, took) = (self.truth.stamp.sim_ns as f64 * 1e-9, start.elapsed().as_secs_f64());
-        Outcome {
+        TrialOutcome {
             time: None,
             remark: format!("refused: {}; {walked:.0} s walked {how}, in {took:.0} s", refused.join(", ")),
         }
@@ -139,7 +139,7 @@ fn words(error: impl ToString) -> String {
 
 /// Floods a walk with bad commands, [`BEFORE`] before each good one. All must be refused, and the walk must equal the one without them bit
 /// for bit.
-pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
+pub fn flood(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
     let (_, scene) = walk(&["duration=100000"])?;
     let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
     // the same walk without the flood, here
@@ -153,7 +153,7 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
         let good = rogue.answer(&sensors)?;
         // none before the first good command: there is no older one and no duplicate yet
         for _ in 0..if rogue.sent.stamp.ack > 0 { BEFORE } else { 0 } {
-            let flaw = Flaw::VARIANTS[random.usize(0..Flaw::VARIANTS.len())];
+            let flaw = CommandFlaw::VARIANTS[random.usize(0..CommandFlaw::VARIANTS.len())];
             // it answers the previous sensors, so that the plant continues to wait for the good command
             let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
             rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;
@@ -177,13 +177,13 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> Trial {
 }
 
 /// Every second answer must be refused. The walk continues with the torques of the previous period.
-pub fn every_other(count: u64, random: &mut fastrand::Rng) -> Trial {
+pub fn every_other(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
     let (_, scene) = walk(&["duration=100000"])?;
     let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
     while rogue.refused() < count {
         let sensors = rogue.ask()?;
         let good = rogue.answer(&sensors)?;
-        let bad = [Flaw::NotANumber, Flaw::Infinite, Flaw::Huge][random.usize(0..3)];
+        let bad = [CommandFlaw::NotANumber, CommandFlaw::Infinite, CommandFlaw::Huge][random.usize(0..3)];
         let is_bad = sensors.stamp.seq > 1 && sensors.stamp.seq % 2 == 0;
         rogue.port.send_raw(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(words)?;
         rogue.sent = good;

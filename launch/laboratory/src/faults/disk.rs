@@ -1,13 +1,13 @@
 //! Disks and file size limits that are too small for a recording. The robot must keep walking, and the recorded part must be readable.
 
-use super::stage::{LIMIT, Outcome, Trial, is};
+use super::stage::{FaultTrial, LIMIT, TrialOutcome, is};
 use crate::subject::Subject;
 use shared::exit::Exit;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// Records on a disk of some megabytes; with `fill`, another process fills the rest of the disk after that time.
-pub fn small(megabytes: u64, fill: Option<Duration>) -> Trial {
+pub fn small(megabytes: u64, fill: Option<Duration>) -> FaultTrial {
     let fill = fill.map_or(String::new(), |after| {
         let after = after.as_secs_f64();
         format!("(sleep {after}; head -c {megabytes}M /dev/zero > disk/filler) 2>&- &")
@@ -19,12 +19,12 @@ pub fn small(megabytes: u64, fill: Option<Duration>) -> Trial {
 }
 
 /// Records under a file size limit of some megabytes.
-pub fn limited(megabytes: u64) -> Trial {
+pub fn limited(megabytes: u64) -> FaultTrial {
     trial(&[], &format!("ulimit -f {}", megabytes * 2048), 80, "out")
 }
 
 /// Runs commands and then a recorded walk in a new folder, and in new namespaces if any are named. A second of a walk takes a megabyte.
-fn trial(namespaces: &[&str], before: &str, seconds: u32, out: &str) -> Trial {
+fn trial(namespaces: &[&str], before: &str, seconds: u32, out: &str) -> FaultTrial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let folder = std::env::temp_dir().join(format!("biped-disk-{}", fastrand::u64(..)));
     std::fs::create_dir_all(folder.join("disk")).map_err(|error| error.to_string())?;
@@ -40,7 +40,7 @@ fn trial(namespaces: &[&str], before: &str, seconds: u32, out: &str) -> Trial {
     ended
 }
 
-fn walk(namespaces: &[&str], script: &str) -> Trial {
+fn walk(namespaces: &[&str], script: &str) -> FaultTrial {
     let start = Instant::now();
     let mut command = Command::new(if namespaces.is_empty() { "sh" } else { "unshare" });
     let process = Subject::start(match namespaces {
@@ -51,7 +51,7 @@ fn walk(namespaces: &[&str], script: &str) -> Trial {
     let told = words.lines().find(|line| line.contains("the recording")).unwrap_or("").to_string();
     let is_told = told.contains("ends at") && told.contains("the run continues");
     match is(status, Exit::Unrecorded) && is_told {
-        true => Ok(Outcome { time: Some(start.elapsed()), remark: told }),
+        true => Ok(TrialOutcome { time: Some(start.elapsed()), remark: told }),
         false => Err(format!("{status}: {words}")),
     }
 }

@@ -1,6 +1,6 @@
 //! kill −9: at random times, at every system call of start-up, and in a session with restarts.
 
-use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is_finite, send, walk};
+use super::stage::{FaultTrial, LIMIT, SessionRole, Stage, TrialOutcome, is_finite, send, walk};
 use crate::subject::{Subject, eventually};
 use messages::clock::now_ns;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, RecorderPort};
@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 const SPAN: u64 = 600;
 
 /// Kills one process of a run at a random time. The others must report it and end.
-pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
+pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
     let stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
     let wait = Duration::from_millis(random.u64(0..SPAN));
@@ -26,14 +26,14 @@ pub fn at_random(victim: Role, random: &mut fastrand::Rng) -> Trial {
     let (took, _, words) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
     // a killed launcher reports nothing
     match victim {
-        Role::Launcher => Ok(took.into()),
+        SessionRole::Launcher => Ok(took.into()),
         _ if words.contains(&format!("the {} failed", victim.name())) && words.contains("SIGKILL") => Ok(took.into()),
         _ => Err(format!("killed after {wait:?}, it was not named: {words}")),
     }
 }
 
 /// The system calls of a role until it waits for the other one: name, and number of calls with this name so far.
-pub fn calls(role: Role) -> Result<Vec<(String, u32)>, String> {
+pub fn calls(role: SessionRole) -> Result<Vec<(String, u32)>, String> {
     let stage = Stage::empty();
     let list = std::env::temp_dir().join(format!("biped-calls-{}", stage.session.name()));
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
@@ -55,7 +55,7 @@ pub fn calls(role: Role) -> Result<Vec<(String, u32)>, String> {
 
 /// Kills a role just before a system call of its start-up, in a session that has another member. Its remains must not hinder a new process.
 /// Measures the time from the start of the new process to its first exchange.
-pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
+pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
     let stage = Stage::empty();
     let (_, scene) = walk(&["duration=0.02"])?;
     let arguments =
@@ -65,7 +65,7 @@ pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
     strace.args(["-qq", "-o", "/dev/null", "-e", &format!("inject={name}:signal=KILL:when={count}")]);
     strace.arg(std::env::current_exe().map_err(|error| error.to_string())?).args(arguments);
     let at = |error: String| format!("killed at {name} {count}: {error}");
-    let mut peer = Peer::open(victim, &stage, &scene).map_err(at)?;
+    let mut peer = SurvivingPeer::open(victim, &stage, &scene).map_err(at)?;
     let mut dying = Subject::start(&mut strace)?;
     eventually("the killed process ends", LIMIT * 10, || {
         let _ = peer.answer();
@@ -104,42 +104,44 @@ pub fn at_call(victim: Role, call: &(String, u32)) -> Trial {
 }
 
 /// This program in the role of the victim's peer.
-struct Peer {
-    place: Place,
+struct SurvivingPeer {
+    place: SurvivorPort,
     /// The sensors of the robot, if this program is the plant.
     sensors: Sensors,
     /// Whether all messages of the other side have been read.
     done: bool,
 }
 
-enum Place {
+enum SurvivorPort {
     Plant(Box<PlantPort>),
     Controller(Box<ControllerPort>),
 }
 
-impl Peer {
-    fn open(victim: Role, stage: &Stage, scene: &Scene) -> Result<Peer, String> {
+impl SurvivingPeer {
+    fn open(victim: SessionRole, stage: &Stage, scene: &Scene) -> Result<SurvivingPeer, String> {
         let contract = &Contract::of(scene, Pace::Lockstep);
         let sensors = Simulation::new(scene, 1, 1).map_err(|error| error.to_string())?.sensors();
         let place = match victim {
-            Role::Plant => ControllerPort::open(&stage.session, contract).map(Box::new).map(Place::Controller),
-            Role::Controller | Role::Launcher => {
-                PlantPort::open(&stage.session, contract).map(Box::new).map(Place::Plant)
+            SessionRole::Plant => {
+                ControllerPort::open(&stage.session, contract).map(Box::new).map(SurvivorPort::Controller)
+            }
+            SessionRole::Controller | SessionRole::Launcher => {
+                PlantPort::open(&stage.session, contract).map(Box::new).map(SurvivorPort::Plant)
             }
         };
-        Ok(Peer { place: place.map_err(|error| error.to_string())?, sensors, done: false })
+        Ok(SurvivingPeer { place: place.map_err(|error| error.to_string())?, sensors, done: false })
     }
 
     /// One exchange, or a short wait.
     fn answer(&mut self) -> Result<(), String> {
         let told = match &mut self.place {
-            Place::Controller(port) => port.wait().and_then(|sensors| {
+            SurvivorPort::Controller(port) => port.wait().and_then(|sensors| {
                 let Some(Sensors { stamp, last, .. }) = sensors else { return Ok(()) };
                 self.done |= last != 0;
                 let stamp = Stamp { run: stamp.run, seq: stamp.seq, ack: stamp.seq, epoch: 1, ..Stamp::default() };
                 port.send(Command { stamp, ..Command::default() })
             }),
-            Place::Plant(port) => {
+            SurvivorPort::Plant(port) => {
                 self.sensors.stamp.seq += 1;
                 let said = port.send(Sensors { last: u64::from(self.done), ..self.sensors });
                 said.and_then(|()| port.wait()).map(|command| self.done |= command.is_some())
@@ -151,7 +153,7 @@ impl Peer {
 
 /// Repeatedly kills plant or controller of a lockstep walk with restarts. Measures the time from each kill to the first accepted command of
 /// the new process, and for comparison the time that the host takes to start this program.
-pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> Result<Vec<Trial>, String> {
+pub fn and_respawn(victim: SessionRole, trials: usize, random: &mut fastrand::Rng) -> Result<Vec<FaultTrial>, String> {
     let most = trials.to_string();
     let mut stage = Stage::run(&["--respawn", &most, "--set", "duration=100000"])?;
     stage.is_set()?;
@@ -193,13 +195,13 @@ pub fn and_respawn(victim: Role, trials: usize, random: &mut fastrand::Rng) -> R
             of_host[1],
             stage.session.shm_files().len()
         );
-        results.push(time.map(|time| Outcome { time: Some(time), remark }));
+        results.push(time.map(|time| TrialOutcome { time: Some(time), remark }));
         if results.last().is_some_and(Result::is_err) {
             break;
         }
     }
     drop(port);
-    send(stage.wait_for(Role::Launcher)?, Signal::SIGTERM)?;
+    send(stage.wait_for(SessionRole::Launcher)?, Signal::SIGTERM)?;
     stage.must_end(Instant::now())?;
     Ok(results)
 }

@@ -1,6 +1,6 @@
 //! Mount namespaces with a small or private /dev/shm.
 
-use super::stage::{LIMIT, Outcome, Trial};
+use super::stage::{FaultTrial, LIMIT, TrialOutcome};
 use crate::subject::Subject;
 use nix::mount::{MsFlags, mount};
 use nix::sched::{CloneFlags, unshare};
@@ -8,7 +8,7 @@ use std::process::Command;
 use std::time::{Duration, Instant};
 
 /// Runs a short walk with `kilobytes` of shared memory; with `fill`, another process fills it after that time.
-pub fn full(kilobytes: u64, fill: Option<Duration>) -> Trial {
+pub fn full(kilobytes: u64, fill: Option<Duration>) -> FaultTrial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let fill = fill.map_or(String::new(), |after| {
         format!("(sleep {}; head -c {}k /dev/zero > /dev/shm/filler) 2>&- &", after.as_secs_f64(), kilobytes)
@@ -27,9 +27,9 @@ pub fn full(kilobytes: u64, fill: Option<Duration>) -> Trial {
     let took = start.elapsed();
     let first = words.lines().find(|line| line.contains("error")).unwrap_or("").trim().to_string();
     match status.code() {
-        Some(0) => Ok(Outcome { time: Some(took), remark: String::new() }),
-        Some(6) if words.contains("/dev/shm") => Ok(Outcome { time: Some(took), remark: first }),
-        Some(4) if words.contains("SIGBUS") => Ok(Outcome { time: Some(took), remark: first }),
+        Some(0) => Ok(TrialOutcome { time: Some(took), remark: String::new() }),
+        Some(6) if words.contains("/dev/shm") => Ok(TrialOutcome { time: Some(took), remark: first }),
+        Some(4) if words.contains("SIGBUS") => Ok(TrialOutcome { time: Some(took), remark: first }),
         Some(99) => Err(format!("something is left: {words}")),
         _ => Err(format!("{kilobytes} kB: {status}: {words}")),
     }

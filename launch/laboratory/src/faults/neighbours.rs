@@ -1,6 +1,6 @@
 //! Disturbances beside a session: concurrent launchers, foreign files in place of its own, and a controller with much output.
 
-use super::stage::{LIMIT, Outcome, Trial, is};
+use super::stage::{FaultTrial, LIMIT, TrialOutcome, is};
 use crate::subject::Subject;
 use messages::session::Session;
 use nix::sys::stat::Mode;
@@ -16,7 +16,7 @@ const RACERS: usize = 3;
 const WALK: &str = "duration=20";
 
 /// Of the concurrent launchers of one session, one must run to its end, and the others must be refused.
-pub fn race() -> Trial {
+pub fn race() -> FaultTrial {
     let session = Session::unique();
     let start = || Subject::biped(&["run", "walk", "--quiet", "--set", WALK, "--session", session.name()]);
     let racers = (0..RACERS).map(|_| start()).collect::<Result<Vec<_>, _>>()?;
@@ -27,11 +27,11 @@ pub fn race() -> Trial {
     if ran == 0 || ran + refused < RACERS {
         return Err(format!("{ran} ran and {refused} were refused: {ends:?}"));
     }
-    cleared(&session, Outcome { time: None, remark: "one runs, the others are refused".into() })
+    cleared(&session, TrialOutcome { time: None, remark: "one runs, the others are refused".into() })
 }
 
 /// A pipe, a link or a folder in place of a session's member list must be reported, and neither waited for nor followed.
-pub fn laid(random: &mut fastrand::Rng) -> Trial {
+pub fn laid(random: &mut fastrand::Rng) -> FaultTrial {
     let session = Session::unique();
     let list = Path::new("/dev/shm").join(session.prefix() + "members");
     let laid = match random.u32(0..3) {
@@ -53,7 +53,7 @@ pub fn laid(random: &mut fastrand::Rng) -> Trial {
 }
 
 /// The standard error of a controller must be read to its end, even if it contains non-text bytes and an endless line.
-pub fn loud(random: &mut fastrand::Rng) -> Trial {
+pub fn loud(random: &mut fastrand::Rng) -> FaultTrial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let bytes = random.u32(1 << 20..1 << 24);
     let controller = format!(
@@ -71,7 +71,7 @@ pub fn loud(random: &mut fastrand::Rng) -> Trial {
 }
 
 /// Checks that no file of the session is left.
-fn cleared(session: &Session, outcome: Outcome) -> Trial {
+fn cleared(session: &Session, outcome: TrialOutcome) -> FaultTrial {
     let start = Instant::now();
     let mut left: Vec<PathBuf> = session.shm_files();
     while !left.is_empty() && start.elapsed() < LIMIT {

@@ -1,6 +1,6 @@
 //! Processes that do not belong to a session: a second one in a role, and one with another contract.
 
-use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is, walk};
+use super::stage::{FaultTrial, LIMIT, SessionRole, Stage, TrialOutcome, is, walk};
 use crate::conform;
 use crate::subject::Subject;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
@@ -11,12 +11,12 @@ use std::time::{Duration, Instant};
 const WALK: [&str; 2] = ["--set", "duration=1000"];
 
 /// A second process in a role must be refused with a sentence, and the first one must go on.
-pub fn second(role: Role) -> Trial {
+pub fn second(role: SessionRole) -> FaultTrial {
     let mut stage = Stage::run(&WALK)?;
     stage.is_set()?;
     let start = Instant::now();
     let intruder = match role {
-        Role::Launcher => vec!["run", "walk", "--quiet"],
+        SessionRole::Launcher => vec!["run", "walk", "--quiet"],
         role => vec![role.name(), "walk", "--set", WALK[1]],
     };
     let intruder = Subject::biped(&[&intruder[..], &["--session", stage.session.name()]].concat())?;
@@ -30,7 +30,7 @@ pub fn second(role: Role) -> Trial {
 }
 
 /// A peer with another wire schema, model, rate or pace must be refused with both values, and the first one must go on.
-pub fn other_contract() -> Trial {
+pub fn other_contract() -> FaultTrial {
     let mut stage = Stage::run(&WALK)?;
     stage.is_set()?;
     let (_, scene) = walk(&[WALK[1]])?;
@@ -48,12 +48,12 @@ pub fn other_contract() -> Trial {
     }
     walks_on(&stage)?;
     told.dedup();
-    Ok(Outcome { time: None, remark: format!("each refused with both values: {}", told.join(", ")) })
+    Ok(TrialOutcome { time: None, remark: format!("each refused with both values: {}", told.join(", ")) })
 }
 
 /// Checks that the original processes are still running a moment later.
 fn walks_on(stage: &Stage) -> Result<(), String> {
     std::thread::sleep(Duration::from_millis(200));
-    let there = [Role::Plant, Role::Controller, Role::Launcher].map(|role| stage.find(role).len());
+    let there = [SessionRole::Plant, SessionRole::Controller, SessionRole::Launcher].map(|role| stage.find(role).len());
     if there == [1, 1, 1] { Ok(()) } else { Err(format!("of plant, controller and launcher there are {there:?}")) }
 }

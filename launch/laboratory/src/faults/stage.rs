@@ -18,26 +18,26 @@ pub const LIMIT: Duration = Duration::from_secs(3);
 const LONG: Duration = Duration::from_secs(60);
 
 /// The result of a trial: a time and a remark, or a sentence about the failure.
-pub type Trial = Result<Outcome, String>;
+pub type FaultTrial = Result<TrialOutcome, String>;
 
 /// The result of a successful trial.
 #[derive(Clone, Debug, Default)]
-pub struct Outcome {
+pub struct TrialOutcome {
     /// The measured time, if any.
     pub time: Option<Duration>,
     /// A remark.
     pub remark: String,
 }
 
-impl From<Duration> for Outcome {
-    fn from(time: Duration) -> Outcome {
-        Outcome { time: Some(time), remark: String::new() }
+impl From<Duration> for TrialOutcome {
+    fn from(time: Duration) -> TrialOutcome {
+        TrialOutcome { time: Some(time), remark: String::new() }
     }
 }
 
 /// A process of a session.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Role {
+pub enum SessionRole {
     /// `biped plant`.
     Plant,
     /// `biped controller`.
@@ -46,19 +46,19 @@ pub enum Role {
     Launcher,
 }
 
-impl Role {
+impl SessionRole {
     /// Its name on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Role::Plant => "plant",
-            Role::Controller => "controller",
-            Role::Launcher => "run",
+            SessionRole::Plant => "plant",
+            SessionRole::Controller => "controller",
+            SessionRole::Launcher => "run",
         }
     }
 
     /// Its name in messages.
     pub fn title(self) -> &'static str {
-        if self == Role::Launcher { "launcher" } else { self.name() }
+        if self == SessionRole::Launcher { "launcher" } else { self.name() }
     }
 }
 
@@ -100,12 +100,12 @@ impl Stage {
     }
 
     /// Numbers of its living processes of a role.
-    pub fn find(&self, role: Role) -> Vec<u32> {
+    pub fn find(&self, role: SessionRole) -> Vec<u32> {
         self.living().into_iter().filter(|(_, found)| found == role.name()).map(|(number, _)| number).collect()
     }
 
     /// Waits for the process of a role and returns its number.
-    pub fn wait_for(&self, role: Role) -> Result<u32, String> {
+    pub fn wait_for(&self, role: SessionRole) -> Result<u32, String> {
         let mut found = None;
         eventually("the process begins", LONG, || {
             found = self.find(role).first().copied();

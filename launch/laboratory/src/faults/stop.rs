@@ -1,6 +1,6 @@
 //! SIGSTOP and SIGCONT: processes that are alive but silent.
 
-use super::stage::{LIMIT, Outcome, Role, Stage, Trial, is, is_finite, send};
+use super::stage::{FaultTrial, LIMIT, SessionRole, Stage, TrialOutcome, is, is_finite, send};
 use crate::subject::eventually;
 use messages::port::RecorderPort;
 use nix::sys::signal::Signal;
@@ -15,7 +15,7 @@ const LENGTH: &str = "duration=200";
 const WINDOW: Duration = Duration::from_secs(3);
 
 /// Stops one process of a lockstep run for a while. The run must end in the same state, bit for bit.
-pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -> Trial {
+pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand::Rng) -> FaultTrial {
     let folder = std::env::temp_dir().join(format!("biped-stop-{}-{:x}", std::process::id(), random.u32(..)));
     let out = folder.to_string_lossy().into_owned();
     let mut stage = Stage::run(&["--set", LENGTH, "--out", &out])?;
@@ -33,7 +33,7 @@ pub fn and_continue(victim: Role, reference: &str, random: &mut fastrand::Rng) -
     match hash? {
         _ if !is(status, Exit::Ok) => Err(format!("stopped for {pause:?}: {status}: {words}")),
         hash if hash != reference => Err(format!("stopped for {pause:?}, another trajectory came out")),
-        _ => Ok(Outcome::default()),
+        _ => Ok(TrialOutcome::default()),
     }
 }
 
@@ -56,7 +56,7 @@ fn hash(folder: &std::path::Path) -> Result<String, String> {
 
 /// Stops plant or controller for good. The others must report the silent process, and all must end. The time counts from the end of their
 /// time limit.
-pub fn for_ever(victim: Role, random: &mut fastrand::Rng) -> Trial {
+pub fn for_ever(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let patience = Duration::from_secs(1);
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
     let mut stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
@@ -73,11 +73,11 @@ pub fn for_ever(victim: Role, random: &mut fastrand::Rng) -> Trial {
 
 /// Lateness of the loop in real time, alternately with a reading and with a stopped recorder. Medians are used because the load of the
 /// machine varies.
-pub fn the_recorder(rounds: usize) -> Trial {
+pub fn the_recorder(rounds: usize) -> FaultTrial {
     let mut stage = Stage::run(&["--realtime", "--set", "duration=100000", "--set", "controller.gait=\"stand\""])?;
     stage.is_set()?;
     // The launcher records. This process is a second recorder, which continues to read.
-    let launcher = stage.wait_for(Role::Launcher)?;
+    let launcher = stage.wait_for(SessionRole::Launcher)?;
     let mut port = RecorderPort::attach(&stage.session).map_err(|error| error.to_string())?;
     let mut listen = |span: Duration| -> Result<[f64; 2], String> {
         let (mut late, start) = (vec![], Instant::now());
@@ -114,7 +114,7 @@ pub fn the_recorder(rounds: usize) -> Trial {
         from[0], to[0], ratio[0], from[1], to[1], ratio[1]
     );
     match ratio[0] < 1.5 && ratio[1] < 2.0 {
-        true => Ok(Outcome { time: None, remark }),
+        true => Ok(TrialOutcome { time: None, remark }),
         false => Err(remark),
     }
 }
@@ -126,13 +126,13 @@ fn at(values: &mut [f64], share: f64) -> f64 {
 }
 
 /// Stops the launcher for good. Its processes must detect this and go on without a recorder.
-pub fn the_launcher_for_ever() -> Trial {
+pub fn the_launcher_for_ever() -> FaultTrial {
     let mut stage = Stage::run(&["--realtime", "--set", "duration=8"])?;
     stage.is_set()?;
-    let launcher = stage.wait_for(Role::Launcher)?;
+    let launcher = stage.wait_for(SessionRole::Launcher)?;
     send(launcher, Signal::SIGSTOP)?;
     eventually("plant and controller end by themselves", LIMIT * 5, || {
-        stage.find(Role::Plant).is_empty() && stage.find(Role::Controller).is_empty()
+        stage.find(SessionRole::Plant).is_empty() && stage.find(SessionRole::Controller).is_empty()
     })?;
     let start = Instant::now();
     send(launcher, Signal::SIGCONT)?;

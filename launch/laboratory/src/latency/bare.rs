@@ -12,7 +12,7 @@ use std::time::Instant;
 const LOOKS: u32 = 1 << 12;
 
 /// The plant's end.
-pub enum Plant {
+pub enum BarePlant {
     /// iceoryx2 as its own examples use it.
     Bare(BarePort<Sensors, Command>),
     /// Our port, which reserves memory for messages in advance and releases it later.
@@ -20,21 +20,21 @@ pub enum Plant {
 }
 
 /// The controller's end.
-pub enum Controller {
+pub enum BareController {
     Bare(BarePort<Command, Sensors>),
     Ours(Box<ControllerPort>),
 }
 
-impl Plant {
+impl BarePlant {
     /// Joins a session.
     ///
     /// # Errors
     /// If the session cannot be made.
-    pub fn open(session: &Session, ours: bool) -> Result<Plant, PortError> {
+    pub fn open(session: &Session, ours: bool) -> Result<BarePlant, PortError> {
         let contract = null_plant();
         open_with_timeout(|| match ours {
-            true => Ok(Plant::Ours(Box::new(PlantPort::open(session, &contract)?.waiting(Waiting::Spin)))),
-            false => BarePort::plant(session, &contract).map(Plant::Bare),
+            true => Ok(BarePlant::Ours(Box::new(PlantPort::open(session, &contract)?.waiting(Waiting::Spin)))),
+            false => BarePort::plant(session, &contract).map(BarePlant::Bare),
         })
     }
 
@@ -47,8 +47,8 @@ impl Plant {
         let stamp = Stamp { seq: seq.into(), ..Stamp::default() };
         self.send(Sensors { stamp, ..Sensors::default() })?;
         let mut look = || match self {
-            Plant::Bare(port) => port.poll(),
-            Plant::Ours(port) => port.wait(),
+            BarePlant::Bare(port) => port.poll(),
+            BarePlant::Ours(port) => port.wait(),
         };
         while hear(&mut look)?.stamp.ack != stamp.seq {}
         Ok(())
@@ -65,22 +65,24 @@ impl Plant {
     #[inline]
     fn send(&self, sensors: Sensors) -> Result<(), PortError> {
         match self {
-            Plant::Bare(port) => port.send(sensors),
-            Plant::Ours(port) => port.send_raw(sensors),
+            BarePlant::Bare(port) => port.send(sensors),
+            BarePlant::Ours(port) => port.send_raw(sensors),
         }
     }
 }
 
-impl Controller {
+impl BareController {
     /// Joins a session.
     ///
     /// # Errors
     /// If the session cannot be made.
-    pub fn open(session: &Session, ours: bool) -> Result<Controller, PortError> {
+    pub fn open(session: &Session, ours: bool) -> Result<BareController, PortError> {
         let contract = null_plant();
         open_with_timeout(|| match ours {
-            true => Ok(Controller::Ours(Box::new(ControllerPort::open(session, &contract)?.waiting(Waiting::Spin)))),
-            false => BarePort::controller(session, &contract).map(Controller::Bare),
+            true => {
+                Ok(BareController::Ours(Box::new(ControllerPort::open(session, &contract)?.waiting(Waiting::Spin))))
+            }
+            false => BarePort::controller(session, &contract).map(BareController::Bare),
         })
     }
 
@@ -91,8 +93,8 @@ impl Controller {
     pub fn serve(&mut self) -> Result<(), Failure> {
         loop {
             let mut look = || match self {
-                Controller::Bare(port) => port.poll(),
-                Controller::Ours(port) => port.wait(),
+                BareController::Bare(port) => port.poll(),
+                BareController::Ours(port) => port.wait(),
             };
             let Sensors { stamp, last, .. } = hear(&mut look)?;
             if last != 0 {
@@ -100,8 +102,8 @@ impl Controller {
             }
             let command = Command { stamp: Stamp { ack: stamp.seq, ..stamp }, ..Command::default() };
             match self {
-                Controller::Bare(port) => port.send(command)?,
-                Controller::Ours(port) => port.send_raw(command)?,
+                BareController::Bare(port) => port.send(command)?,
+                BareController::Ours(port) => port.send_raw(command)?,
             }
         }
     }

@@ -99,7 +99,7 @@ fn turn(bench: &mut Bench, results: &mut Results, carrier: Carrier, count: u32) 
         }
         Carrier::Bare { ours } => {
             let session = bench.session()?;
-            let mut plant = bare::Plant::open(&session, ours)?;
+            let mut plant = bare::BarePlant::open(&session, ours)?;
             bench.peer.order(&Order::Bare { session: session.name().into(), ours })?;
             let spread = trips(count, bench.plan.turn_ns, |seq| plant.ask(seq))?;
             plant.end()?;

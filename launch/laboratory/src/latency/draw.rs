@@ -17,13 +17,13 @@ const BINS: f64 = 20.0;
 const LEAST: f64 = -6.0;
 
 /// Section and metric of a series, and its label.
-type Part = (&'static str, &'static str, &'static str);
+type SeriesKey = (&'static str, &'static str, &'static str);
 
 /// Several series in one frame.
 struct Drawing {
     name: &'static str,
     title: &'static str,
-    parts: Vec<Part>,
+    parts: Vec<SeriesKey>,
 }
 
 fn drawings() -> Vec<Drawing> {
@@ -77,7 +77,7 @@ pub fn all(results: &Results) -> Vec<(&'static str, String)> {
 /// `None` without samples.
 fn draw(drawing: &Drawing, results: &Results) -> Option<String> {
     let colours = [GREY, LEFT, RIGHT, GREEN, COM, ZMP];
-    let found = |&(section, metric, name): &Part| Some((name, results.spread(section, metric)?));
+    let found = |&(section, metric, name): &SeriesKey| Some((name, results.spread(section, metric)?));
     let series: Vec<(&'static str, &Spread)> =
         drawing.parts.iter().filter_map(found).filter(|(_, spread)| spread.samples() > 0).collect();
     let ends = series.iter().flat_map(|(_, spread)| [spread.quantile(0.0), spread.quantile(1.0)]);

@@ -8,7 +8,7 @@ use super::results::Results;
 use super::spread::Spread;
 use super::talk::Talk;
 use super::terms::null_plant;
-use super::watch::Watch;
+use super::watch::HostWatch;
 use messages::clock::now_ns;
 use messages::port::{Contract, Pace, RecorderPort, Waiting};
 use messages::wire::{Sensors, Stamp};
@@ -89,7 +89,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         RoleProcess::start("controller", &arguments(1), &bench.counter.bar)?,
     ];
     let plant = format!("{0}/task/{0}", roles[0].pid());
-    let (mut watch, mut floor, mut before, mut after) = (Watch::new()?, None, Usage::default(), Usage::default());
+    let (mut watch, mut floor, mut before, mut after) = (HostWatch::new()?, None, Usage::default(), Usage::default());
     let mut ended_early = false;
     loop {
         std::thread::sleep(LOOK);

@@ -10,7 +10,7 @@ use std::fmt;
 pub struct Results {
     pub series: Vec<Series>,
     pub counts: Vec<Count>,
-    pub targets: Vec<Target>,
+    pub targets: Vec<LatencyTarget>,
     pub host: Host,
 }
 
@@ -33,7 +33,7 @@ pub struct Count {
 
 /// A ratio within this run, and its upper limit.
 #[derive(Serialize)]
-pub struct Target {
+pub struct LatencyTarget {
     pub name: &'static str,
     pub ratio: f64,
     pub limit: f64,
@@ -42,7 +42,7 @@ pub struct Target {
 
 /// The written form of a series.
 #[derive(Serialize)]
-struct Row {
+struct LatencyRow {
     section: &'static str,
     metric: &'static str,
     #[serde(flatten)]
@@ -54,8 +54,8 @@ struct Page<'a> {
     valid: bool,
     remark: String,
     host: &'a Host,
-    targets: &'a [Target],
-    series: Vec<Row>,
+    targets: &'a [LatencyTarget],
+    series: Vec<LatencyRow>,
     counts: &'a [Count],
 }
 
@@ -88,7 +88,7 @@ impl Results {
     pub fn judge(&mut self, name: &'static str, [of, to]: [(&str, &str); 2], quantile: f64, limit: f64) {
         let at = |(section, metric)| self.spread(section, metric).map_or(f64::NAN, |s| s.quantile(quantile) as f64);
         let ratio = at(of) / at(to);
-        self.targets.push(Target { name, ratio, limit, met: ratio <= limit });
+        self.targets.push(LatencyTarget { name, ratio, limit, met: ratio <= limit });
     }
 
     /// As JSON.
@@ -96,8 +96,11 @@ impl Results {
     /// # Errors
     /// Results that cannot be written as JSON.
     pub fn json(&self) -> Result<String, Failure> {
-        let row =
-            |series: &Series| Row { section: series.section, metric: series.metric, numbers: series.spread.numbers() };
+        let row = |series: &Series| LatencyRow {
+            section: series.section,
+            metric: series.metric,
+            numbers: series.spread.numbers(),
+        };
         let page = Page {
             valid: self.host.is_valid(),
             remark: self.host.remark(),
@@ -120,7 +123,7 @@ pub fn micros(ns: u64) -> String {
     }
 }
 
-impl fmt::Display for Target {
+impl fmt::Display for LatencyTarget {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let verdict = if self.met { "met" } else { "not met" };
         write!(f, "{:>6.2} (target {:.1}): {verdict}", self.ratio, self.limit)

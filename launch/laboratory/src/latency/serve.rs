@@ -56,7 +56,7 @@ fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
         Order::Udp { port, spins } => serve_socket(Socket::udp(port, spins)?),
         Order::Bare { session, ours } => {
             let session = Session::named(&session)?;
-            let mut controller = bare::Controller::open(&session, ours)?;
+            let mut controller = bare::BareController::open(&session, ours)?;
             ready();
             controller.serve()
         }

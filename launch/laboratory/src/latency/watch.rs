@@ -10,7 +10,7 @@ use shared::exit::Failure;
 const WINDOW: u64 = 100;
 
 /// Counts over every control period.
-pub struct Watch {
+pub struct HostWatch {
     wake: Spread,
     answer: Spread,
     compute: Spread,
@@ -47,13 +47,13 @@ impl Misses {
     }
 }
 
-impl Watch {
+impl HostWatch {
     /// Empty statistics.
     ///
     /// # Errors
     /// None; see [`Spread::new`].
-    pub fn new() -> Result<Watch, Failure> {
-        Ok(Watch {
+    pub fn new() -> Result<HostWatch, Failure> {
+        Ok(HostWatch {
             wake: Spread::new()?,
             answer: Spread::new()?,
             compute: Spread::new()?,

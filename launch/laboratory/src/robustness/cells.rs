@@ -1,6 +1,6 @@
 //! Results by cell. A cell contains all runs that differ only in their seed.
 
-use super::grid::{Case, Grid};
+use super::grid::{Grid, SweepRun};
 use super::table::{self, UP};
 use crate::study;
 use controller::stability;
@@ -36,14 +36,14 @@ impl Cells {
     ///
     /// # Errors
     /// A missing row, or a scene whose servos cannot be analysed.
-    pub fn new(grid: &Grid, cases: &[Case], rows: &[Option<String>]) -> Result<Cells, Failure> {
+    pub fn new(grid: &Grid, cases: &[SweepRun], rows: &[Option<String>]) -> Result<Cells, Failure> {
         let critical = grid.variations.iter().map(|variation| {
             let loops = stability::loops(&variation.scene).map_err(controller::process::ProcessError::from)?;
             Ok(loops.iter().map(stability::ServoLoop::critical_delay).fold(f64::INFINITY, f64::min))
         });
         let critical = critical.collect::<Result<_, Failure>>()?;
         let seeds = grid.seeds as usize;
-        let cell = |(cases, rows): (&[Case], &[Option<String>])| {
+        let cell = |(cases, rows): (&[SweepRun], &[Option<String>])| {
             let case = &cases[0];
             let age = mean_age(&LinkScene { duplicate: 0.0, ..case.link.clone() }, 1.0 / case.variation.scene.rate);
             let results = cases.iter().zip(rows).map(|(case, row)| row.as_ref().map(|row| table::cells(case, row)));

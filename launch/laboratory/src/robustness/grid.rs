@@ -30,7 +30,7 @@ pub struct Variation {
 }
 
 /// One run.
-pub struct Case<'a> {
+pub struct SweepRun<'a> {
     /// Its number in the grid.
     pub number: usize,
     /// Variations of the scene.
@@ -78,7 +78,7 @@ impl Grid {
     }
 
     /// Every run, in the order of the table.
-    pub fn cases(&self) -> Vec<Case<'_>> {
+    pub fn cases(&self) -> Vec<SweepRun<'_>> {
         let mut cases = Vec::new();
         for variation in &self.variations {
             for &loss in &self.losses {
@@ -86,7 +86,7 @@ impl Grid {
                     for &delay_ms in &self.delays {
                         for seed in 1..=self.seeds {
                             let link = LinkScene { delay_ms, jitter_ms, loss, seed, ..variation.scene.link.clone() };
-                            cases.push(Case { number: cases.len(), variation, link });
+                            cases.push(SweepRun { number: cases.len(), variation, link });
                         }
                     }
                 }
@@ -103,7 +103,7 @@ impl Grid {
     }
 }
 
-impl Case<'_> {
+impl SweepRun<'_> {
     /// The scene to run.
     pub fn scene(&self) -> Scene {
         Scene { link: self.link.clone(), ..self.variation.scene.clone() }

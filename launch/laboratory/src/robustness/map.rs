@@ -26,7 +26,7 @@ pub fn survival(grid: &Grid, cells: &Cells) -> String {
     for (i, &(variation, loss)) in panels.iter().enumerate() {
         let corner =
             ((i % ACROSS) as f64 * wide + GAP[0], -((i / ACROSS) as f64) * tall - GAP[1] - tall + GAP[1] + GAP[2]);
-        let panel = Panel { grid, cells, variation, loss, corner };
+        let panel = MapPanel { grid, cells, variation, loss, corner };
         panel.draw(&mut marks);
     }
     let rows = panels.len().div_ceil(ACROSS) as f64;
@@ -53,7 +53,7 @@ fn legend() -> [Mark; 5] {
 }
 
 /// One panel.
-struct Panel<'a> {
+struct MapPanel<'a> {
     grid: &'a Grid,
     cells: &'a Cells,
     variation: usize,
@@ -62,7 +62,7 @@ struct Panel<'a> {
     corner: (f64, f64),
 }
 
-impl Panel<'_> {
+impl MapPanel<'_> {
     fn cell(&self, jitter: usize, delay: usize) -> &Cell {
         self.cells.at(self.grid, self.variation, self.loss, jitter, delay)
     }

@@ -1,7 +1,7 @@
 //! The table: one row for each run. Rows are appended as runs end and sorted at the end.
 
-use super::grid::{Case, Grid};
-use crate::study::Outcome;
+use super::grid::{Grid, SweepRun};
+use crate::study::RunOutcome;
 use records::summary::Summary;
 use shared::csv;
 use shared::exit::{Exit, Failure};
@@ -29,7 +29,7 @@ impl Table {
     ///
     /// # Errors
     /// A file of another sweep, a file that another process is writing, or one that cannot be written.
-    pub fn resume(path: &Path, grid: &Grid, cases: &[Case]) -> Result<Table, Failure> {
+    pub fn resume(path: &Path, grid: &Grid, cases: &[SweepRun]) -> Result<Table, Failure> {
         let failed = |error: std::io::Error| write_failure(path, &error);
         let (mut rows, mut old, begin) = (vec![None; cases.len()], String::new(), begin(grid));
         check_replaceable(path, begin.as_bytes()).map_err(failed)?;
@@ -56,7 +56,7 @@ impl Table {
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn append(&self, case: &Case, outcome: &Outcome) -> Result<(), Failure> {
+    pub fn append(&self, case: &SweepRun, outcome: &RunOutcome) -> Result<(), Failure> {
         let row = csv::text([[&key(case)[..], &results(outcome)].concat()]);
         let mut growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner);
         growing.0.write_all(row.as_bytes()).map_err(|error| write_failure(&self.path, &error))?;
@@ -79,7 +79,7 @@ impl Table {
 ///
 /// # Errors
 /// A file of another sweep, rows that contradict each other, or a run without a row.
-pub fn merge(paths: &[PathBuf], grid: &Grid, cases: &[Case]) -> Result<Vec<Option<String>>, Failure> {
+pub fn merge(paths: &[PathBuf], grid: &Grid, cases: &[SweepRun]) -> Result<Vec<Option<String>>, Failure> {
     let mut rows = vec![None; cases.len()];
     for path in paths {
         let text = messages::file::text(path).map_err(|error| unreadable(path, &error))?;
@@ -101,7 +101,7 @@ pub fn text(grid: &Grid, rows: &[Option<String>]) -> String {
 }
 
 /// What a row says of its run: outcome, time of the fall and so on, as far as they apply. Empty if the row is of another run.
-pub fn cells(case: &Case, row: &str) -> Vec<String> {
+pub fn cells(case: &SweepRun, row: &str) -> Vec<String> {
     let cells = csv::rows(row).unwrap_or_default().concat();
     cells.strip_prefix(&key(case)[..]).map_or(vec![], <[String]>::to_vec)
 }
@@ -116,7 +116,7 @@ fn begin(grid: &Grid) -> String {
 }
 
 /// The cells that name a run.
-fn key(case: &Case) -> [String; 7] {
+fn key(case: &SweepRun) -> [String; 7] {
     let link = &case.link;
     let jitter = format!("{:?}", link.jitter).to_lowercase();
     let [delay, spread, loss, seed] =
@@ -124,7 +124,7 @@ fn key(case: &Case) -> [String; 7] {
     [case.number.to_string(), case.variation.name.clone(), delay, spread, jitter, loss, seed]
 }
 
-fn results(outcome: &Outcome) -> [String; RESULTS] {
+fn results(outcome: &RunOutcome) -> [String; RESULTS] {
     let mut cells = [const { String::new() }; RESULTS];
     match outcome {
         Err(words) => cells[0] = words.replace([',', '\n'], ";"),
@@ -150,7 +150,7 @@ fn results(outcome: &Outcome) -> [String; RESULTS] {
 }
 
 /// Reads the rows of a file into `rows`.
-fn take(path: &Path, text: &str, grid: &Grid, cases: &[Case], rows: &mut [Option<String>]) -> Result<(), Failure> {
+fn take(path: &Path, text: &str, grid: &Grid, cases: &[SweepRun], rows: &mut [Option<String>]) -> Result<(), Failure> {
     let refuse = |words: String| Failure::new(Exit::Usage, format!("{} {words}", path.display()));
     let (whole, begin) = (whole(text), begin(grid));
     let Some(body) = whole.strip_prefix(&begin) else {

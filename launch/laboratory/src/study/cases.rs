@@ -4,7 +4,7 @@ use super::args::Study;
 use messages::scene::Law;
 
 /// One run of a table.
-pub struct Case {
+pub struct StudyCase {
     /// Name of the row.
     pub name: String,
     /// The scene.
@@ -14,12 +14,12 @@ pub struct Case {
 }
 
 /// A case.
-pub fn case(name: impl Into<String>, scene: &'static str, settings: &[&str]) -> Case {
-    Case { name: name.into(), scene, settings: settings.iter().map(|setting| (*setting).into()).collect() }
+pub fn case(name: impl Into<String>, scene: &'static str, settings: &[&str]) -> StudyCase {
+    StudyCase { name: name.into(), scene, settings: settings.iter().map(|setting| (*setting).into()).collect() }
 }
 
 /// The runs of a study.
-pub fn cases(study: Study) -> Vec<Case> {
+pub fn cases(study: Study) -> Vec<StudyCase> {
     match study {
         Study::Margins => margins(),
         Study::Laws => laws(),
@@ -29,7 +29,7 @@ pub fn cases(study: Study) -> Vec<Case> {
     }
 }
 
-fn margins() -> Vec<Case> {
+fn margins() -> Vec<StudyCase> {
     let mut cases = vec![case("walk as it is", "walk", &[]), case("stamp as it is, 14 s", "stamp", &["duration=14"])];
     let mut vary = |what: &str, unit: &str, key: &str, values: &[&str]| {
         cases.extend(values.iter().map(|v| case(format!("{what} {v}{unit}"), "walk", &[&format!("{key}={v}")])));
@@ -90,11 +90,11 @@ fn margins() -> Vec<Case> {
     cases
 }
 
-fn laws() -> Vec<Case> {
+fn laws() -> Vec<StudyCase> {
     let under = |law: Law, name: &str, scene: &'static str, settings: &[&str]| {
         case(format!("{name}, {law}"), scene, &[settings, &[&format!("plant.law={law}")]].concat())
     };
-    let each = |name: &str, scene: &'static str, settings: &[&str]| -> Vec<Case> {
+    let each = |name: &str, scene: &'static str, settings: &[&str]| -> Vec<StudyCase> {
         [Law::EnergyQp, Law::Complementarity, Law::Aligned, Law::Cone]
             .map(|law| under(law, name, scene, settings))
             .into()
@@ -111,7 +111,7 @@ fn laws() -> Vec<Case> {
     .collect()
 }
 
-fn attraction() -> Vec<Case> {
+fn attraction() -> Vec<StudyCase> {
     let mut cases = Vec::new();
     for gain in ["4.0", "0.0"] {
         for start in ["0.030", "0.034", "0.0388", "0.041", "0.044"] {
@@ -129,7 +129,7 @@ fn attraction() -> Vec<Case> {
     cases
 }
 
-fn endurance() -> Vec<Case> {
+fn endurance() -> Vec<StudyCase> {
     vec![
         case("walk 110 s", "walk", &["duration=110"]),
         case("walk 600 s", "walk", &["duration=600"]),

@@ -4,7 +4,7 @@
 //! the simulated distance of the centre of mass from the sole; the controller's estimates are not used. The deviation is half the difference
 //! of the two runs, in which common effects cancel. By (41) it decays as e^(−k_E t).
 
-use super::pushes::{Push, disturbed};
+use super::pushes::{TimedPush, disturbed};
 use controller::constants::Constants;
 use controller::process::ProcessError;
 use messages::load::load;
@@ -52,7 +52,7 @@ pub fn rows(stop: &AtomicBool) -> Result<Vec<Vec<String>>, Failure> {
 fn deviations(scene: &Scene, stop: &AtomicBool) -> Result<Vec<f64>, Failure> {
     let omega = Constants::of(scene).map_err(ProcessError::from)?.omega[1];
     let energies = |impulse: f64| -> Result<Vec<f64>, Failure> {
-        let recorder = disturbed(scene, &[Push { time: TIME, impulse: [0.0, impulse, 0.0] }], stop)?.recorder;
+        let recorder = disturbed(scene, &[TimedPush { time: TIME, impulse: [0.0, impulse, 0.0] }], stop)?.recorder;
         let after = recorder.gait.complete().iter().filter(|step| step.start > TIME);
         Ok(after.map(|step| -0.5 * (omega * step.x2_min).powi(2)).take(SHOWN).collect())
     };

@@ -6,8 +6,8 @@
 mod families;
 mod tally;
 
-pub use families::Family;
-pub use tally::{LAWS, Tally, rows};
+pub use families::ProblemFamily;
+pub use tally::{LAWS, SolverTally, rows};
 
 use controller::Controller;
 use fastrand::Rng;
@@ -29,14 +29,14 @@ const EPISODE: (usize, usize) = (25, 200);
 ///
 /// # Errors
 /// If the scene is bad, or on Ctrl-C.
-fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result<[Tally; 2], Failure> {
+fn episode(family: ProblemFamily, seed: u64, count: usize, stop: &AtomicBool) -> Result<[SolverTally; 2], Failure> {
     let mut random = Rng::with_seed(seed);
     let (scene, begin) = family.scene(&mut random)?;
     let mut plant = Plant::new(&scene)?.without_standing_feet();
     let controller = scene.controller.as_ref().map(|_| Controller::new(&scene)).transpose();
     let mut controller = controller.map_err(controller::process::ProcessError::from)?;
     let (mut torques, mut encoders) = (Torques::default(), plant.encoders());
-    let mut tallies: [Tally; 2] = Default::default();
+    let mut tallies: [SolverTally; 2] = Default::default();
     let mut solver = Solver::default();
     let mut memories: [Memory; 2] = Default::default();
     let mut step = 0;
@@ -82,13 +82,13 @@ fn episode(family: Family, seed: u64, count: usize, stop: &AtomicBool) -> Result
 ///
 /// # Errors
 /// As [`episode`].
-pub fn solve(count: usize, stop: &AtomicBool, told: impl Fn(u64) + Sync) -> Result<Vec<[Tally; 2]>, Failure> {
-    let each = count.div_ceil(Family::VARIANTS.len());
+pub fn solve(count: usize, stop: &AtomicBool, told: impl Fn(u64) + Sync) -> Result<Vec<[SolverTally; 2]>, Failure> {
+    let each = count.div_ceil(ProblemFamily::VARIANTS.len());
     let length = (each / EPISODES).clamp(EPISODE.0, EPISODE.1);
-    Family::VARIANTS
+    ProblemFamily::VARIANTS
         .iter()
         .map(|&family| {
-            let sum = |[a, b]: [Tally; 2], [c, d]: [Tally; 2]| [a.merge(c), b.merge(d)];
+            let sum = |[a, b]: [SolverTally; 2], [c, d]: [SolverTally; 2]| [a.merge(c), b.merge(d)];
             (0..each.div_ceil(length))
                 .into_par_iter()
                 .map(|k| {

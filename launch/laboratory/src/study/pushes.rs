@@ -20,7 +20,7 @@ use shared::progress::BatchProgress;
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
 use trial::BEGIN;
-pub use trial::{Push, disturbed};
+pub use trial::{TimedPush, disturbed};
 
 /// The gaits of the study.
 const GAITS: [(&str, &str); 2] = [("walk", "walking"), ("stamp", "stepping in place")];
@@ -98,7 +98,7 @@ fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> 
     let mut borne = 0.0;
     while borne < GREATEST {
         let impulse = direction.unit().map(|part| part * (borne + GROWTH));
-        if disturbed(&scene, &[Push { time, impulse }], stop)?.fall.is_some() {
+        if disturbed(&scene, &[TimedPush { time, impulse }], stop)?.fall.is_some() {
             break;
         }
         borne += GROWTH;
@@ -113,9 +113,9 @@ fn long_walk(scene: &Scene, most: f64, seed: u64, stop: &AtomicBool) -> Result<(
     let push = |k| {
         let (angle, size) = (TAU * random.f64(), most * random.f64());
         let time = BEGIN + EVERY * k as f64 + random.f64();
-        Push { time, impulse: [size * angle.cos(), size * angle.sin(), 0.0] }
+        TimedPush { time, impulse: [size * angle.cos(), size * angle.sin(), 0.0] }
     };
-    let pushes: Vec<Push> = (0..count).map(push).collect();
+    let pushes: Vec<TimedPush> = (0..count).map(push).collect();
     let end = disturbed(scene, &pushes, stop)?;
     Ok((end.fall, end.yaw))
 }

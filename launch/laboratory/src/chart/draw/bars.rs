@@ -1,7 +1,7 @@
 //! Views (ii) and (iv): a bar for each cost, with name and number at its end.
 
-use super::style::{Family, label};
-use crate::chart::csv::{Row, View};
+use super::style::{CurveFamily, label};
+use crate::chart::csv::{Measurement, View};
 use crate::chart::models::Group;
 use crate::chart::steps::{MEDIAN, P99};
 use plotters::style::RGBColor;
@@ -14,18 +14,18 @@ const ROW: [f64; 2] = [17.0, 96.0];
 const REACH: f64 = 0.52;
 
 /// View (ii) of a scene; `None` without measurements.
-pub fn steps(scene: &str, title: &str, rows: &[Row]) -> Option<String> {
+pub fn steps(scene: &str, title: &str, rows: &[Measurement]) -> Option<String> {
     let of_scene = || rows.iter().filter(|row| row.view == View::Steps && row.scene == scene);
     let bars = of_scene().filter(|row| row.metric != P99).map(|row| {
         let worst = of_scene().find(|other| other.metric == P99 && other.method == row.method && row.metric == MEDIAN);
         let reach = worst.map_or(f64::NAN, |row| row.us_per_step);
-        Bar { us: row.us_per_step, reach, name: label(row), colour: Family::of(row).colour(false) }
+        Bar { us: row.us_per_step, reach, name: label(row), colour: CurveFamily::of(row).colour(false) }
     });
     draw(title, "time per step of 1 ms [µs]", bars.collect(), true)
 }
 
 /// View (iv) of a group; `None` without measurements.
-pub fn models(group: &Group, rows: &[Row]) -> Option<String> {
+pub fn models(group: &Group, rows: &[Measurement]) -> Option<String> {
     let bars = rows.iter().filter(|row| row.view == View::Models && row.scene == group.name).map(|row| {
         let same = if row.error < 1e-13 { "the same".into() } else { format!("{:.0e} off", row.error) };
         Bar { us: row.us_per_step, reach: f64::NAN, name: format!("{}, {same}", row.method), colour: LEFT }

@@ -1,8 +1,8 @@
 //! View (i) of a scene: a curve for each method, with its name at the end.
 
-use super::style::{Family, label};
-use crate::chart::cases::Case;
-use crate::chart::csv::{Row, View};
+use super::style::{CurveFamily, label};
+use crate::chart::cases::ComparisonScene;
+use crate::chart::csv::{Measurement, View};
 use crate::chart::precision::is_hollow;
 use records::report::draw::plot;
 use records::report::plot::{Axis, Frame, Mark};
@@ -17,8 +17,8 @@ const HEIGHT: [f64; 2] = [430.0, 345.0];
 const LINE: f64 = 13.5;
 
 /// One method in one scene, from coarse to fine steps.
-struct Curve {
-    family: Family,
+struct ErrorCurve {
+    family: CurveFamily,
     engine: String,
     label: String,
     /// Common logarithms of cost and error.
@@ -31,7 +31,7 @@ struct Curve {
 }
 
 /// View (i) of a scene; `None` without measurements.
-pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
+pub fn precision(case: &ComparisonScene, rows: &[Measurement]) -> Option<String> {
     let mut curves = distinct(curves(case, rows));
     name_peers(&mut curves);
     let all = || curves.iter().flat_map(|curve| &curve.points);
@@ -73,11 +73,11 @@ pub fn precision(case: &Case, rows: &[Row]) -> Option<String> {
 }
 
 /// Names only the setting of each other engine with the least error at 1 ms, and the fastest of equal ones.
-fn name_peers(curves: &mut [Curve]) {
-    let merit = |curve: &Curve| curve.at_1_ms.1.max(-14.0) + 1e-3 * curve.at_1_ms.0;
+fn name_peers(curves: &mut [ErrorCurve]) {
+    let merit = |curve: &ErrorCurve| curve.at_1_ms.1.max(-14.0) + 1e-3 * curve.at_1_ms.0;
     for i in 0..curves.len() {
-        let better = |other: &Curve| other.engine == curves[i].engine && merit(other) < merit(&curves[i]);
-        curves[i].named = curves[i].family != Family::Peer || !curves.iter().any(better);
+        let better = |other: &ErrorCurve| other.engine == curves[i].engine && merit(other) < merit(&curves[i]);
+        curves[i].named = curves[i].family != CurveFamily::Peer || !curves.iter().any(better);
     }
 }
 
@@ -87,7 +87,7 @@ fn floor(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// The curves of a scene, those of other engines first.
-fn curves(case: &Case, rows: &[Row]) -> Vec<Curve> {
+fn curves(case: &ComparisonScene, rows: &[Measurement]) -> Vec<ErrorCurve> {
     let mut names: Vec<(&str, &str)> = Vec::new();
     let of_scene: Vec<_> = rows.iter().filter(|row| row.view == View::Precision && row.scene == case.name).collect();
     for row in &of_scene {
@@ -100,8 +100,8 @@ fn curves(case: &Case, rows: &[Row]) -> Vec<Curve> {
             of_scene.iter().copied().filter(|row| row.engine == engine && row.method == method).collect();
         let points = points(case, &runs);
         let at_1_ms = points.iter().find(|point| point.0 == 1e-3).or(points.last()).map_or((0.0, 0.0), |point| point.1);
-        Curve {
-            family: Family::of(runs[0]),
+        ErrorCurve {
+            family: CurveFamily::of(runs[0]),
             engine: engine.into(),
             label: label(runs[0]),
             points: points.into_iter().map(|point| point.1).collect(),
@@ -116,7 +116,7 @@ fn curves(case: &Case, rows: &[Row]) -> Vec<Curve> {
 }
 
 /// Each step with logarithms of its cost and its error, the greatest of the scene's metrics, from coarse to fine.
-fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, (f64, f64))> {
+fn points(case: &ComparisonScene, runs: &[&Measurement]) -> Vec<(f64, (f64, f64))> {
     let mut steps: Vec<f64> = runs.iter().map(|row| row.dt).collect();
     steps.sort_by(|a, b| b.total_cmp(a));
     steps.dedup();
@@ -130,20 +130,20 @@ fn points(case: &Case, runs: &[&Row]) -> Vec<(f64, (f64, f64))> {
 }
 
 /// Merges curves of one kind with equal errors into one curve with all names and the cost of the fastest.
-fn distinct(curves: Vec<Curve>) -> Vec<Curve> {
-    let mut kept: Vec<Curve> = Vec::new();
+fn distinct(curves: Vec<ErrorCurve>) -> Vec<ErrorCurve> {
+    let mut kept: Vec<ErrorCurve> = Vec::new();
     for curve in curves {
-        let same = |other: &&mut Curve| {
+        let same = |other: &&mut ErrorCurve| {
             let near = |(a, b): (&(f64, f64), &(f64, f64))| (a.1 - b.1).abs() < 0.03 || a.1.max(b.1) < -13.0;
             other.family == curve.family
                 && other.hollow == curve.hollow
                 && other.points.len() == curve.points.len()
                 && other.points.iter().zip(&curve.points).all(near)
         };
-        match kept.iter_mut().find(same).filter(|_| curve.family != Family::Peer) {
+        match kept.iter_mut().find(same).filter(|_| curve.family != CurveFamily::Peer) {
             None => kept.push(curve),
             Some(other) => {
-                let cost = |curve: &Curve| curve.points.iter().map(|point| point.0).sum::<f64>();
+                let cost = |curve: &ErrorCurve| curve.points.iter().map(|point| point.0).sum::<f64>();
                 if cost(&curve) < cost(other) {
                     other.points = curve.points;
                     other.label = format!("{}, {}", curve.label, other.label);

@@ -1,7 +1,7 @@
 //! View (iii): the map of failures, a letter for each cause.
 
-use super::style::{Family, label};
-use crate::chart::csv::{Row, View};
+use super::style::{CurveFamily, label};
+use crate::chart::csv::{Measurement, View};
 use crate::chart::failures::{Cause, REFUSED, SOUND};
 use plotters::style::RGBColor;
 use records::report::draw::plot;
@@ -14,15 +14,15 @@ const NAMES: f64 = 3.6;
 const ROW: [f64; 2] = [22.0, 72.0];
 
 /// The map with these scenes as columns; `None` without measurements.
-pub fn failures(columns: &[&str], rows: &[Row]) -> Option<String> {
+pub fn failures(columns: &[&str], rows: &[Measurement]) -> Option<String> {
     let judged: Vec<_> = rows.iter().filter(|row| row.view == View::Failures && row.dt > 0.0).collect();
-    let mut methods: Vec<&Row> = Vec::new();
+    let mut methods: Vec<&Measurement> = Vec::new();
     for row in &judged {
         if methods.iter().all(|known| known.method != row.method) {
             methods.push(row);
         }
     }
-    methods.sort_by_key(|row| std::cmp::Reverse(Family::of(row)));
+    methods.sort_by_key(|row| std::cmp::Reverse(CurveFamily::of(row)));
     let mut marks = Vec::new();
     for (j, scene) in columns.iter().enumerate() {
         let step = if j % 2 == 0 { 0.1 } else { 0.75 };
@@ -30,7 +30,7 @@ pub fn failures(columns: &[&str], rows: &[Row]) -> Option<String> {
     }
     for (i, of) in methods.iter().enumerate() {
         let y = -(i as f64);
-        marks.push(Mark::note((-NAMES, y - 0.5), label(of), Family::of(of).colour(false)));
+        marks.push(Mark::note((-NAMES, y - 0.5), label(of), CurveFamily::of(of).colour(false)));
         for (j, scene) in columns.iter().enumerate() {
             let found: Vec<_> = judged.iter().filter(|row| row.method == of.method && row.scene == **scene).collect();
             let Some(first) = found.first() else { continue };

@@ -45,7 +45,7 @@ pub struct Puck {
 
 /// Displacement of a puck.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Place {
+pub struct PuckPose {
     /// Of the centre of mass [m].
     pub travel: Vector3<f64>,
     /// How far it has turned [rad].
@@ -66,9 +66,9 @@ impl Puck {
     }
 
     /// Its displacement at a time before it comes to rest.
-    pub fn at(&self, time: f64) -> Place {
+    pub fn at(&self, time: f64) -> PuckPose {
         let [x, y, yaw, ..] = self.after(time, STEPS);
-        Place { travel: Vector3::new(x, y, 0.0), yaw }
+        PuckPose { travel: Vector3::new(x, y, 0.0), yaw }
     }
 
     /// Position and yaw, then their rates.

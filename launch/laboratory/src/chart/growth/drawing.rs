@@ -2,7 +2,7 @@
 
 use super::peers;
 use super::points::{Point, exponent, of};
-use super::scenes::Curve;
+use super::scenes::GrowthCurve;
 use crate::chart::csv::OURS;
 use records::report::draw::plot;
 use records::report::plot::{Axis, Frame, GREY, LEFT, Mark};
@@ -15,7 +15,7 @@ const LINE: f64 = 0.065;
 const EDGE: f64 = 0.3;
 
 /// The drawing: time of a step over the growing quantity. Both axes are logarithmic, except that of contacts, which may be 0.
-pub fn draw(curve: &Curve, points: &[Point]) -> String {
+pub fn draw(curve: &GrowthCurve, points: &[Point]) -> String {
     let linear = curve.name == "contacts";
     let place = |point: &&Point| (if linear { point.x } else { point.x.log10() }, point.us.log10());
     let (mut marks, mut ends) = (Vec::new(), Vec::new());

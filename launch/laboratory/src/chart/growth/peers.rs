@@ -1,8 +1,8 @@
 //! MuJoCo on the same robots: a script reads each of them as MJCF and steps it in C.
 
 use super::points::Point;
-use super::scenes::Curve;
-use crate::chart::watch::Watch;
+use super::scenes::GrowthCurve;
+use crate::chart::watch::ChartProgress;
 use messages::scene::Scene;
 use sessions::export::mjcf;
 use shared::exit::{Exit, Failure};
@@ -18,7 +18,7 @@ const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/growth.py");
 ///
 /// # Errors
 /// No Python, or a file that cannot be written.
-pub fn points(curve: &Curve, scenes: &[(f64, Scene)], watch: &Watch) -> Result<Vec<Point>, Failure> {
+pub fn points(curve: &GrowthCurve, scenes: &[(f64, Scene)], watch: &ChartProgress) -> Result<Vec<Point>, Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
     let folder = std::env::temp_dir().join(format!("biped-growth-{}-{}", std::process::id(), curve.name));
     std::fs::create_dir(&folder).map_err(|error| fault(format!("{} cannot be made: {error}", folder.display())))?;
@@ -28,7 +28,12 @@ pub fn points(curve: &Curve, scenes: &[(f64, Scene)], watch: &Watch) -> Result<V
 }
 
 /// The same, with its files in `folder`.
-fn measured(curve: &Curve, scenes: &[(f64, Scene)], folder: &Path, watch: &Watch) -> Result<Vec<Point>, Failure> {
+fn measured(
+    curve: &GrowthCurve,
+    scenes: &[(f64, Scene)],
+    folder: &Path,
+    watch: &ChartProgress,
+) -> Result<Vec<Point>, Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
     let mut files: Vec<PathBuf> = Vec::new();
     for (x, scene) in scenes {

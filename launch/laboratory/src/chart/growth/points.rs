@@ -1,6 +1,6 @@
 //! Measurements of a curve, and its exponent.
 
-use super::scenes::Curve;
+use super::scenes::GrowthCurve;
 
 /// One measurement.
 pub struct Point {
@@ -24,7 +24,7 @@ pub fn keep_least(points: &mut Vec<Point>, new: Point) {
 }
 
 /// Points of one engine on a curve.
-pub fn of<'a>(points: &'a [Point], curve: &Curve, engine: &str) -> Vec<&'a Point> {
+pub fn of<'a>(points: &'a [Point], curve: &GrowthCurve, engine: &str) -> Vec<&'a Point> {
     points.iter().filter(|point| point.curve == curve.name && point.engine == engine).collect()
 }
 

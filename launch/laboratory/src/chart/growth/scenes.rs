@@ -11,7 +11,7 @@ const STEPS: f64 = 100.0;
 const WAY: Way = Way { law: LAW, method: Method::SemiImplicitEuler };
 
 /// A growing quantity. The exponent is fitted for values from `from` on.
-pub struct Curve {
+pub struct GrowthCurve {
     pub name: &'static str,
     pub title: &'static str,
     pub axis: &'static str,
@@ -20,9 +20,9 @@ pub struct Curve {
     scene: fn(f64) -> Result<Scene, Failure>,
 }
 
-impl Curve {
-    pub const ALL: [Curve; 3] = [
-        Curve {
+impl GrowthCurve {
+    pub const ALL: [GrowthCurve; 3] = [
+        GrowthCurve {
             name: "contacts",
             title: "contact points under a table of ten degrees of freedom",
             axis: "contacts",
@@ -30,7 +30,7 @@ impl Curve {
             values: &[0., 1., 2., 3., 4., 5., 6., 7., 8., 9., 10., 11., 12., 13., 14., 15., 16.],
             scene: |points| Ok(table(points as usize)),
         },
-        Curve {
+        GrowthCurve {
             name: "links",
             title: "links of a chain that swings in space",
             axis: "links",
@@ -38,7 +38,7 @@ impl Curve {
             values: &[3., 4., 6., 8., 12., 16., 24., 32., 48., 64.],
             scene: |links| Ok(chain(links as usize)),
         },
-        Curve {
+        GrowthCurve {
             name: "dt",
             title: "length of a step of the standing biped",
             axis: "step [ms]",

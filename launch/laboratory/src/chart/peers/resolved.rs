@@ -3,7 +3,7 @@
 //! Every default is written out. The pose of the base is explicit instead of `clearance`, its origin is its centre of mass, every body
 //! has its `inertia`, and joint axes that point along a negative axis are turned round together with their angles.
 
-use crate::chart::cases::{self, CASES, Case, LAW, METHOD, Question, Way};
+use crate::chart::cases::{self, CASES, ComparisonScene, LAW, METHOD, Question, Way};
 use crate::chart::steps::{H, LOADS};
 use messages::scene::Scene;
 use nalgebra::Vector3;
@@ -38,8 +38,8 @@ struct Entry {
 ///
 /// # Errors
 /// A scene that is refused.
-pub fn text(chosen: &[Case], quick: bool) -> Result<String, Failure> {
-    let entry = |case: &Case| {
+pub fn text(chosen: &[ComparisonScene], quick: bool) -> Result<String, Failure> {
+    let entry = |case: &ComparisonScene| {
         let load = LOADS.iter().find(|load| load.0 == case.name);
         let timed_steps = load.map_or(0, |load| (load.2 / H).round() as usize);
         let errors = chosen.iter().any(|chosen| chosen.name == case.name) && (timed_steps > 0 || !quick);

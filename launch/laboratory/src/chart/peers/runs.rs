@@ -1,10 +1,10 @@
 //! What other simulators did: traces of poses, from which errors follow as they do from our own runs.
 
 use super::resolved;
-use crate::chart::cases::{self, Case, LAW, METHOD, Question, Way};
-use crate::chart::csv::{Row, View};
+use crate::chart::cases::{self, ComparisonScene, LAW, METHOD, Question, Way};
+use crate::chart::csv::{Measurement, View};
 use crate::chart::metrics::{self, Metric};
-use crate::chart::trial::{Log, Sight};
+use crate::chart::trial::{RunLog, Sight};
 use messages::scene::Scene;
 use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -18,7 +18,7 @@ const BLOWN_UP: f64 = 1e6;
 
 /// A line of that file.
 #[derive(Deserialize)]
-struct Run {
+struct PeerRun {
     view: String,
     scene: String,
     engine: String,
@@ -38,16 +38,16 @@ struct Run {
 ///
 /// # Errors
 /// A file that cannot be read, or holds no such runs.
-pub fn rows(folder: &Path) -> Result<Vec<Row>, Failure> {
+pub fn rows(folder: &Path) -> Result<Vec<Measurement>, Failure> {
     let file = folder.join(RUNS);
     let fault = |reason: String| Failure::new(Exit::Usage, format!("--peers: {}: {reason}", file.display()));
     let text = messages::file::text(&file).map_err(|error| fault(error.to_string()))?;
     let mut rows = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let bad = |reason: String| fault(format!("line {}: {reason}", number + 1));
-        let run: Run = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
+        let run: PeerRun = serde_json::from_str(line).map_err(|error| bad(error.to_string()))?;
         let view = View::named(&run.view).ok_or_else(|| bad(format!("there is no view `{}`", run.view)))?;
-        let row = |metric: &str, error: f64| Row {
+        let row = |metric: &str, error: f64| Measurement {
             view,
             scene: run.scene.clone(),
             engine: run.engine.clone(),
@@ -70,7 +70,7 @@ pub fn rows(folder: &Path) -> Result<Vec<Row>, Failure> {
 }
 
 /// The errors of a run; infinite where it blew up.
-fn errors(case: Case, file: &Path, period: f64) -> Result<Vec<Metric>, String> {
+fn errors(case: ComparisonScene, file: &Path, period: f64) -> Result<Vec<Metric>, String> {
     let bytes = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
     let (values, rest) = bytes.as_chunks::<8>();
     let trace: Vec<f64> = values.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
@@ -99,8 +99,8 @@ fn width(question: Question, scene: &Scene) -> usize {
 }
 
 /// A trace as our own runs are recorded, as far as errors need it.
-fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item = &'a [f64]>, period: f64) -> Log {
-    let (mut log, last) = (Log::default(), rows.len() - 1);
+fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item = &'a [f64]>, period: f64) -> RunLog {
+    let (mut log, last) = (RunLog::default(), rows.len() - 1);
     for (i, row) in rows.enumerate() {
         let mut sight = Sight { time: i as f64 * period, ..Sight::default() };
         if question == Question::Flight {
@@ -149,7 +149,7 @@ fn see(scene: &Scene, row: &[f64], sight: &mut Sight) -> Vec<Vector3<f64>> {
 mod tests {
     use super::*;
     use crate::chart::cases::CASES;
-    use crate::chart::trial::{Outcome, watch};
+    use crate::chart::trial::{RunEnd, watch};
     use messages::robot::Body;
     use plant::Plant;
     use plant::kinematics::{self, Pose};
@@ -180,7 +180,7 @@ mod tests {
         };
         for case in CASES {
             let scene = cases::scene(case.name, Way { law: LAW, method: METHOD }, 1e-3, &[]).expect("a scene");
-            let Outcome::Done(log) = watch(&scene, &[]) else { panic!("{} breaks off", case.name) };
+            let RunEnd::Done(log) = watch(&scene, &[]) else { panic!("{} breaks off", case.name) };
             let mut plant = Plant::new(&scene).expect("a plant");
             let mut trace = row(&plant, &scene, case.question);
             for _ in 1..log.sights.len() {

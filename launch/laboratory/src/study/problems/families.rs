@@ -10,7 +10,7 @@ use strum::VariantArray;
 
 /// A generator of contact problems.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, VariantArray)]
-pub enum Family {
+pub enum ProblemFamily {
     /// The robot stands on both feet: eight contact points, rank at most eleven.
     Standing,
     /// Its weight shifts from both feet to one.
@@ -44,25 +44,25 @@ pub enum Family {
 /// Friction coefficient at which nothing slips [-].
 const STICKS: f64 = 1e6;
 
-impl Family {
+impl ProblemFamily {
     /// A scene of this family, and the time from which its problems count [s].
     pub(super) fn scene(self, random: &mut Rng) -> Result<(Scene, f64), Failure> {
         let mut between = |low: f64, high: f64| low + (high - low) * random.f64();
         Ok(match self {
-            Family::Standing => (robot("stand", random)?, 0.0),
-            Family::Swaying => (robot("walk", random)?, 0.5),
-            Family::Walking => {
+            ProblemFamily::Standing => (robot("stand", random)?, 0.0),
+            ProblemFamily::Swaying => (robot("walk", random)?, 0.5),
+            ProblemFamily::Walking => {
                 let begin = between(1.3, 6.0);
                 (robot("walk", random)?, begin)
             }
-            Family::Pushed => {
+            ProblemFamily::Pushed => {
                 let begin = between(2.0, 6.0);
                 let impulse = [between(-4.0, 4.0), between(-4.0, 4.0), between(-1.0, 1.0)];
                 let mut scene = robot("walk", random)?;
                 (scene.plant.push_impulse, scene.plant.push_time) = (impulse, begin);
                 (scene, begin)
             }
-            Family::Falling => {
+            ProblemFamily::Falling => {
                 let begin = between(1.5, 3.5);
                 let impulse = [between(-9.0, 9.0), between(-9.0, 9.0), between(-3.0, 3.0)];
                 let mut scene = robot("walk", random)?;
@@ -70,28 +70,28 @@ impl Family {
                 (scene.plant.push_impulse, scene.plant.push_time) = (impulse, begin - 0.2);
                 (scene, begin)
             }
-            Family::Tumbling => (thrown(tumbler(random), 6.0, random), 0.0),
-            Family::Corners => (thrown(vec![many_corners(random)], 0.5, random), 0.0),
-            Family::IllScaled => {
+            ProblemFamily::Tumbling => (thrown(tumbler(random), 6.0, random), 0.0),
+            ProblemFamily::Corners => (thrown(vec![many_corners(random)], 0.5, random), 0.0),
+            ProblemFamily::IllScaled => {
                 let bodies = tree(random, 9.0);
                 (thrown(bodies, 1.0, random), 0.0)
             }
-            Family::Jams => (jam(random), 0.0),
-            Family::Chains => {
+            ProblemFamily::Jams => (jam(random), 0.0),
+            ProblemFamily::Chains => {
                 let bodies = tree(random, 1.0);
                 (thrown(bodies, 2.0, random), 0.0)
             }
-            Family::Conditioned => {
+            ProblemFamily::Conditioned => {
                 let bodies = tree(random, 14.0);
                 (thrown(bodies, 1.0, random), 0.0)
             }
-            Family::Wedged => (wedge(random), 0.0),
-            Family::Duplicated => {
+            ProblemFamily::Wedged => (wedge(random), 0.0),
+            ProblemFamily::Duplicated => {
                 let mut bodies = tumbler(random);
                 bodies.iter_mut().for_each(|body| body.contacts = body.contacts.repeat(random.usize(2..=4)));
                 (thrown(bodies, 6.0, random), 0.0)
             }
-            Family::Rough => {
+            ProblemFamily::Rough => {
                 let mut scene = thrown(tumbler(random), 6.0, random);
                 let any = 10f64.powf(6.0 * random.f64() - 3.0);
                 scene.plant.friction = *random.choice(&[0.0, any, any, any, STICKS]).unwrap_or(&any);

@@ -1,6 +1,6 @@
 //! Statistics of the solver on the problems of a family, and their table.
 
-use super::families::Family;
+use super::families::ProblemFamily;
 use messages::scene::Law;
 use plant::contact::{PROMISED, Problem, Report};
 use strum::VariantArray;
@@ -10,7 +10,7 @@ pub const LAWS: [Law; 2] = [Law::Cone, Law::Aligned];
 
 /// Statistics of one law on one family.
 #[derive(Clone, Debug, Default)]
-pub struct Tally {
+pub struct SolverTally {
     /// Number of problems.
     pub count: usize,
     /// Problems with a warm start.
@@ -31,7 +31,7 @@ pub struct Tally {
     pub time: f64,
 }
 
-impl Tally {
+impl SolverTally {
     pub(super) fn note(&mut self, problem: &Problem, is_remembered: bool, own: &Report, judged: &Report) {
         self.count += 1;
         self.remembered += usize::from(is_remembered);
@@ -44,7 +44,7 @@ impl Tally {
         self.pivots.push((own.pivots, f64::from(own.pivots) / pairs as f64));
     }
 
-    pub(super) fn merge(mut self, mut other: Tally) -> Tally {
+    pub(super) fn merge(mut self, mut other: SolverTally) -> SolverTally {
         self.count += other.count;
         self.remembered += other.remembered;
         self.warm += other.warm;
@@ -59,7 +59,7 @@ impl Tally {
 }
 
 /// Rows of the table. The first one names the columns.
-pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
+pub fn rows(results: &mut [[SolverTally; 2]]) -> Vec<Vec<String>> {
     let columns = [
         "family",
         "law",
@@ -76,7 +76,7 @@ pub fn rows(results: &mut [[Tally; 2]]) -> Vec<Vec<String>> {
         "µs",
     ];
     let mut rows = vec![columns.map(String::from).to_vec()];
-    for (family, tallies) in Family::VARIANTS.iter().zip(results) {
+    for (family, tallies) in ProblemFamily::VARIANTS.iter().zip(results) {
         for (law, tally) in LAWS.iter().zip(tallies) {
             let last = tally.pivots.len().saturating_sub(1) as f64;
             let at = |share: f64| (share * last) as usize;

@@ -14,7 +14,7 @@ pub const DURATION: f64 = 0.05;
 
 /// A push of the base.
 #[derive(Clone, Copy)]
-pub struct Push {
+pub struct TimedPush {
     /// Start [s].
     pub time: f64,
     /// Impulse in W [N·s].
@@ -22,7 +22,7 @@ pub struct Push {
 }
 
 /// The result of a run.
-pub struct Trial {
+pub struct PushTrial {
     /// The record, without rows.
     pub recorder: RunAnalysis,
     /// Time of the fall [s].
@@ -35,7 +35,7 @@ pub struct Trial {
 ///
 /// # Errors
 /// Ctrl-C, or a bad scene. Any other failure counts as a fall.
-pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Trial, Failure> {
+pub fn disturbed(scene: &Scene, pushes: &[TimedPush], stop: &AtomicBool) -> Result<PushTrial, Failure> {
     let base = scene.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
     let mut recorder = RunAnalysis::without_rows(scene);
     let (mut next, mut turned, mut time) = (0, 0.0_f64, 0.0);
@@ -55,5 +55,5 @@ pub fn disturbed(scene: &Scene, pushes: &[Push], stop: &AtomicBool) -> Result<Tr
         Err(_) => recorder.extrema.fall.or(Some(time)),
         Ok(()) => None,
     };
-    Ok(Trial { recorder, fall, yaw: turned })
+    Ok(PushTrial { recorder, fall, yaw: turned })
 }
