@@ -25,7 +25,7 @@ class Drag {
     const body = this.hold ? undefined : event.button === 0 ? this.stage.bodyAt(event) : undefined;
     if (!this.hold && body === undefined) return;
     event.stopPropagation();
-    if (this.hold) { this.end(); return; } // a second finger starts a camera gesture
+    if (this.hold) { this.end(); return; } // a second finger cancels the push
     this.hold = { pointer: event.pointerId, body, x: event.clientX, y: event.clientY, impulse: undefined };
     this.canvas.setPointerCapture(event.pointerId);
     this.canvas.style.cursor = "grabbing";

@@ -12,8 +12,8 @@ pub fn table(analysis: &RunAnalysis) -> String {
     let rows = analysis.rows.iter().map(|row| columns.iter().map(|(_, value)| value(row)).collect::<Vec<_>>());
     String::from(
         "# World frame W: x forward, y left, z up. sole_*: centre of the sole; tilt against the ground.\n\
-         # normal_*: mean force of the ground on a contact point over the control period, numbered body by body.\n\
-         # torque_*: mean over the same period. x1, v1, x2, v2, e2: the planner's pendulums and energy (31)-(33).\n",
+         # normal_*: normal force on a contact point, mean over the control period; contact points are numbered body by body.\n\
+         # torque_*: mean over the control period. x1, v1, x2, v2, e2: the planner's pendulums and energy (31)-(33).\n",
     ) + &csv::text([names].into_iter().chain(rows))
 }
 

@@ -71,7 +71,7 @@ pub fn run(args: &ConvertArgs, stop: &AtomicBool) -> Result<(), Failure> {
 fn table_per_topic(reader: &mut RecordingReader, into: &Path, stop: &AtomicBool) -> Result<Vec<CsvTable>, Failure> {
     create_folder(into)?;
     let mut tables = BTreeMap::new();
-    while let Some(message) = reader.next() {
+    while let Some(message) = reader.next_message() {
         check_interrupt(stop)?;
         let (topic, bytes) = match &message.payload {
             Payload::Sensors(sensors) => (RecordingTopic::Sensors, bytes_of(sensors)),

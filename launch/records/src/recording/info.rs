@@ -31,7 +31,7 @@ pub fn run(args: &InfoArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     let scene = reader.scene().clone();
     let (mut counts, mut end, mut hash) = (BTreeMap::<Arc<str>, u64>::new(), 0, None);
-    while let Some(message) = reader.next() {
+    while let Some(message) = reader.next_message() {
         check_interrupt(stop)?;
         *counts.entry(message.topic).or_default() += 1;
         end = message.time;

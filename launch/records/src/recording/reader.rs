@@ -109,10 +109,10 @@ impl RecordingReader {
     }
 
     /// The next message. `None` at the end or where the file is truncated.
-    pub fn next(&mut self) -> Option<RecordedMessage> {
+    pub fn next_message(&mut self) -> Option<RecordedMessage> {
         loop {
-            if let Some(item) = self.next_record()? {
-                return Some(item);
+            if let Some(message) = self.next_record()? {
+                return Some(message);
             }
         }
     }
@@ -120,7 +120,7 @@ impl RecordingReader {
     /// Reads on to the next record of `/truth`, completes it from the other topics, and returns its log time [ns].
     pub fn next_truth(&mut self, latest: &mut Truth) -> Option<u64> {
         loop {
-            let RecordedMessage { time, payload, .. } = self.next()?;
+            let RecordedMessage { time, payload, .. } = self.next_message()?;
             match payload {
                 Payload::Sensors(sensors) => latest.encoders = sensors.encoders,
                 Payload::Command(command) => (latest.command, latest.asked) = (command.stamp, command.torques),
