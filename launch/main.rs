@@ -32,7 +32,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[command(version, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<Command>,
+    command: Option<CliCommand>,
     /// Simulate the scene's own model, the default; opposite of --smallest
     #[arg(long, global = true, hide = true)]
     full: bool,
@@ -42,7 +42,7 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum Command {
+enum CliCommand {
     /// Run a scene: start both processes, show progress, print a summary
     Run(run::RunArgs),
     /// Run a set of cases in parallel, and print the results as a table
@@ -132,37 +132,37 @@ fn main() -> ExitCode {
 fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     resource_limits::check()?;
     match command {
-        Some(Command::Run(args)) => run::run(&args, stop),
-        Some(Command::Study(args)) => study::run(&args, stop),
-        Some(Command::Chart(args)) => chart::run(&args, stop),
-        Some(Command::Robustness(args)) => robustness::run(&args, stop),
-        Some(Command::Latency(args)) => latency::run(&args, stop),
-        Some(Command::LatencyPeer(args)) => latency::peer(&args, stop),
-        Some(Command::Model(args)) => model::run(&args),
-        Some(Command::Contact(args)) => contact::run(&args),
-        Some(Command::Plant(args)) => roles::plant(&args, stop),
-        Some(Command::Controller(args)) => roles::controller(&args, stop),
-        Some(Command::Control(command)) => control::run(command),
-        Some(Command::View(args)) => view::run(&args, stop),
-        Some(Command::Top(args)) => top::run(&args, stop),
-        Some(Command::Conform(args)) => conform::run(&args, stop),
-        Some(Command::Faults(args)) => faults::run(&args, stop),
-        Some(Command::Soak(args)) => soak::run(&args, stop),
-        Some(Command::Doctor) => doctor::doctor(),
-        Some(Command::Clean) => doctor::clean(),
-        Some(Command::Wire(args)) => {
+        Some(CliCommand::Run(args)) => run::run(&args, stop),
+        Some(CliCommand::Study(args)) => study::run(&args, stop),
+        Some(CliCommand::Chart(args)) => chart::run(&args, stop),
+        Some(CliCommand::Robustness(args)) => robustness::run(&args, stop),
+        Some(CliCommand::Latency(args)) => latency::run(&args, stop),
+        Some(CliCommand::LatencyPeer(args)) => latency::peer(&args, stop),
+        Some(CliCommand::Model(args)) => model::run(&args),
+        Some(CliCommand::Contact(args)) => contact::run(&args),
+        Some(CliCommand::Plant(args)) => roles::plant(&args, stop),
+        Some(CliCommand::Controller(args)) => roles::controller(&args, stop),
+        Some(CliCommand::Control(command)) => control::run(command),
+        Some(CliCommand::View(args)) => view::run(&args, stop),
+        Some(CliCommand::Top(args)) => top::run(&args, stop),
+        Some(CliCommand::Conform(args)) => conform::run(&args, stop),
+        Some(CliCommand::Faults(args)) => faults::run(&args, stop),
+        Some(CliCommand::Soak(args)) => soak::run(&args, stop),
+        Some(CliCommand::Doctor) => doctor::doctor(),
+        Some(CliCommand::Clean) => doctor::clean(),
+        Some(CliCommand::Wire(args)) => {
             wire::run(&args);
             Ok(())
         }
-        Some(Command::Tunnel(args)) => tunnel::run(&args, stop),
-        Some(Command::Become(args)) => children::exec_foreign(&args),
-        Some(Command::Export(args)) => export::run(&args),
-        Some(Command::Info(args)) => recording::info::run(&args, stop),
-        Some(Command::Convert(args)) => recording::table::run(&args, stop),
-        Some(Command::Replay(args)) => recording::replay::run(&args, stop),
-        Some(Command::List { hashes: true, .. }) => hashes::print(),
-        Some(Command::List { keys: false, .. }) => list::scenes(),
-        Some(Command::List { keys: true, .. }) => list::keys(),
+        Some(CliCommand::Tunnel(args)) => tunnel::run(&args, stop),
+        Some(CliCommand::Become(args)) => children::exec_foreign(&args),
+        Some(CliCommand::Export(args)) => export::run(&args),
+        Some(CliCommand::Info(args)) => recording::info::run(&args, stop),
+        Some(CliCommand::Convert(args)) => recording::table::run(&args, stop),
+        Some(CliCommand::Replay(args)) => recording::replay::run(&args, stop),
+        Some(CliCommand::List { hashes: true, .. }) => hashes::print(),
+        Some(CliCommand::List { keys: false, .. }) => list::scenes(),
+        Some(CliCommand::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::default_run(quiet), stop),
     }
 }
