@@ -1,6 +1,7 @@
-//! What a fuzzer calls, built by `tests/fuzz/run` alone, which says how: bytes in; out comes a run, or a sentence and its exit code.
+//! The entry point of the fuzzer, which `tests/fuzz/run` builds. Each input is run, or refused with a sentence and an exit code.
 //!
-//! A panic, five seconds of the processor, energy out of nothing, a state that is no number, or a refusal that is no sentence are findings.
+//! Findings are: a panic, more than five seconds of processor time, an energy gain of a passive scene, a state that is not finite, and an error
+//! without a sentence.
 
 #![allow(unsafe_code, reason = "the fuzzer calls a function by its name")]
 #![expect(clippy::expect_used, clippy::panic, reason = "a panic is a finding")]
@@ -21,28 +22,29 @@ use std::path::PathBuf;
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 
-/// Steps and control periods of a run at most: what is done within a second, whatever the scene asks for.
-const STEPS: f64 = 500.0;
-const PERIODS: f64 = 50.0;
-/// Energy that a period may make, as a part of what there is: a run tells of a hundredth of its motion [-].
-const MADE: f64 = 1e-6;
-/// Longest time of the processor for one input [s]; `tests/fuzz/run` ends what never ends, by the clock.
-const LONGEST: f64 = 5.0;
-/// Longest sentence [bytes].
-const SENTENCE: usize = 1500;
+/// Largest number of integration steps of a run. They take less than a second in any scene.
+const MAX_STEPS: f64 = 500.0;
+/// Largest number of control periods of a run.
+const MAX_PERIODS: f64 = 50.0;
+/// Energy gain of a control period that is a finding, relative to the energy [-]. A run warns at a hundredth of its kinetic energy.
+const MAX_GAIN: f64 = 1e-6;
+/// Longest processor time of one input [s]. `tests/fuzz/run` ends an input that never returns, by the wall clock.
+const MAX_TIME: f64 = 5.0;
+/// Longest error message [bytes].
+const MAX_MESSAGE: usize = 1500;
 
-/// What the bytes are, by the variable `BIPED_FUZZ`.
+/// The kind of input, by the environment variable `BIPED_FUZZ`.
 #[derive(Clone, Copy)]
 enum FuzzTarget {
     /// A scene in TOML.
     Scene,
-    /// Settings of the walk, one a line.
+    /// Settings of the walk, one per line.
     Set,
-    /// A robot in TOML or URDF, put into the walk.
+    /// A robot in TOML or URDF, for the walk.
     Robot,
-    /// A contact problem in JSON, solved by every law.
+    /// A contact problem in JSON, which every law solves.
     Contact,
-    /// A recording in MCAP: looked at, fed to a controller and to a plant, made tables and a page of.
+    /// A recording in MCAP, which is inspected and replayed to a controller and to a plant.
     Recording,
 }
 
@@ -56,7 +58,7 @@ static TARGET: LazyLock<FuzzTarget> = LazyLock::new(|| match std::env::var("BIPE
 });
 
 fuzz_target!(init: begin(), |input: &[u8]| {
-    let begun = seconds();
+    let start = seconds();
     let outcome = match *TARGET {
         FuzzTarget::Scene => scene(&String::from_utf8_lossy(input)),
         FuzzTarget::Set => set(&String::from_utf8_lossy(input)),
@@ -64,24 +66,24 @@ fuzz_target!(init: begin(), |input: &[u8]| {
         FuzzTarget::Contact => commands(input, &[&["contact"]]),
         FuzzTarget::Recording => commands(input, &[&["info"], &["replay"], &["replay", "--plant"]]),
     };
-    let took = seconds() - begun;
-    assert!(took < LONGEST, "it took {took} s");
+    let took = seconds() - start;
+    assert!(took < MAX_TIME, "it took {took} s");
     if let Err(Failure { exit, message, .. }) = outcome {
         let known = [Exit::Usage, Exit::Fault, Exit::Incompatible, Exit::Fell, Exit::Unsolved].contains(&exit);
-        assert!(known && !message.is_empty() && message.len() < SENTENCE, "{exit:?}: {message}");
+        assert!(known && !message.is_empty() && message.len() < MAX_MESSAGE, "{exit:?}: {message}");
     }
 });
 
-/// Time of the processor so far [s]: other programs take none of it.
+/// Processor time of this process so far [s]. It does not depend on other programs.
 fn seconds() -> f64 {
     let time = clock_gettime(ClockId::CLOCK_PROCESS_CPUTIME_ID).expect("a clock");
     time.tv_sec() as f64 + time.tv_nsec() as f64 * 1e-9
 }
 
-/// A recording of this version to begin with, in the folder that is named last.
+/// Writes a recording of this version as a seed, into the folder that the last argument names.
 ///
-/// mcap 0.26 subtracts the length of a record from what is left of its chunk, however long it says it is. As a release that wraps, and what
-/// follows is refused; with checks it panics, which ends the file.
+/// mcap 0.26 subtracts the stated length of a record from the rest of its chunk without a check. In a release build the result wraps, and
+/// the following data is refused. With overflow checks it panics, which this function accepts as the end of the file.
 fn begin() {
     let abort = std::panic::take_hook();
     std::panic::set_hook(Box::new(move |panic| {
@@ -91,36 +93,38 @@ fn begin() {
     }));
     if let FuzzTarget::Recording = *TARGET {
         let file = format!("{}/good.mcap", std::env::args().next_back().expect("a folder"));
-        let wish = ["biped", "run", "stand", "--in-process", "--quiet", "--set", "duration=0.01", "--record", &file];
-        dispatch(Cli::try_parse_from(wish).expect("a command"), &AtomicBool::new(false).into()).expect("a recording");
+        let arguments =
+            ["biped", "run", "stand", "--in-process", "--quiet", "--set", "duration=0.01", "--record", &file];
+        dispatch(Cli::try_parse_from(arguments).expect("a command"), &AtomicBool::new(false).into())
+            .expect("a recording");
     }
 }
 
 fn scene(text: &str) -> Result<(), Failure> {
     let scene = parse(text, "fuzz")?;
     validate(&scene, "fuzz")?;
-    if only_loses(&scene) {
-        energy::check(&scene, periods(&scene) as usize, MADE)?;
+    if is_passive(&scene) {
+        energy::check(&scene, periods(&scene) as usize, MAX_GAIN)?;
     }
     walks(scene)
 }
 
-/// Whether nothing in a scene gives energy back or makes it: no springs, pushes, bounces, controller, nor a method that says it does.
-fn only_loses(scene: &Scene) -> bool {
+/// Whether a scene can only lose energy: it has no springs, pushes, restitution or controller, and its law and method gain none.
+fn is_passive(scene: &Scene) -> bool {
     let plant = &scene.plant;
-    let lawful = plant.method == Method::MidpointContact && matches!(plant.law, Law::Cone | Law::Aligned);
-    let passive = scene.controller.is_none() && scene.bodies.iter().all(|body| body.joint.is_none());
-    lawful && passive && plant.restitution == 0.0 && plant.push_impulse == [0.0; 3]
+    let never_gains = plant.method == Method::MidpointContact && matches!(plant.law, Law::Cone | Law::Aligned);
+    let is_undriven = scene.controller.is_none() && scene.bodies.iter().all(|body| body.joint.is_none());
+    never_gains && is_undriven && plant.restitution == 0.0 && plant.push_impulse == [0.0; 3]
 }
 
-/// No robot of a file: that is another target.
+/// Runs the walk with settings, except those that name a robot file, which is another target.
 fn set(text: &str) -> Result<(), Failure> {
     let settings: Vec<String> =
         text.lines().filter(|line| !line.trim_start().starts_with("robot")).map(String::from).collect();
     walks(load("walk", &settings, SCENES)?)
 }
 
-/// A short while of a scene, and every number of it is one.
+/// Runs a scene for a short time. All of its numbers have to be finite.
 fn walks(scene: Scene) -> Result<(), Failure> {
     let duration = periods(&scene) / scene.rate;
     in_process(&Scene { duration, ..scene }, |truth| {
@@ -130,13 +134,13 @@ fn walks(scene: Scene) -> Result<(), Failure> {
     })
 }
 
-/// Control periods to be run; none where a single one takes too many steps.
+/// Number of control periods to run; none if a single one has too many steps.
 fn periods(scene: &Scene) -> f64 {
     let steps = 1.0 / (scene.rate * scene.plant.dt);
-    (scene.duration * scene.rate).min(STEPS / steps).min(PERIODS).floor()
+    (scene.duration * scene.rate).min(MAX_STEPS / steps).min(MAX_PERIODS).floor()
 }
 
-/// These commands on a file of these bytes, up to the first that fails.
+/// Runs commands on a file with these bytes, until one fails.
 fn commands(input: &[u8], commands: &[&[&str]]) -> Result<(), Failure> {
     let file = file(input);
     for command in commands {
@@ -147,7 +151,7 @@ fn commands(input: &[u8], commands: &[&[&str]]) -> Result<(), Failure> {
     Ok(())
 }
 
-/// These bytes as a file in memory.
+/// Writes the bytes to a file in shared memory.
 fn file(input: &[u8]) -> PathBuf {
     let path = PathBuf::from(format!("/dev/shm/biped-fuzz-{}", std::process::id()));
     std::fs::write(&path, input).expect("room");

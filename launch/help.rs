@@ -6,10 +6,13 @@ use clap::{Command, CommandFactory};
 const GROUPS: [(&str, &[&str]); 6] = [
     ("Run", &["run", "list", "model"]),
     ("Look at a run", &["view", "top", "info", "convert", "replay"]),
-    ("Talk to a running session", &["pause", "resume", "step", "reset", "push", "set", "rearm"]),
-    ("Bring your own", &["new", "plant", "controller", "session", "wire", "conform", "export", "tunnel"]),
+    ("Control a running session", &["pause", "resume", "step", "reset", "push", "set", "rearm"]),
+    (
+        "Use your own controller, plant or robot",
+        &["new", "plant", "controller", "session", "wire", "conform", "export", "tunnel"],
+    ),
     ("Measure", &["chart", "study", "robustness", "latency", "faults", "soak", "contact"]),
-    ("Look after the machine", &["doctor", "clean"]),
+    ("Check and clean the machine", &["doctor", "clean"]),
 ];
 
 /// The command line with grouped help.

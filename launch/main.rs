@@ -34,7 +34,7 @@ use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 #[command(version, after_help = exit::HELP)]
 struct Cli {
     #[command(subcommand)]
-    command: Option<BipedCommand>,
+    command: Option<CliCommand>,
     /// Simulate the scene's own model, the default; opposite of --smallest
     #[arg(long, global = true, hide = true)]
     full: bool,
@@ -44,7 +44,7 @@ struct Cli {
 }
 
 #[derive(Subcommand)]
-enum BipedCommand {
+enum CliCommand {
     /// Run a scene: start both processes, show progress, print a summary
     Run(run::RunArgs),
     /// Run a set of cases in parallel, and print the results as a table
@@ -139,39 +139,39 @@ fn main() -> ExitCode {
 fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(), Failure> {
     resource_limits::check()?;
     match command {
-        Some(BipedCommand::Run(args)) => run::run(&args, stop),
-        Some(BipedCommand::Study(args)) => study::run(&args, stop),
-        Some(BipedCommand::Chart(args)) => chart::run(&args, stop),
-        Some(BipedCommand::Robustness(args)) => robustness::run(&args, stop),
-        Some(BipedCommand::Latency(args)) => latency::run(&args, stop),
-        Some(BipedCommand::LatencyPeer(args)) => latency::peer(&args, stop),
-        Some(BipedCommand::Model(args)) => model::run(&args),
-        Some(BipedCommand::Contact(args)) => contact::run(&args),
-        Some(BipedCommand::Plant(args)) => roles::plant(&args, stop),
-        Some(BipedCommand::Controller(args)) => roles::controller(&args, stop),
-        Some(BipedCommand::New(args)) => scaffold::run(&args),
-        Some(BipedCommand::Session(args)) => environment::run(&args, stop),
-        Some(BipedCommand::Control(command)) => control::run(command),
-        Some(BipedCommand::View(args)) => view::run(&args, stop),
-        Some(BipedCommand::Top(args)) => top::run(&args, stop),
-        Some(BipedCommand::Conform(args)) => conform::run(&args, stop),
-        Some(BipedCommand::Faults(args)) => faults::run(&args, stop),
-        Some(BipedCommand::Soak(args)) => soak::run(&args, stop),
-        Some(BipedCommand::Doctor) => doctor::doctor(),
-        Some(BipedCommand::Clean) => doctor::clean(),
-        Some(BipedCommand::Wire(args)) => {
+        Some(CliCommand::Run(args)) => run::run(&args, stop),
+        Some(CliCommand::Study(args)) => study::run(&args, stop),
+        Some(CliCommand::Chart(args)) => chart::run(&args, stop),
+        Some(CliCommand::Robustness(args)) => robustness::run(&args, stop),
+        Some(CliCommand::Latency(args)) => latency::run(&args, stop),
+        Some(CliCommand::LatencyPeer(args)) => latency::peer(&args, stop),
+        Some(CliCommand::Model(args)) => model::run(&args),
+        Some(CliCommand::Contact(args)) => contact::run(&args),
+        Some(CliCommand::Plant(args)) => roles::plant(&args, stop),
+        Some(CliCommand::Controller(args)) => roles::controller(&args, stop),
+        Some(CliCommand::New(args)) => scaffold::run(&args),
+        Some(CliCommand::Session(args)) => environment::run(&args, stop),
+        Some(CliCommand::Control(command)) => control::run(command),
+        Some(CliCommand::View(args)) => view::run(&args, stop),
+        Some(CliCommand::Top(args)) => top::run(&args, stop),
+        Some(CliCommand::Conform(args)) => conform::run(&args, stop),
+        Some(CliCommand::Faults(args)) => faults::run(&args, stop),
+        Some(CliCommand::Soak(args)) => soak::run(&args, stop),
+        Some(CliCommand::Doctor) => doctor::doctor(),
+        Some(CliCommand::Clean) => doctor::clean(),
+        Some(CliCommand::Wire(args)) => {
             wire::run(&args);
             Ok(())
         }
-        Some(BipedCommand::Tunnel(args)) => tunnel::run(&args, stop),
-        Some(BipedCommand::Become(args)) => children::exec_foreign(&args),
-        Some(BipedCommand::Export(args)) => export::run(&args),
-        Some(BipedCommand::Info(args)) => recording::info::run(&args, stop),
-        Some(BipedCommand::Convert(args)) => recording::convert::run(&args, stop),
-        Some(BipedCommand::Replay(args)) => recording::replay::run(&args, stop),
-        Some(BipedCommand::List { hashes: true, .. }) => hashes::print(),
-        Some(BipedCommand::List { keys: false, .. }) => list::scenes(),
-        Some(BipedCommand::List { keys: true, .. }) => list::keys(),
+        Some(CliCommand::Tunnel(args)) => tunnel::run(&args, stop),
+        Some(CliCommand::Become(args)) => children::exec_foreign(&args),
+        Some(CliCommand::Export(args)) => export::run(&args),
+        Some(CliCommand::Info(args)) => recording::info::run(&args, stop),
+        Some(CliCommand::Convert(args)) => recording::convert::run(&args, stop),
+        Some(CliCommand::Replay(args)) => recording::replay::run(&args, stop),
+        Some(CliCommand::List { hashes: true, .. }) => hashes::print(),
+        Some(CliCommand::List { keys: false, .. }) => list::scenes(),
+        Some(CliCommand::List { keys: true, .. }) => list::keys(),
         None => run::run(&run::RunArgs::default_run(quiet), stop),
     }
 }

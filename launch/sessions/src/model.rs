@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn a_smaller_model_costs_less_and_the_same_model_costs_the_same() {
-        let incline = load("incline", &[], SCENES).unwrap(); // it always slides; at rest the full model would be as fast, by its standing contact
+        let incline = load("incline", &[], SCENES).unwrap(); // it always slides; at rest the full model would use its faster standing contact
         let small = RunModel::of(&incline, Some(&smallest(&incline).unwrap())).unwrap();
         assert!(small.cost_ratio < 0.8 && small.size.contains("in full"), "{small:?}");
         let full = RunModel::of(&incline, None).unwrap();
