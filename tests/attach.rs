@@ -20,6 +20,9 @@ fn biped(arguments: &[&str]) -> Command {
     command
 }
 
+/// Starts a controller of a session.
+type Start<'a> = &'a dyn Fn(&Session) -> Command;
+
 /// A plant that waits for its controller.
 fn plant(session: &Session) -> Child {
     let arguments = ["plant", "stand", "--set", "duration=1", "--patience", "60", "--session", session.name()];
@@ -74,7 +77,7 @@ fn controllers_in_every_language_attach_by_the_name_of_the_session() {
         command.args(["-c", script, env!("CARGO_BIN_EXE_biped"), session.name()]);
         command
     };
-    let ways: [(&str, &dyn Fn(&Session) -> Command); 5] =
+    let ways: [(&str, Start); 5] =
         [("Rust", &by_name), ("Python", &of_python), ("C", &of_c), ("variable", &ours), ("shell", &by_shell)];
     for (what, command) in ways {
         let session = Session::unique();

@@ -44,7 +44,7 @@ fn a_used_port_and_a_missing_session_give_a_sentence_and_an_exit_code() {
     let (code, words) = failure(&["view", "--session", walk.session.name(), "--port", &port]);
     assert!(code == Some(2) && words.contains(&port) && words.contains("--port"), "{code:?} {words}");
     for (address, fault) in
-        [("nowhere", "such as 0.0.0.0 or ::1"), ("192.0.2.1", "--listen takes an address of this machine")]
+        [("nowhere", "such as 0.0.0.0 or ::1"), ("192.0.2.1", "--listen needs an address of this machine")]
     {
         let (code, words) = failure(&["view", "--session", walk.session.name(), "--listen", address, "--port", "0"]);
         assert!(code == Some(2) && words.contains(address) && words.contains(fault), "{code:?} {words}");

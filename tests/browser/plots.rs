@@ -123,7 +123,7 @@ fn text_does_not_cover_the_view_and_keys_jump_to_both_ends_and_open_the_help() {
     page.press("?");
     assert_eq!(page.value("byId('help').open && byId('help').textContent.includes('Home End')"), json!(true));
     page.press("End");
-    assert_eq!(page.value("player.time === film.begin"), json!(true), "while it is read, keys are its own");
+    assert_eq!(page.value("player.time === trajectory.begin"), json!(true), "while it is read, keys are its own");
     screenshot(&mut page, "help");
     page.press("Escape");
     page.until("!byId('help').open");

@@ -14,7 +14,7 @@ fn the_report_plays_scrubs_and_draws_without_network_access_or_errors() {
     assert!(size < 5_000_000, "{size} bytes");
     let mut page = open(&address, 1280, 720);
 
-    // It plays automatically, and the robot in the view is at the position of the film.
+    // It plays automatically, and the robot in the view is at the position of the trajectory.
     page.until("player.time > .3");
     page.value("player.play(false)");
     page.value("player.seek(2)");
@@ -23,7 +23,7 @@ fn the_report_plays_scrubs_and_draws_without_network_access_or_errors() {
     let place = |page: &mut Browser| page.number("robot.base.getWorldPosition(new THREE.Vector3()).x");
     let before = place(&mut page);
     // Scrubbing changes the time, and with it the robot, the cursors and the view.
-    page.value("part('scrub').value = 12, part('scrub').dispatchEvent(new Event('input'))");
+    page.value("byId('scrub').value = 12, byId('scrub').dispatchEvent(new Event('input'))");
     page.until("!player.isStale && !stage.isStale");
     assert_eq!(page.number("player.time"), 12.0);
     let gone = place(&mut page) - before;
@@ -41,8 +41,8 @@ fn the_report_plays_scrubs_and_draws_without_network_access_or_errors() {
     let force = page.number("markers.arrows.filter((arrow) => arrow.visible).length");
     assert!(force >= 1.0, "no force holds it");
 
-    // A step is one row. Playback stops at the end of the film. Other window sizes and colour schemes are drawn too.
-    page.value("part('forth').click()");
+    // A step is one row. Playback stops at the end of the trajectory. Other window sizes and colour schemes are drawn too.
+    page.value("byId('forth').click()");
     page.until("!player.isStale");
     assert!((page.number("player.time") - 12.005).abs() < 1e-5);
     page.value("player.seek(13.9), player.play(true)");
@@ -95,7 +95,7 @@ fn a_recording_opens_as_the_same_page_as_the_report_of_its_run() {
     page.value(measured);
     assert_eq!(page.value(frames), all_frames[0]);
     page.until("player.time > 1");
-    assert_eq!(page.value("part('desk').hidden"), json!(true));
+    assert_eq!(page.value("byId('desk').hidden"), json!(true));
     screenshot(&mut page, "recording");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);

@@ -24,7 +24,7 @@ fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
         truth.stamp.seq == end
     });
     walk.stop_observing();
-    page.until(&format!("Math.abs(film.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
+    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
     ground
 }
 
@@ -87,8 +87,8 @@ fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset
 
     // The change of momentum is the impulse of the push.
     pause(&mut page, &mut walk);
-    page.value("part('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
-    page.until("part('answer').textContent.startsWith('push: done')");
+    page.value("byId('strength').value = 2, document.querySelector('[data-push=\"1,0,0\"]').click()");
+    page.until("byId('answer').textContent.startsWith('push: done')");
     let impulse = external_impulse(&mut page, &mut walk);
     assert!((impulse - 2.0).abs() < 0.02, "{impulse} N s, not 2");
     let before = page.number("trajectory.end");
@@ -99,28 +99,28 @@ fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset
     page.until("byId('answer').textContent.startsWith('resume: done')");
 
     // The walking speed follows its set-point.
-    page.value("part('pace').value = .15, part('set').click()");
-    page.until("part('answer').textContent.startsWith('set: done')");
-    let speed = "(() => { const row = film.row(film.end - 3); \
-                 return (film.get(film.length - 1, 'com', 0) - film.get(row, 'com', 0)) / (film.end - film.get(row, 'time')); })()";
-    let end = page.number("film.end");
-    page.until(&format!("film.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
+    page.value("byId('pace').value = .15, byId('set').click()");
+    page.until("byId('answer').textContent.startsWith('set: done')");
+    let speed = "(() => { const row = trajectory.row(trajectory.end - 3); \
+                 return (trajectory.get(trajectory.length - 1, 'com', 0) - trajectory.get(row, 'com', 0)) / (trajectory.end - trajectory.get(row, 'time')); })()";
+    let end = page.number("trajectory.end");
+    page.until(&format!("trajectory.end > {end} + 10 && Math.abs({speed} - .15) < .03"));
     screenshot(&mut page, "live");
     page.prefers("dark");
     page.until("stage.scene.background.getHexString() === '12161b' && !stage.isStale");
     screenshot(&mut page, "live-dark");
     page.prefers("light");
-    page.value("part('pace').value = 9, part('set').click()");
-    page.until("part('answer').textContent.includes('refused: a number is out of range')");
+    page.value("byId('pace').value = 9, byId('set').click()");
+    page.until("byId('answer').textContent.includes('refused: a number is out of range')");
     page.complaints.retain(|complaint| !complaint.contains("409")); // Chromium logs the refused request
 
-    // A reset starts a new film. In lockstep a run can advance far between two checks, so the session is paused first.
-    page.value("part('pause').click()");
-    page.until("part('answer').textContent.endsWith('paused')");
-    page.value("part('reset').click()");
-    page.until("live.run === 2 && film.length > 0 && film.begin < 1");
-    page.value("part('resume').click()");
-    page.until("part('answer').textContent.startsWith('resume: done')");
+    // A reset starts a new trajectory. In lockstep a run can advance far between two checks, so the session is paused first.
+    page.value("byId('pause').click()");
+    page.until("byId('answer').textContent.endsWith('paused')");
+    page.value("byId('reset').click()");
+    page.until("live.run === 2 && trajectory.length > 0 && trajectory.begin < 1");
+    page.value("byId('resume').click()");
+    page.until("byId('answer').textContent.startsWith('resume: done')");
     page.resize(390, 844);
     page.until("!stage.isStale || trajectory.length > 0");
     assert_eq!(page.number("document.documentElement.scrollWidth"), 390.0);
@@ -137,8 +137,8 @@ fn a_drag_on_the_robot_pushes_it_by_the_drawn_impulse_and_a_drag_elsewhere_rotat
     walk.stop_observing();
     let mut view = biped(&["view", "--session", walk.session.name(), "--port", "0"]).spawn().unwrap();
     let mut page = open(&address_of(&mut view), 1280, 720);
-    page.until("film.length > 200 && player.time > 0");
-    page.value("part('cameras').querySelectorAll('button')[1].click()"); // side view
+    page.until("trajectory.length > 200 && player.time > 0");
+    page.value("byId('cameras').querySelectorAll('button')[1].click()"); // side view
     pause(&mut page, &mut walk);
     page.until("!player.isStale && !stage.isStale");
     let trunk = |page: &mut Browser| {
@@ -167,7 +167,7 @@ fn a_drag_on_the_robot_pushes_it_by_the_drawn_impulse_and_a_drag_elsewhere_rotat
     assert!((impulse / wanted[0] - 1.0).abs() < 0.01, "{impulse} N s, not {}", wanted[0]);
 
     // A drag beside the robot rotates the camera. A cancelled drag and a click push nothing.
-    page.value("part('answer').textContent = 'nothing'");
+    page.value("byId('answer').textContent = 'nothing'");
     page.until("!player.isStale && !stage.isStale");
     let [x, y] = trunk(&mut page);
     let camera = |page: &mut Browser| page.value("stage.camera.position.toArray().join()");
@@ -188,7 +188,7 @@ fn a_drag_on_the_robot_pushes_it_by_the_drawn_impulse_and_a_drag_elsewhere_rotat
     page.until("!player.isStale && !stage.isStale");
     let [x, y] = trunk(&mut page);
     page.swipe(&[[x, y], [x + 10.0, y], [x + 40.0, y]]);
-    page.until("part('answer').textContent.startsWith('push: done')");
+    page.until("byId('answer').textContent.startsWith('push: done')");
     screenshot(&mut page, "live-drag-390");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);

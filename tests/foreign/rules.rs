@@ -56,7 +56,7 @@ fn a_broken_rule_is_named() {
         ],
         &[
             ["sealed(message))", "message)", "every message is sealed"],
-            ["fail(PEER_MISSING", "print(PEER_MISSING", "gives up without a plant"],
+            ["fail(PEER_MISSING, f\"no plant", "print(PEER_MISSING, f\"no plant", "gives up without a plant"],
         ],
     ];
     let ours = std::path::Path::new("controller/foreign/python");

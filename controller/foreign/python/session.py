@@ -128,6 +128,7 @@ class Session:
         if "BIPED_SESSION" not in environment:
             fail(2, f'start this program by: biped run SCENE --{role} "python3 …", or with --session NAME of a running session')
         env = {key[6:].lower(): value for key, value in environment.items() if key.startswith("BIPED_")}
+        self.contract_text = env["contract"]
         self.name, self.succeeds = env["session"], "succeeds" in env
         self.scene, self.patience = json.loads(env["scene"]), float(env["patience"])
         contract = dict(line.split("=", 1) for line in env["contract"].splitlines())
@@ -157,7 +158,7 @@ class Session:
         builder = builder.max_publishers(1).max_subscribers(readers).history_size(history)
         builder = builder.subscriber_max_buffer_size(buffer).subscriber_max_borrowed_samples(1)
         builder = builder.enable_safe_overflow(overflow)
-        return with_retries(lambda: builder.open_or_create_with_attributes(self.contract), name)
+        return with_retries(lambda: builder.open_or_create_with_attributes(self.contract), name, self.contract_text)
 
     def only_writer(self, builder, role):
         """Becomes the only writer of a topic. A successor waits until the present writer has left."""
@@ -207,14 +208,14 @@ class Session:
         members.leave()
 
 
-def with_retries(open_it, name):
+def with_retries(open_it, name, contract=""):
     """Retries for two seconds, because the other side may be creating the same topic at this moment."""
     for attempt in range(200):
         try:
             return open_it()
         except Exception as error:  # the exception classes of iceoryx2 have no common base
             if "Incompatible" in str(error):
-                fail(INCOMPATIBLE, f"{name} has another contract than this program's")
+                fail(INCOMPATIBLE, f"{name} has another contract than {contract.split()}")
             last = error
             time.sleep(0.01)
     fail(6, f"{name} cannot be opened: {last}")

@@ -1,8 +1,10 @@
-//! `biped list --hashes`: the bits of every built-in scene, to be compared with what came out before.
+//! `biped list --hashes`: hashes of the states of every built-in scene.
 //!
-//! `launch/scenes/hashes.txt` is what this prints, and tests compare with it. Whatever changes bits on purpose renews it:
+//! `launch/scenes/hashes.txt` is a copy of this list, and tests compare with it. Renew it after a change of bits that is intended:
 //!
-//!     cargo run --release -- list --hashes > launch/scenes/hashes.txt
+//! ```text
+//! cargo run --release -- list --hashes > launch/scenes/hashes.txt
+//! ```
 
 use messages::load::load;
 use rayon::prelude::*;
@@ -11,7 +13,7 @@ use shared::exit::Failure;
 use shared::list::SCENES;
 use shared::output::print_text;
 
-/// Prints, of every scene, the hash of its states in the first second and in the whole run, as `biped run` tells it.
+/// Prints the hash of all states of the first second and of the whole run, for every scene.
 ///
 /// # Errors
 /// If a scene is bad, which a test excludes.

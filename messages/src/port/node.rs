@@ -178,7 +178,7 @@ impl SessionNode {
         let service = || self.node.service_builder(&service).request_response::<Request, Reply>().max_servers(1);
         let schema = self.schema()?;
         with_retries(|| service().open_or_create_with_attributes(&schema), |_| false)
-            .map_err(|e| PortError::failed("opening a desk", e))
+            .map_err(|e| PortError::failed("opening the control service", e))
     }
 
     /// Opens the control service of another process, if it exists.
@@ -190,7 +190,7 @@ impl SessionNode {
             Err(RequestResponseOpenError::IncompatibleAttributes) => {
                 Err(PortError::Foreign { session: self.session().into(), reason: "its wire schema differs".into() })
             }
-            Err(error) => Err(PortError::failed("coming to a desk", error)),
+            Err(error) => Err(PortError::failed("connecting to the control service", error)),
         }
     }
 

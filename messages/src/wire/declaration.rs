@@ -97,7 +97,7 @@ wire! {
 
     /// Counters of the plant since the start of its run.
     struct Tally "biped.Tally" 136 {
-        /// Refused commands, one counter for each reason in [`REFUSALS`](super::REFUSALS).
+        /// Refused commands, one counter for each reason in [`REFUSALS`].
         refused: [u64; 9],
         /// Commands that never arrived, counted by gaps in their numbers.
         lost: u64,

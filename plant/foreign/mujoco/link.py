@@ -1,5 +1,5 @@
 """A plant's end of a biped session, in lockstep: what docs/WIRE.md asks of a simulator, or of a robot's driver. Nothing of
-MuJoCo is in here. There is no desk: `biped pause`, `push` and the like say that nobody answers.
+MuJoCo is in here. It has no control service: `biped pause`, `push` and the like say that nobody answers.
 
 Exit codes are those of biped: 0 at the end of the scene, 2 for what cannot be done, 3 without a controller, 4 after a
 fault, 5 where the contract differs, 130 on TERM.

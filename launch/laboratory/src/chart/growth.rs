@@ -143,10 +143,11 @@ mod tests {
 
     /// 24 equations constrain ten degrees of freedom: redundant equations must be distinguished from rounding.
     #[test]
-    fn a_table_that_does_not_tip_is_welded_and_stands_as_corner_by_corner() {
+    fn a_table_that_does_not_tip_is_standing_and_stands_as_corner_by_corner() {
         for (points, scene) in GrowthCurve::ALL[0].scenes(false).expect("good scenes") {
             let plant = || plant::Plant::new(&scene).expect("a good scene");
-            let (mut ours, mut theirs, mut worst, mut welded) = (plant(), plant().without_standing_feet(), 0.0_f64, 0);
+            let (mut ours, mut theirs, mut worst, mut standing) =
+                (plant(), plant().without_standing_feet(), 0.0_f64, 0);
             for _ in 0..300 {
                 for plant in [&mut ours, &mut theirs] {
                     plant.advance(&Default::default()).expect("a step");
@@ -154,18 +155,20 @@ mod tests {
                 let [a, b] = [ours.state(), theirs.state()];
                 let pairs = a.x.iter().zip(&b.x).chain(a.xdot.iter().zip(&b.xdot));
                 worst = pairs.fold(worst, |worst, (a, b)| worst.max((a - b).abs()));
-                welded += usize::from(points > 0.0 && ours.problem().delassus.is_empty());
+                standing += usize::from(points > 0.0 && ours.problem().delassus.is_empty());
                 assert!(points == 0.0 || !theirs.problem().delassus.is_empty());
             }
-            println!("{points} corners: states differ by {worst:.1e}, {welded} of 300 steps welded");
+            println!(
+                "{points} corners: states differ by {worst:.1e}, {standing} of 300 steps solved as a standing table"
+            );
             assert!(worst < 1e-9, "{points} corners: {worst}");
-            // of three and of five corners, one carries nothing; on one it tips, and is welded while that one stands still
+            // of three and of five corners, one carries nothing; on one it tips, and counts as standing while that one stands still
             let held = match points {
                 0.0 | 3.0 | 5.0 => 0..=0,
                 1.0 => 1..=60,
                 _ => 291..=300,
             };
-            assert!(held.contains(&welded), "{points} corners: {welded} steps welded");
+            assert!(held.contains(&standing), "{points} corners: {standing} standing steps");
         }
     }
 }

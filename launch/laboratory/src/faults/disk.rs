@@ -48,7 +48,7 @@ fn walk(namespaces: &[&str], script: &str) -> FaultTrial {
         some => command.args(some).args(["sh", "-c", script]),
     })?;
     let (status, words) = process.end(LIMIT * 20)?;
-    let told = words.lines().find(|line| line.contains("the recording")).unwrap_or("").to_string();
+    let told = words.lines().find(|line| line.starts_with("the recording")).unwrap_or("").to_string();
     let is_told = told.contains("ends at") && told.contains("the run continues");
     match is(status, Exit::Unrecorded) && is_told {
         true => Ok(TrialOutcome { time: Some(start.elapsed()), remark: told }),

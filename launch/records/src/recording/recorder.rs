@@ -130,7 +130,7 @@ impl McapRecorder {
                     "the run will take some {expected}, the disk has {free} left, and a recording {LEAVES_FREE}"
                 );
                 log(format_args!(
-                    "{}: {estimate}: the recording will end before the run, which goes on",
+                    "{}: {estimate}: the recording will end before the run, which continues",
                     path.display()
                 ));
             }

@@ -41,6 +41,10 @@ struct PeerRun {
 pub fn rows(folder: &Path) -> Result<Vec<Measurement>, Failure> {
     let file = folder.join(RUNS);
     let fault = |reason: String| Failure::new(Exit::Usage, format!("--peers: {}: {reason}", file.display()));
+    if !file.exists() {
+        let words = format!("--peers: the folder {} has no {RUNS}", folder.display());
+        return Err(Failure::new(Exit::Usage, words));
+    }
     let text = messages::file::text(&file).map_err(|error| fault(error.to_string()))?;
     let mut rows = Vec::new();
     for (number, line) in text.lines().enumerate() {
