@@ -1,7 +1,7 @@
 //! The guide shows what its commands print: its quick steps, one after the other, in an empty folder.
 //!
-//! A block of commands under `<!-- checked -->` is run by bash; `<!-- checked: exit 7 -->` names another exit code. Each line of the block
-//! of text after it must be in what was printed, and `…` stands for any text. A block under `<!-- file: NAME -->` is written to that file.
+//! A block of commands under `<!-- checked -->` is run by bash; `<!-- checked: exit 7 -->` names another exit code. Each line of the next
+//! block of text must be in the output; `…` stands for any text. A block under `<!-- file: NAME -->` is written to that file.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -21,7 +21,7 @@ fn block(text: &str) -> (&str, &str) {
     inside.split_once("```\n").expect("the end of a block")
 }
 
-/// What bash prints, standard error first; its exit code is this one.
+/// The output of bash, standard error first. Asserts that the exit code is `code`.
 fn printed(commands: &str, code: i32, folder: &Path) -> String {
     let programs = [Path::new(env!("CARGO_BIN_EXE_biped")), languages::python()].map(|program| program.parent());
     let folders = programs.map(|folder| folder.expect("a folder").display().to_string());

@@ -2,7 +2,7 @@
 
 use crate::wire::{Request, RequestKind, Stamped, Verdict};
 
-/// What a request asks for.
+/// The action that a request demands.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Action {
     /// Plant: stop simulated time.

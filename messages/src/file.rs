@@ -17,7 +17,7 @@ const PIPE_TIMEOUT: Duration = Duration::from_secs(10);
 /// Opens a regular file.
 ///
 /// # Errors
-/// Those of the operating system, or that it is a pipe, a device or a folder.
+/// An error of the operating system, or a path that is a pipe, a device or a folder.
 pub fn open(path: &Path) -> io::Result<File> {
     match open_without_blocking(path)? {
         (file, kind) if kind.is_file() => Ok(file),
@@ -28,7 +28,7 @@ pub fn open(path: &Path) -> io::Result<File> {
 /// The text of a file, or of a pipe such as `<(command)` or standard input.
 ///
 /// # Errors
-/// Those of the operating system; or that it is a device or a folder, is longer than 64 MiB, is not UTF-8, or that the pipe is empty.
+/// An error of the operating system; a device, a folder or an empty pipe; or a text that is longer than 64 MiB or is not UTF-8.
 pub fn text(path: &Path) -> io::Result<String> {
     let mut bytes = vec![];
     match open_without_blocking(path)? {

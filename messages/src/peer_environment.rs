@@ -52,7 +52,7 @@ impl PeerEnvironment {
         environment
     }
 
-    /// Publishes it in its session, for programs that are started by hand, and the scene for those who look on.
+    /// Writes this environment into the session, for programs that are started by hand, and the scene, for observers.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`] if there is no room for it.
@@ -62,7 +62,7 @@ impl PeerEnvironment {
         self.session.publish_environment(&serde_json::to_string(&variables).unwrap_or_default())
     }
 
-    /// The one in this process's environment. If it names a session in `BIPED_SESSION` and says nothing else, this attaches to
+    /// The peer environment from this process's environment variables. If only `BIPED_SESSION` is set, this function attaches to
     /// that session.
     ///
     /// # Errors
@@ -81,7 +81,7 @@ impl PeerEnvironment {
     /// Takes part in a session by its name. Waits until its plant is there, at most for `patience`.
     ///
     /// # Errors
-    /// No such session within that time; else see [`PeerEnvironmentError`].
+    /// No session of that name within that time, or another [`PeerEnvironmentError`].
     pub fn attach(
         name: &str,
         patience: Duration,

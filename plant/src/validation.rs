@@ -12,12 +12,12 @@ const MAX_JUMP_FACTOR: f64 = 2.0;
 /// Number of replaced controllers that are remembered.
 const REMEMBERED_CONTROLLERS: usize = 8;
 
-/// What an accepted command implies besides its torques.
+/// Properties of an accepted command, apart from its torques.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Acceptance {
     /// Number of preceding commands that never arrived.
     pub lost: u64,
-    /// Whether it is the first command of another controller process.
+    /// Whether this command is the first one of a new controller process.
     pub takeover: bool,
 }
 

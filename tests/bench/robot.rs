@@ -56,13 +56,13 @@ pub struct Recording {
     pub window: Range<usize>,
     /// Before each period.
     pub encoders: Vec<Encoders>,
-    /// Of each period.
+    /// Torques of each period.
     pub torques: Vec<Torques>,
     /// Before each period of the window.
     pub states: Vec<State>,
     /// The same as truths.
     pub truths: Vec<Truth>,
-    /// Of each period of the window with contact. Standing feet are posed as separate contacts.
+    /// Contact problems of the periods with contact in the window. Standing feet count as separate contacts.
     pub problems: Vec<Problem>,
 }
 

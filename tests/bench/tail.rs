@@ -33,7 +33,7 @@ const OTHERS: [&str; 12] = [
 /// Number of slow steps that are printed.
 const SLOWEST: usize = 5;
 
-/// Of each control period: the least times of the step and of the tick \[µs\], contacts, pivots.
+/// For each control period: least time of the step and of the tick \[µs\], number of contacts, number of pivots.
 struct Walk {
     least: [Vec<f64>; 2],
     problems: Vec<(usize, u64)>,

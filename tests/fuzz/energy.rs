@@ -9,7 +9,7 @@ use plant::{Plant, PlantError};
 /// far.
 ///
 /// # Errors
-/// Those of the plant.
+/// An error of the plant.
 ///
 /// # Panics
 /// If the energy rises by more, unless the scene starts inside the ground, which pushes the bodies out.

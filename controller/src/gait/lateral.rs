@@ -1,4 +1,4 @@
-//! The lateral input u_2: the energy rule (39), and the ankle where that rule alone would act too late.
+//! The lateral input u_2: the energy rule (39). If this rule alone would act too late, the ankle helps.
 //!
 //! ξ = x + v/ω diverges and ζ = x − v/ω decays; the energy (33) is E = −ω² ξ ζ/2. At the exchange of support, x = W_2/2, the two swap
 //! their roles. An orbit of small energy returns late, and one of energy zero never returns. A robot that is pushed outward must

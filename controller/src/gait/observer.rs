@@ -13,8 +13,8 @@
 use messages::scene::{ControllerScene, Switching};
 use std::f64::consts::TAU;
 
-/// Periods by which the reference is early or the measured rate late: half of one over which a rate is measured, and one by
-/// which the plan looks ahead [control periods].
+/// Time by which the measured rate lags behind the reference [control periods]. A rate is a mean over one period, so it is half a
+/// period late. The plan looks one period ahead.
 const SAMPLING_LEAD: f64 = 1.5;
 
 /// Gains of the observers.
@@ -33,7 +33,7 @@ impl Observer {
         Observer { position: 1.0 - kept * kept, rate: (1.0 - kept).powi(2) / h }
     }
 
-    /// Whether the observer corrects nothing, that is, p = 0.
+    /// Whether the observer is off: p = 0.
     pub fn is_disabled(&self) -> bool {
         self.position == 0.0
     }

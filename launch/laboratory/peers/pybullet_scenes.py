@@ -81,7 +81,7 @@ class Simulation(Timed):
         return np.concatenate([self.pose(link) for link in self.watched])
 
     def pose(self, link):
-        """Of a link's frame; -1 is the base."""
+        """Pose of a link's frame; link -1 is the base."""
         if link < 0:
             position, (x, y, z, w) = p.getBasePositionAndOrientation(self.body)
         else:
@@ -89,7 +89,7 @@ class Simulation(Timed):
         return [*position, w, x, y, z]
 
     def kinetic_energy(self):
-        """Of all links, from their velocities."""
+        """Kinetic energy of all links, from their velocities."""
         velocity, spin = p.getBaseVelocity(self.body)
         moving = [(-1, p.getBasePositionAndOrientation(self.body)[1], velocity, spin)]
         for joint in self.joints:

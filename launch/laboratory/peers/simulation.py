@@ -1,7 +1,7 @@
-"""What the engines' files share.
+"""Base classes of the engines' files.
 
 An engine's `Simulation` has `reset`, `run(steps)` and `row`. A row is the pose `x y z qw qx qy qz` of each body that may touch the
-ground; in flight it is the kinetic energy alone. Errors are computed from these rows by `biped chart`, alike for every engine.
+ground; in flight it is the kinetic energy alone. Errors are computed from these rows by `biped chart`, in the same way for every engine.
 """
 
 import statistics

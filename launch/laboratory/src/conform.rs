@@ -41,10 +41,10 @@ pub struct ConformArgs {
     /// Controller to check, as for `biped run --controller`: a program with its arguments
     #[arg(long, value_name = "COMMAND", required_unless_present = "plant", conflicts_with = "plant")]
     controller: Option<String>,
-    /// Plant to check, likewise
+    /// Plant to check, as for `biped run --plant`: a program with its arguments
     #[arg(long, value_name = "COMMAND")]
     plant: Option<String>,
-    /// Time limit for its start and its answers [s]
+    /// Time limit for the start of the program and for its answers [s]
     #[arg(long, default_value_t = 10.0, value_name = "SECONDS", value_parser = shared::args::parse_seconds)]
     patience: f64,
 }

@@ -1,4 +1,4 @@
-//! `biped contact`: a contact problem that ended a run, as a file, and what each law makes of it.
+//! `biped contact`: a contact problem that ended a run, read from a file and solved by each law.
 
 use crate::study::tables::table;
 use clap::Args;
@@ -45,7 +45,7 @@ pub fn run(args: &ContactArgs) -> Result<(), Failure> {
     Ok(())
 }
 
-/// What one law makes of it, from a fresh start.
+/// The result of one law, without a warm start, as a row of the table.
 fn row(problem: &Problem, law: Law) -> Vec<String> {
     if tangents(law) > problem.tangents {
         return [law.to_string(), "needs two tangents".into()].into_iter().chain(vec!["-".into(); 6]).collect();

@@ -65,15 +65,15 @@ impl Subject {
         self.process.signal(signal);
     }
 
-    /// What it wrote, once it has ended.
+    /// The output of the process, after its end.
     pub fn words(&mut self) -> String {
         self.words.take().and_then(|listener| listener.join().ok()).unwrap_or_default()
     }
 
-    /// Waits for its end: how it ended, and what it wrote.
+    /// Waits for the end of the process. Returns its exit status and its output.
     ///
     /// # Errors
-    /// If it has not ended by then.
+    /// If the process has not ended within `limit`.
     pub fn end(mut self, limit: Duration) -> Result<(ExitStatus, String), String> {
         let late = || format!("not within {} s: the process ends", limit.as_secs_f64());
         let status = self.process.wait(limit).ok_or_else(late)?;

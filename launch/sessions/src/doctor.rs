@@ -169,7 +169,7 @@ fn memory() -> Vec<CheckResult> {
     vec![result]
 }
 
-/// What makes shared memory writable for this user.
+/// Advice: how to make shared memory writable for this user.
 fn access_advice() -> String {
     let is_read_only = statvfs(SHARED_MEMORY).is_ok_and(|about| about.flags().contains(FsFlags::ST_RDONLY));
     match std::fs::metadata(SHARED_MEMORY) {

@@ -83,7 +83,7 @@ impl Setting {
         }
     }
 
-    /// What the user can do so that the system grants it.
+    /// Advice: how the user can get this setting granted.
     fn remedy(self) -> String {
         match self {
             Setting::LockMemory => HostEnvironment::detect().how_to_grant(Privilege::LockMemory),
@@ -172,8 +172,8 @@ impl RealtimeArgs {
     }
 }
 
-/// Tries to lock memory and to use the real-time scheduler. For each, returns the remedy if the system refuses it. Call it in a thread
-/// of its own, because granted settings stay in effect.
+/// Tries to lock memory and to use the real-time scheduler. For each, returns the remedy if the system refuses it. Call it in a
+/// separate thread, because granted settings stay in effect.
 pub fn missing_privileges() -> [Option<String>; 2] {
     [Setting::LockMemory, Setting::Fifo(DEFAULT_PRIORITY)]
         .map(|setting| setting.apply().err().map(|_| setting.remedy()))

@@ -10,7 +10,7 @@ use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 
-/// What is made.
+/// Kind of file or folder to make.
 #[derive(Subcommand)]
 pub enum NewArgs {
     /// Make a folder with a controller in Python that runs at once
@@ -60,11 +60,11 @@ macro_rules! python {
     };
 }
 
-/// What every controller in Python imports.
+/// Modules that every controller in Python imports.
 const LIBRARY: [(&str, &str); 2] = [python!("session.py"), python!("wire.py")];
-/// What the walking one imports besides.
+/// Further modules that the walking controller imports.
 const GAIT: [(&str, &str); 2] = [python!("robot.py"), python!("gait.py")];
-/// Packages that they need, as tests/common/languages.rs has them.
+/// Python packages that these modules need. tests/common/languages.rs has the same list.
 const REQUIREMENTS: &str = "iceoryx2==0.10.0\nnumpy\nxxhash\n";
 
 impl Template {

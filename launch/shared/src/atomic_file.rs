@@ -13,8 +13,8 @@ const SIGNATURE_BYTES: usize = 12;
 /// Writes a text file atomically, through a temporary file beside it and a rename. SVG and HTML files begin with [`MARK`].
 ///
 /// # Errors
-/// Those of the file system, with the file's name; or if the path holds a file that begins differently. The temporary file is
-/// removed.
+/// An error of the file system, with the file's name; or a file at this path that begins differently. The temporary file is
+/// removed in both cases.
 pub fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
     let mark = if path.extension().is_some_and(|kind| kind == "svg" || kind == "html") { MARK } else { "" };
     let signature = if mark.is_empty() { text } else { mark };
@@ -38,7 +38,7 @@ impl AtomicFile {
     /// Creates the temporary file beside the target. The target may be missing, or begin with this signature.
     ///
     /// # Errors
-    /// Those of the file system; or if the target is a file of another program.
+    /// An error of the file system, or a target that is a file of another program.
     pub fn create(path: &Path, signature: &[u8]) -> io::Result<AtomicFile> {
         check_replaceable(path, signature)?;
         let target = path.canonicalize().unwrap_or_else(|_| path.into()); // a symbolic link stays a link
@@ -56,7 +56,7 @@ impl AtomicFile {
     /// Renames the temporary file to the target.
     ///
     /// # Errors
-    /// Those of the file system.
+    /// An error of the file system.
     pub fn commit(self) -> io::Result<()> {
         fs::rename(&self.temporary, &self.target)
     }
@@ -89,7 +89,7 @@ pub fn check_replaceable(path: &Path, signature: &[u8]) -> io::Result<()> {
 /// Removes the SVG figures of this program from a folder. All other files stay.
 ///
 /// # Errors
-/// Those of the file system.
+/// An error of the file system.
 pub fn remove_own_figures(folder: &Path) -> io::Result<()> {
     for file in fs::read_dir(folder)?.flatten().map(|entry| entry.path()) {
         let is_figure = file.extension().is_some_and(|kind| kind == "svg");

@@ -1,4 +1,4 @@
-//! What all commands share: arguments, built-in scenes, exit codes, output files, progress.
+//! Parts that all commands share: arguments, built-in scenes, exit codes, output files, progress.
 
 pub mod args;
 pub mod atomic_file;

@@ -1,10 +1,10 @@
-//! What plant and controller must agree on before they exchange messages.
+//! The contract: properties that must be equal in plant and controller before they exchange messages.
 
 use crate::scene::Scene;
 use crate::session::Session;
 use crate::wire::{FNV_START, SCHEMA_HASH, fnv1a};
 
-/// What determines the pace of a run.
+/// Pace of a run: lockstep or real time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pace {
     /// The plant waits for each answer. The run is as fast as possible, and every run gives the same result.
@@ -24,7 +24,7 @@ impl Pace {
     }
 }
 
-/// What plant and controller must agree on before they exchange messages.
+/// Properties that must be equal in plant and controller before they exchange messages.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Contract {
     /// Hash of the wire format, [`SCHEMA_HASH`].

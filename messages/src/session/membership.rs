@@ -53,14 +53,14 @@ pub struct Membership {
 }
 
 impl Membership {
-    /// Whether the parent has ended, or its first thread, by which the system reports the state of a process.
+    /// Whether the parent or its first thread has ended. The system reports the state of the first thread as that of the process.
     fn is_orphaned(&self) -> bool {
         let stat = std::fs::read_to_string(format!("/proc/{}/stat", self.parent)).unwrap_or_default();
         let state = stat.rsplit(')').next().and_then(|rest| rest.trim_start().chars().next());
         parent_id() != self.parent || state.is_none_or(|state| "ZX".contains(state))
     }
 
-    /// How long to wait for a lock that another process holds.
+    /// Longest wait for a lock that another process holds.
     fn lock_timeout(&self) -> Duration {
         match self.is_orphaned() {
             // The parent was killed, and this process ends because of that. The parent's lock is released with its last thread.

@@ -21,10 +21,10 @@ import wire
 
 FAULT = 4
 HOLD, DAMP = 0.01, 0.1  # age up to which torques are held, and joints damped [s]
-BLEND = 0.005  # over which a successor's torques come in [s]
-DAMPING = 2.0  # of an abandoned joint [N·m·s/rad]
-NONSENSE, FULL_SWING = 4.0, 2.0  # torques, and jumps of them, that no honest command has [torque limits]
-LINGER = iox2.Duration.from_secs(3)  # how long a recorder may take to begin
+BLEND = 0.005  # time over which the torques change from a controller to its successor [s]
+DAMPING = 2.0  # of a joint without recent commands [N·m·s/rad]
+NONSENSE, FULL_SWING = 4.0, 2.0  # a command with a greater torque or torque jump is refused [torque limits]
+LINGER = iox2.Duration.from_secs(3)  # longest wait for a recorder to begin
 
 
 class Link(session.Session):
@@ -34,12 +34,12 @@ class Link(session.Session):
         super().__init__("plant")
         self.truth = self.topic("biped/truth", wire.Truth, readers=3, buffer=1024, history=0, overflow=False)
         builder = self.truth.publisher_builder().max_loaned_samples(1)
-        # never waits for ever: Python hears no TERM meanwhile
+        # no unlimited wait: Python handles no SIGTERM while it waits
         self.recorder = builder.backpressure_strategy(iox2.BackpressureStrategy.DiscardData).create()
         self.begun = self.event("biped/truth").listener_builder().create()
 
     def wait(self):
-        """The next command, if one comes soon; else whoever has come since gets the sensors."""
+        """The next command, if one arrives soon. Otherwise processes that have joined meanwhile get the sensors."""
         command = self.read()
         if command is None:
             self.writer.update_connections()
@@ -61,7 +61,7 @@ class Link(session.Session):
 
 
 class Intake:
-    """What reaches the drives of what the controller says: gate, newest accepted command, its age, watchdog."""
+    """From commands to the torques of the drives: validation, newest accepted command and its age, watchdog."""
 
     def __init__(self, run, scene, tally):
         self.run, self.tally, self.limit = run, tally, scene["plant"]["torque_limit"]
@@ -166,7 +166,7 @@ def serve(make):
         if intake.mode == "fault":
             session.fail(FAULT, f"no good command for {intake.age} control periods: the drives were switched off")
     finally:
-        if not sensors.last:  # the controller is told of an early end, too
+        if not sensors.last:  # the controller gets a goodbye after an early end, too
             sensors.last, sensors.stamp.seq = 1, sensors.stamp.seq + 1
             link.send(sensors)
         link.close()

@@ -24,8 +24,8 @@ import wire
 STEP = 0.5e-3  # at most [s]
 TIME_CONSTANT = 2.0  # of a contact, the least that MuJoCo calls stable [steps]
 IMPEDANCE = [0.99, 0.999, 1e-4, 0.5, 2.0]  # d_0, d_width, width [m], midpoint, power
-IMPRATIO = 100.0  # friction harder than the normal direction by so much
-LACKING = ("latency_ticks", "stale_probability", "restitution", "push_impulse")  # what this plant does not do
+IMPRATIO = 100.0  # stiffness of friction constraints relative to the normal direction [-]
+LACKING = ("latency_ticks", "stale_probability", "restitution", "push_impulse")  # keys that this plant does not support
 
 
 class Plant:

@@ -1,4 +1,4 @@
-//! Warm-start memory: what a step knows of the contacts of the step before.
+//! Warm-start memory: modes, slips and impulses of the contacts in the step before.
 
 use super::mode::ContactMode;
 use super::problem::Problem;

@@ -20,6 +20,6 @@ pub struct Report {
     pub pivots: u32,
     /// The remembered basis was the solution.
     pub warm: bool,
-    /// No attempt met the tolerance of the problem itself; `own` tells how well the best attempt did.
+    /// No attempt met the tolerance of the problem itself; `own` holds the residual of the best attempt.
     pub fallback: bool,
 }

@@ -6,7 +6,7 @@
 //!   PROMISED 1e-10  >  STANDING_BOUND 8e-11  >  SOLVED 4e-11  >  WELL_SOLVED = COMPLIANCE 2e-11  >  LEMKE_COMPLIANCE 4e-12
 //! ```
 
-// What counts as solved.
+// Tolerances of a solution.
 
 /// A natural map up to this value is a solution. It lies below [`PROMISED`], so that a second evaluation, which rounds differently, also
 /// stays below the promise.
@@ -63,7 +63,7 @@ pub(super) const UNCHANGED: f64 = 1e-14;
 /// A contact that pulls by less than this part of the greatest normal impulse pulls by rounding only.
 pub(crate) const PULL_ROUNDING: f64 = 1e-14;
 
-/// What remains of an amount that becomes zero, relative to its value before, is below this by rounding.
+/// An amount that becomes zero keeps a rounding error below this, relative to its value before.
 pub(super) const ZERO_AMOUNT: f64 = 1e-14;
 
 /// A negative edge velocity of the energy program up to this part of the step's scale is rounding. Some thousand units in
@@ -79,8 +79,8 @@ pub(super) const MIN_FALL: f64 = 1e-10;
 /// of a dependent direction is near 1e-16.
 pub(super) const DEPENDENT: f64 = 1e-12;
 
-/// The same for a pivot among entries of about 1, with compliant contacts. It must lie below [`COMPLIANCE`], which is all that remains of a
-/// redundant contact.
+/// The same for a pivot among entries of about 1, with compliant contacts. It must lie below [`COMPLIANCE`], because the pivot of a
+/// redundant contact is the compliance alone.
 pub(super) const DEPENDENT_PIVOT: f64 = 1e-14;
 
 /// The same where any of the dependent solutions will do.
@@ -103,10 +103,10 @@ pub(super) const MIN_SLIP: f64 = 1e-10;
 
 // Convergence of iterations.
 
-/// A refinement continues while it reduces its error to this part or less. What shrinks less lies along dependent directions.
+/// A refinement continues while it reduces its error to this part or less. An error that shrinks less lies along dependent directions.
 pub(super) const REFINEMENT_REDUCTION: f64 = 0.1;
 
-/// A solution of standing feet after the first must leave no more than this part of the velocity error before it.
+/// Every repeated solution of standing feet must reduce the velocity error to this part or less.
 pub(crate) const STANDING_REDUCTION: f64 = 0.5;
 
 /// Factor by which the friction weight of a slipping contact is reduced beyond the necessary, in the distribution over a patch or a sole, so
@@ -129,7 +129,8 @@ pub(super) const MIN_TAU: f64 = 1e-20;
 /// The residual of interior points that is rounding, the step's speed being 1.
 pub(super) const INTERIOR_RESIDUAL: f64 = 1e-13;
 
-/// Gap and feasibility that the external interior-point solver (clarabel) is asked for. It ends near 1e-9; Newton's method finds the rest.
+/// Tolerances of gap and feasibility for the external interior-point solver (clarabel). It ends near 1e-9; Newton's method removes the
+/// remaining error.
 pub(super) const CLARABEL_TOLERANCE: f64 = 1e-13;
 
 // Lemke's method, with 32 digits.
@@ -141,7 +142,7 @@ pub(super) const MIN_PIVOT: f64 = 1e-16;
 /// Rows that reach zero within this distance of each other, relative to the largest entry of each row, are tied. The right side is about 1.
 pub(super) const TIE: f64 = 1e-28;
 
-/// A pivot that differs from 1 by more than this factor has cost three digits: the dictionary is then computed afresh.
+/// A pivot that differs from 1 by more than this factor has cost three digits: the dictionary is then recomputed.
 pub(super) const MAX_PIVOT_RATIO: f64 = 1e3;
 
 /// Perturbation of the right side that separates tied rows. Far above the rounding of 32 digits, and far below [`SOLVED`].

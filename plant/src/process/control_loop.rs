@@ -4,7 +4,7 @@ use crate::{PlantError, Simulation};
 use messages::clock::now_ns;
 use messages::wire::{Sensors, Truth};
 
-/// What follows an exchange of messages.
+/// Next action after an exchange of messages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ExchangeOutcome {
     /// Simulate one control period.
@@ -43,7 +43,7 @@ impl PeriodTiming {
 /// Runs the simulation to its end. In each control period `exchange` receives the sensors and passes commands to the simulation.
 ///
 /// # Errors
-/// Those of the plant and of `exchange`.
+/// An error of the plant or of `exchange`.
 pub fn drive<E: From<PlantError>>(
     simulation: &mut Simulation,
     mut exchange: impl FnMut(&mut Simulation, &Sensors, &PeriodTiming) -> Result<ExchangeOutcome, E>,

@@ -10,7 +10,7 @@ use messages::wire::PlantState;
 
 const SECOND_NS: u64 = 1_000_000_000;
 
-/// What was reported last, and when.
+/// The last report, and its time.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PlantLog {
     state: PlantState,

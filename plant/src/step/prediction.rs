@@ -44,7 +44,8 @@ pub(super) struct Prediction<'a> {
 }
 
 impl<'a> Prediction<'a> {
-    /// Of a step that begins at `now` and would end with the velocity `free` without contact; its length and that of the whole step [s].
+    /// Prediction for a step that begins at `now`. Without contact it would end with the velocity `free`. `h` is the length of the step,
+    /// `whole` that of the undivided step [s].
     pub fn of(now: &'a PosedState, middle: &'a PosedState, free: &'a [f64], [h, whole]: [f64; 2]) -> Prediction<'a> {
         Prediction { start: &now.pose, rate: &middle.state.xdot, middle: &middle.pose, free, h, whole }
     }

@@ -27,7 +27,7 @@ pub struct ChartProgress<'a> {
 }
 
 impl<'a> ChartProgress<'a> {
-    /// Nothing is to be done yet.
+    /// Progress with no runs planned yet.
     pub fn new(quiet: bool, stop: &'a AtomicBool) -> ChartProgress<'a> {
         ChartProgress { counter: BatchProgress::new(quiet, 0, 0, "runs"), stop }
     }
@@ -47,7 +47,7 @@ impl<'a> ChartProgress<'a> {
         check_interrupt(self.stop)
     }
 
-    /// Tells something beside the bar.
+    /// Prints a line beside the progress bar.
     pub fn tell(&self, line: &str) {
         self.counter.log(line);
     }

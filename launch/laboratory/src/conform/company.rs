@@ -12,14 +12,14 @@ pub const INTERRUPTED: i32 = 130;
 const LONELY: Duration = Duration::from_secs(1);
 const REFUSAL: &str = "Topics";
 
-/// What is tested.
+/// Role of the tested program.
 #[derive(Clone, Copy, PartialEq)]
 pub enum ProgramRole {
     Plant,
     Controller,
 }
 
-/// A silent peer: its role is taken but not used.
+/// A silent peer: it occupies its role but sends nothing.
 #[expect(dead_code, reason = "held, not used")]
 enum Held {
     Plant(Box<PlantPort>),

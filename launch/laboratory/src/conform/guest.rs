@@ -11,7 +11,7 @@ use std::os::unix::process::ExitStatusExt;
 use std::process::{Command, ExitStatus};
 use std::time::Duration;
 
-/// Time limit for its end after it was told to end.
+/// Time limit for the program to end after the request to end.
 pub const GOODBYE: Duration = Duration::from_secs(3);
 
 /// The tested program and the scene.

@@ -1,4 +1,4 @@
-//! What was found, rule by rule.
+//! The results, rule by rule.
 
 use super::guest::ProgramSetup;
 use shared::output::print_text;

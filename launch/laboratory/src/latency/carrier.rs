@@ -31,7 +31,8 @@ pub enum Carrier {
 }
 
 impl Carrier {
-    /// Each with its name in tables. Carriers that are compared stand side by side, so that they are measured side by side.
+    /// All carriers, each with its name in tables. Carriers that are compared are neighbours in this list, so they are measured one
+    /// right after the other.
     pub const ALL: [(Carrier, &str); 11] = [
         (Carrier::Lines(Wake::Spin), "raw shared memory, spin"),
         (Carrier::Bare { ours: false }, "iceoryx2 alone, spin"),

@@ -105,7 +105,7 @@ pub struct Usage {
 }
 
 impl Usage {
-    /// Of the process with this number; zeros if it does not exist.
+    /// Usage by the process with this number; zeros if the process does not exist.
     pub fn of(process: &str) -> Usage {
         let read = |name: &str| std::fs::read_to_string(format!("/proc/{process}/{name}")).unwrap_or_default();
         // Fields 10, 12 and 14 to 17 of man proc_pid_stat. The process name before them may contain any character.

@@ -1,5 +1,5 @@
-//! Lower limits for any link: a word in shared memory that another processor writes, and the same with a sleeping process that is
-//! woken.
+//! Lower limits for the latency of any link. One processor writes a word in shared memory, and another reads it. The reader either
+//! spins, or sleeps and is woken.
 
 use super::terms::{LOST, PATIENCE};
 use nix::sys::memfd::{MFdFlags, memfd_create};

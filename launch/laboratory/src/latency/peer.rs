@@ -1,4 +1,4 @@
-//! The other process, as the first one sees it: started, ordered, ended.
+//! The first process's handle of the second process: it starts the second process, sends orders to it and ends it.
 
 use super::lines::Wake;
 use super::terms::LOST;

@@ -1,4 +1,4 @@
-//! The other process: the same program in a hidden role. It reads orders line by line and answers accordingly.
+//! The second process: the same program in a hidden role. It reads one order per line and executes it.
 
 use super::bare;
 use super::lines;
@@ -27,7 +27,7 @@ pub struct PeerArgs {
     parent: i32,
 }
 
-/// The role: executes orders until there are no more.
+/// Runs the second process: executes orders until there are no more.
 ///
 /// # Errors
 /// The failure of a link.
@@ -40,7 +40,7 @@ pub fn serve(args: &PeerArgs, stop: &AtomicBool) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Tells the first process that this one is ready.
+/// Reports to the first process that this one is ready.
 fn ready() {
     print_text("ready\n");
 }

@@ -1,4 +1,4 @@
-//! What both processes of the measurement agree on.
+//! Constants and contract that both processes of the measurement share.
 
 use messages::port::{Contract, Pace};
 use messages::scene::Scene;

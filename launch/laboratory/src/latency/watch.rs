@@ -1,4 +1,4 @@
-//! Statistics of a real-time run, as a recorder sees it.
+//! Statistics of a real-time run, from the messages that a recorder receives.
 
 use super::floor::PERIOD_NS;
 use super::results::Results;

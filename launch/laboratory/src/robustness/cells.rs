@@ -60,7 +60,7 @@ impl Cells {
         Ok(Cells { cells, critical })
     }
 
-    /// A cell by the indices of its variation, loss, jitter and delay.
+    /// The cell with these indices of variation, loss, jitter and delay.
     pub fn at(&self, grid: &Grid, variation: usize, loss: usize, jitter: usize, delay: usize) -> &Cell {
         let row = (variation * grid.losses.len() + loss) * grid.jitters.len() + jitter;
         &self.cells[row * grid.delays.len() + delay]

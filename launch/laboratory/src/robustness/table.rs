@@ -100,7 +100,7 @@ pub fn text(grid: &Grid, rows: &[Option<String>]) -> String {
     joined(&begin(grid), rows)
 }
 
-/// What a row says of its run: outcome, time of the fall and so on, as far as they apply. Empty if the row is of another run.
+/// The results in a row: outcome, time of the fall and so on, as far as they apply. Empty if the row belongs to another run.
 pub fn cells(case: &SweepRun, row: &str) -> Vec<String> {
     let cells = csv::rows(row).unwrap_or_default().concat();
     cells.strip_prefix(&key(case)[..]).map_or(vec![], <[String]>::to_vec)

@@ -56,7 +56,7 @@ pub(super) fn complement(scaled: &ScaledProblem, f: &[f64], basis: &mut [u8]) {
     }
 }
 
-/// What a contact does, in terms of facets.
+/// State of a contact in a complementary basis, in terms of facets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum BasisStatus {
     Open,

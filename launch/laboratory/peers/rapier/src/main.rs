@@ -164,7 +164,7 @@ impl World {
         );
     }
 
-    /// Of one link [J].
+    /// Kinetic energy of one link [J].
     fn kinetic_energy(&self, link: &Link, handle: RigidBodyHandle) -> f64 {
         let body = &self.bodies[handle];
         let (velocity, spin) = (body.linvel(), body.rotation().inverse() * body.angvel());

@@ -26,7 +26,7 @@ struct ErrorCurve {
     hollow: bool,
     /// Cost and error of the step of 1 ms, or of the finest.
     at_1_ms: (f64, f64),
-    /// Whether it is drawn strongly and named.
+    /// Whether the curve is drawn in bold and labelled with its name.
     named: bool,
 }
 

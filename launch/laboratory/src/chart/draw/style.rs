@@ -17,7 +17,7 @@ pub enum CurveFamily {
 }
 
 impl CurveFamily {
-    /// Of a row.
+    /// The curve family of a row.
     pub fn of(row: &Measurement) -> CurveFamily {
         match (row.engine.as_str(), row.method.split('/').next()) {
             (OURS, Some(law)) if law == word(&LAW) => CurveFamily::Integrator,

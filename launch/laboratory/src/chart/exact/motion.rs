@@ -46,9 +46,9 @@ pub struct Puck {
 /// Displacement of a puck.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PuckPose {
-    /// Of the centre of mass [m].
+    /// Displacement of the centre of mass [m].
     pub travel: Vector3<f64>,
-    /// How far it has turned [rad].
+    /// Angle by which the puck has turned [rad].
     pub yaw: f64,
 }
 

@@ -1,4 +1,4 @@
-//! What other simulators did: traces of poses, from which errors follow as they do from our own runs.
+//! Runs of other simulators, as traces of poses. Their errors are computed in the same way as the errors of our own runs.
 
 use super::resolved;
 use crate::chart::cases::{self, ComparisonScene, LAW, METHOD, Question, Way};
