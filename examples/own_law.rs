@@ -24,7 +24,7 @@ plant = { method = "SemiImplicitEuler", drive_inertia = 0.0 }
 initial = { clearance = 0.0 }
 "#;
 
-/// The impulse f after so many sweeps over the contacts, v = A f + b. The rows of a contact are normal, tangent, tangent.
+/// The impulse f after `sweeps` sweeps over the contacts, v = A f + b. The rows of a contact are normal, tangent, tangent.
 fn gauss_seidel(problem: &Problem, sweeps: usize) -> Vec<f64> {
     let (m, mut f) = (problem.rows(), vec![0.0; problem.rows()]);
     // an impulse that acts against the velocity of one row, as far as the inverse mass allows

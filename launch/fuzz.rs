@@ -26,7 +26,7 @@ use std::sync::atomic::AtomicBool;
 const MAX_STEPS: f64 = 500.0;
 /// Largest number of control periods of a run.
 const MAX_PERIODS: f64 = 50.0;
-/// Energy gain of a control period that is a finding, relative to the energy [-]. A run warns at a hundredth of its kinetic energy.
+/// A greater energy gain in one control period is a finding, relative to the energy [-]. A run warns at a hundredth of its kinetic energy.
 const MAX_GAIN: f64 = 1e-6;
 /// Longest processor time of one input [s]. `tests/fuzz/run` ends an input that never returns, by the wall clock.
 const MAX_TIME: f64 = 5.0;

@@ -1,5 +1,5 @@
 //! Claims about controllers that are started by hand: they attach to a running session by its name alone, in every language,
-//! whichever side comes first; and where that is not possible, a sentence and an exit code say so.
+//! whichever side starts first. If that is not possible, the program ends with a sentence and an exit code.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 

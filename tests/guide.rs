@@ -15,7 +15,7 @@ use std::process::{Command, Stdio};
 
 const GUIDE: &str = include_str!("../docs/GUIDE.md");
 
-/// The next fenced block of a text, and what is behind it.
+/// The next fenced block of a text, and the rest of the text after it.
 fn block(text: &str) -> (&str, &str) {
     let inside = text.split_once("```").expect("a fence").1.split_once('\n').expect("a line").1;
     inside.split_once("```\n").expect("the end of a block")

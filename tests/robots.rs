@@ -90,7 +90,7 @@ fn difference(robot: &Robot, settings: &[&str]) -> [f64; 2] {
 
 /// A length ratio of 4 gives a time ratio of 2, so scaling causes no rounding and every phase starts at the same scaled control period. The two
 /// walks are equal bit for bit for 1.1 s. Then absolute tolerances of the contact solver cause a small difference, which grows until a foot
-/// lands one period earlier or later. From then on the observer keeps the two walks close.
+/// lands one period earlier or later. After that, the observer keeps the two walks close together.
 #[test]
 fn a_similar_robot_moves_like_the_small_one_in_scaled_time() {
     let same = difference(&similar(4.0), &[]);

@@ -122,7 +122,7 @@ impl Controller {
         Ok(())
     }
 
-    /// ControllerState of the controller in the last control period, for recording.
+    /// State of the controller in the last control period, for recording.
     pub fn telemetry(&self) -> Telemetry {
         self.telemetry
     }

@@ -22,8 +22,8 @@
 //! \[3\] De Saxcé & Feng 1998; Alart & Curnier 1991. \[4\] Haslinger 1983; Acary, Cadoux, Lemaréchal & Malick 2011.
 //! \[5\] Lötstedt 1984. \[6\] Moreau 1999; Jourdan, Alart & Jean 1998.
 //!
-//! The paper takes (17)-(22) for the optimality conditions of its program (14)-(16). They are not. With multipliers, the program gives f_N
-//! (v_N - mu |v_F|) = 0 in place of (19), so a sliding contact leaves the ground with v_N = mu |v_F|. See docs/PAPER.md.
+//! The paper states that (17)-(22) are the optimality conditions of its program (14)-(16). They are not. With multipliers, the program gives
+//! f_N (v_N - mu |v_F|) = 0 in place of (19), so a sliding contact leaves the ground with v_N = mu |v_F|. See docs/PAPER.md.
 
 mod certificate;
 mod compared;

@@ -59,7 +59,7 @@ impl Touch {
 const RECOVERED_PART: f64 = 0.2;
 /// Greatest recovery speed, relative to g h [-]. A recovering point rises by less than its free fall in 50 steps.
 const MAX_RECOVERY_SPEED: f64 = 10.0;
-/// Penetration that exceeds the error of a step, relative to g h² [-]. Methods that stop velocities alone leave smaller ones.
+/// Penetration that exceeds the error of a step, relative to g h² [-]. Methods that only stop velocities leave smaller penetrations.
 const DEEP_PENETRATION: f64 = 10.0;
 
 /// A point is listed if its height is at most this many times the distance that it can fall in a step [-]. The factor leaves room for speed

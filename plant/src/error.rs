@@ -22,7 +22,7 @@ pub enum PlantError {
     /// A name that no body has.
     #[error("{what} names the body `{name}`, but there are only: {known}")]
     Unknown {
-        /// What refers to the name.
+        /// Key or option that refers to the name.
         what: String,
         /// The unknown name.
         name: String,

@@ -209,7 +209,7 @@ impl Model {
     /// Link of the body with this name; the base's link for an empty name.
     ///
     /// # Errors
-    /// [`PlantError::Unknown`]; `what` tells what refers to the name.
+    /// [`PlantError::Unknown`]; `what` is the key or option that refers to the name.
     pub fn link_of(&self, name: &str, what: &str) -> Result<usize, PlantError> {
         if name.is_empty() {
             return Ok(self.base_link);

@@ -8,10 +8,10 @@
 //! | friction across that plane | the same; [`Model::directions`](crate::model::Model) |
 //!
 //! Each rule is exact: motion, total force on each body and zero-moment point are the same to rounding. Where Coulomb's law has several
-//! solutions, such as the sideways force between two feet, the smaller model may have another one.
+//! solutions, such as the sideways force between two feet, the smaller model may have another solution.
 //!
 //! A push during the run is not part of the scene. It may break the symmetry, or bring down a point that was removed. So a run uses the
-//! reduced model only on request, and only where nobody can push.
+//! reduced model only on request, and only where no push can be requested.
 
 use crate::contact::is_coulomb;
 use crate::error::PlantError;

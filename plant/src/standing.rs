@@ -1,12 +1,12 @@
 //! Standing feet: if no active contact moved in the last step, every link on the ground is held fixed for the step.
 //!
-//! Two kinds of links are not held. An airborne foot, just lifted or about to land, has no contact impulse; it is only checked that it
-//! stays above the ground. And if a link stood on fewer points than a face before, and on more points now, it lands or turns: then no link
-//! is held, and the contacts are solved one by one.
+//! Two kinds of links are not held. An airborne foot, just lifted or about to land, has no contact impulse. The step only checks that
+//! it stays above the ground. And if a link stood on less than a face before, and stands on more points now, it lands or turns. Then no
+//! link is held, and the contacts are solved one by one.
 //!
-//! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six, to five on an edge, about
-//! which it may turn, and to three on a point. With the velocities t of the links about a point c amid their contacts, and the wrenches w
-//! there,
+//! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six. On an edge, about which the
+//! link may turn, they reduce to five; on a point, to three. With the velocities t of the links about a point c amid their contacts, and
+//! the wrenches w there,
 //!
 //! ```text
 //!   t = Λ⁻¹ w + t_free = t_wanted,   Λ⁻¹ = J H⁻¹ Jᵀ = YᵀY
@@ -71,8 +71,8 @@ impl StandingFeet {
         }
     }
 
-    /// Impulses under which no foot moves, if all feet can be held and if Coulomb's law allows it. `was_active` tells which contacts had
-    /// impulses in the last step. `friction` is μ; `disc` is the radius of the greatest disc within the law's cone [-].
+    /// Impulses under which no foot moves, if all feet can be held and if Coulomb's law allows it. `was_active`: whether a contact had
+    /// an impulse in the last step. `friction` is μ; `disc` is the radius of the greatest disc within the law's cone [-].
     pub fn solve(
         &mut self,
         model: &Model,

@@ -54,13 +54,13 @@ impl Doing {
 pub struct Recording {
     pub scene: Scene,
     pub window: Range<usize>,
-    /// Before each period.
+    /// Encoder counts before each period.
     pub encoders: Vec<Encoders>,
     /// Torques of each period.
     pub torques: Vec<Torques>,
-    /// Before each period of the window.
+    /// States before each period of the window.
     pub states: Vec<State>,
-    /// The same as truths.
+    /// The same states, as messages of truth.
     pub truths: Vec<Truth>,
     /// Contact problems of the periods with contact in the window. Standing feet count as separate contacts.
     pub problems: Vec<Problem>,

@@ -14,7 +14,7 @@ const RUNS: usize = 9;
 /// Number of runs of each variant.
 const RUNS_OF_OTHERS: usize = 3;
 
-/// The variants. Each has other contact problems.
+/// Variants of the walk. Each has different contact problems.
 const OTHERS: [&str; 12] = [
     "plant.friction=0.49",
     "plant.friction=0.5",

@@ -93,7 +93,7 @@ impl Summary {
         self.json["trajectory_hash"].as_str().expect("a hash")
     }
 
-    /// Asserts that the robot stayed up and that each number is in its range. A missing number is in none.
+    /// Asserts that the robot did not fall and that each number is in its range. A missing number fails the assertion.
     pub fn assert_ranges(&self, claims: &[(&str, RangeInclusive<f64>)]) {
         let fall = self.number("fall_time_s");
         assert!(!self.fell(), "{}: fell at {fall:.2} s", self.name);

@@ -23,7 +23,7 @@ def foreign(text):
     return [foreign(value) for value in text] if isinstance(text, list) else text
 
 
-# What Foxglove's schema of an entity has, all of which its panels want to find.
+# Fields of an entity in Foxglove's schema. Its panels require all of them.
 ENTITY = {field.name for field in SceneUpdate.DESCRIPTOR.fields_by_name["entities"].message_type.fields}
 counts, last = {}, {}
 with open(sys.argv[1], "rb") as file:

@@ -1,4 +1,4 @@
-//! Scenes with known answers: each claim is an exact value, and beside it what fails to have it.
+//! Scenes with known answers. Each claim is an exact value, with a case (a law or a method) that does not reach it.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 

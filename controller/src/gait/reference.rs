@@ -1,4 +1,4 @@
-//! What the lower levels have to do in a control period.
+//! The reference: set-points of the gait for the levels below it in one control period.
 
 use super::model::{GaitModel, GaitState};
 use crate::scaled_parameters::ScaledParameters;

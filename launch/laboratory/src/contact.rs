@@ -10,7 +10,7 @@ use shared::unsolved_problem::UnsolvedProblem;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// Solves of each law, of which the fastest counts; fewer of a law that is slow.
+/// Number of solutions with each law; fewer for a slow law. The fastest counts.
 const TRIALS: usize = 20;
 const PATIENCE: Duration = Duration::from_millis(100);
 
@@ -27,7 +27,7 @@ pub struct ContactArgs {
 /// Solves the problem of a file and prints a table.
 ///
 /// # Errors
-/// A file that cannot be read or is no contact problem.
+/// A file that cannot be read or is not a contact problem.
 pub fn run(args: &ContactArgs) -> Result<(), Failure> {
     let refused = |reason| Failure::new(Exit::Usage, format!("{}: {reason}", args.file.display()));
     let case = UnsolvedProblem::read(&args.file).map_err(refused)?;

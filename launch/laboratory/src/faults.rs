@@ -1,5 +1,5 @@
-//! `biped faults`: injects every [`Fault`] into real processes. It checks that nothing hangs, that reports are true, and that nothing is left
-//! behind.
+//! `biped faults`: injects every [`Fault`] into real processes. It checks that nothing hangs, that reports are correct, and that no files or
+//! processes remain.
 //!
 //! | what | where |
 //! |---|---|

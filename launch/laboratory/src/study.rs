@@ -76,7 +76,7 @@ fn simulate(case: &StudyCase, stop: &AtomicBool) -> Result<RunOutcome, Failure> 
 /// Runs a scene in this process, to its end or its fall.
 ///
 /// # Errors
-/// Ctrl-C alone. Every other failure is an outcome.
+/// Only Ctrl-C. Every other failure is an outcome of the run.
 pub fn observe(name: &str, scene: &Scene, stop: &AtomicBool) -> Result<RunOutcome, Failure> {
     let (mut recorder, start) = (RunAnalysis::without_rows(scene), Instant::now());
     let result = in_process(scene, |truth| {

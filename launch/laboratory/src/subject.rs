@@ -50,17 +50,17 @@ impl Subject {
         Ok(Subject { process, words })
     }
 
-    /// Its process identifier.
+    /// Identifier of the process.
     pub fn number(&self) -> u32 {
         self.process.pid()
     }
 
-    /// Whether it has ended.
+    /// Whether the process has ended.
     pub fn has_ended(&mut self) -> bool {
         self.process.try_wait().is_some()
     }
 
-    /// Sends a signal to it, or to its group.
+    /// Sends a signal to the process, or to its group.
     pub fn signal(&mut self, signal: Signal) {
         self.process.signal(signal);
     }
@@ -81,10 +81,10 @@ impl Subject {
     }
 }
 
-/// Looks until something holds.
+/// Waits until a condition holds.
 ///
 /// # Errors
-/// If it does not within the limit.
+/// If the condition does not hold within the limit.
 pub fn eventually(what: &str, limit: Duration, mut holds: impl FnMut() -> bool) -> Result<(), String> {
     let start = Instant::now();
     while !holds() {

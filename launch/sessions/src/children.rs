@@ -118,7 +118,7 @@ impl RoleProcess {
         self.try_wait().filter(|status| Exit::of_child(status.code()) == Exit::Fault)
     }
 
-    /// Asks it to exit by SIGTERM. A stopped process is continued so that it can.
+    /// Sends SIGTERM to the process. A stopped process is continued first, so that it can exit.
     pub fn terminate(&mut self) {
         self.process.signal(Signal::SIGTERM);
         self.process.signal(Signal::SIGCONT);

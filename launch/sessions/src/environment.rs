@@ -1,4 +1,4 @@
-//! `biped session`: what a program that is started by hand has to know to take part in a running session.
+//! `biped session`: prints the environment variables that a program started by hand needs to join a running session.
 
 use clap::{Args, ValueEnum};
 use messages::peer_environment::PeerEnvironment;

@@ -43,7 +43,7 @@ pub struct ExportArgs {
     settings: Vec<String>,
 }
 
-/// RobotFormat of the exported robot.
+/// File format of the exported robot.
 #[derive(Clone, Copy, ValueEnum)]
 enum RobotFormat {
     /// For ROS, Pinocchio and Drake

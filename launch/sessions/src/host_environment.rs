@@ -1,5 +1,5 @@
-//! The environment that this process runs in, and the settings there that grant real-time privileges and shared memory. On the host these
-//! are a capability of the program file or a limit of its user; in a container they are options of the command that starts it.
+//! The environment of this process (host or container), and the settings that grant real-time privileges and shared memory there. On the
+//! host, a setting is a capability of the program file or a limit of the user. In a container, it is an option of the start command.
 
 use nix::sys::statvfs::{FsFlags, statvfs};
 use nix::unistd::{User, getuid};
@@ -131,7 +131,7 @@ impl ContainerEngine {
         }
     }
 
-    /// By the control groups of process 1. Only version 1 of control groups names the container.
+    /// Detects the container engine by the control groups of process 1. Only version 1 of control groups names the container.
     fn from_cgroups(cgroups: &str) -> Option<ContainerEngine> {
         let marks = [
             ("kubepods", ContainerEngine::Kubernetes),

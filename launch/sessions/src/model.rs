@@ -21,9 +21,9 @@ const NONE_SMALLER: &str = "no smaller one is known to give the same answer";
 /// The model that a run was simulated with.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RunModel {
-    /// Its size, and that of the scene's own model if that is larger.
+    /// Size of the model, and size of the scene's own model if that is larger.
     pub size: String,
-    /// Its computing time divided by that of the scene's own model [-]: 1 if it is the same model, NaN if it cannot be measured.
+    /// Computing time of the model divided by that of the scene's own model [-]: 1 if it is the same model, NaN if it cannot be measured.
     pub cost_ratio: f64,
 }
 

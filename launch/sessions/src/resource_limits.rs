@@ -6,7 +6,7 @@ use shared::exit::{Exit, Failure};
 use std::sync::Mutex;
 use std::thread::Builder;
 
-/// Open files. The process that records a run and draws its report needs most of them, 60; the limit is twice that.
+/// Open files. The process that records a run and draws its report needs the most, 60; the limit is twice that.
 const MIN_OPEN_FILES: u64 = 128;
 /// Memory [bytes]. A process that starts a walk uses 9 MB; a long report and its page need the rest.
 const MIN_MEMORY: u64 = 64 << 20;

@@ -104,13 +104,13 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 fn prepare(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
     let invitation = args.invitation(stop)?;
     if let Some(parent) = args.parent {
-        // If the parent is already dead, nobody else may be left to remove the files.
+        // If the parent is already dead, this process may be the last one that can remove the files.
         children::die_with_parent(parent).inspect_err(|_| invitation.session.remove_files())?;
     }
     args.system.check_pace(invitation.contract.pace)?;
     match invitation.contract.pace {
         Pace::RealTime => realtime::minimize_timer_slack(),
-        Pace::Lockstep => realtime::pin_to_half(side), // first of all: a thread that moves later waits for the threads of its new processor
+        Pace::Lockstep => realtime::pin_to_half(side), // first, because a thread that moves later has to wait
     }
     Ok(invitation)
 }

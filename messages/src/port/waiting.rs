@@ -24,7 +24,7 @@ pub enum Waiting {
 }
 
 impl Waiting {
-    /// Whether a reader may be asleep that sent its own last message `since_sent_ns` ago.
+    /// Whether a reader may be asleep. `since_sent_ns` is the time since the reader itself last sent a message.
     pub(super) fn may_sleep(self, since_sent_ns: impl FnOnce() -> u64) -> bool {
         match self {
             Waiting::Spin => false,

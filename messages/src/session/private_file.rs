@@ -1,6 +1,6 @@
 //! Files in shared memory that belong to this user.
 //!
-//! Every user may write to /dev/shm. A file under the name of one of ours may belong to another user, or be a link or a pipe.
+//! Every user may write to /dev/shm. A file with the name of a session file may belong to another user, or be a link or a pipe.
 //! Therefore these functions follow no links, never block on a pipe, and limit how much they read.
 
 use nix::fcntl::OFlag;

@@ -14,8 +14,8 @@ const STALE_AFTER: Duration = Duration::from_millis(100);
 const CHECK_INTERVAL: Duration = Duration::from_millis(1);
 
 impl Session {
-    /// Removes files that were not created completely: segments without a size, at which a process of root waits for ever when it opens
-    /// one, and service files that were not written completely.
+    /// Removes incomplete files: segments without a size, and service files that were not written completely. A process of root that
+    /// opens a segment without a size waits for ever.
     pub(crate) fn remove_incomplete_files(&self) {
         clear(|| {
             let all = self.shm_files().into_iter().chain(files_in(&self.services()));
@@ -23,7 +23,7 @@ impl Session {
         });
     }
 
-    /// Removes service files that no process uses: the last user was killed while it removed the file. A process that creates, uses or
+    /// Removes service files that no process uses. Their last user was killed while it removed the file. A process that creates, uses or
     /// removes a service keeps a tag of it in the folder of its node. The tags of dead nodes must already have been removed.
     pub(crate) fn remove_unused_services(&self) {
         clear(|| {

@@ -37,7 +37,7 @@ pub(super) struct Residual {
 pub(super) struct Scales {
     pub speed: f64,
     pub impulse: f64,
-    /// Rounding of the velocity [m/s]; zero unless it was asked for.
+    /// Rounding of the velocity [m/s]; zero if it was not computed.
     pub rounding: f64,
 }
 

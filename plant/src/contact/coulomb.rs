@@ -156,7 +156,7 @@ impl Coulomb {
         solved
     }
 
-    /// Keeps the present impulse if its residual is the least so far. `evaluates` tells whether the residual must be computed first.
+    /// Keeps the present impulse if its residual is the least so far. `evaluates`: whether the residual must be computed first.
     fn keep_best(&mut self, evaluates: bool) {
         let Coulomb { cones, guess, iterate, best, modes, .. } = self;
         if evaluates {

@@ -12,7 +12,7 @@ pub fn tangents(law: Law) -> usize {
 }
 
 /// Whether the law's solution is a complementary basis, with edges of the cone along the tangents. Its impulse then solves a linear system
-/// and is exact to rounding, as `plant.tolerance` asks for in every step. The first tangent is the direction of the free slip.
+/// and is exact to rounding, as a scene with `plant.tolerance` requires in every step. The first tangent is the direction of the free slip.
 ///
 /// The other laws iterate, and set `fallback` if they did not converge, or evaluate a formula. Their tangents are the world's x and y: a
 /// round cone is the same along any tangents, and a remembered impulse keeps its meaning in the next step.

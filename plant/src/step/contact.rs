@@ -153,8 +153,8 @@ fn recovery_work(touches: &[Touch], impulses: &[Vector3<f64>]) -> f64 {
     touches.iter().zip(impulses).map(|(touch, impulse)| impulse.z * (-touch.approach).max(0.0)).sum()
 }
 
-/// Radius of the greatest disc within the friction cone of a law, relative to μ, whatever the directions of its tangents are. None for laws
-/// that standing feet may not obey.
+/// Radius of the greatest disc within the friction cone of a law, relative to μ, for any directions of its tangents. `None` for laws
+/// that standing feet may violate.
 fn disc(law: Law) -> Option<f64> {
     match law {
         Law::Cone => Some(1.0),

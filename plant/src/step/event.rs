@@ -109,7 +109,7 @@ impl Plant {
                 0.0
             };
             let best = part * (SAFETY * (tolerance / error).powf(ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
-            // a step that `rest` cut short tells little about the next one
+            // a step that `rest` has shortened is no measure for the next one
             let next = if part < self.next_step && best > part { self.next_step } else { best };
             self.next_step = next.clamp(MIN_STEP * h, h);
             if error <= tolerance || part <= MIN_STEP * h {
@@ -151,7 +151,7 @@ impl Plant {
             if margin.abs() <= LOCATED || ahead.0 - before.0 <= TIME_ROUNDING * part {
                 break;
             }
-            // the Illinois rule: halve the value at an end that stays twice, so that it does not stay for ever
+            // the Illinois rule: if the same end of the interval stays twice, its value is halved, so that it moves at last
             let side = margin < 0.0;
             if side {
                 ahead = (time, margin);

@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 /// far it has drifted.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct EventContact {
-    /// It carries load, or would under pressure.
+    /// The contact is active: it carries load, or would carry load if it were pressed.
     pub active: bool,
-    /// It is active and does not slip.
+    /// The contact is active and does not slip.
     pub sticking: bool,
     /// Height above the ground; infinite where there is no ground [m].
     pub gap: f64,

@@ -20,25 +20,25 @@ impl LastAcceleration {
         LastAcceleration { rate: vec![0.0; model.dofs()], turn: Vector3::zeros(), arm: Vector3::zeros(), known: false }
     }
 
-    /// Copies another one without allocation.
+    /// Copies another acceleration without allocation.
     pub fn copy(&mut self, other: &LastAcceleration) {
         self.rate.copy_from_slice(&other.rate);
         (self.turn, self.arm, self.known) = (other.turn, other.arm, other.known);
     }
 
-    /// Marks it as unknown.
+    /// Marks the acceleration as unknown.
     pub fn forget(&mut self) {
         self.known = false;
     }
 
-    /// Sets it from a step of `h`: the velocities and the centre of mass of the base before and after.
+    /// Sets the acceleration from a step of `h`: the velocities and the centre of mass of the base before and after.
     pub fn set(&mut self, before: &[f64], after: &[f64], [start, end]: [BaseCentre; 2], h: f64) {
         let pairs = before.iter().zip(after);
         self.rate.iter_mut().zip(pairs).for_each(|(rate, (before, after))| *rate = (after - before) / h);
         (self.turn, self.arm, self.known) = ((end.spin - start.spin) / h, start.arm, true);
     }
 
-    /// Adds the velocity that it causes within a time. `arm` points from the base's frame to its centre of mass.
+    /// Adds the velocity that the acceleration causes within a time. `arm` points from the base's frame to its centre of mass.
     pub fn add(&self, model: &Model, arm: &Vector3<f64>, time: f64, velocity: &mut [f64]) {
         velocity.iter_mut().zip(&self.rate).for_each(|(v, rate)| *v += time * rate);
         let moved = self.turn.cross(&(self.arm - arm)) * time;

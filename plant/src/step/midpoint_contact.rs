@@ -18,7 +18,7 @@ const CONVERGED: f64 = 1e-12;
 const MAX_LANDINGS: usize = 3;
 /// Trials to locate a landing at most; two or three are typical.
 const MAX_TRIALS: usize = 20;
-/// Tolerance for the place of a landing, relative to the way of its point in a step [-].
+/// Tolerance for the place of a landing, relative to the displacement of its point in a step [-].
 const LOCATED: f64 = 1e-5;
 /// Points nearer to the ground than this when another point lands have landed too [length of the model].
 const LANDED: f64 = 1e-8;
@@ -29,7 +29,7 @@ struct Part {
     /// Length of the part, and of the whole step [s].
     h: f64,
     whole: f64,
-    /// Whether points that land in it are ignored.
+    /// Whether points that land in this part are ignored.
     skips_landings: bool,
 }
 
@@ -140,7 +140,7 @@ impl Plant {
         self.work.integrate_position(&self.world, h)
     }
 
-    /// Repeats the step with the acceleration that it found, if that of the step before is unknown.
+    /// If the acceleration of the step before is unknown, repeats this step with the acceleration that it has just found.
     fn repeat_with_acceleration(&mut self, part: Part) -> Result<(), PlantError> {
         let Plant { world, last_acceleration, work, memory, .. } = self;
         if last_acceleration.known
@@ -165,7 +165,7 @@ impl Plant {
             let Workspace { before, contacts, centres, .. } = &self.work;
             self.last_acceleration.set(before, &contacts.contact.rate, *centres, part.h);
         } else {
-            self.last_acceleration.forget(); // a part may be as short as rounding, so its velocity change gives no acceleration
+            self.last_acceleration.forget(); // a part may be so short that its velocity change is rounding and gives no acceleration
         }
         self.accept();
     }

@@ -26,7 +26,7 @@ impl PerContact {
         PerContact { map: ContactMap::new(model), solver }
     }
 
-    /// Records that this many contacts were solved otherwise, without a contact problem.
+    /// Records that `contacts` contacts were solved in another way, without a contact problem.
     pub fn skip(&mut self, contacts: usize) {
         self.map.problem.reset_rows(0, 0);
         (self.map.problem.contacts, self.map.problem.tangents) = (contacts, 2);

@@ -24,7 +24,7 @@ pub(super) struct BaseCentre {
 }
 
 impl BaseCentre {
-    /// At a pose, with the rates `xdot`.
+    /// Motion of the base's centre of mass at a pose, with the rates `xdot`.
     pub fn of(model: &Model, pose: &Pose, xdot: &[f64]) -> BaseCentre {
         if model.base_is_at_its_centre() {
             return BaseCentre::default();

@@ -7,7 +7,7 @@
 //!   K₊ᵀẋ₊ = K_mᵀẋ₊ + (K_m − K₀)ᵀẋ₋ + O(h²),    gap₊ = 2 gap_m − gap₀ − ½h K_mᵀẋ₋ + ½h K₊ᵀẋ₊ + O(h³)
 //! ```
 //!
-//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would change its sign for ever.
+//! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign for ever.
 
 use super::posed_state::PosedState;
 use super::settings::World;
@@ -69,7 +69,7 @@ impl<'a> Prediction<'a> {
             let end = free.at(&arm) + touch.velocity_gain;
             let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
             let was_active = memory.was_active(touch.id);
-            // per step of the scene: the rest of a step after a landing may be as short as rounding, and the speed as large
+            // relative to the whole step: the rest of a step after a landing may be extremely short, and the speed in it extremely large
             let recovery = |gap: f64| {
                 let rounding = gap.abs() <= ROUNDING * world.model.length;
                 if rounding { 0.0 } else { recovery_speed(gap, world.settings.h, world.model.gravity.norm()) }
@@ -77,7 +77,7 @@ impl<'a> Prediction<'a> {
             touch.approach = match was_active {
                 false if free_gap > 0.0 => 2.0 * free_gap / self.h,
                 false => recovery(gap.min(0.0)),
-                true => recovery(gap), // a gap closes as a penetration does
+                true => recovery(gap), // a gap closes in the same way as a penetration
             };
             let lands = start.z < -LANDING_RATIO * self.whole / self.h * (end.z - start.z).abs();
             let curvature = (self.middle.links[link].velocity.at(&arm).z - start.z) / self.h;
@@ -106,8 +106,8 @@ pub(super) fn first_root(gap: f64, rate: f64, curvature: f64) -> f64 {
     2.0 * gap / (-rate + (rate * rate - 4.0 * curvature * gap).max(0.0).sqrt())
 }
 
-/// Direction of the slip if it is steady, else zero. Steady: the mean slip hardly differs from that at the beginning and from that at the
-/// end without contact, and the friction of a landing would change it little.
+/// Direction of the slip if it is steady, else zero. A slip is steady if its mean hardly differs from the slip at the beginning and
+/// from the slip at the end without contact, and if the friction of a landing would change it little.
 fn steady(start: &Vector3<f64>, mean: &Vector3<f64>, end: &Vector3<f64>, friction: f64) -> Vector3<f64> {
     let slip = Vector3::new(mean.x, mean.y, 0.0);
     let changes = [(mean - start).xy().norm(), (end - mean).xy().norm(), friction * end.z.abs()];
@@ -116,7 +116,7 @@ fn steady(start: &Vector3<f64>, mean: &Vector3<f64>, end: &Vector3<f64>, frictio
 }
 
 impl Touches {
-    /// Lists the points that may touch before the end of the step; without those that land, if `skips_landings` is set.
+    /// Lists the points that may touch before the end of the step. With `skips_landings`, points that land are omitted.
     pub fn find_predicted(
         &mut self,
         world: &World,

@@ -9,8 +9,8 @@ use std::cell::Cell;
 
 /// An impulse well inside every cone that stops the free motion is the solution of every law: nothing moves.
 ///
-/// The energy minimum has one velocity, so it must be this one. Coulomb's law has several solutions where limbs jam. Any motion then has to
-/// obey the law as well, and must be rare. So must be fixed points that do not converge, which are flagged.
+/// The energy minimum has one velocity, so it must be this one. Coulomb's law has several solutions where limbs jam. A solution with
+/// motion must then obey the law as well, and must be rare. Fixed points that do not converge are flagged, and must be rare too.
 #[test]
 fn all_laws_agree_when_everything_sticks() {
     let (cases, others) = (400, Cell::new(0));

@@ -15,7 +15,7 @@ pub struct ComparisonScene {
     pub title: &'static str,
     /// Label of the error axis.
     pub words: &'static str,
-    /// The question that it answers.
+    /// The question that the scene answers.
     pub question: Question,
     /// The error bound to reach.
     pub bound: f64,
@@ -47,7 +47,7 @@ pub enum Question {
 }
 
 impl Question {
-    /// Metrics that answer it, the same for every engine. The largest of them is drawn.
+    /// Metrics that answer the question, the same for every engine. The largest of them is drawn.
     pub fn metrics(self) -> &'static [&'static str] {
         match self {
             Question::Flight => &["energy"],
@@ -128,7 +128,7 @@ impl Way {
         format!("{}/{}", word(&self.law), word(&self.method))
     }
 
-    /// Share of the greatest number of steps: a method that takes many times as long gets as many times fewer steps.
+    /// Number of steps, as a share of the greatest one. A method that is n times slower gets n times fewer steps.
     pub fn share(self) -> f64 {
         match (self.law, self.method) {
             (Law::FixedPoint(_), _) => 0.05,

@@ -168,7 +168,7 @@ fn causes(trial: &MethodTrial) -> Causes {
     Some(failing(&found))
 }
 
-/// The causes whose amount exceeds the limit or is NaN.
+/// The causes of failure whose value exceeds the limit or is NaN.
 fn failing(found: &[(Cause, f64)]) -> Vec<(Cause, f64)> {
     found.iter().copied().filter(|(cause, amount)| amount.is_nan() || *amount > cause.limit()).collect()
 }

@@ -24,7 +24,7 @@ use shared::list::SCENES;
 use shared::output::{print_text, write_atomically, write_failure};
 use std::time::Instant;
 
-/// Number of measurements, of which the least counts, because the machine may be slow for seconds.
+/// Number of measurements. The least time counts, because the machine may be slow for seconds.
 const ROUNDS: usize = 4;
 
 /// Measures, prints, and writes a table and a drawing of each curve into the folder.

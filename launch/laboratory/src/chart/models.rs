@@ -16,7 +16,7 @@ const H: f64 = 1e-3;
 pub struct Group {
     /// Its name in the table.
     pub name: &'static str,
-    /// Heading: what grows.
+    /// Heading: the growing quantity.
     pub title: &'static str,
     models: fn() -> Result<Vec<ModelSize>, Failure>,
 }

@@ -160,7 +160,7 @@ mod tests {
         for (name, _) in MOTIONS {
             let found = found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));
             println!("{name}: {:?}, order {:?}", found.errors, found.order());
-            // between the coarsest and the finest it falls as h² does, by 64, or nearly
+            // from the coarsest to the finest step the error falls by about 64, as h² does
             let falls = found.order().is_none() || found.errors[0] / found.errors[3] > 16.0;
             assert_eq!(falls, name != "reversal", "{name}: {:?}", found.errors);
             assert!(found.errors[TOLD] < if name == "spin" { 5e-3 } else { 3e-4 }, "{name}: {:?}", found.errors);

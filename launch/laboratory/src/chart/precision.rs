@@ -123,8 +123,8 @@ impl MethodTrial {
 
 /// The gate: of a method that converges to Coulomb's law, (19) and the gap hold better with smaller steps.
 ///
-/// `runs` are rows of one method in one scene. Hollow is whoever misses (19) or the ground by more than rounding, and
-/// by no less at its finest step than a third of its coarsest.
+/// `runs` are rows of one method in one scene. A method is hollow if it violates (19) or the gap by more than rounding,
+/// and if the violation at its finest step is at least a third of that at its coarsest step.
 pub fn is_hollow(runs: &[&Measurement]) -> bool {
     [(SIGNORINI, 1e-8), (HOP, 1e-7), (PENETRATION, 1e-7)].iter().any(|&(metric, rounding)| {
         let mut values: Vec<_> =

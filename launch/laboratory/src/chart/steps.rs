@@ -26,7 +26,7 @@ pub const P99: &str = "p99";
 /// Time per step of every law, and of every integrator under one law.
 ///
 /// # Errors
-/// Ctrl-C, or a scene that is refused. A method that cannot simulate a scene, or with which the robot falls, has no row.
+/// Ctrl-C, or an invalid scene. A method has no row if it cannot simulate the scene or if the robot falls.
 pub fn rows(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut rows = Vec::new();
     let _core = Core::hold();

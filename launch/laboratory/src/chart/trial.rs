@@ -83,7 +83,7 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> RunEnd {
     RunEnd::Done(log)
 }
 
-/// CPU time of the same run without a record [s], the least of several if it is short, and the hash of its states.
+/// CPU time of the same run without a record [s], and the hash of its states. A short run is repeated, and the least time counts.
 ///
 /// # Errors
 /// If the run breaks off.
@@ -103,8 +103,8 @@ pub fn time(scene: &Scene, torques: &[Torques]) -> Result<(f64, u64), PlantError
     Ok((least, hash))
 }
 
-/// Time of every step of the same run [s], and the hash of its states. The run has one step per control period. Of three short runs
-/// the fastest counts.
+/// Time of every step of the same run [s], and the hash of its states. The run has one step per control period. A short run is
+/// repeated three times, and the fastest counts.
 ///
 /// Times are wall times, because reading the thread's CPU clock takes too long. Interruptions affect few steps, beyond the 99th
 /// percentile.

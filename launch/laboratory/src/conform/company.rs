@@ -59,7 +59,7 @@ pub fn check(host: &ProgramSetup, role: ProgramRole, report: &mut RuleReport) ->
     let mut refused = vec![];
     for (what, other) in others(&ours) {
         let mut invitation = host.invitation(Pace::Lockstep);
-        // its contract comes with the invitation; the schema that it was built for does not
+        // the program takes the contract from the environment, except the schema: it was built for one
         invitation.contract.schema = other.schema;
         let held = role.hold_other_side(&invitation.session, &other).map_err(|error| error.to_string())?;
         refused.push((what, held, host.invite(&invitation)?));

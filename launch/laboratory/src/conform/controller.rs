@@ -22,7 +22,7 @@ const BURST: u64 = 5;
 /// Duration in real time over which punctual answers are counted.
 const ON_TIME: Duration = Duration::from_secs(1);
 
-/// Checks them all.
+/// Checks all rules of a controller.
 pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let company = |host: &ProgramSetup, report: &mut RuleReport| company::check(host, ProgramRole::Controller, report);
     report.each(host, &[conversation, succession, company, on_time])

@@ -18,7 +18,7 @@ pub const GOODBYE: Duration = Duration::from_secs(3);
 pub struct ProgramSetup {
     pub command: String,
     pub scene: Scene,
-    /// Time limit for its start and its answers.
+    /// Time limit for the start of the program and for its answers.
     pub patience: Duration,
 }
 
@@ -51,7 +51,7 @@ pub struct ProgramUnderTest {
 }
 
 impl ProgramUnderTest {
-    /// Whether it has ended.
+    /// Whether the process has ended.
     pub fn has_ended(&mut self) -> bool {
         self.process.as_mut().is_none_or(Subject::has_ended)
     }
@@ -68,7 +68,7 @@ impl ProgramUnderTest {
         session.members().iter().any(|member| *member != std::process::id())
     }
 
-    /// Waits for its end; returns exit status and standard error.
+    /// Waits for the end of the process. Returns exit status and standard error.
     pub fn end(&mut self, limit: Duration) -> Result<Ended, String> {
         let process = self.process.take().ok_or("it has ended already")?;
         let (status, words) =
@@ -104,7 +104,7 @@ impl Ended {
         }
     }
 
-    /// Its explanation: its error message, or else its last line.
+    /// The explanation of the program: its error message, or else its last line.
     fn sentence(&self) -> Option<&str> {
         let error = self.words.lines().find_map(|line| line.strip_prefix("error: "));
         error.or_else(|| self.words.lines().rfind(|line| !line.trim().is_empty()))

@@ -21,7 +21,7 @@ const DURATION: f64 = 0.5;
 /// Control periods before an event.
 const SHORT: u64 = 20;
 
-/// Checks them all.
+/// Checks all rules of a plant.
 pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let mut scene = host.scene.clone();
     scene.duration = DURATION;
@@ -181,7 +181,7 @@ fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String
     Ok(())
 }
 
-/// Checks that it ends within a time and in an allowed way, and that its last sensors announce the end.
+/// Checks that the plant ends in time and in an allowed way, and that its last sensors announce the end.
 fn farewell(
     driver: &mut Driver,
     guest: &mut ProgramUnderTest,

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 /// Number of parallel trials.
 const ABREAST: usize = 4;
 
-/// Runs trials that mostly wait, [`ABREAST`] in parallel, each worker with its own shared memory; one after the other where the system does
-/// not permit this.
+/// Runs trials that mostly wait, [`ABREAST`] in parallel. Each worker has its own shared memory. If the system does not permit this, the
+/// trials run one after the other.
 pub fn side_by_side(
     count: usize,
     random: &mut fastrand::Rng,

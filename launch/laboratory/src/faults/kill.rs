@@ -53,8 +53,8 @@ pub fn calls(role: SessionRole) -> Result<Vec<(String, u32)>, String> {
     Ok(names.map(count).collect())
 }
 
-/// Kills a role just before a system call of its start-up, in a session that has another member. Its remains must not hinder a new process.
-/// Measures the time from the start of the new process to its first exchange.
+/// Kills a role just before a system call of its start-up, in a session that has another member. The files that it leaves must not block
+/// a new process. Measures the time from the start of the new process to its first exchange.
 pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
     let stage = Stage::empty();
     let (_, scene) = walk(&["duration=0.02"])?;
@@ -77,7 +77,7 @@ pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
     peer.done = false;
     let mut lost = None;
     let answered = eventually("a successor is answered", LIMIT, || {
-        let has_ended = successor.has_ended(); // before the look at its last words
+        let has_ended = successor.has_ended(); // checked before its last messages are read
         lost = peer.answer().err();
         peer.done || lost.is_some() || has_ended
     });
@@ -103,7 +103,7 @@ pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
     }
 }
 
-/// This program in the role of the victim's peer.
+/// The peer of the killed process, played by this program.
 struct SurvivingPeer {
     place: SurvivorPort,
     /// The sensors of the robot, if this program is the plant.

@@ -1,4 +1,4 @@
-//! Disturbances beside a session: concurrent launchers, foreign files in place of its own, and a controller with much output.
+//! Disturbances from outside a session: concurrent launchers, foreign files in place of session files, and a controller with much output.
 
 use super::stage::{FaultTrial, LIMIT, TrialOutcome, is};
 use crate::subject::Subject;
@@ -12,10 +12,10 @@ use std::time::{Duration, Instant};
 
 /// Concurrent launchers of one session.
 const RACERS: usize = 3;
-/// Duration of their walk: it must not end before the last of them has started [s].
+/// Duration of the launchers' walk: it must not end before the last launcher has started [s].
 const WALK: &str = "duration=20";
 
-/// Of the concurrent launchers of one session, one must run to its end, and the others must be refused.
+/// Several launchers start the same session at once. One must run to its end, and the others must be refused.
 pub fn race() -> FaultTrial {
     let session = Session::unique();
     let start = || Subject::biped(&["run", "walk", "--quiet", "--set", WALK, "--session", session.name()]);
@@ -30,7 +30,8 @@ pub fn race() -> FaultTrial {
     cleared(&session, TrialOutcome { time: None, remark: "one runs, the others are refused".into() })
 }
 
-/// A pipe, a link or a folder in place of a session's member list must be reported, and neither waited for nor followed.
+/// A pipe, a link or a folder in place of a session's member list must be reported. The
+/// program must neither wait for the pipe nor follow the link.
 pub fn laid(random: &mut fastrand::Rng) -> FaultTrial {
     let session = Session::unique();
     let list = Path::new("/dev/shm").join(session.prefix() + "members");

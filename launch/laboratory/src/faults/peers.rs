@@ -29,7 +29,7 @@ pub fn second(role: SessionRole) -> FaultTrial {
     Ok(took.into())
 }
 
-/// A peer with another wire schema, model, rate or pace must be refused with both values, and the first one must go on.
+/// A peer with another wire schema, model, rate or pace must be refused with both values, and the first peer must continue.
 pub fn other_contract() -> FaultTrial {
     let mut stage = Stage::run(&WALK)?;
     stage.is_set()?;

@@ -64,7 +64,7 @@ impl SessionRole {
 
 /// A session under test and its launcher.
 pub struct Stage {
-    /// Its name is an argument of each of its processes.
+    /// The session's name is an argument of each of its processes.
     pub session: Session,
     launcher: Option<Subject>,
 }
@@ -99,7 +99,7 @@ impl Stage {
         }
     }
 
-    /// Numbers of its living processes of a role.
+    /// Process numbers of the running processes in a role.
     pub fn find(&self, role: SessionRole) -> Vec<u32> {
         self.living().into_iter().filter(|(_, found)| found == role.name()).map(|(number, _)| number).collect()
     }
@@ -114,7 +114,7 @@ impl Stage {
         found.ok_or_else(|| "nobody was found".into())
     }
 
-    /// Every living process that has the session's name among its arguments, by number and role.
+    /// Every running process that has the session's name among its arguments, by number and role.
     fn living(&self) -> Vec<(u32, String)> {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();
         let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
@@ -173,7 +173,7 @@ fn is_alive(number: u32) -> bool {
     stat.rsplit(')').next().is_some_and(|rest| !rest.trim().is_empty() && !rest.trim().starts_with(['Z', 'X']))
 }
 
-/// The scene of a walk, as `biped plant walk` has it with the same settings.
+/// The scene of `biped plant walk` with these settings.
 pub fn walk(settings: &[&str]) -> Result<(SceneArgs, Scene), String> {
     let settings = settings.iter().map(ToString::to_string).collect();
     let args = SceneArgs { scene: "walk".into(), robot: None, settings };

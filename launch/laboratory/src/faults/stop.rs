@@ -54,8 +54,8 @@ fn hash(folder: &std::path::Path) -> Result<String, String> {
     Ok(json["trajectory_hash"].to_string())
 }
 
-/// Stops plant or controller for good. The others must report the silent process, and all must end. The time counts from the end of their
-/// time limit.
+/// Stops plant or controller for good. The others must report the silent process, and all must end. The time is measured from
+/// the end of their time limit.
 pub fn for_ever(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let patience = Duration::from_secs(1);
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };

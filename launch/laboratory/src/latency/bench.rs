@@ -36,7 +36,7 @@ impl Plan {
         Plan { rounds: 3, trips: [2_000, 200], turn_ns: SECOND / 2, walk_s: 1.0, walk_ns: SECOND, paced_s: 1.0 };
 }
 
-/// Runs a function on a thread of its own, so that its scheduling ends with this thread.
+/// Runs a function on a new thread. Its scheduling settings end with this thread.
 ///
 /// # Errors
 /// The failure of the function.
@@ -52,7 +52,7 @@ pub struct Bench<'a> {
     pub lines: &'static Lines,
     pub number: RawFd,
     pub peer: Peer,
-    /// Every session that was made; removed when the other process has ended.
+    /// All sessions of the measurement; they are removed when the other process has ended.
     pub sessions: Vec<SessionCleanup>,
     pub stop: &'a AtomicBool,
     pub counter: BatchProgress,

@@ -13,7 +13,7 @@ use records::report::plot::{Axis, COM, Frame, GREEN, GREY, LEFT, Mark, RIGHT, ZM
 
 /// Bins per power of ten.
 const BINS: f64 = 20.0;
-/// The smallest share that is drawn: one sample in a million.
+/// Smallest share of samples in the drawing: one in a million.
 const LEAST: f64 = -6.0;
 
 /// Section and metric of a series, and its label.

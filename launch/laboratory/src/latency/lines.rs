@@ -81,7 +81,7 @@ impl Lines {
         self.answer.0.store(0, Release);
     }
 
-    /// Asks question `seq`, counted from 1, and waits for the answer.
+    /// Sends request `seq`, counted from 1, and waits for the answer.
     ///
     /// # Errors
     /// No answer in time.

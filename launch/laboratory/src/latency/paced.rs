@@ -30,7 +30,7 @@ const LOOK: Duration = Duration::from_millis(20);
 /// Time for the controller to receive the plant's end message.
 const GOODBYE: Duration = Duration::from_secs(1);
 
-/// Sends sensors at each deadline; they are answered at once. Round trips count from their deadline.
+/// Sends sensors at each deadline; they are answered at once. Round trips are measured from their deadline.
 ///
 /// # Errors
 /// A link that breaks, a refusal of required real time, or Ctrl-C.
@@ -70,7 +70,7 @@ pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     Ok(())
 }
 
-/// The walk paced by the clock. Plant and controller have processes of their own; this process records.
+/// The walk paced by the clock. Plant and controller are separate processes; this process records.
 ///
 /// # Errors
 /// A role that fails, a robot that falls, or Ctrl-C.

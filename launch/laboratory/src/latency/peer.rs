@@ -35,13 +35,13 @@ pub enum Order {
 /// The first process's handle of the other process.
 pub struct Peer {
     process: Process,
-    /// Closing it ends the other process.
+    /// Standard input of the other process. When it is closed, the other process ends.
     orders: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
 
 impl Peer {
-    /// Starts it.
+    /// Starts the other process.
     ///
     /// # Errors
     /// A system that cannot start it.
@@ -77,7 +77,7 @@ impl Peer {
 }
 
 impl Drop for Peer {
-    /// Lets it end in order; what does not is killed.
+    /// Lets the second process end regularly, and kills it if it does not.
     fn drop(&mut self) {
         drop(self.orders.take());
         self.process.wait(GRACE);

@@ -72,7 +72,7 @@ fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
             let port = open_with_timeout(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
             ready();
             match controller::process::run(&scene, port.waiting(waiting), PATIENCE, stop) {
-                Err(ProcessError::Interrupted) => Ok(()), // the first process says so
+                Err(ProcessError::Interrupted) => Ok(()), // the first process reports it
                 ended => Ok(ended?),
             }
         }

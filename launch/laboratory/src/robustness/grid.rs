@@ -23,7 +23,7 @@ pub struct Grid {
 
 /// The scene with other values.
 pub struct Variation {
-    /// Its settings; empty for the scene itself.
+    /// Changed settings; empty for the scene itself.
     pub name: String,
     /// The scene.
     pub scene: Scene,
@@ -31,11 +31,11 @@ pub struct Variation {
 
 /// One run.
 pub struct SweepRun<'a> {
-    /// Its number in the grid.
+    /// Number of the run in the grid.
     pub number: usize,
     /// Variations of the scene.
     pub variation: &'a Variation,
-    /// The disturbance of its commands.
+    /// Disturbance of the commands in this run.
     pub link: LinkScene,
 }
 

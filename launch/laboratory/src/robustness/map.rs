@@ -15,7 +15,7 @@ const GAP: [f64; 3] = [2.2, 1.7, 1.9];
 const ROW: [f64; 2] = [17.0, 110.0];
 /// Opacity of a cell.
 const STRENGTH: f64 = 0.45;
-/// Share of runs without a fall from which on a cell lies within the survival contour.
+/// A cell lies within the survival contour if at least this share of its runs ends without a fall.
 const MOST: f64 = 0.5;
 
 /// The map of survival.
@@ -58,7 +58,7 @@ struct MapPanel<'a> {
     cells: &'a Cells,
     variation: usize,
     loss: usize,
-    /// Its lower left corner.
+    /// Lower left corner.
     corner: (f64, f64),
 }
 

@@ -10,12 +10,12 @@ pub struct Shard {
 }
 
 impl Shard {
-    /// Whether it contains a run. Neighbouring runs go to different shards, so that all shards take about the same time.
+    /// Whether the shard contains a run. Neighbouring runs go to different shards, so that all shards take about the same time.
     pub fn has(self, number: usize) -> bool {
         number % self.count == self.index - 1
     }
 
-    /// Name of its table.
+    /// File name of the shard's table.
     pub fn file_name(self) -> String {
         format!("robustness-{}-of-{}.csv", self.index, self.count)
     }

@@ -55,7 +55,7 @@ impl Table {
     /// Adds the outcome of a run, also to the file.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the table cannot be written.
     pub fn append(&self, case: &SweepRun, outcome: &RunOutcome) -> Result<(), Failure> {
         let row = csv::text([[&key(case)[..], &results(outcome)].concat()]);
         let mut growing = self.growing.lock().unwrap_or_else(PoisonError::into_inner);
@@ -67,7 +67,7 @@ impl Table {
     /// Sorts the file and returns the rows.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the table cannot be written.
     pub fn finish(self) -> Result<Vec<Option<String>>, Failure> {
         let rows = self.growing.into_inner().unwrap_or_else(PoisonError::into_inner).1;
         write_atomically(&self.path, &joined(&self.begin, &rows)).map_err(|error| write_failure(&self.path, &error))?;

@@ -78,7 +78,8 @@ fn episode(family: ProblemFamily, seed: u64, count: usize, stop: &AtomicBool) ->
     Ok(tallies)
 }
 
-/// Solves `count` problems, as many of each family, on all cores; `told` hears how many more are done.
+/// Solves `count` problems, the same number of each family, on all cores. Calls `told` with the number of problems solved since
+/// the last call.
 ///
 /// # Errors
 /// As [`episode`].

@@ -23,7 +23,7 @@ pub fn table(rows: &[Vec<String>]) -> String {
     text
 }
 
-/// Prints tables, and writes them if asked to: all as one Markdown file, each as a file of comma-separated values.
+/// Prints tables. With `--out`, also writes them: all into one Markdown file, and each into a file of comma-separated values.
 ///
 /// # Errors
 /// A folder that cannot be written.

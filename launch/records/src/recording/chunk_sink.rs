@@ -3,7 +3,7 @@
 //! overwrites. Therefore every reader can open the file, even after the run was killed.
 //!
 //! This also holds while a chunk is being written. The order of writes is: the new tail at its final position, the part
-//! of the chunk that lies beyond the old tail, and at last the part that replaces the old tail.
+//! of the chunk that lies beyond the old tail, and finally the part that replaces the old tail.
 
 use mcap::MAGIC;
 use std::fs::File;

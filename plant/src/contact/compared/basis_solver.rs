@@ -9,7 +9,7 @@
 //!     restore_best     if all failed: the impulse with the least residual, with `fallback` set            (square_cone)
 //! ```
 //!
-//! The basis tells the mode of every contact: open, sticking, or sliding on a certain facet. Its impulse is computed from A and b
+//! The basis determines the mode of every contact: open, sticking, or sliding on a certain facet. Its impulse is computed from A and b
 //! (`basis_system`). The contacts are slightly compliant in all attempts ([`COMPLIANCE`], [`LEMKE_COMPLIANCE`]), so that there is one
 //! solution. The residual is that of rigid contacts.
 

@@ -1,7 +1,7 @@
 //! The impulse of a basis: the small linear system of its basic variables, factorised and refined.
 //!
-//! A complementary basis tells of every contact whether it is open, sticks, or slides on which facet. The impulse is then f = G y with one
-//! unknown per column, and E (A f + b) = 0 with one row per unknown:
+//! A complementary basis determines the mode of every contact: open, sticking, or sliding on a certain facet. The impulse is then
+//! f = G y with one unknown per column, and E (A f + b) = 0 with one row per unknown:
 //!
 //! | contact | columns of G | rows of E |
 //! |---|---|---|

@@ -215,8 +215,8 @@ impl EnergyQp {
     }
 }
 
-/// For each amount, the greater of its value after this share of the direction and its value at the end. Only amounts that become negative
-/// on the way are then zero or less. Without branches, which a processor could not predict.
+/// For each amount, the greater of its value after this share of the direction and its value at the end. An amount that
+/// becomes negative on the way is then zero or less. The code has no branches, because a processor could not predict them.
 fn find_remaining(state: &[Panel], direction: &[Panel], share: f64, remaining: &mut [Panel]) {
     for (remaining, (y, z)) in remaining.iter_mut().zip(state.iter().zip(direction)) {
         *remaining = std::array::from_fn(|k| {

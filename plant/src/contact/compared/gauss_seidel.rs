@@ -1,7 +1,7 @@
-//! Projected Gauss-Seidel: each contact in turn gets the impulse that its own condition asks for, with the others held.
+//! Projected Gauss-Seidel: each contact in turn gets the impulse that satisfies its condition, while the other impulses stay constant.
 //!
 //! If a heavy mass rests on a light one, r times as heavy, a sweep leaves r/(1 + r) of the error: a digit takes 2.3 r sweeps. So the method
-//! serves as a start for [`super::semismooth_newton`], and as a law of its own for a baseline.
+//! serves as a start for [`super::semismooth_newton`], and as a separate law, for a baseline.
 
 use super::super::projection::project_on_cone;
 use super::super::round_cones::{RoundCones, contact_rows};

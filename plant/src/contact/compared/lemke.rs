@@ -65,7 +65,7 @@ impl Lemke {
 
     /// Starts from the basis in which the partners of the `entered` rows are basic; false also if that basis is singular.
     ///
-    /// There, t raises each negative row by slightly more than it needs, so that no two rows reach zero together. In terms of the initial
+    /// In that basis, t raises each negative row slightly above zero, so that no two rows reach zero together. In terms of the initial
     /// rows, from which the dictionary is recomputed, that is B c: c holds the coefficients of t in the basic variables, and B holds their
     /// columns.
     pub fn run_from(&mut self, entered: impl Fn(usize) -> bool, count: &mut u32) -> bool {

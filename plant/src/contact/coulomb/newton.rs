@@ -1,7 +1,7 @@
 //! Semismooth Newton method for Coulomb's law, over patches and single contacts.
 //!
 //! Each contact is open, sticks or slides, depending on x = f − ρ v. Contacts of one link that stick do so together, as a patch. The
-//! unknowns y with f = G y obey as many equations R v + D y = 0, where v = A f + b + ε(f − f₀), and ε is the compliance:
+//! unknowns y with f = G y obey the same number of equations R v + D y = 0, where v = A f + b + ε(f − f₀), and ε is the compliance:
 //!
 //! | mode | condition | unknowns | equations |
 //! |---|---|---|---|

@@ -8,7 +8,7 @@ pub struct Point {
     pub curve: &'static str,
     /// Simulator.
     pub engine: &'static str,
-    /// How much there is of what grows.
+    /// Value of the growing quantity, for example the number of contacts.
     pub x: f64,
     /// Time of a step [µs].
     pub us: f64,

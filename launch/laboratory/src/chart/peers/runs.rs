@@ -13,10 +13,10 @@ use std::path::Path;
 
 /// The file of all runs, a line of JSON for each.
 const RUNS: &str = "runs.jsonl";
-/// An error from which on a run counts as blown up.
+/// With a greater error, a run counts as blown up.
 const BLOWN_UP: f64 = 1e6;
 
-/// A line of that file.
+/// A line of the file of runs.
 #[derive(Deserialize)]
 struct PeerRun {
     view: String,
@@ -102,7 +102,7 @@ fn width(question: Question, scene: &Scene) -> usize {
     }
 }
 
-/// A trace as our own runs are recorded, as far as errors need it.
+/// Converts a trace to the record format of our own runs. Only the parts that errors need are filled in.
 fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item = &'a [f64]>, period: f64) -> RunLog {
     let (mut log, last) = (RunLog::default(), rows.len() - 1);
     for (i, row) in rows.enumerate() {
@@ -174,7 +174,7 @@ mod tests {
         bodies.flat_map(pose).collect()
     }
 
-    /// Our own run, written as a trace, has the errors that its record has.
+    /// A run of this simulator has the same errors as a record and as a trace.
     #[test]
     fn a_trace_is_judged_as_our_own_run_is() {
         let file = std::env::temp_dir().join(format!("biped-trace-{}", std::process::id()));

@@ -23,7 +23,7 @@ pub struct SolverTally {
     pub natural_map: f64,
     /// Problems whose residual exceeds 1e-10 or is NaN.
     pub unsolved: usize,
-    /// Problems that were solved by way of a regularised problem.
+    /// Problems that were solved by a regularised problem first.
     pub fallbacks: usize,
     /// Pivots of each problem, and the same divided by its number of complementary pairs.
     pub pivots: Vec<(u32, f64)>,

@@ -39,7 +39,7 @@ const HALVINGS: usize = 30;
 
 /// The undisturbed gait over one period, and the robot.
 pub struct Pendulum {
-    /// Telemetry of each control period of it.
+    /// Telemetry of each control period of the gait.
     states: Vec<Telemetry>,
     omega: [f64; 2],
     /// Half-depth and half-width of a sole, distance of the soles, longest landing [m].
@@ -135,7 +135,7 @@ impl Pendulum {
             let mut at = PendulumState { x: state.pendulum[2], v: state.pendulum[3] };
             let push = if outward { -impulse } else { impulse } * omega / (self.per_shift[1] * DURATION);
             for _ in 0..(DURATION / self.h) as usize {
-                let over = at.x >= 0.5 * self.width; // the other foot carries
+                let over = at.x >= 0.5 * self.width; // the other foot carries the weight
                 let p = if outward { -edge } else { edge + if over { self.width } else { 0.0 } };
                 at = at.propagated(&period, push - omega * omega * p);
             }

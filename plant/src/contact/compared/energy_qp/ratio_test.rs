@@ -60,7 +60,7 @@ impl RatioTest {
         }
     }
 
-    /// Sign of the direction along the path, 1 forwards and -1 backwards, that leads away from the last breakpoint. Excludes that
+    /// Sign of the direction that leads away from the last breakpoint along the path: 1 is forwards, -1 is backwards. Excludes that
     /// breakpoint from the test.
     pub fn direction_sign(&mut self, behind: Breakpoint, basic_count: &[usize], each: usize) -> f64 {
         let (r, alone) = match behind {

@@ -7,7 +7,7 @@
 //! value, from τ = 1 to τ = 0.
 //!
 //! If a piece can only be passed backwards, the method passes it backwards. If the path returns to its beginning, the method gives up, and
-//! the program restarts with the shift that the slip asked for there. Under one foot many shifts may be right. The path then leads to the
+//! the program restarts with the shift that equals mu times the slip there. Under one foot many shifts may be right. The path then leads to the
 //! one with impulses of least norm, or in every second restart to one nearby.
 //!
 //! # Source
@@ -221,8 +221,8 @@ impl ShiftPath {
         }
     }
 
-    /// Goes to the next breakpoint, backwards if only that leads away from the last one. Returns by how much τ falls, and the breakpoint.
-    /// None if there is no breakpoint.
+    /// Goes to the next breakpoint, backwards if only the backward direction leads away from the last one.
+    /// Returns the decrease of τ, and the breakpoint; `None` if there is no breakpoint.
     fn go_to_breakpoint(&mut self, program: &mut EnergyQp, tau: f64, crossed: Breakpoint) -> Option<(f64, Breakpoint)> {
         let ShiftPath { defect, basic_count, direction, ratio_test, .. } = self;
         let each = program.edges.each;
