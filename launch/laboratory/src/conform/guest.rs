@@ -99,7 +99,7 @@ impl Ended {
         }
         match (self.status.code(), self.sentence()) {
             (Some(1..), Some(_)) => Ok(self.to_string()),
-            (Some(1..), None) => Err(format!("it ended with {} and said nothing on standard error", self.status)),
+            (Some(1..), None) => Err(format!("it ended with {} and wrote nothing to standard error", self.status)),
             _ => Err(self.to_string()),
         }
     }

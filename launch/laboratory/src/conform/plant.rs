@@ -140,7 +140,7 @@ fn is_complete(truths: &[Truth], wanted: u64) -> Finding {
             return Err(format!("number {number} is not sealed"));
         }
         if truth.stamp.seq != number || truth.stamp.run != truths[0].stamp.run {
-            return Err(format!("number {} came instead of {number}", truth.stamp.seq));
+            return Err(format!("received number {} instead of {number}", truth.stamp.seq));
         }
     }
     match truths.len() as u64 {

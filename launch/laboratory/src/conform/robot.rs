@@ -77,7 +77,7 @@ impl SimulatedRobot {
         let start = Instant::now();
         while start.elapsed() < SILENCE {
             if let Some(command) = self.port.wait().map_err(|error| error.to_string())? {
-                return Err(format!("command {} came, for sensors {}", command.stamp.seq, command.stamp.ack));
+                return Err(format!("received command {}, for sensors {}", command.stamp.seq, command.stamp.ack));
             }
         }
         Ok(String::new())

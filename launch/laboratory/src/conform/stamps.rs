@@ -67,7 +67,7 @@ impl Stamps {
         }
         let next = if begins { 1 } else { before.seq + 1 };
         if number != next {
-            self.tell(2, || format!("number {number} came instead of {next}"));
+            self.tell(2, || format!("received number {number} instead of {next}"));
         }
         if stamp.ack != ack {
             self.tell(3, || format!("number {number} has ack {} instead of {ack}", stamp.ack));

@@ -170,7 +170,7 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
         hashes.push(calm.truth().hash);
         rogue.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {
             true => Ok(()),
-            false => Err(format!("at period {} the walk is another than without the flood", truth.stamp.seq)),
+            false => Err(format!("at period {} the walk differs from the walk without bad commands", truth.stamp.seq)),
         })?;
     }
     Ok(rogue.told("bit for bit as without them", start))

@@ -30,7 +30,7 @@ pub fn full(kilobytes: u64, fill: Option<Duration>) -> FaultTrial {
         Some(0) => Ok(TrialOutcome { time: Some(took), remark: String::new() }),
         Some(6) if words.contains("/dev/shm") => Ok(TrialOutcome { time: Some(took), remark: first }),
         Some(4) if words.contains("SIGBUS") => Ok(TrialOutcome { time: Some(took), remark: first }),
-        Some(99) => Err(format!("something is left: {words}")),
+        Some(99) => Err(format!("files remain: {words}")),
         _ => Err(format!("{kilobytes} kB: {status}: {words}")),
     }
 }

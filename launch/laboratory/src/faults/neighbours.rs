@@ -79,5 +79,5 @@ fn cleared(session: &Session, outcome: TrialOutcome) -> FaultTrial {
         std::thread::sleep(Duration::from_millis(5));
         left = session.shm_files();
     }
-    if left.is_empty() { Ok(outcome) } else { Err(format!("something is left: {left:?}")) }
+    if left.is_empty() { Ok(outcome) } else { Err(format!("files remain: {left:?}")) }
 }

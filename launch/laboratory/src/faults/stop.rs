@@ -32,7 +32,7 @@ pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand:
     let (_, status, words) = ended?;
     match hash? {
         _ if !is(status, Exit::Ok) => Err(format!("stopped for {pause:?}: {status}: {words}")),
-        hash if hash != reference => Err(format!("stopped for {pause:?}, another trajectory came out")),
+        hash if hash != reference => Err(format!("after a stop of {pause:?} the trajectory is different")),
         _ => Ok(TrialOutcome::default()),
     }
 }
@@ -67,7 +67,7 @@ pub fn for_ever(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let (took, status, words) = stage.must_end(Instant::now() + patience)?;
     match words.contains("silent") || words.contains("answered within") || words.contains("sent sensors within") {
         true if !is(status, Exit::Ok) => Ok(took.into()),
-        _ => Err(format!("{status}, and nobody said who was silent: {words}")),
+        _ => Err(format!("{status}, and no message names the silent process: {words}")),
     }
 }
 

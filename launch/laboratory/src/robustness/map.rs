@@ -31,7 +31,7 @@ pub fn survival(grid: &Grid, cells: &Cells) -> String {
     }
     let rows = panels.len().div_ceil(ACROSS) as f64;
     let frame = Frame {
-        title: "How much delay, jitter and loss of commands the walk bears".into(),
+        title: "How much delay, jitter and loss of commands the walk tolerates".into(),
         height: (ROW[0] * rows * tall + ROW[1]) as u32,
         x: Axis::hidden(0.0..ACROSS as f64 * wide + 0.3),
         y: Axis::hidden(-rows * tall..0.0),
