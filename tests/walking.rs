@@ -154,8 +154,8 @@ fn it_walks_with_several_disturbances_at_once() {
     run("walk", &trials).assert_ranges(&[("distance_m", 1.8..=2.8)]);
 }
 
-/// Equation (41) on the robot: after a push, the energy error of its lateral orbit decays at the rate k_E. Without the rule, the error does not
-/// decay. The energy is measured on the robot, not taken from the controller.
+/// Equation (41) on the robot: after a push, the energy error of its lateral orbit decays at the rate k_E. Without the rule, the error does
+/// not decay. The energy is measured on the robot, not taken from the controller.
 #[test]
 fn a_pushed_robot_returns_to_its_orbit_at_the_rate_of_equation_41() {
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_biped"))

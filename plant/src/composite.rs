@@ -1,4 +1,4 @@
-//! Fast H and b: composite rigid bodies for H, and one recursion for b. A step uses these.
+//! Fast H and b: composite rigid bodies for H, and one recursion for b. A step uses this module, not [`crate::dynamics`].
 //!
 //! The results equal those of [`crate::dynamics`] to rounding. All quantities are about O in W axes, so inertias and wrenches of a branch
 //! add up towards the base.

@@ -15,15 +15,15 @@
 //! | `SpringDamper` | none: springs, dampers, regularised friction | a formula |
 //!
 //! `contact/coulomb.rs` holds the default law, `Cone`. `contact/compared.rs` holds the others. The files beside them serve both. Every
-//! law's impulse is accepted by its residual alone, whatever method found it. Every law also gets the same certificate: its distance from
-//! Coulomb's law with the round cone (`contact/certificate.rs`).
+//! law's impulse is accepted by its residual alone, independently of the method that found it. Every law also gets the same certificate:
+//! its distance from Coulomb's law with the round cone (`contact/certificate.rs`).
 //!
 //! \[1\] Anitescu 2006; Tasora & Anitescu 2011; Todorov 2011. \[2\] Stewart & Trinkle 1996; Anitescu & Potra 1997.
 //! \[3\] De Saxcé & Feng 1998; Alart & Curnier 1991. \[4\] Haslinger 1983; Acary, Cadoux, Lemaréchal & Malick 2011.
 //! \[5\] Lötstedt 1984. \[6\] Moreau 1999; Jourdan, Alart & Jean 1998.
 //!
-//! The paper states that (17)-(22) are the optimality conditions of its program (14)-(16). They are not. With multipliers, the program gives
-//! f_N (v_N - mu |v_F|) = 0 in place of (19), so a sliding contact leaves the ground with v_N = mu |v_F|. See docs/PAPER.md.
+//! The paper states that (17)-(22) are the optimality conditions of its program (14)-(16). They are not. With multipliers, the program
+//! gives f_N (v_N - mu |v_F|) = 0 in place of (19), so a sliding contact leaves the ground with v_N = mu |v_F|. See docs/PAPER.md.
 
 mod certificate;
 mod compared;

@@ -55,7 +55,7 @@ impl Touch {
     }
 }
 
-/// Part of a penetration that one step recovers [-]. The error of a step disappears within some ten steps, and is never thrown back.
+/// Part of a penetration that one step recovers [-]. A penetration disappears within about ten steps, and the point is never thrown upward.
 const RECOVERED_PART: f64 = 0.2;
 /// Greatest recovery speed, relative to g h [-]. A recovering point rises by less than its free fall in 50 steps.
 const MAX_RECOVERY_SPEED: f64 = 10.0;

@@ -119,7 +119,7 @@ fn rotation(q: &[f64]) -> Matrix3<f64> {
 
 /// Computes the pose and velocity of every link, from the base outwards.
 ///
-/// The world-aligned first links move as one: O translates, and the last of these links has their total velocity.
+/// The world-aligned first links have one common motion: O translates, and the last of these links has their total velocity.
 pub fn pose(model: &Model, state: &State, pose: &mut Pose) {
     let Pose { reference, links, turns } = pose;
     let aligned = model.world_aligned();

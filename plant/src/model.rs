@@ -159,7 +159,7 @@ impl Model {
         }
     }
 
-    /// Degrees of freedom between W and a link, base first; no other ones move it.
+    /// Degrees of freedom between W and a link, base first. No other degree of freedom moves the link.
     #[inline]
     pub fn path(&self, link: usize) -> &[usize] {
         &self.path[self.path_start[link]..self.path_start[link + 1]]

@@ -21,7 +21,7 @@ use messages::wire::{PlantState, Sensors, Stamp, Tally};
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// After a plant has failed at its start, it waits this long so that a controller finds it and reads the goodbye.
+/// A plant that fails at its start waits for this time, so that a controller can find it and read the goodbye.
 const GOODBYE_TIME: Duration = Duration::from_millis(300);
 
 /// Runs a scene with the controller at the other end of `port`. A scene without a controller runs alone, with zero torques.

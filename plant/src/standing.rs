@@ -4,9 +4,9 @@
 //! it stays above the ground. And if a link stood on less than a face before, and stands on more points now, it lands or turns. Then no
 //! link is held, and the contacts are solved one by one.
 //!
-//! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six. On an edge, about which the
-//! link may turn, they reduce to five; on a point, to three. With the velocities t of the links about a point c amid their contacts, and
-//! the wrenches w there,
+//! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six. On an edge, about which
+//! the link may turn, they reduce to five; on a point, to three. With the velocities t of the links about a point c amid their contacts,
+//! and the wrenches w there,
 //!
 //! ```text
 //!   t = Λ⁻¹ w + t_free = t_wanted,   Λ⁻¹ = J H⁻¹ Jᵀ = YᵀY
@@ -99,8 +99,8 @@ impl StandingFeet {
     }
 }
 
-/// Sorts the links into held feet and airborne feet, and prepares the held ones: position, free motion, wanted motion, and Y. None if some
-/// foot can be neither.
+/// Sorts the links into held feet and airborne feet, and prepares the held feet: position, free motion, wanted motion, and Y. `None` if
+/// some foot can be neither.
 fn select_feet<'a>(
     model: &Model,
     free: &Free,

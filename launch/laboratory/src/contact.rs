@@ -17,9 +17,9 @@ const PATIENCE: Duration = Duration::from_millis(100);
 /// Arguments of `biped contact`.
 #[derive(Args)]
 pub struct ContactArgs {
-    /// File that a run has written
+    /// File of the contact problem, as the run has written it
     file: PathBuf,
-    /// Law to solve it with, also Facets(12) and any Sweep(n); repeatable. Without it: all others
+    /// Contact law to solve the problem with, for example Cone, Facets(12) or Sweep(50); repeatable. By default all laws
     #[arg(long = "law", value_name = "NAME")]
     laws: Vec<Law>,
 }

@@ -1,5 +1,5 @@
-//! `biped faults`: injects every [`Fault`] into real processes. It checks that nothing hangs, that reports are correct, and that no files or
-//! processes remain.
+//! `biped faults`: injects every [`Fault`] into real processes. It checks that nothing hangs, that reports are correct, and that no files
+//! or processes remain.
 //!
 //! | what | where |
 //! |---|---|
@@ -42,7 +42,7 @@ const TOLD: usize = 3;
 /// Arguments of `biped faults`.
 #[derive(Args)]
 pub struct FaultsArgs {
-    /// A few of each kind, for half a minute
+    /// Few trials of each kind: takes half a minute
     #[arg(long)]
     quick: bool,
     /// Write the table into this folder, as faults.md and faults.csv
@@ -54,7 +54,7 @@ pub struct FaultsArgs {
     /// Show no progress
     #[arg(long)]
     quiet: bool,
-    /// Only the kinds of fault whose name contains this
+    /// Only the kinds of fault whose name contains this text
     #[arg(long, value_name = "WORDS")]
     only: Option<String>,
 }

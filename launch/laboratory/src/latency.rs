@@ -51,7 +51,7 @@ pub struct LatencyArgs {
     /// Write the numbers as `latency.json`, the drawings and the page into this folder
     #[arg(long, value_name = "DIR", default_value = "out/latency")]
     out: PathBuf,
-    /// Few samples of each measurement: seconds instead of a minute
+    /// Few samples of each measurement: takes seconds instead of a minute
     #[arg(long)]
     quick: bool,
     /// Show no progress

@@ -31,7 +31,7 @@ pub struct SoakArgs {
     /// Duration [min]
     #[arg(long, default_value_t = 60.0, value_name = "M", value_parser = minutes, allow_negative_numbers = true)]
     minutes: f64,
-    /// In real time instead of as fast as possible
+    /// Run in real time instead of as fast as possible
     #[arg(long)]
     realtime: bool,
     #[command(flatten)]

@@ -15,15 +15,15 @@ use std::time::Duration;
 pub struct EnvironmentArgs {
     /// Name of the session; by default the only named session that is running
     name: Option<String>,
-    /// How the environment is printed
+    /// Output format of the environment variables
     #[arg(long, value_enum, default_value = "shell")]
     format: EnvironmentFormat,
-    /// Time to wait until the session of that name is there [s]
+    /// Time to wait for the session to start [s]
     #[arg(long, default_value_t = 0.0, value_name = "SECONDS", requires = "name", value_parser = wait)]
     wait: f64,
 }
 
-/// How the environment is printed.
+/// Output format of the environment variables.
 #[derive(Clone, Copy, ValueEnum)]
 enum EnvironmentFormat {
     /// For a shell: eval "$(biped session NAME)"

@@ -148,7 +148,7 @@ mod tests {
             used.solve(y.as_mut_slice());
             assert!((0..size).all(|k| used.is_dependent(k) == (depends && k == 3)), "{size} rows");
             let left = (&matrix * &y - right).amax();
-            // one of the dependent rows is left out; it holds as well as the others imply
+            // one of the dependent rows is omitted; the others imply it
             let most = if depends { 1e-8 } else { 1e-12 };
             assert!(left < most && (!depends || y[3] == 0.0), "{size} rows: {left:.1e}");
         }

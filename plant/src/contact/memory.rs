@@ -16,7 +16,7 @@ pub struct Memory {
 /// One contact in the last step, in the axes of the problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct LastContact {
-    /// Contact mode. Laws other than `Cone` only tell whether there was an impulse.
+    /// Contact mode. Laws other than `Cone` only store whether there was an impulse.
     pub mode: ContactMode,
     /// Velocity of slip [m/s].
     pub slip: [f64; 2],

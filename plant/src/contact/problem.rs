@@ -40,7 +40,7 @@ pub struct Problem {
     /// Link of each contact. Contacts of one link are listed together and can stick as a patch. May be empty.
     #[serde(default)]
     pub link: Vec<usize>,
-    /// Given unit direction of slip of each contact, along the tangents; zero where it is not given, and empty if it is given nowhere.
+    /// Given unit direction of slip of each contact, along the tangents: zero for a contact without, and empty if no contact has one.
     /// Friction acts against it, whatever the velocity is. A steady slip has one.
     #[serde(default)]
     pub slip: Vec<[f64; 2]>,

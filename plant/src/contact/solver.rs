@@ -35,7 +35,7 @@ impl Solver {
         self.certify(problem, law, report)
     }
 
-    /// Residuals of a given impulse, to measure other solvers by.
+    /// Residuals of a given impulse, for the comparison of other solvers.
     pub fn measure_impulse(&mut self, problem: &Problem, law: Law, impulse: &[f64]) -> Report {
         self.impulse.clear();
         self.impulse.extend_from_slice(impulse);
@@ -46,7 +46,7 @@ impl Solver {
         self.certify(problem, law, Report { own, ..Report::default() })
     }
 
-    /// Allocates before the first step, so that no step does.
+    /// Allocates all memory before the first step, so that no step allocates.
     pub(crate) fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
         self.compared.reserve_for(contacts, tangents, law);
     }

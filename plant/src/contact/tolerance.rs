@@ -15,7 +15,7 @@ pub(crate) const SOLVED: f64 = 4e-11;
 /// The natural map that every solved step promises.
 pub const PROMISED: f64 = 1e-10;
 
-/// A natural map up to this value needs no further iteration. Half of [`SOLVED`]: the rest is left for rounding in later evaluations.
+/// A natural map up to this value needs no further iteration. Half of [`SOLVED`]: the other half allows for rounding in later evaluations.
 pub(crate) const WELL_SOLVED: f64 = 0.5 * SOLVED;
 
 /// Standing feet are accepted up to this bound of their natural map. Twice [`SOLVED`], because the map itself is less than its bound; still
@@ -83,7 +83,7 @@ pub(super) const DEPENDENT: f64 = 1e-12;
 /// redundant contact is the compliance alone.
 pub(super) const DEPENDENT_PIVOT: f64 = 1e-14;
 
-/// The same where any of the dependent solutions will do.
+/// The same for cases in which any of the dependent solutions is acceptable.
 pub(super) const NEARLY_DEPENDENT_PIVOT: f64 = 1e-7;
 
 /// A diagonal entry of A, relative to the greatest, below which the contact cannot move in that direction. A = YᵀY squares the rounding of
@@ -116,7 +116,7 @@ pub(crate) const OVERREDUCTION: f64 = 1.5;
 /// A fixed-point iteration progresses if its change falls below this part of the least change before.
 pub(super) const FIXED_POINT_PROGRESS: f64 = 0.9;
 
-/// Factor on the relaxation of a fixed-point iteration that creeps on the same way without progress.
+/// Factor on the relaxation of a fixed-point iteration that creeps in one direction without progress.
 pub(super) const ACCELERATION: f64 = 2.0;
 
 /// Factor on the relaxation of a fixed-point iteration that overshoots to and fro without progress.
@@ -135,8 +135,8 @@ pub(super) const CLARABEL_TOLERANCE: f64 = 1e-13;
 
 // Lemke's method, with 32 digits.
 
-/// Entries up to this value are no pivots. In the scaled problem a true pivot is about 1. With [`LEMKE_COMPLIANCE`], entries reach the
-/// inverse of that value, and their rounding 1e-20.
+/// Entries up to this value are not accepted as pivots. In the scaled problem a true pivot is about 1. With [`LEMKE_COMPLIANCE`], entries
+/// reach the inverse of that value, and their rounding 1e-20.
 pub(super) const MIN_PIVOT: f64 = 1e-16;
 
 /// Rows that reach zero within this distance of each other, relative to the largest entry of each row, are tied. The right side is about 1.

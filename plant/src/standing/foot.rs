@@ -79,7 +79,7 @@ impl Foot {
         self.stays_above(&unpadded(&t), touches)
     }
 
-    /// Prepares the foot to be held; none if [`Sole::prepare`] fails.
+    /// Prepares the foot to be held; `None` if [`Sole::prepare`] fails.
     pub fn prepare(&mut self, touches: &[Touch]) -> Option<()> {
         self.sole.prepare()?;
         let velocity_gain = self.velocity_gain;
@@ -94,7 +94,7 @@ impl Foot {
         [self.wanted[0] - self.motion[0], self.wanted[1] - self.motion[1]]
     }
 
-    /// Upper bound on the velocity error of its contacts [m/s].
+    /// Upper bound on the velocity error of the foot's contacts [m/s].
     pub fn error_bound(&self) -> f64 {
         let [linear, angular] = self.velocity_error();
         linear.norm() + angular.norm() * self.sole.reach

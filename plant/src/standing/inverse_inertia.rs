@@ -64,7 +64,8 @@ impl InverseInertia {
         if row >= column { self.0[row][column] * x } else { self.0[column][row].tr_mul(x) }
     }
 
-    /// Factorises, with each contact compliant by this part of the first foot's translational mobility. None unless positive definite.
+    /// Factorises, with each contact compliant by this part of the first foot's translational mobility. `None` unless Λ⁻¹ is positive
+    /// definite.
     pub fn factorize<'a>(
         &self,
         feet: &[Foot],
@@ -119,7 +120,7 @@ impl BlockLdl {
 }
 
 impl Ldl3 {
-    /// Factorises a symmetric matrix; none unless it is positive definite.
+    /// Factorises a symmetric matrix; `None` unless it is positive definite.
     fn of(a: &Matrix3<f64>) -> Option<Ldl3> {
         // a_11 times the second pivot, so that the two divisions can run in parallel
         let (minor, across) = (a.m11 * a.m22 - a.m21 * a.m21, a.m11 * a.m32 - a.m21 * a.m31);

@@ -65,7 +65,7 @@ impl Sole {
         };
     }
 
-    /// Prepares the sole to carry a wrench; none if three or more contacts are on one line.
+    /// Prepares the sole to carry a wrench; `None` if three or more contacts are on one line.
     pub fn prepare(&mut self) -> Option<()> {
         self.reach = self.arms.iter().fold(0.0, |reach: f64, d| reach.max(d.norm_squared())).sqrt();
         self.moment_inverse = match &self.arms[..] {
@@ -90,14 +90,14 @@ impl Sole {
         [force * relative_compliance, moment * relative_compliance + self.free_axes]
     }
 
-    /// The velocity that brings every contact as far down as its allowed approach, and is zero otherwise.
+    /// The velocity that moves every contact downward by its allowed approach; zero otherwise.
     pub fn closing_velocity(&self, touches: &[Touch], approach: impl Fn(&Vector3<f64>, &Touch) -> f64) -> SpatialPair {
         let approach = |(d, touch): (&Vector3<f64>, &Touch)| affine_row(d) * approach(d, touch);
         let fit = self.moment_inverse * self.arms.iter().zip(touches).map(approach).sum::<Vector3<f64>>();
         [Vector3::new(0.0, 0.0, -fit.x), Vector3::new(-fit.z, fit.y, 0.0)]
     }
 
-    /// Distributes the wrench over the contacts; none if a contact would have to pull or slip.
+    /// Distributes the wrench over the contacts; `None` if a contact would have to pull or slip.
     pub fn distribute(&mut self, wrench: &SpatialPair, friction: f64, impulses: &mut [Vector3<f64>]) -> Option<()> {
         let Sole { arms, moment_inverse, pressure, weights, friction_forces, .. } = self;
         let [force, moment] = wrench;

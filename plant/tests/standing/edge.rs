@@ -30,7 +30,8 @@ fn totals(plant: &Plant) -> Totals {
 }
 
 /// A push at the centre of mass moves the centre of pressure by height · push/weight: to a point on the line between two legs, to the line
-/// where one of four legs carries nothing, and slightly beyond. Every leg's force obeys Coulomb's law, and together they balance the momentum.
+/// where one of four legs carries nothing, and slightly beyond. Every leg's force obeys Coulomb's law, and together they balance the
+/// momentum.
 #[test]
 fn legs_obey_the_law_and_balance_the_momentum_of_a_leaning_table() {
     let seed = fastrand::u64(..);

@@ -38,7 +38,7 @@ pub struct RobustnessArgs {
     /// Run nothing: merge the tables of all shards and draw the map; needs the options of the shards
     #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "shard")]
     pub(super) merge: Vec<PathBuf>,
-    /// Write the table and the map into this folder; runs that its table has already are not repeated
+    /// Write the table and the map into this folder; runs that its table already contains are not repeated
     #[arg(long, value_name = "DIR", default_value = "out/robustness")]
     pub(super) out: PathBuf,
     /// Show no progress

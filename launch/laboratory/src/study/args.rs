@@ -8,7 +8,7 @@ use std::path::PathBuf;
 /// Arguments of `biped study`.
 #[derive(Args)]
 pub struct StudyArgs {
-    /// Which table
+    /// Study to run
     pub(super) study: Study,
     /// Write the table into this folder, as Markdown and as CSV
     #[arg(long, value_name = "DIR")]
@@ -23,7 +23,7 @@ pub struct StudyArgs {
     pub(super) pushes: PushArgs,
 }
 
-/// Which table.
+/// The studies of `biped study`.
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub enum Study {
     /// Tolerance of the walk against errors of the robot, its sensors and the ground
@@ -46,10 +46,10 @@ pub struct PushArgs {
     /// Phases of a period at which the robot is pushed [12]; for `pushes`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     pub(super) phases: Option<u32>,
-    /// Shift of all phases, as a share of their distance [0]; for `pushes`
+    /// Shift of all phases, as a share of the interval between two phases [0]; for `pushes`
     #[arg(long, value_name = "SHARE")]
     pub(super) offset: Option<f64>,
-    /// Directions [all]; for `pushes`
+    /// Directions of the pushes, separated by commas [all]; for `pushes`
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     pub(super) directions: Vec<Direction>,
     /// Seed of the long walks [1]; for `pushes`

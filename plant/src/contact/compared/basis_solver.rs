@@ -11,7 +11,7 @@
 //!
 //! The basis determines the mode of every contact: open, sticking, or sliding on a certain facet. Its impulse is computed from A and b
 //! (`basis_system`). The contacts are slightly compliant in all attempts ([`COMPLIANCE`], [`LEMKE_COMPLIANCE`]), so that there is one
-//! solution. The residual is that of rigid contacts.
+//! solution. The residual does not include the compliance.
 
 use super::super::memory::Memory;
 use super::super::problem::Problem;

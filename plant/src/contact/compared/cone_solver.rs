@@ -162,7 +162,7 @@ impl ConeSolver {
         self.newton.polish(&self.cones, condition, &mut self.f, &mut self.v, steps) <= SOLVED
     }
 
-    /// Newton's method from `f`, then from more and more sweeps; leaves the best iterate.
+    /// Newton's method from `f`, then after an increasing number of sweeps; leaves the best iterate.
     fn newton_with_sweeps(&mut self, condition: Condition<'_>, steps: &mut u32) -> bool {
         self.swept.clone_from(&self.f);
         let mut least = self.newton.polish(&self.cones, condition, &mut self.f, &mut self.v, steps);

@@ -5,7 +5,7 @@
 //! are `0 <= y ⟂ w = Q y + q >= 0`.
 //!
 //! The edge with the most negative w becomes basic. A basic amount y that would become negative on the way to the new optimum leaves the
-//! basis, and the way continues without it. An edge with negative w is independent of the basic edges, so redundant contacts (singular Q)
+//! basis, and the step continues without it. An edge with negative w is independent of the basic edges, so redundant contacts (singular Q)
 //! do no harm.
 //!
 //! The contacts are compliant ([`ScaledProblem::set_compliance`]). Proximal steps undo the compliance in q, together with rounding errors
@@ -193,7 +193,7 @@ impl EnergyQp {
         scaled.size.max(max_abs(self.state[..self.edges.width()].as_flattened()))
     }
 
-    /// Goes along the direction to its end. Edges whose amounts would become negative leave, and the way continues without them.
+    /// Goes along the direction to its end. Edges whose amounts would become negative leave the basis, and the step continues without them.
     fn go_to_optimum(&mut self) {
         for _ in 0..=self.edges.count() {
             let EnergyQp { basic, state, direction, remaining, leaving, .. } = self;

@@ -6,7 +6,7 @@
 //! M the path ends at a solution.
 //!
 //! The dictionary has 32 digits. Two feet that almost lock each other need them, and with them the path ends in few pivots. The path may
-//! also start from a guessed basis; t then makes up for its negative rows.
+//! also start from a guessed basis; t then compensates its negative rows.
 //!
 //! # Source
 //! Cottle, Pang & Stone, *The Linear Complementarity Problem*, sections 4.4 and 4.9.

@@ -9,7 +9,7 @@ use super::square_cone;
 /// Marks bits that are the basic edges of the energy program, not a [`BasisStatus`].
 pub(super) const EDGES: u8 = 0x80;
 
-/// The basic edges of a contact; none for a sticking one, whose edges the status does not tell.
+/// The basic edges of a contact; none for a sticking contact, because the status does not contain its edges.
 pub(super) fn edges(bits: u8, d: usize) -> u8 {
     if bits & EDGES != 0 {
         return bits ^ EDGES;

@@ -89,7 +89,7 @@ fn a_sole_that_would_tip_or_slip_has_no_distribution() {
     }
 }
 
-/// The load moves to where a contact carries nothing, and to the edge of the sole, and slightly beyond either.
+/// The load moves to a place at which one contact carries nothing, to the edge of the sole, and slightly beyond each.
 #[test]
 fn the_wrench_is_balanced_to_rounding_near_tipping() {
     let seed = fastrand::u64(..);

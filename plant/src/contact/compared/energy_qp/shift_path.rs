@@ -7,8 +7,8 @@
 //! value, from τ = 1 to τ = 0.
 //!
 //! If a piece can only be passed backwards, the method passes it backwards. If the path returns to its beginning, the method gives up, and
-//! the program restarts with the shift that equals mu times the slip there. Under one foot many shifts may be right. The path then leads to the
-//! one with impulses of least norm, or in every second restart to one nearby.
+//! the program restarts with the shift that equals mu times the slip there. Under one foot, many shifts may solve the problem. The path
+//! then leads to the shift with impulses of least norm, or in every second restart to one near it.
 //!
 //! # Source
 //! Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex optimization* (2011);
@@ -30,7 +30,7 @@ const MAX_PIECES: usize = 16;
 #[derive(Clone, Debug, Default)]
 pub struct ShiftPath {
     pub value: Vec<f64>,
-    /// Whether to choose, of many right shifts, the one with impulses of least norm.
+    /// Whether to choose the shift with impulses of least norm, if many shifts solve the problem.
     pub min_norm: bool,
     /// mu times the slip speed at the beginning of the path, and its excess over the shift.
     target: Vec<f64>,
@@ -60,7 +60,7 @@ impl ShiftPath {
         self.responses.reset(scaled.contacts, scaled.facets());
     }
 
-    /// Allocates for as many sliding contacts as there are contacts.
+    /// Allocates for the case that all contacts slide.
     pub fn reserve_for(&mut self, scaled: &ScaledProblem) {
         let ShiftPath { sliding, square, factor, change, direction, null_change, null_direction, impulses, .. } = self;
         let contacts = scaled.contacts;
@@ -183,7 +183,8 @@ impl ShiftPath {
         true
     }
 
-    /// If many shifts are right, turns the direction so that the impulses at its end have the least norm, as compliant contacts would have.
+    /// If many shifts solve the problem, turns the direction so that the impulses at its end have the least norm, as compliant contacts
+    /// would have.
     fn minimise_norm(&mut self, program: &EnergyQp, scaled: &ScaledProblem, k: usize, tau: f64) {
         let ShiftPath {
             sliding,
