@@ -1,7 +1,7 @@
 //! Online analysis of a run: it consumes the stream of [`Truth`] records and computes what summary, CSV and report need.
 //!
 //! Step detection, extrema and histograms use every record. Trajectory rows are stored at 200 Hz at most. A long run
-//! drops every second row again and again, so memory stays bounded.
+//! drops every second row repeatedly, so memory stays bounded.
 
 mod derived;
 mod energy_balance;

@@ -1,4 +1,4 @@
-//! Rules for the values of a scene or a robot. Each rule has the sentence of its error.
+//! Rules for the values of a scene or a robot. Each rule contains the sentence of its error message.
 
 use super::error::SceneError;
 use crate::robot::{Body, DriveParameters, JointKind, Robot};

@@ -53,7 +53,7 @@ type ServiceFactory = request_response::PortFactory<ipc::Service, Request, (), R
 pub(super) struct SessionNode {
     // Rust drops fields in their order. The node must go first, because the end of the membership removes its files.
     node: Node<ipc::Service>,
-    /// A process that attaches to a running session has none.
+    /// `None` for a process that attaches to a running session.
     contract: Option<Contract>,
     membership: Membership,
 }
@@ -87,7 +87,7 @@ impl SessionNode {
         config.defaults.publish_subscribe.subscriber_expired_connection_buffer = EXPIRED_CONNECTIONS;
         config.defaults.request_response.server_expired_connection_buffer = EXPIRED_CONNECTIONS;
         session.remove_incomplete_files();
-        // The default signal handler would swallow Ctrl-C. The program has its own.
+        // iceoryx2's default signal handler would handle Ctrl-C. The program has its own handler.
         let builder = NodeBuilder::new().config(&config).signal_handling_mode(SignalHandlingMode::Disabled);
         let node = builder.create().map_err(|e| PortError::failed("joining the session", e))?;
         session.restrict_access();

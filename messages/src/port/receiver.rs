@@ -66,7 +66,7 @@ impl<M: Stamped> Receiver<M> {
         Ok(self.copy())
     }
 
-    /// A copy of the message in shared memory; there is no other copy on the way.
+    /// A copy of the message in shared memory. The message is copied only once.
     #[inline]
     fn copy(&mut self) -> Option<M> {
         let message = **self.held.as_ref()?;
@@ -103,8 +103,8 @@ impl<M: Stamped> Receiver<M> {
         }
     }
 
-    /// Yields the processor, because the writer may need this very one. A process that keeps it for long is not the writer, and
-    /// would keep it at every poll.
+    /// Yields the processor, because the writer may need it. A process that then keeps the processor for long is not the writer, and
+    /// would keep it again at every poll.
     fn yield_processor(&self) {
         let before = Instant::now();
         std::thread::yield_now();

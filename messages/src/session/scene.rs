@@ -37,7 +37,7 @@ impl Session {
     }
 
     fn write(&self, name: &str, text: &str) -> Result<(), PortError> {
-        // Launcher and plant store it at the same time, so each writes a draft of its own first.
+        // Launcher and plant store it at the same time, so each first writes a separate draft.
         let (draft, path) = (self.file(&format!("draft_{}", std::process::id())), self.file(name));
         let write = || {
             let mut file = private_file::open(&draft, File::options().write(true).create(true).truncate(true))?;
