@@ -1,7 +1,8 @@
 //! Membership of a session: every member holds a shared lock on one file. The system releases the lock of a process that is killed.
 
+use super::Session;
 use super::private_file::{self, is_current, remove};
-use super::{Session, StaleSession};
+use super::stale_session::StaleSession;
 use crate::error::PortError;
 use nix::fcntl::{FcntlArg, fcntl};
 use nix::libc::{F_WRLCK, SEEK_SET, flock};
