@@ -3,7 +3,7 @@
 mod stderr;
 
 use crate::export;
-use crate::process::{self, Process, WAIT_POLL};
+use crate::process::{self, Process, WAIT_POLL, child_command};
 use clap::Args;
 use indicatif::ProgressBar;
 use messages::peer_environment::PeerEnvironment;
@@ -67,7 +67,7 @@ impl RoleProcess {
         environment: &[(&'static str, String)],
         bar: &ProgressBar,
     ) -> Result<RoleProcess, Failure> {
-        RoleProcess::spawn(name, &["become".into(), command.into()], environment, Origin::Foreign, Stdio::null(), bar)
+        RoleProcess::spawn(name, &become_arguments(command), environment, Origin::Foreign, Stdio::null(), bar)
     }
 
     fn spawn(
@@ -79,10 +79,8 @@ impl RoleProcess {
         bar: &ProgressBar,
     ) -> Result<RoleProcess, Failure> {
         let failed = |error| Failure::new(Exit::Fault, format!("the {name} process cannot be started: {error}"));
-        let mut command = Command::new(std::env::current_exe().map_err(failed)?);
+        let mut command = child_command(arguments).map_err(failed)?;
         command
-            .args(arguments)
-            .args(["--parent", &std::process::id().to_string()])
             .envs(environment.iter().map(|(key, value)| (key, value)))
             .stdin(input)
             .stdout(Stdio::null())
@@ -186,6 +184,11 @@ impl Drop for SessionCleanup {
     fn drop(&mut self) {
         self.0.remove_files();
     }
+}
+
+/// Arguments of this program that make it become a foreign program, given as a shell command.
+pub fn become_arguments(command: &str) -> [String; 2] {
+    ["become".into(), command.into()]
 }
 
 /// Arguments of the hidden command `biped become`, by which this program starts foreign programs.

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use messages::peer_environment::PeerEnvironment;
 use messages::session::Session;
 use serde_json::{Map, Value, json};
-use shared::args::single_named;
+use shared::args::{parse_within, single_named};
 use shared::exit::{Failure, check_interrupt};
 use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -35,8 +35,7 @@ enum EnvironmentFormat {
 }
 
 fn wait(text: &str) -> Result<f64, String> {
-    let good = text.parse().ok().filter(|seconds| (0.0..=1e6).contains(seconds));
-    good.ok_or_else(|| "a number of seconds from 0 to 1000000 is needed".into())
+    parse_within(text, "a number of seconds", 0.0..=1e6)
 }
 
 /// Prints the environment.

@@ -25,6 +25,16 @@ pub struct Process {
     status: Option<ExitStatus>,
 }
 
+/// The command `biped ARGUMENTS --parent PID`: this program in a role that dies with this process.
+///
+/// # Errors
+/// If the system does not name this program.
+pub fn child_command(arguments: &[String]) -> io::Result<Command> {
+    let mut command = Command::new(std::env::current_exe()?);
+    command.args(arguments).args(["--parent", &std::process::id().to_string()]);
+    Ok(command)
+}
+
 impl Process {
     /// Starts a command.
     ///

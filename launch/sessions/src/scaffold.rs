@@ -68,7 +68,7 @@ const GAIT: [(&str, &str); 2] = [python!("robot.py"), python!("gait.py")];
 const REQUIREMENTS: &str = "iceoryx2==0.10.0\nnumpy\nxxhash\n";
 
 impl Template {
-    /// The controller, the class in it, and the scene that it is for.
+    /// The controller, the class in it, the scene that it is for, whose name its file has too, and further modules.
     fn parts(self) -> (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]) {
         match self {
             Template::Stand => (python!("stand.py").1, "Stand", "stand", &[]),
@@ -109,9 +109,8 @@ fn controller(args: &ControllerArgs) -> Result<(), Failure> {
         _ => write_failure(folder, &error),
     })?;
     let (code, class, scene, more) = args.from.parts();
-    let origin = if let Template::Stand = args.from { "stand" } else { "walk" };
     let program = folder.join("controller.py").display().to_string();
-    let code = code.replace(&format!("controller/foreign/python/{origin}.py"), &program);
+    let code = code.replace(&format!("controller/foreign/python/{scene}.py"), &program);
     let texts = [
         ("controller.py", code),
         ("requirements.txt", REQUIREMENTS.into()),

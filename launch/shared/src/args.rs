@@ -73,8 +73,7 @@ const SPEED_RANGE: RangeInclusive<f64> = 0.001..=100.0;
 const SECONDS_RANGE: RangeInclusive<f64> = 0.1..=1e6;
 
 fn parse_speed(text: &str) -> Result<f64, String> {
-    let speed = text.parse().ok().filter(|speed| SPEED_RANGE.contains(speed));
-    speed.ok_or_else(|| "a factor from 0.001 to 100 is needed".into())
+    parse_within(text, "a factor", SPEED_RANGE)
 }
 
 /// Parses a time in seconds.
@@ -82,8 +81,16 @@ fn parse_speed(text: &str) -> Result<f64, String> {
 /// # Errors
 /// If the text is no number, or out of range.
 pub fn parse_seconds(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok().filter(|seconds| SECONDS_RANGE.contains(seconds));
-    seconds.ok_or_else(|| "a number of seconds from 0.1 to 1000000 is needed".into())
+    parse_within(text, "a number of seconds", SECONDS_RANGE)
+}
+
+/// Parses a number within a range. `what` names it in the error.
+///
+/// # Errors
+/// If the text is no number, or out of range.
+pub fn parse_within(text: &str, what: &str, range: RangeInclusive<f64>) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number| range.contains(number));
+    number.ok_or_else(|| format!("{what} from {} to {} is needed", range.start(), range.end()))
 }
 
 /// The session that a command works on.

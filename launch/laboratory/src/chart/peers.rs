@@ -6,11 +6,13 @@ mod runs;
 use super::cases::ComparisonScene;
 use super::csv::{Measurement, parse, table};
 use super::watch::ChartProgress;
+use sessions::process::Process;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::{create_folder as make, write_atomically};
 use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Command, Stdio};
+use std::time::Duration;
 
 /// The script, in the source folder of this build.
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/run.py");
@@ -41,18 +43,16 @@ pub fn rows(
     write_atomically(&files.join("scenes.toml"), &scenes).map_err(|error| fault(error.to_string()))?;
     let mut command = Command::new("python3");
     command.arg(SCRIPT).arg(&files).args(quick.then_some("--quick")).stdout(Stdio::piped());
-    let mut script = command.spawn().map_err(|error| fault(format!("python3 does not start: {error}")))?;
+    let mut script = Process::start(&mut command).map_err(|error| fault(format!("python3 does not start: {error}")))?;
     let mut left_out = Vec::new();
-    for line in script.stdout.take().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
+    for line in script.stdout().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
         watch.tell(&line);
         if line.split_once(" left out, ").is_some_and(|(engine, _)| !engine.contains(' ')) {
             left_out.push(format!("{line}."));
         }
-        if check_interrupt(watch.stop).is_err() {
-            let _ = script.kill();
-        }
+        check_interrupt(watch.stop)?;
     }
-    let status = script.wait().map_err(|error| fault(error.to_string()))?;
+    let status = script.wait(Duration::MAX).ok_or_else(|| fault(format!("{SCRIPT} did not end")))?;
     check_interrupt(watch.stop)?;
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));

@@ -7,8 +7,9 @@ use messages::scene::Scene;
 use messages::session::Session;
 use nix::sys::signal::Signal;
 use sessions::children;
+use sessions::process::child_command;
 use std::os::unix::process::ExitStatusExt;
-use std::process::{Command, ExitStatus};
+use std::process::ExitStatus;
 use std::time::Duration;
 
 /// Time limit for the program to end after the request to end.
@@ -38,9 +39,8 @@ impl ProgramSetup {
     /// Starts the program in the session.
     pub fn invite(&self, invitation: &PeerEnvironment) -> Result<ProgramUnderTest, String> {
         let environment = children::environment_variables(invitation).map_err(|failure| failure.message)?;
-        let program = std::env::current_exe().map_err(|error| error.to_string())?;
-        let mut command = Command::new(program);
-        command.args(["become", &self.command, "--parent", &std::process::id().to_string()]);
+        let mut command =
+            child_command(&children::become_arguments(&self.command)).map_err(|error| error.to_string())?;
         Ok(ProgramUnderTest { process: Some(Subject::start_group(command.envs(environment))?) })
     }
 }

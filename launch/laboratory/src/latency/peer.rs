@@ -4,7 +4,7 @@ use super::lines::Wake;
 use super::terms::LOST;
 use messages::port::Waiting;
 use serde::{Deserialize, Serialize};
-use sessions::process::Process;
+use sessions::process::{Process, child_command};
 use sessions::realtime::RealtimeArgs;
 use shared::exit::{Exit, Failure};
 use std::io::{BufRead, BufReader, Write};
@@ -49,13 +49,11 @@ impl Peer {
         let failed = |error: &dyn std::fmt::Display| {
             Failure::new(Exit::Fault, format!("the other process of the measurement cannot be started: {error}"))
         };
-        let mut process = Process::start(
-            std::process::Command::new(std::env::current_exe().map_err(|error| failed(&error))?)
-                .args(["latency-peer", "--parent", &std::process::id().to_string()])
-                .stdin(Stdio::piped())
-                .stdout(Stdio::piped()),
-        )
-        .map_err(|error| failed(&error))?;
+        let start = || {
+            let mut command = child_command(&["latency-peer".into()])?;
+            Process::start(command.stdin(Stdio::piped()).stdout(Stdio::piped()))
+        };
+        let mut process = start().map_err(|error| failed(&error))?;
         match (process.stdin(), process.stdout()) {
             (orders @ Some(_), Some(answers)) => Ok(Peer { process, orders, answers: BufReader::new(answers) }),
             _ => Err(failed(&"it has no pipes")),
