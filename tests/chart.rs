@@ -92,8 +92,8 @@ fn turning_and_rolling_errors_follow_the_order_of_the_method() {
 fn growth_is_drawn_with_its_exponents_and_a_chain_of_64_links_costs_more_than_one_of_3() {
     let folder = fresh_path("growth");
     let output = chart(&["--growth"], &folder);
-    let words = String::from_utf8_lossy(&output.stdout);
-    assert!(output.status.success() && words.contains("| exponent |"), "{}", String::from_utf8_lossy(&output.stderr));
+    let printed = String::from_utf8_lossy(&output.stdout);
+    assert!(output.status.success() && printed.contains("| exponent |"), "{}", String::from_utf8_lossy(&output.stderr));
     for curve in ["contacts", "links", "dt"] {
         let drawing = std::fs::read_to_string(folder.join(format!("growth-{curve}.svg"))).expect("a drawing");
         assert!(drawing.contains("this simulator ~ n^"), "{curve}");
@@ -108,14 +108,14 @@ fn growth_is_drawn_with_its_exponents_and_a_chain_of_64_links_costs_more_than_on
 #[test]
 fn a_bad_argument_is_refused_in_one_sentence() {
     let output = chart(&["--scenes", "slide,skate"], &fresh_path("chart"));
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{words}");
-    assert!(words.contains("`skate`") && words.contains("slide30") && words.lines().count() == 1, "{words}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{printed}");
+    assert!(printed.contains("`skate`") && printed.contains("slide30") && printed.lines().count() == 1, "{printed}");
     let output = chart(&["--growth", "--peers=peers.csv"], &fresh_path("chart"));
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(2) && words.contains("peers.csv"), "{words}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.code() == Some(2) && printed.contains("peers.csv"), "{printed}");
     let output = chart(&[], Path::new("/dev/null/chart"));
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(4), "{words}");
-    assert!(words.contains("/dev/null/chart cannot be written") && words.lines().count() == 1, "{words}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(4), "{printed}");
+    assert!(printed.contains("/dev/null/chart cannot be written") && printed.lines().count() == 1, "{printed}");
 }

@@ -31,21 +31,21 @@ fn doctor_lists_and_clean_removes_dead_sessions_and_running_ones_stay() {
     std::fs::write(&list, dead.name()).expect("a list of nobody");
     std::fs::write(&segment, [0; 5000]).expect("a segment");
 
-    let (code, told) = biped("doctor");
-    assert_eq!(code, Some(4), "{told}");
-    for words in ["wire schema", "memlock", "rtprio", "nofile", "kernel", "clock", "processors", "/dev/shm"] {
-        assert!(told.contains(words), "nothing of {words}: {told}");
+    let (code, printed) = biped("doctor");
+    assert_eq!(code, Some(4), "{printed}");
+    for word in ["wire schema", "memlock", "rtprio", "nofile", "kernel", "clock", "processors", "/dev/shm"] {
+        assert!(printed.contains(word), "nothing of {word}: {printed}");
     }
-    let line = |told: &str, name: &str| told.lines().find(|line| line.contains(name)).unwrap_or("").to_string();
-    assert!(line(&told, alive.name()).starts_with("ok"), "{told}");
-    assert!(line(&told, alive.name()).ends_with(&members[0].to_string()), "{told}");
-    assert!(line(&told, dead.name()).starts_with("wrong"), "{told}");
+    let line = |printed: &str, name: &str| printed.lines().find(|line| line.contains(name)).unwrap_or("").to_string();
+    assert!(line(&printed, alive.name()).starts_with("ok"), "{printed}");
+    assert!(line(&printed, alive.name()).ends_with(&members[0].to_string()), "{printed}");
+    assert!(line(&printed, dead.name()).starts_with("wrong"), "{printed}");
 
-    let (code, told) = biped("clean");
-    assert_eq!(code, Some(0), "{told}");
-    assert!(told.contains(dead.name()) && told.contains(&*segment.to_string_lossy()), "{told}");
-    assert!(!told.contains(alive.name()), "{told}");
+    let (code, printed) = biped("clean");
+    assert_eq!(code, Some(0), "{printed}");
+    assert!(printed.contains(dead.name()) && printed.contains(&*segment.to_string_lossy()), "{printed}");
+    assert!(!printed.contains(alive.name()), "{printed}");
     assert_eq!((dead.shm_files(), alive.shm_files()), (vec![], files));
-    let (_, told) = biped("doctor");
-    assert!(!told.contains(dead.name()) && told.contains(alive.name()), "{told}");
+    let (_, printed) = biped("doctor");
+    assert!(!printed.contains(dead.name()) && printed.contains(alive.name()), "{printed}");
 }

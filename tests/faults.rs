@@ -8,8 +8,8 @@ fn injected_faults_cause_no_hang_no_wrong_result_and_no_leftovers() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
     command.args(["faults", "--quick"]).stdin(Stdio::null());
     let Output { status, stdout, stderr } = command.output().expect("the program runs");
-    let told = String::from_utf8_lossy(&stdout); // it has the seed that repeats the run
-    assert_eq!(status.code(), Some(0), "{told}\n{}", String::from_utf8_lossy(&stderr));
+    let printed = String::from_utf8_lossy(&stdout); // it has the seed that repeats the run
+    assert_eq!(status.code(), Some(0), "{printed}\n{}", String::from_utf8_lossy(&stderr));
     for kind in [
         "kill -9 of the plant",
         "kill -9 of the launcher",
@@ -20,7 +20,7 @@ fn injected_faults_cause_no_hang_no_wrong_result_and_no_leftovers() {
         "disk",
         "limit",
     ] {
-        assert!(told.contains(kind), "{told}");
+        assert!(printed.contains(kind), "{printed}");
     }
 }
 

@@ -65,14 +65,14 @@ fn foreign_files_survive_every_command_and_files_of_this_program_are_replaced() 
                 theirs.insert(path, b"mine".to_vec());
             }
         }
-        let survives = |words: &str| {
+        let survives = |printed: &str| {
             let now = files(&folder);
-            theirs.iter().for_each(|(path, text)| assert_eq!(now.get(path), Some(text), "{command}: {words}"));
+            theirs.iter().for_each(|(path, text)| assert_eq!(now.get(path), Some(text), "{command}: {printed}"));
         };
         for _ in 0..2 {
-            let (code, words) = within(&folder, command); // the second call replaces the files of the first
-            assert_eq!(code, Some(0), "{command}: {words}");
-            survives(&words);
+            let (code, printed) = within(&folder, command); // the second call replaces the files of the first
+            assert_eq!(code, Some(0), "{command}: {printed}");
+            survives(&printed);
         }
         let is_temporary =
             |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
@@ -80,11 +80,11 @@ fn foreign_files_survive_every_command_and_files_of_this_program_are_replaced() 
         for output in outputs.iter().map(|output| folder.join(output)) {
             assert!(output.exists(), "{command} writes {}", output.display());
             std::fs::write(&output, "<!DOCTYPE html>\nmine alone").expect("a file");
-            let (code, words) = within(&folder, command);
+            let (code, printed) = within(&folder, command);
             let name = output.file_name().expect("a name").to_string_lossy();
-            assert!(matches!(code, Some(2 | 4)) && words.contains(&*name), "{command}, {name}: {code:?} {words}");
-            assert_eq!(std::fs::read(&output).expect("a file"), b"<!DOCTYPE html>\nmine alone", "{command}: {words}");
-            survives(&words);
+            assert!(matches!(code, Some(2 | 4)) && printed.contains(&*name), "{command}, {name}: {code:?} {printed}");
+            assert_eq!(std::fs::read(&output).expect("a file"), b"<!DOCTYPE html>\nmine alone", "{command}: {printed}");
+            survives(&printed);
             std::fs::remove_file(&output).expect("our own file");
         }
     }
@@ -114,13 +114,13 @@ fn pipes_devices_and_folders_are_refused_by_every_reading_command() {
     ];
     for (file, what) in [("pipe", "pipe"), ("/dev/zero", "device"), (".", "folder")] {
         for command in commands {
-            let (code, words) = within(&folder, &command.replace("FILE", file));
-            assert!(code == Some(2) && words.contains(what), "{command} {file}: {code:?} {words}");
+            let (code, printed) = within(&folder, &command.replace("FILE", file));
+            assert!(code == Some(2) && printed.contains(what), "{command} {file}: {code:?} {printed}");
         }
     }
     for command in ["run walk --record pipe", "view run.mcap --out pipe"] {
-        let (code, words) = within(&folder, command);
-        assert!(code == Some(2) && !words.is_empty(), "{command}: {code:?} {words}");
+        let (code, printed) = within(&folder, command);
+        assert!(code == Some(2) && !printed.is_empty(), "{command}: {code:?} {printed}");
     }
     std::fs::remove_dir_all(folder).expect("our own folder");
 }

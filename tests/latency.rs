@@ -47,8 +47,8 @@ fn every_quantity_is_measured_and_written() {
     let child = start(&["latency", "--quick", "--quiet", "--out", &folder.to_string_lossy()]);
     let process = child.id();
     let output = child.wait_with_output().expect("the program ends");
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success(), "{words}");
+    let output_text = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{output_text}");
     assert_no_session_files(process);
     let text = std::fs::read_to_string(folder.join("latency.json")).expect("the figures");
     let json: Value = serde_json::from_str(&text).expect("JSON");

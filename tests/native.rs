@@ -37,7 +37,7 @@ fn run(scene: &str, program: &Path, settings: &[&str]) -> Value {
 fn alone(program: &Path, replaced: &[(&str, &str)]) -> Output {
     let (session, scene) = (Session::unique(), scene("stand", &[]));
     let output = Command::new(program)
-        .envs(Contract::of(&scene, Pace::Lockstep).environment(&session))
+        .envs(Contract::of(&scene, Pace::Lockstep).variables(&session))
         .env("BIPED_SCENE", serde_json::to_string(&scene).expect("JSON"))
         .env("BIPED_PATIENCE", "0.3")
         .envs(replaced.iter().copied())

@@ -21,9 +21,9 @@ fn a_session_without_a_scene_description_is_refused_by_view() {
         text.map_or(Ok(()), |text| session.publish_scene(text)).expect("room");
         let Output { status, stderr, .. } =
             biped(&["view", "--session", session.name(), "--port", "0"]).output().expect("the program runs");
-        let words = String::from_utf8_lossy(&stderr);
-        assert!(status.code() == Some(5) && words.contains("has published no scene"), "{status}: {words}");
-        assert_eq!(words.lines().count(), 1, "{words}");
+        let printed = String::from_utf8_lossy(&stderr);
+        assert!(status.code() == Some(5) && printed.contains("has published no scene"), "{status}: {printed}");
+        assert_eq!(printed.lines().count(), 1, "{printed}");
     }
     drop(plant);
 }
@@ -35,19 +35,19 @@ fn a_used_port_and_a_missing_session_give_a_sentence_and_an_exit_code() {
         (status.code(), String::from_utf8_lossy(&stderr).into_owned())
     };
     for what in ["view", "top"] {
-        let (code, words) = failure(&[what, "--session", "nowhere"]);
-        assert!(code == Some(3) && words.contains("no session `nowhere`"), "{what}: {code:?} {words}");
+        let (code, printed) = failure(&[what, "--session", "nowhere"]);
+        assert!(code == Some(3) && printed.contains("no session `nowhere`"), "{what}: {code:?} {printed}");
     }
     let walk = Running::unobserved("port");
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = taken.local_addr().expect("its number").port().to_string();
-    let (code, words) = failure(&["view", "--session", walk.session.name(), "--port", &port]);
-    assert!(code == Some(2) && words.contains(&port) && words.contains("--port"), "{code:?} {words}");
+    let (code, printed) = failure(&["view", "--session", walk.session.name(), "--port", &port]);
+    assert!(code == Some(2) && printed.contains(&port) && printed.contains("--port"), "{code:?} {printed}");
     for (address, fault) in
         [("nowhere", "such as 0.0.0.0 or ::1"), ("192.0.2.1", "--listen needs an address of this machine")]
     {
-        let (code, words) = failure(&["view", "--session", walk.session.name(), "--listen", address, "--port", "0"]);
-        assert!(code == Some(2) && words.contains(address) && words.contains(fault), "{code:?} {words}");
+        let (code, printed) = failure(&["view", "--session", walk.session.name(), "--listen", address, "--port", "0"]);
+        assert!(code == Some(2) && printed.contains(address) && printed.contains(fault), "{code:?} {printed}");
     }
     walk.end();
 }

@@ -220,10 +220,10 @@ fn listening_on_other_addresses_needs_an_option_and_prints_a_warning() {
         assert!(view.get("/", host).starts_with("HTTP/1.1 403"), "{listen}");
         kill(Pid::from_raw(view.process.id() as i32), Signal::SIGTERM).expect("a signal");
         let Output { status, stderr, .. } = view.process.wait_with_output().expect("our own child");
-        let words = String::from_utf8_lossy(&stderr);
+        let text = String::from_utf8_lossy(&stderr);
         assert!(
-            status.success() && words.matches("warning: the page listens on ").count() == warnings,
-            "{listen}: {words}"
+            status.success() && text.matches("warning: the page listens on ").count() == warnings,
+            "{listen}: {text}"
         );
     }
     walk.end();

@@ -19,14 +19,14 @@ fn within(namespaces: &[&str], script: &str) -> Option<(Option<i32>, String, Str
         return None;
     }
     let Output { status, stdout, stderr } = unshare(script);
-    let [told, errors] = [stdout, stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
-    println!("{script}\n{told}{errors}");
-    Some((status.code(), told, errors))
+    let [printed, errors] = [stdout, stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned());
+    println!("{script}\n{printed}{errors}");
+    Some((status.code(), printed, errors))
 }
 
 /// The line of `biped doctor` about an item, and the advice below it.
-fn check_result(told: &str, what: &str) -> (String, String) {
-    let mut lines = told.lines().skip_while(|line| line.split_whitespace().nth(1) != Some(what));
+fn check_result(printed: &str, what: &str) -> (String, String) {
+    let mut lines = printed.lines().skip_while(|line| line.split_whitespace().nth(1) != Some(what));
     let line = lines.next().unwrap_or_default().to_string();
     (line, lines.next().unwrap_or_default().trim().to_string())
 }
@@ -39,9 +39,9 @@ fn unusable_shared_memory_is_reported_with_a_remedy() {
         ("nr_inodes=9", "64 files, of which 8 can be created", "remove files there"),
     ] {
         let mount = format!("mount -t tmpfs -o {options} tmpfs /dev/shm");
-        let Some((code, told, _)) = within(&[], &format!("{mount}; $BIPED doctor")) else { return };
-        let (line, advice_line) = check_result(&told, "/dev/shm");
-        assert_eq!(code, Some(4), "{told}");
+        let Some((code, printed, _)) = within(&[], &format!("{mount}; $BIPED doctor")) else { return };
+        let (line, advice_line) = check_result(&printed, "/dev/shm");
+        assert_eq!(code, Some(4), "{printed}");
         assert!(line.starts_with("wrong") && line.contains(found), "{line}");
         assert!(advice_line.contains(advice) || advice_line.contains("--shm-size"), "{advice_line}");
         let run = format!("{mount}; $BIPED run stand --quiet --set duration=0.1");
@@ -49,18 +49,18 @@ fn unusable_shared_memory_is_reported_with_a_remedy() {
         assert_eq!((code, errors.lines().count()), (Some(6), 1), "{errors}");
         assert!(errors.contains("/dev/shm") && !errors.contains("InternalError"), "{errors}");
     }
-    let (code, told, _) = within(&[], "mount -t tmpfs tmpfs /dev/shm; $BIPED doctor").expect("namespaces");
-    assert_eq!(code, Some(0), "{told}");
-    assert!(check_result(&told, "/dev/shm").0.starts_with("ok"), "{told}");
+    let (code, printed, _) = within(&[], "mount -t tmpfs tmpfs /dev/shm; $BIPED doctor").expect("namespaces");
+    assert_eq!(code, Some(0), "{printed}");
+    assert!(check_result(&printed, "/dev/shm").0.starts_with("ok"), "{printed}");
 }
 
 /// Imitates a /dev/shm of another user: nobody has write permission, and root lacks the capability to override permissions.
 #[test]
 fn shared_memory_of_another_user_is_reported_with_a_remedy() {
     let enter = "mount -t tmpfs -o mode=555 tmpfs /dev/shm; exec setpriv --bounding-set=-dac_override $BIPED doctor";
-    let Some((code, told, errors)) = within(&[], enter) else { return };
-    let (line, advice_line) = check_result(&told, "/dev/shm");
-    assert_eq!(code, Some(4), "{told}{errors}");
+    let Some((code, printed, errors)) = within(&[], enter) else { return };
+    let (line, advice_line) = check_result(&printed, "/dev/shm");
+    assert_eq!(code, Some(4), "{printed}{errors}");
     assert!(line.starts_with("wrong") && line.contains("cannot be written to: Permission denied"), "{line}");
     assert!(advice_line.contains("chmod 1777 /dev/shm") && advice_line.contains("has mode 555"), "{advice_line}");
 }
@@ -69,12 +69,12 @@ fn shared_memory_of_another_user_is_reported_with_a_remedy() {
 #[test]
 fn setcap_is_not_advised_where_no_capability_can_be_granted() {
     let script = "exec setpriv --bounding-set=-sys_nice,-ipc_lock $BIPED doctor";
-    let Some((_, told, errors)) = within(&[], script) else { return };
-    let (line, advice_line) = check_result(&told, "limit");
-    assert!(line.contains("memlock") && told.contains("rtprio"), "{told}{errors}");
-    assert!(!told.contains("setcap"), "{told}");
-    if told.contains("refused on request") {
-        assert!(!advice_line.is_empty(), "{told}");
+    let Some((_, printed, errors)) = within(&[], script) else { return };
+    let (line, advice_line) = check_result(&printed, "limit");
+    assert!(line.contains("memlock") && printed.contains("rtprio"), "{printed}{errors}");
+    assert!(!printed.contains("setcap"), "{printed}");
+    if printed.contains("refused on request") {
+        assert!(!advice_line.is_empty(), "{printed}");
     }
 }
 
@@ -84,6 +84,6 @@ fn a_session_spans_two_containers_that_share_only_memory() {
     let script = format!(
         "mount -t tmpfs tmpfs /dev/shm; $BIPED plant {walk} & unshare --pid --fork --mount-proc $BIPED controller {walk} && wait $!"
     );
-    let Some((code, told, errors)) = within(&[], &script) else { return };
-    assert_eq!(code, Some(0), "{told}{errors}");
+    let Some((code, printed, errors)) = within(&[], &script) else { return };
+    assert_eq!(code, Some(0), "{printed}{errors}");
 }

@@ -21,15 +21,15 @@ fn on(processor: &str) -> Option<(Option<i32>, String)> {
 fn a_missing_processor_instruction_is_named() {
     // the oldest x86-64 processor, and one of 2008
     for processor in ["qemu64", "Nehalem"] {
-        let Some((code, words)) = on(processor) else { return };
+        let Some((code, printed)) = on(processor) else { return };
         if cfg!(target_feature = "avx") {
-            assert_eq!((code, words.lines().count()), (Some(4), 1), "{processor}: {words}");
+            assert_eq!((code, printed.lines().count()), (Some(4), 1), "{processor}: {printed}");
             assert!(
-                words.contains("this program was built for processors with ") && words.contains("cargo build"),
-                "{words}"
+                printed.contains("this program was built for processors with ") && printed.contains("cargo build"),
+                "{printed}"
             );
         } else {
-            println!("{processor}: {code:?} {words}"); // the program was built for a processor as old as this one
+            println!("{processor}: {code:?} {printed}"); // the program was built for a processor as old as this one
         }
     }
 }

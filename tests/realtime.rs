@@ -15,29 +15,29 @@ fn biped(arguments: &[&str]) -> (Option<i32>, String) {
 #[test]
 fn every_real_time_setting_is_reported_and_a_refusal_names_a_remedy() {
     let arguments = ["run", "walk", "--quiet", "--realtime", "--set", "duration=0.2", "--rt=10", "--cpu", "999"];
-    let (code, words) = biped(&arguments);
-    assert_eq!(code, Some(0), "{words}");
+    let (code, printed) = biped(&arguments);
+    assert_eq!(code, Some(0), "{printed}");
     for role in ["plant", "controller"] {
-        let reports = |what: &str| words.lines().any(|line| line.starts_with(&format!("{role}: real time: {what}")));
-        assert!(reports("memory locked: ") && reports("SCHED_FIFO at priority 10: "), "{words}");
-        assert!(reports("processor 999: refused") && words.contains("taskset"), "{words}");
+        let reports = |what: &str| printed.lines().any(|line| line.starts_with(&format!("{role}: real time: {what}")));
+        assert!(reports("memory locked: ") && reports("SCHED_FIFO at priority 10: "), "{printed}");
+        assert!(reports("processor 999: refused") && printed.contains("taskset"), "{printed}");
     }
-    for line in words.lines().filter(|line| line.contains("refused")) {
+    for line in printed.lines().filter(|line| line.contains("refused")) {
         assert!(line.contains("what would grant it: "), "{line}");
     }
 }
 
 #[test]
 fn required_real_time_that_is_refused_has_its_own_exit_code() {
-    let (code, words) = biped(&["run", "walk", "--quiet", "--realtime", "--rt=require", "--cpu", "999"]);
-    assert_eq!(code, Some(9), "{words}");
-    assert!(words.contains("--rt=require: ") && words.contains("refused"), "{words}");
+    let (code, printed) = biped(&["run", "walk", "--quiet", "--realtime", "--rt=require", "--cpu", "999"]);
+    assert_eq!(code, Some(9), "{printed}");
+    assert!(printed.contains("--rt=require: ") && printed.contains("refused"), "{printed}");
 }
 
 #[test]
 fn a_lockstep_run_refuses_the_real_time_scheduler() {
-    let (code, words) = biped(&["run", "walk", "--rt"]);
-    assert_eq!((code, words.lines().count()), (Some(2), 1), "{words}");
-    assert!(words.contains("--rt needs --realtime"), "{words}");
+    let (code, printed) = biped(&["run", "walk", "--rt"]);
+    assert_eq!((code, printed.lines().count()), (Some(2), 1), "{printed}");
+    assert!(printed.contains("--rt needs --realtime"), "{printed}");
     assert_eq!(biped(&["run", "walk", "--realtime", "--rt=100"]).0, Some(2));
 }

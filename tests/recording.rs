@@ -18,9 +18,9 @@ use std::path::{Path, PathBuf};
 fn on(file: &Path, command: &[&str]) -> (Option<i32>, String) {
     let output =
         biped(&[&command[..1], &[&file.to_string_lossy()], &command[1..]].concat()).output().expect("it starts");
-    let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-    assert!(!words.contains("panicked"), "{command:?} {}: {words}", file.display());
-    (output.status.code(), words)
+    let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(!printed.contains("panicked"), "{command:?} {}: {printed}", file.display());
+    (output.status.code(), printed)
 }
 
 /// Runs a scene and records it.
@@ -35,10 +35,10 @@ fn record(scene: &str, arguments: &[&str]) -> PathBuf {
 
 /// Asserts that a replay finds no difference. Returns the number of compared messages.
 fn assert_equal(file: &Path, command: &[&str]) -> u64 {
-    let (code, words) = on(file, command);
-    assert!(code == Some(0) && words.contains(" 0 differ"), "{code:?}: {words}");
-    let count = words.split(": ").nth(1).and_then(|words| words.split(' ').next());
-    count.and_then(|count| count.parse().ok()).unwrap_or_else(|| panic!("no count in {words}"))
+    let (code, printed) = on(file, command);
+    assert!(code == Some(0) && printed.contains(" 0 differ"), "{code:?}: {printed}");
+    let count = printed.split(": ").nth(1).and_then(|printed| printed.split(' ').next());
+    count.and_then(|count| count.parse().ok()).unwrap_or_else(|| panic!("no count in {printed}"))
 }
 
 #[test]
@@ -62,8 +62,12 @@ fn a_refused_run_does_not_touch_an_existing_recording() {
     let new = fresh_path("never.mcap");
     let refused = |file: &Path, arguments: &[&str], word: &str| {
         let output = biped(&["run", "--quiet", "--record"]).arg(file).args(arguments).output().expect("it starts");
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(2) && words.contains(word), "{arguments:?}: {:?}, {words}", output.status);
+        let printed = String::from_utf8_lossy(&output.stderr);
+        assert!(
+            output.status.code() == Some(2) && printed.contains(word),
+            "{arguments:?}: {:?}, {printed}",
+            output.status
+        );
     };
     for file in [&file, &new] {
         refused(file, &["drop", "--set", "plant.law=ConeQp"], "Rk4Impact");
@@ -90,9 +94,10 @@ fn requests_are_recorded_and_repeated_by_a_replay() {
     let (code, _, errors) = walk.wait();
     assert_eq!(code, Some(0), "{errors}");
     for (mode, least) in [(&["replay", "--plant"][..], 3), (&["replay"], 1)] {
-        let (code, words) = on(&file, mode);
-        let done = words.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());
-        assert!(code == Some(0) && done.is_some_and(|done| done >= least), "{mode:?}: {words}");
+        let (code, printed) = on(&file, mode);
+        let done =
+            printed.lines().find_map(|line| line.strip_suffix(" recorded requests repeated")?.parse::<u32>().ok());
+        assert!(code == Some(0) && done.is_some_and(|done| done >= least), "{mode:?}: {printed}");
     }
     // besides those by which the helper waited for the control services
     let folder = fresh_path("served");
@@ -109,12 +114,12 @@ fn a_killed_recorder_leaves_a_file_that_is_readable_up_to_its_last_chunk() {
     let mut walk = Running::start("killed", &["--record", &file.to_string_lossy(), "--set", "duration=100000"]);
     walk.until("two chunks", |truth| truth.stamp.seq > 5000);
     walk.end();
-    let (code, words) = on(&file, &["info"]);
-    assert!(code == Some(0) && words.contains("cut short"), "{words}");
+    let (code, printed) = on(&file, &["info"]);
+    assert!(code == Some(0) && printed.contains("cut short"), "{printed}");
     assert!(assert_equal(&file, &["replay"]) > 1000);
     let page = fresh_path("killed.html");
-    let (code, words) = on(&file, &["view", "--out", &page.to_string_lossy()]);
-    assert!(code == Some(0) && words.contains("is cut short"), "{code:?}: {words}");
+    let (code, printed) = on(&file, &["view", "--out", &page.to_string_lossy()]);
+    assert!(code == Some(0) && printed.contains("is cut short"), "{code:?}: {printed}");
     let text = std::fs::read_to_string(&page).expect("a page");
     assert!(text.contains("CUT SHORT after") && text.contains("the recording ends here"));
     std::fs::remove_file(page).expect("our own file");
@@ -136,16 +141,19 @@ fn a_truncated_or_damaged_file_is_read_up_to_the_damage_or_refused() {
             some[at] ^= 1 << random.u8(..8);
         }
         std::fs::write(&damaged, some).expect("a file");
-        let (code, words) = on(&damaged, &["info"]);
-        assert!(matches!(code, Some(0 | 2 | 5)) && words.contains("damaged.mcap"), "trial {trial}: {code:?}: {words}");
+        let (code, printed) = on(&damaged, &["info"]);
+        assert!(
+            matches!(code, Some(0 | 2 | 5)) && printed.contains("damaged.mcap"),
+            "trial {trial}: {code:?}: {printed}"
+        );
         read += usize::from(code == Some(0));
         if trial % 4 == 0 {
-            let (shown, words) = on(&damaged, &["view", "--out", &page.to_string_lossy()]);
+            let (shown, printed) = on(&damaged, &["view", "--out", &page.to_string_lossy()]);
             assert!(
                 shown == code || (code, shown) == (Some(0), Some(2)),
-                "trial {trial}: {code:?}, {shown:?}: {words}"
+                "trial {trial}: {code:?}, {shown:?}: {printed}"
             );
-            assert!(words.contains("damaged.mcap"), "trial {trial}: {words}");
+            assert!(printed.contains("damaged.mcap"), "trial {trial}: {printed}");
         }
     }
     assert!(read > 20, "only {read} of 60 could be read");
@@ -165,26 +173,29 @@ fn a_file_that_is_no_recording_is_refused() {
             &["convert", "--mcap", "/nonexistent/x"],
             &["view"],
         ] {
-            let (code, words) = on(&file, command);
-            assert!(code == Some(2) && words.contains("no.mcap: this is no recording"), "{code:?}: {words}");
+            let (code, printed) = on(&file, command);
+            assert!(code == Some(2) && printed.contains("no.mcap: this is no recording"), "{code:?}: {printed}");
         }
     }
     std::fs::remove_file(&file).expect("our own file");
     for command in [["info"], ["view"]] {
-        let (code, words) = on(&file, &command);
-        assert!(code == Some(2) && words.contains("cannot be opened"), "{words}");
+        let (code, printed) = on(&file, &command);
+        assert!(code == Some(2) && printed.contains("cannot be opened"), "{printed}");
     }
     let output = biped(&["run", "walk", "--quiet", "--record", "/nonexistent/run.mcap"]).output().expect("it starts");
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.code() == Some(4) && words.contains("/nonexistent/run.mcap cannot be written"), "{words}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert!(
+        output.status.code() == Some(4) && printed.contains("/nonexistent/run.mcap cannot be written"),
+        "{printed}"
+    );
 }
 
 #[test]
 fn tables_contain_every_message_bit_for_bit() {
     let file = record("walk", &["--in-process", "--set", "duration=0.5"]);
     let folder = fresh_path("tables");
-    let (code, words) = on(&file, &["convert", "--csv", &folder.to_string_lossy()]);
-    assert!(code == Some(0) && words.contains("truth.csv: 501 rows"), "{words}");
+    let (code, printed) = on(&file, &["convert", "--csv", &folder.to_string_lossy()]);
+    assert!(code == Some(0) && printed.contains("truth.csv: 501 rows"), "{printed}");
     let table = |name: &str| std::fs::read_to_string(folder.join(name)).expect("a table");
     let rows = |name: &str| table(name).lines().count() - 1;
     assert_eq!(["sensors.csv", "command.csv", "telemetry.csv"].map(rows), [501, 500, 500]);

@@ -18,9 +18,9 @@ use std::process::{Command, Output};
 
 /// Exit code and both outputs of a command that must not panic.
 fn result(output: Output) -> (Option<i32>, String) {
-    let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
-    assert!(!words.contains("panicked"), "{words}");
-    (output.status.code(), words)
+    let printed = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();
+    assert!(!printed.contains("panicked"), "{printed}");
+    (output.status.code(), printed)
 }
 
 fn on(arguments: &[&str]) -> (Option<i32>, String) {
@@ -44,8 +44,8 @@ fn summary(out: &Path) -> serde_json::Value {
 
 /// Asserts that a recording replays without a difference. Returns its length [bytes].
 fn assert_replays(file: &Path) -> u64 {
-    let (code, words) = on(&["replay", &file.to_string_lossy()]);
-    assert!(code == Some(0) && words.contains(" 0 differ"), "{code:?}: {words}");
+    let (code, printed) = on(&["replay", &file.to_string_lossy()]);
+    assert!(code == Some(0) && printed.contains(" 0 differ"), "{code:?}: {printed}");
     file.metadata().expect("a file").len()
 }
 
@@ -53,18 +53,21 @@ fn assert_replays(file: &Path) -> u64 {
 fn a_recording_ends_at_its_limit_and_the_run_continues() {
     let (file, out) = (fresh_path("end.mcap"), fresh_path("end"));
     let clean = |file: &Path| std::fs::remove_dir_all(&out).and_then(|()| std::fs::remove_file(file)).expect("our own");
-    let (code, words) = walk("", "", &file, &out);
-    assert_eq!(code, Some(0), "{words}");
+    let (code, printed) = walk("", "", &file, &out);
+    assert_eq!(code, Some(0), "{printed}");
     let (whole, hash) = (assert_replays(&file), summary(&out)["trajectory_hash"].clone());
-    assert!(summary(&out)["recording_ended_by"].is_null() && !words.contains("the recording"), "{words}");
+    assert!(summary(&out)["recording_ended_by"].is_null() && !printed.contains("the recording"), "{printed}");
     clean(&file);
     // a limit by option, and one by the system
     for (before, more, ends, limit, why) in [
         ("", "--record-limit 5M", 0, 5_000_000, "--record-limit of 5 MB is reached"),
         ("ulimit -f 8000", "", 11, 4_096_000, "File too large"),
     ] {
-        let (code, words) = walk(before, more, &file, &out);
-        assert!(code == Some(ends) && words.contains(why) && words.contains("the run continues"), "{code:?}: {words}");
+        let (code, printed) = walk(before, more, &file, &out);
+        assert!(
+            code == Some(ends) && printed.contains(why) && printed.contains("the run continues"),
+            "{code:?}: {printed}"
+        );
         let summary = summary(&out);
         let end = summary["recording_ended_by"].as_str().expect("a sentence");
         assert!(end.contains(why) && summary["trajectory_hash"] == hash && summary["fell"] == false, "{end}");
@@ -72,20 +75,23 @@ fn a_recording_ends_at_its_limit_and_the_run_continues() {
         assert!(report.contains(why), "the report says it");
         let length = assert_replays(&file);
         assert!((limit / 3..=limit).contains(&length) && length < whole, "{length} of {whole} bytes, limit {limit}");
-        let (_, words) = on(&["info", &file.to_string_lossy()]);
-        assert_eq!(words.contains("cut short"), ends != 0, "one that was ended in order has its index: {words}");
+        let (_, printed) = on(&["info", &file.to_string_lossy()]);
+        assert_eq!(printed.contains("cut short"), ends != 0, "one that was ended in order has its index: {printed}");
         clean(&file);
     }
-    let (code, words) = walk("", "", Path::new("/dev/full"), &out);
-    assert!(code == Some(11) && words.contains("No space left") && summary(&out)["trajectory_hash"] == hash, "{words}");
+    let (code, printed) = walk("", "", Path::new("/dev/full"), &out);
+    assert!(
+        code == Some(11) && printed.contains("No space left") && summary(&out)["trajectory_hash"] == hash,
+        "{printed}"
+    );
     std::fs::remove_dir_all(&out).expect("our own");
 }
 
 #[test]
 fn a_limit_must_be_a_size_and_a_full_disk_is_reported_before_the_run() {
     for bad in ["5", "3M", "fast", "nanG", "1Q", "infM"] {
-        let (code, words) = on(&["run", "walk", "--record", "x.mcap", "--record-limit", bad]);
-        assert!(code == Some(2) && words.contains("200M or 1.5G"), "{bad}: {words}");
+        let (code, printed) = on(&["run", "walk", "--record", "x.mcap", "--record-limit", bad]);
+        assert!(code == Some(2) && printed.contains("200M or 1.5G"), "{bad}: {printed}");
     }
     assert_eq!(on(&["run", "walk", "--record-limit", "200M"]).0, Some(2), "a limit of nothing");
     let file = fresh_path("long.mcap");
@@ -93,19 +99,19 @@ fn a_limit_must_be_a_size_and_a_full_disk_is_reported_before_the_run() {
     let push = "plant.push_impulse=[0,200,0] --set plant.push_time=0.1";
     let long = format!("run walk --in-process --quiet --set duration=1e12 --set {push} --record");
     let long: Vec<&str> = long.split(' ').collect();
-    let (code, words) = on(&[&long[..], &[&name]].concat());
-    assert!(code == Some(7) && words.contains("the run will take some 95"), "{code:?}: {words}");
-    let (_, words) = on(&[&long[..], &[&name, "--record-limit", "8M"]].concat());
-    assert!(!words.contains("will take"), "{words}");
+    let (code, printed) = on(&[&long[..], &[&name]].concat());
+    assert!(code == Some(7) && printed.contains("the run will take some 95"), "{code:?}: {printed}");
+    let (_, printed) = on(&[&long[..], &[&name, "--record-limit", "8M"]].concat());
+    assert!(!printed.contains("will take"), "{printed}");
     std::fs::remove_file(file).expect("our own file");
 }
 
 /// Records a short walk and writes the file again with changed records.
 fn forged(name: &str, mut change: impl FnMut(&mut Record)) -> PathBuf {
     let (file, forged) = (fresh_path("true.mcap"), fresh_path(name));
-    let (code, words) =
+    let (code, printed) =
         on(&["run", "walk", "--in-process", "--quiet", "--set", "duration=0.1", "--record", &file.to_string_lossy()]);
-    assert_eq!(code, Some(0), "{words}");
+    assert_eq!(code, Some(0), "{printed}");
     let bytes = std::fs::read(&file).expect("a recording");
     let mut writer = Writer::new(File::create(&forged).expect("a file")).expect("it begins");
     for record in mcap::read::ChunkFlattener::new(&bytes).expect("MCAP") {
@@ -174,8 +180,8 @@ fn the_scene_in_a_recording_is_checked_like_any_other() {
         });
         let place = fresh_path("forged");
         for command in commands(&file, &place) {
-            let words: Vec<&str> = command.iter().map(String::as_str).collect();
-            let (code, said) = on(&words);
+            let printed: Vec<&str> = command.iter().map(String::as_str).collect();
+            let (code, said) = on(&printed);
             assert!(
                 code == Some(2) && said.contains("the scene in") && said.contains(word),
                 "{command:?}: {code:?} {said}"
@@ -207,8 +213,8 @@ fn inconsistent_messages_are_read_or_refused_without_a_panic() {
         });
         let place = fresh_path("lies");
         for command in commands(&file, &place) {
-            let words: Vec<&str> = command.iter().map(String::as_str).collect();
-            let (code, said) = on(&words);
+            let printed: Vec<&str> = command.iter().map(String::as_str).collect();
+            let (code, said) = on(&printed);
             assert!(matches!(code, Some(0 | 2 | 4 | 7 | 8)), "trial {trial}: {command:?}: {code:?} {said}");
         }
         clean(&place);

@@ -43,9 +43,9 @@ fn number(summary: &Value, key: &str) -> f64 {
 #[test]
 fn the_robot_keeps_walking_through_swaps_from_rust_to_python_to_c_to_rust() {
     let programs = successors();
-    let (swapped, told) = walk("walk", &programs, &[4.0, 6.5, 9.0], &["--set", "duration=12"]);
-    assert_eq!(swapped["fell"], false, "{told}");
-    assert!(told.contains("3 controllers replaced"), "{told}");
+    let (swapped, printed) = walk("walk", &programs, &[4.0, 6.5, 9.0], &["--set", "duration=12"]);
+    assert_eq!(swapped["fell"], false, "{printed}");
+    assert!(printed.contains("3 controllers replaced"), "{printed}");
     std::fs::remove_file(&programs[1]).expect("our own file");
     let (undisturbed, _) = walk("walk", &[], &[], &["--set", "duration=12"]);
     let (distance, alone) = (number(&swapped, "distance_m"), number(&undisturbed, "distance_m"));
@@ -54,18 +54,18 @@ fn the_robot_keeps_walking_through_swaps_from_rust_to_python_to_c_to_rust() {
 
 #[test]
 fn a_successor_that_fails_is_named_and_the_run_ends_in_order() {
-    let (summary, told) = walk("stand", &["sh -c 'echo error: no legs >&2; exit 4'".into()], &[1.0], &[]);
-    assert!(told.contains("the controller failed (exit status: 4): no legs"), "{told}");
+    let (summary, printed) = walk("stand", &["sh -c 'echo error: no legs >&2; exit 4'".into()], &[1.0], &[]);
+    assert!(printed.contains("the controller failed (exit status: 4): no legs"), "{printed}");
     assert_eq!(summary["fell"], false);
 }
 
 #[test]
 fn a_successor_that_exits_before_its_swap_ends_the_run() {
-    let (summary, told) = walk("stand", &["true".into()], &[1.0], &[]);
-    assert!(told.contains("the successor exited before it took over"), "{told}");
+    let (summary, printed) = walk("stand", &["true".into()], &[1.0], &[]);
+    assert!(printed.contains("the successor exited before it took over"), "{printed}");
     assert_eq!(summary["fell"], false);
-    let (_, told) = walk("stand", &["sleep 600".into()], &[1.0], &["--patience", "1"]);
-    assert!(told.contains("the successor did not join within 1s"), "{told}");
+    let (_, printed) = walk("stand", &["sleep 600".into()], &[1.0], &["--patience", "1"]);
+    assert!(printed.contains("the successor did not join within 1s"), "{printed}");
 }
 
 #[test]
@@ -91,19 +91,19 @@ fn a_hundred_times(pace: &[&str]) {
         let (mut up, mut handed, mut fallen, mut alone) = (0, 0, vec![], 0);
         for _ in 0..34 {
             let times = [3.0, 5.5, 8.0].map(|time| time + 0.6 * random.f64());
-            let (summary, told) = walk(scene, &programs, &times, &arguments);
+            let (summary, printed) = walk(scene, &programs, &times, &arguments);
             let fell = summary["fell"] != false;
             let ended = if fell { number(&summary, "fall_time_s") } else { f64::INFINITY };
             let done = times.iter().filter(|time| **time < ended).count();
             handed += done;
             up += done - usize::from(fell && done > 0);
             if fell {
-                fallen.push(format!("at {ended:.2} s after hand-overs at {times:.2?}: {}", told.trim()));
+                fallen.push(format!("at {ended:.2} s after hand-overs at {times:.2?}: {}", printed.trim()));
             }
             alone += usize::from(walk(scene, &[], &[], &arguments).0["fell"] == false);
         }
         println!("{scene} {pace:?}: {up} of {handed} hand-overs left it up; without any, {alone} of 34 runs did");
-        fallen.iter().for_each(|words| println!("  fell {words}"));
+        fallen.iter().for_each(|printed| println!("  fell {printed}"));
     }
     std::fs::remove_file(&programs[1]).expect("our own file");
 }

@@ -24,11 +24,11 @@ fn tunnel(session: &str, path: &str) -> (Option<i32>, String) {
 
 #[test]
 fn a_missing_session_and_a_missing_tunnel_program_are_reported() {
-    let (code, words) = tunnel("nobody", "");
-    assert!(code == Some(3) && words.contains("`nobody` is not running"), "{code:?}: {words}");
+    let (code, printed) = tunnel("nobody", "");
+    assert!(code == Some(3) && printed.contains("`nobody` is not running"), "{code:?}: {printed}");
     let walk = Running::start("untunnelled", &["--realtime"]);
-    let (code, words) = tunnel(walk.session.name(), "");
-    assert!(code == Some(2) && words.contains("cargo install iceoryx2-"), "{code:?}: {words}");
+    let (code, printed) = tunnel(walk.session.name(), "");
+    assert!(code == Some(2) && printed.contains("cargo install iceoryx2-"), "{code:?}: {printed}");
     walk.end();
 }
 
@@ -36,10 +36,10 @@ fn a_missing_session_and_a_missing_tunnel_program_are_reported() {
 fn the_tunnel_gets_the_location_of_the_session_and_ends_with_it() {
     let folder = fresh_path("tunnel");
     std::fs::create_dir(&folder).expect("a folder");
-    let (program, told) = (folder.join("iox2-link-tunnel-zenoh"), folder.join("told"));
+    let (program, received) = (folder.join("iox2-link-tunnel-zenoh"), folder.join("received"));
     let script = format!(
         "#!/bin/sh\n(echo \"$@\"; cat config/iceoryx2.toml zenoh.json5) > {0}.new; mv {0}.new {0}; exec sleep 60\n",
-        told.display()
+        received.display()
     );
     std::fs::write(&program, script).expect("a script");
     std::fs::set_permissions(&program, PermissionsExt::from_mode(0o755)).expect("a script");
@@ -47,10 +47,10 @@ fn the_tunnel_gets_the_location_of_the_session_and_ends_with_it() {
     let path = format!("{}:{}", folder.display(), std::env::var("PATH").expect("a path"));
     let arguments = ["tunnel", "--session", walk.session.name(), "--listen", "tcp/127.0.0.1:7447"];
     let tunnel = biped(&arguments).env("PATH", path).spawn().expect("the program starts");
-    eventually("the start of the tunnel", || told.exists());
-    let words = std::fs::read_to_string(&told).expect("what it was told");
+    eventually("the start of the tunnel", || received.exists());
+    let printed = std::fs::read_to_string(&received).expect("its arguments");
     for word in ["--poll 1", "--allow biped/sensors --allow biped/command", "/dev/shm/biped_", "tcp/127.0.0.1:7447"] {
-        assert!(words.contains(word), "{word:?} is not in {words}");
+        assert!(printed.contains(word), "{word:?} is not in {printed}");
     }
     walk.end();
     let Output { status, stderr, .. } = tunnel.wait_with_output().expect("it ends");

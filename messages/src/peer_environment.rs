@@ -43,13 +43,13 @@ pub enum PeerEnvironmentError {
 
 impl PeerEnvironment {
     /// The environment variables.
-    pub fn environment(&self) -> Vec<(&'static str, String)> {
-        let mut environment = self.contract.environment(&self.session);
-        environment.push(("BIPED_PATIENCE", self.patience.as_secs_f64().to_string()));
+    pub fn variables(&self) -> Vec<(&'static str, String)> {
+        let mut variables = self.contract.variables(&self.session);
+        variables.push(("BIPED_PATIENCE", self.patience.as_secs_f64().to_string()));
         // A scene holds numbers and names only, so writing it as JSON cannot fail.
-        environment.push(("BIPED_SCENE", serde_json::to_string(&self.scene).unwrap_or_default()));
-        environment.extend(self.takes_over.then(|| ("BIPED_SUCCEEDS", "1".into())));
-        environment
+        variables.push(("BIPED_SCENE", serde_json::to_string(&self.scene).unwrap_or_default()));
+        variables.extend(self.takes_over.then(|| ("BIPED_SUCCEEDS", "1".into())));
+        variables
     }
 
     /// Writes this environment into the session, for programs that are started by hand, and the scene, for observers.
@@ -57,7 +57,7 @@ impl PeerEnvironment {
     /// # Errors
     /// [`PortError::SharedMemory`] if there is no room for it.
     pub fn publish(&self) -> Result<(), PortError> {
-        let variables: BTreeMap<_, _> = self.environment().into_iter().collect();
+        let variables: BTreeMap<_, _> = self.variables().into_iter().collect();
         self.session.publish_scene(&text(&self.scene))?;
         self.session.publish_environment(&serde_json::to_string(&variables).unwrap_or_default())
     }

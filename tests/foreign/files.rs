@@ -153,8 +153,8 @@ fn killed_at(bytes: u64) {
         .args(["convert".as_ref(), file.as_os_str(), "--mcap".as_ref(), whole.as_os_str()])
         .output()
         .expect("the program starts");
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert!(output.status.success() && words.contains("is cut short"), "{words}");
+    let printed = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && printed.contains("is cut short"), "{printed}");
     let converted = read(&whole);
     assert_eq!(converted["indexed"], killed["linear"]);
     assert_eq!((&converted["counts"], &converted["x"]), (&killed["counts"], &killed["x"]));

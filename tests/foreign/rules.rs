@@ -12,18 +12,18 @@ fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
         .env("OPENBLAS_NUM_THREADS", "1")
         .output()
         .expect("the program starts");
-    let told = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
-    (output.status.code(), told)
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+    (output.status.code(), printed)
 }
 
 #[test]
 fn the_python_programs_obey_the_rules_of_the_wire_format() {
     for controller in ["stand.py", "walk.py"] {
-        let (code, told) = conform("--controller", &format!("controller/foreign/python/{controller}"));
-        assert!(code == Some(0) && told.contains("32 rules kept"), "{controller}: {told}");
+        let (code, printed) = conform("--controller", &format!("controller/foreign/python/{controller}"));
+        assert!(code == Some(0) && printed.contains("32 rules kept"), "{controller}: {printed}");
     }
-    let (code, told) = conform("--plant", "plant/foreign/mujoco/plant.py");
-    assert!(code == Some(0) && told.contains("37 rules kept") && told.contains("lockstep alone"), "{told}");
+    let (code, printed) = conform("--plant", "plant/foreign/mujoco/plant.py");
+    assert!(code == Some(0) && printed.contains("37 rules kept") && printed.contains("lockstep alone"), "{printed}");
 }
 
 /// A piece of session.py, its replacement, and the expected message.
@@ -72,10 +72,10 @@ fn a_broken_rule_is_named() {
             text = text.replacen(good, bad, 1);
         }
         std::fs::write(folder.join("session.py"), text).expect("a file");
-        let (code, told) = conform("--controller", &folder.join("stand.py").display().to_string());
-        let broken = told.lines().filter(|line| line.starts_with("FAILED")).collect::<Vec<_>>().join("\n");
+        let (code, printed) = conform("--controller", &folder.join("stand.py").display().to_string());
+        let broken = printed.lines().filter(|line| line.starts_with("FAILED")).collect::<Vec<_>>().join("\n");
         for [_, bad, rule] in flaws {
-            assert!(code == Some(10) && broken.contains(rule), "{bad}: {rule}: {told}");
+            assert!(code == Some(10) && broken.contains(rule), "{bad}: {rule}: {printed}");
         }
         std::fs::remove_dir_all(folder).expect("our own folder");
     };

@@ -3,25 +3,25 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | the program under test | [`guest`] |
+//! | the program under test | [`program`] |
 //! | rules for every message | [`stamps`] |
 //! | the peer: a robot, or its controller | [`robot`], [`driver`] |
 //! | the rules of a controller, and of a plant | [`controller`], [`plant`] |
-//! | peers that it must refuse, and when it must give up | [`company`] |
+//! | peers that it must refuse, and when it must give up | [`refusals`] |
 
-mod company;
 mod controller;
 mod driver;
-mod guest;
 mod plant;
+mod program;
+mod refusals;
 mod report;
 mod robot;
 mod stamps;
 
-pub use company::others;
+pub use refusals::others;
 
 use clap::Args;
-use guest::ProgramSetup;
+use program::ProgramSetup;
 use report::RuleReport;
 use shared::args::SceneArgs;
 use shared::exit::{Exit, Failure, check_interrupt};

@@ -37,7 +37,7 @@ use std::time::Duration;
 /// Time limit for a restarted process to drive the robot.
 const RESPAWN: Duration = Duration::from_millis(250);
 /// Number of failures that are reported for each kind.
-const TOLD: usize = 3;
+const MAX_LISTED: usize = 3;
 
 /// Arguments of `biped faults`.
 #[derive(Args)]
@@ -123,7 +123,7 @@ impl fmt::Display for Fault {
         match self {
             Kill(role) => write!(f, "kill -9 of the {} at a random time", role.title()),
             KillAtCall(role) => write!(f, "kill -9 of the {} at a system call", role.title()),
-            KillAndRespawn(role) => write!(f, "kill -9 of the {}, started anew", role.title()),
+            KillAndRespawn(role) => write!(f, "kill -9 of the {}, restarted", role.title()),
             StopAndContinue(role) => write!(f, "{} stopped for up to 2 s", role.title()),
             StopForEver(role) => write!(f, "{} stopped for ever", role.title()),
             StoppedLauncher => f.write_str("launcher stopped until the others have ended"),
@@ -159,9 +159,9 @@ impl FaultRow {
         let count = trials.len();
         for trial in trials {
             match trial {
-                Ok(TrialOutcome { time, remark: told }) => {
+                Ok(TrialOutcome { time, remark: last }) => {
                     times.extend(time);
-                    remark = if told.is_empty() { remark } else { told };
+                    remark = if last.is_empty() { remark } else { last };
                 }
                 Err(error) => failures.push(error),
             }
@@ -190,9 +190,9 @@ const HEAD: &str = "| fault | trials | passed | median ms | greatest ms | |\n|--
 /// # Errors
 /// A trial that failed.
 pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let wanted = |fault: Fault| args.only.as_ref().is_none_or(|words| fault.to_string().contains(words));
+    let wanted = |fault: Fault| args.only.as_ref().is_none_or(|name| fault.to_string().contains(name));
     if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
-        return Err(Failure::new(Exit::Usage, "no fault has the words of --only in its name"));
+        return Err(Failure::new(Exit::Usage, "no fault has the text of --only in its name"));
     }
     args.out.as_deref().map_or(Ok(()), create_folder)?;
     let seed = args.seed.unwrap_or_else(|| fastrand::u64(..1 << 32));
@@ -212,8 +212,8 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
             row.failures.push(format!("a new process drives after {median:?}, not {RESPAWN:?}"));
         }
         print_text(format_args!("| {} |\n", row.cells().join(" | ")));
-        let told = row.failures.iter().take(TOLD).map(|failure| format!("{fault}: {failure}"));
-        failures.extend(told);
+        let lines = row.failures.iter().take(MAX_LISTED).map(|failure| format!("{fault}: {failure}"));
+        failures.extend(lines);
         rows.push(row);
     }
     if let Some(folder) = &args.out {
@@ -244,9 +244,9 @@ impl Fault {
         let times = |count: usize, trial: &mut dyn FnMut(usize) -> FaultTrial| {
             let progress = BatchProgress::new(quiet, count, 0, "trials");
             let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {
-                let told = trial(nth);
+                let outcome = trial(nth);
                 progress.add_done(1);
-                told
+                outcome
             });
             let all: Vec<FaultTrial> = all.collect();
             progress.finish();

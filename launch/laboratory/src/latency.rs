@@ -6,7 +6,7 @@
 //! | the parts of a round trip over our ports | [`breakdown`] |
 //! | the walk in lockstep | [`walk`] |
 //! | runs at 1 kHz of the clock, and the host's floor | [`paced`], [`floor`], [`watch`] |
-//! | both ends of a connection | [`talk`], [`peer`], [`serve`] |
+//! | both ends of a connection | [`initiator`], [`peer`], [`serve`] |
 //! | histograms, tables, drawings | [`spread`], [`results`], [`draw`], [`page`] |
 //! | the machine and its other load | [`host`] |
 
@@ -17,6 +17,7 @@ mod carrier;
 mod draw;
 mod floor;
 mod host;
+mod initiator;
 mod lines;
 mod paced;
 mod page;
@@ -25,7 +26,6 @@ mod results;
 mod serve;
 mod sockets;
 mod spread;
-mod talk;
 mod terms;
 mod walk;
 mod watch;

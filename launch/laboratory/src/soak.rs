@@ -70,9 +70,9 @@ pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
     let (_, scene) = walk(&["duration=1000000"]).map_err(fault)?;
-    let tape = args.record.recorder(&scene)?;
+    let recorder = args.record.recorder(&scene)?;
     let time = Duration::from_secs_f64(args.minutes * 60.0);
-    let Soaked { samples, simulated, falls, end } = soak(&scene, tape, pace, time, stop).map_err(fault)?;
+    let Soaked { samples, simulated, falls, end } = soak(&scene, recorder, pace, time, stop).map_err(fault)?;
     if let Some(folder) = &args.out {
         write_atomically(&folder.join("soak.csv"), &table(&samples)).map_err(|error| write_failure(folder, &error))?;
     }
@@ -121,15 +121,15 @@ fn table(samples: &[Sample]) -> String {
 /// Walks for a time and takes samples.
 fn soak(
     scene: &Scene,
-    mut tape: Option<McapRecorder>,
+    mut recorder: Option<McapRecorder>,
     pace: Pace,
     time: Duration,
     stop: &AtomicBool,
 ) -> Result<Soaked, String> {
     let stage = Stage::empty();
     let session = &stage.session;
-    let words = |error: &dyn ToString| error.to_string();
-    let mut port = RecorderPort::open(session, &Contract::of(scene, pace)).map_err(|e| words(&e))?;
+    let message = |error: &dyn ToString| error.to_string();
+    let mut port = RecorderPort::open(session, &Contract::of(scene, pace)).map_err(|e| message(&e))?;
     let start_role = |role: SessionRole| {
         let how: &[&str] = if pace == Pace::RealTime { &["--realtime"] } else { &[] };
         Subject::biped(
@@ -144,15 +144,15 @@ fn soak(
     // the first interval is a warm-up
     let mut due = interval;
     while start.elapsed() < time + interval && !stop.load(Relaxed) {
-        while let Some(next) = port.read().map_err(|e| words(&e))? {
+        while let Some(next) = port.read().map_err(|e| message(&e))? {
             is_finite(&next)?;
             if next.stamp.run != truth.stamp.run {
                 walked += seconds(&truth);
             }
             truth = *next;
-            if let Some(Err(early)) = tape.as_mut().map(|tape| tape.push(&truth)) {
+            if let Some(Err(early)) = recorder.as_mut().map(|recorder| recorder.push(&truth)) {
                 log(format_args!("{}; the walk goes on", early.message));
-                (tape, end) = (None, Some(early));
+                (recorder, end) = (None, Some(early));
             }
             replies.extend(Some(truth.reply_ns).filter(|ns| *ns > 0));
         }
@@ -163,7 +163,7 @@ fn soak(
         let has_fallen = truth.stamp.seq > 1 && truth.base_position[2] < UP;
         let limit = if reset == 0 { 1.0 } else { WALK }; // the first reset is part of warming up
         if (has_fallen || seconds(&truth) > limit) && reset != truth.stamp.run {
-            ask(session, Action::Reset { seed: None }).map_err(|e| words(&e))?;
+            ask(session, Action::Reset { seed: None }).map_err(|e| message(&e))?;
             reset = truth.stamp.run;
             falls += u32::from(has_fallen);
         }
@@ -173,7 +173,7 @@ fn soak(
         }
         std::thread::sleep(Duration::from_millis(1));
     }
-    let end = tape.map(McapRecorder::finish).and_then(Result::err).or(end);
+    let end = recorder.map(McapRecorder::finish).and_then(Result::err).or(end);
     Ok(Soaked { samples, simulated: walked + seconds(&truth), falls, end })
 }
 

@@ -11,7 +11,7 @@ use std::time::{Duration, Instant};
 #[derive(Debug)]
 pub struct Subject {
     process: Process,
-    words: Option<JoinHandle<String>>,
+    output: Option<JoinHandle<String>>,
 }
 
 impl Subject {
@@ -46,8 +46,8 @@ impl Subject {
     ) -> Result<Subject, String> {
         let silent = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut process = start(silent).map_err(|error| format!("{command:?} cannot be started: {error}"))?;
-        let words = process.stderr().map(|pipe| std::thread::spawn(move || read_stderr(pipe)));
-        Ok(Subject { process, words })
+        let output = process.stderr().map(|pipe| std::thread::spawn(move || read_stderr(pipe)));
+        Ok(Subject { process, output })
     }
 
     /// Identifier of the process.
@@ -66,8 +66,8 @@ impl Subject {
     }
 
     /// The output of the process, after its end.
-    pub fn words(&mut self) -> String {
-        self.words.take().and_then(|listener| listener.join().ok()).unwrap_or_default()
+    pub fn output(&mut self) -> String {
+        self.output.take().and_then(|listener| listener.join().ok()).unwrap_or_default()
     }
 
     /// Waits for the end of the process. Returns its exit status and its output.
@@ -77,7 +77,7 @@ impl Subject {
     pub fn end(mut self, limit: Duration) -> Result<(ExitStatus, String), String> {
         let late = || format!("not within {} s: the process ends", limit.as_secs_f64());
         let status = self.process.wait(limit).ok_or_else(late)?;
-        Ok((status, self.words()))
+        Ok((status, self.output()))
     }
 }
 

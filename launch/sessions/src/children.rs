@@ -168,9 +168,9 @@ pub fn sleep_until_exit(roles: &[RoleProcess], limit: Duration) {
 ///
 /// # Errors
 /// If the robot of the scene cannot be exported as MJCF.
-pub fn environment_variables(invitation: &PeerEnvironment) -> Result<Vec<(&'static str, String)>, Failure> {
-    let mut variables = invitation.environment();
-    variables.push(("BIPED_MJCF", export::mjcf(&invitation.scene)?));
+pub fn environment_variables(environment: &PeerEnvironment) -> Result<Vec<(&'static str, String)>, Failure> {
+    let mut variables = environment.variables();
+    variables.push(("BIPED_MJCF", export::mjcf(&environment.scene)?));
     let own_folder = std::env::current_exe().ok().and_then(|program| Some(program.parent()?.display().to_string()));
     let path = std::env::var("PATH").into_iter().chain(own_folder);
     variables.push(("PATH", path.collect::<Vec<_>>().join(":")));

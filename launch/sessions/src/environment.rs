@@ -49,7 +49,7 @@ pub fn run(args: &EnvironmentArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     let found = PeerEnvironment::attach(&name, Duration::from_secs_f64(args.wait), || !stop.load(Relaxed));
     check_interrupt(stop)?;
-    let variables = found?.environment();
+    let variables = found?.variables();
     let object = || variables.iter().map(|(key, value)| (key.to_string(), Value::from(value.as_str()))).collect();
     print_text(match args.format {
         EnvironmentFormat::Shell => {

@@ -43,7 +43,7 @@ pub struct RoleArgs {
 
 impl RoleArgs {
     /// The session and the scene: from the arguments, from a running session of that name, or from the environment variables.
-    fn invitation(&self, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
+    fn environment(&self, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
         let keeps_waiting = || !stop.load(Relaxed);
         let environment = match (&self.scene, &self.session) {
             (None, None) => PeerEnvironment::from_env(keeps_waiting),
@@ -102,17 +102,17 @@ pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 
 /// The common start of both roles, plant (0) and controller (1): session, scene, parent, processors.
 fn prepare(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
-    let invitation = args.invitation(stop)?;
+    let environment = args.environment(stop)?;
     if let Some(parent) = args.parent {
         // If the parent is already dead, this process may be the last one that can remove the files.
-        children::die_with_parent(parent).inspect_err(|_| invitation.session.remove_files())?;
+        children::die_with_parent(parent).inspect_err(|_| environment.session.remove_files())?;
     }
-    args.system.check_pace(invitation.contract.pace)?;
-    match invitation.contract.pace {
+    args.system.check_pace(environment.contract.pace)?;
+    match environment.contract.pace {
         Pace::RealTime => realtime::minimize_timer_slack(),
         Pace::Lockstep => realtime::pin_to_half(side), // first, because a thread that moves later has to wait
     }
-    Ok(invitation)
+    Ok(environment)
 }
 
 /// Applies the real-time settings. Call it when all shared memory is mapped, so that it is locked too.

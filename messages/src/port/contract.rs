@@ -74,7 +74,7 @@ impl Contract {
     }
 
     /// Environment variables by which a program in another language finds and joins a session: see docs/WIRE.md.
-    pub fn environment(&self, session: &Session) -> Vec<(&'static str, String)> {
+    pub fn variables(&self, session: &Session) -> Vec<(&'static str, String)> {
         let contract = self.attributes().map(|(key, value)| format!("{key}={value}\n")).concat();
         vec![
             ("BIPED_SESSION", session.name().into()),
@@ -108,7 +108,7 @@ mod tests {
     fn a_contract_reads_back_from_the_environment() {
         for pace in Pace::ALL {
             let contract = Contract { schema: SCHEMA_HASH, model: 7, rate: 1e3, dt: 1.0 / 3e3, pace, tunnel: false };
-            let (_, text) = contract.environment(&Session::unique()).remove(3);
+            let (_, text) = contract.variables(&Session::unique()).remove(3);
             assert_eq!(Contract::parse(&text), Some(contract));
             for line in text.lines() {
                 assert_eq!(Contract::parse(&text.replace(line, "")), None, "without {line}");

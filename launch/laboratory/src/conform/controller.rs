@@ -1,7 +1,7 @@
 //! The rules of a controller. This program is its plant, with a simulated robot.
 
-use super::company::{self, ProgramRole};
-use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::program::{END_LIMIT, ProgramSetup, ProgramUnderTest};
+use super::refusals::{self, ProgramRole};
 use super::report::RuleReport;
 use super::robot::{SILENCE, SimulatedRobot, simulation};
 use super::stamps::Stamps;
@@ -24,41 +24,42 @@ const ON_TIME: Duration = Duration::from_secs(1);
 
 /// Checks all rules of a controller.
 pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let company = |host: &ProgramSetup, report: &mut RuleReport| company::check(host, ProgramRole::Controller, report);
-    report.each(host, &[conversation, succession, company, on_time])
+    let refusals =
+        |host: &ProgramSetup, report: &mut RuleReport| refusals::check(host, ProgramRole::Controller, report);
+    report.each(host, &[conversation, succession, refusals, on_time])
 }
 
 /// One session from start to end.
 fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let invitation = host.invitation(Pace::Lockstep);
-    let mut robot = SimulatedRobot::new(host, &invitation)?;
+    let environment = host.environment(Pace::Lockstep);
+    let mut robot = SimulatedRobot::new(host, &environment)?;
     let start = Instant::now();
-    let mut guest = host.invite(&invitation)?;
-    let first = robot.ask(&mut guest, robot.simulation.sensors());
+    let mut program = host.start(&environment)?;
+    let first = robot.ask(&mut program, robot.simulation.sensors());
     let took = || format!("after {} ms", start.elapsed().as_millis());
     let rule = "opens the session with its contract, and answers within its patience";
     if !report.rule(rule, ENVIRONMENT, first.map(|_| took())) {
         return Ok(());
     }
-    let is_member = guest.is_member_of(&invitation.session).then(String::new);
+    let is_member = program.is_member_of(&environment.session).then(String::new);
     let is_member = is_member.ok_or_else(|| "it does not hold the file …_members open".into());
     report.rule("is a member of the session, by its lock", "Topics", is_member);
 
     let again = robot.torques;
-    let answer = robot.ask(&mut guest, robot.simulation.sensors());
+    let answer = robot.ask(&mut program, robot.simulation.sensors());
     let same = answer.and_then(|answer| match answer.torques == again {
         true => Ok(String::new()),
         false => Err("it had other torques".into()),
     });
     report.rule("sensors that come again get the same answer again", PERIOD, same);
 
-    let talk = robot.walk(&mut guest, LONG);
-    let went = talk.as_ref().map(|_| format!("{LONG} control periods")).map_err(Clone::clone);
+    let first_run = robot.walk(&mut program, LONG);
+    let went = first_run.as_ref().map(|_| format!("{LONG} control periods")).map_err(Clone::clone);
     let goes_on = report.rule("answers sensors after sensors in lockstep", PERIOD, went);
     if goes_on {
         report.rule("answers each of them once", PERIOD, robot.silence());
-        damage(&mut robot, &mut guest, report);
-        burst(&mut robot, &mut guest, report);
+        damage(&mut robot, &mut program, report);
+        burst(&mut robot, &mut program, report);
     }
     let (clamped, count) = (robot.stamps.clamped, robot.stamps.count);
     let before = std::mem::take(&mut robot.stamps);
@@ -71,10 +72,10 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
     }
 
     robot.simulation = simulation(host)?;
-    let anew = robot.walk(&mut guest, SHORT);
-    let differs = anew.and_then(|anew| {
-        let talk = talk.unwrap_or_default();
-        match anew.iter().zip(&talk).position(|(new, old)| new != old) {
+    let second_run = robot.walk(&mut program, SHORT);
+    let differs = second_run.and_then(|second_run| {
+        let first_run = first_run.unwrap_or_default();
+        match second_run.iter().zip(&first_run).position(|(new, old)| new != old) {
             None => Ok(String::new()),
             Some(at) => {
                 Err(format!("the same sensors got other torques than in the first run, from number {} on", at + 1))
@@ -83,12 +84,12 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
     });
     let numbers = std::mem::take(&mut robot.stamps).first_break();
     let finding = differs.and_then(|said| numbers.map_or(Ok(said), Err));
-    report.rule("takes a new run as a new robot, and counts from 1 anew", PERIOD, finding);
+    report.rule("takes a new run as a new robot, and counts from 1 again", PERIOD, finding);
 
     let last = robot.simulation.sensors();
-    let told = robot.port.send(Sensors { last: 1, ..last });
-    told.map_err(|error| error.to_string())?;
-    let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[]));
+    let sent = robot.port.send(Sensors { last: 1, ..last });
+    sent.map_err(|error| error.to_string())?;
+    let ended = program.end(END_LIMIT).and_then(|ended| ended.in_order(&[]));
     report.rule("`last` = 1 ends it in order within 3 s, with exit code 0", PERIOD, ended);
     let said = robot.port.try_receive().map_err(|error| error.to_string())?;
     let said = said.map_or(Ok(String::new()), |command| Err(format!("command {} came", command.stamp.seq)));
@@ -100,7 +101,7 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
 type ControllerFlaw = (&'static str, fn(&mut Sensors));
 
 /// Damaged sensors must not be answered; good ones afterwards must be.
-fn damage(robot: &mut SimulatedRobot, guest: &mut ProgramUnderTest, report: &mut RuleReport) {
+fn damage(robot: &mut SimulatedRobot, program: &mut ProgramUnderTest, report: &mut RuleReport) {
     let good = robot.simulation.sensors().sealed();
     let kinds: [ControllerFlaw; 3] = [
         ("whose check sum is wrong", |sensors| sensors.encoders.counts[3] ^= 1 << 7),
@@ -120,24 +121,24 @@ fn damage(robot: &mut SimulatedRobot, guest: &mut ProgramUnderTest, report: &mut
             passed.and_then(|()| robot.silence()),
         );
     }
-    let answer = robot.walk(guest, 1).map(|_| String::new());
+    let answer = robot.walk(program, 1).map(|_| String::new());
     report.rule("good ones afterwards are", "Every message", answer);
 }
 
 /// Of several sensors at once, the newest must be answered.
-fn burst(robot: &mut SimulatedRobot, guest: &mut ProgramUnderTest, report: &mut RuleReport) {
+fn burst(robot: &mut SimulatedRobot, program: &mut ProgramUnderTest, report: &mut RuleReport) {
     let first = robot.simulation.sensors();
     let nth = |nth: u64| {
         let stamp = Stamp { seq: first.stamp.seq + nth, mono_ns: now_ns(), ..first.stamp };
         Sensors { stamp, ..first }
     };
-    guest.signal(Signal::SIGSTOP);
+    program.signal(Signal::SIGSTOP);
     std::thread::sleep(SILENCE); // until it has stopped
     let sent = (0..BURST).try_for_each(|n| robot.port.send(nth(n))).map_err(|error| error.to_string());
-    guest.signal(Signal::SIGCONT);
+    program.signal(Signal::SIGCONT);
     let newest = first.stamp.seq + BURST - 1;
     let expected = Sensors { stamp: Stamp { seq: newest, ..first.stamp }, ..first };
-    let answer = sent.and_then(|()| robot.answer(guest, &expected));
+    let answer = sent.and_then(|()| robot.answer(program, &expected));
     let finding = answer.and_then(|answer| match answer.stamp.ack == newest {
         true => Ok(String::new()),
         false => Err(format!("of sensors {} to {newest} it answered {}", first.stamp.seq, answer.stamp.ack)),
@@ -147,24 +148,24 @@ fn burst(robot: &mut SimulatedRobot, guest: &mut ProgramUnderTest, report: &mut 
 
 /// A killed and restarted controller, a second controller, and TERM.
 fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let invitation = host.invitation(Pace::Lockstep);
-    let mut robot = SimulatedRobot::new(host, &invitation)?;
-    let mut guest = host.invite(&invitation)?;
-    if robot.walk(&mut guest, SHORT).is_err() {
+    let environment = host.environment(Pace::Lockstep);
+    let mut robot = SimulatedRobot::new(host, &environment)?;
+    let mut program = host.start(&environment)?;
+    if robot.walk(&mut program, SHORT).is_err() {
         return Ok(()); // already reported
     }
-    let epoch = robot.ask(&mut guest, robot.simulation.sensors())?.stamp.epoch;
-    guest.signal(Signal::SIGKILL);
-    guest.end(GOODBYE)?;
+    let epoch = robot.ask(&mut program, robot.simulation.sensors())?.stamp.epoch;
+    program.signal(Signal::SIGKILL);
+    program.end(END_LIMIT)?;
     robot.stamps = Stamps::default();
-    let mut guest = host.invite(&invitation)?;
-    let answer = robot.ask(&mut guest, robot.simulation.sensors());
+    let mut program = host.start(&environment)?;
+    let answer = robot.ask(&mut program, robot.simulation.sensors());
     let other = answer.and_then(|answer| match answer.stamp.epoch == epoch {
         true => Err(format!("epoch {epoch:x} is that of the one before: draw it at random")),
         false => Ok(String::new()),
     });
-    report.rule("killed and started anew in the same session, it answers under another epoch", "Every message", other);
-    let drives = robot.walk(&mut guest, SHORT).and_then(|_| match robot.simulation.commands().tally().refused {
+    report.rule("killed and restarted in the same session, it answers under another epoch", "Every message", other);
+    let drives = robot.walk(&mut program, SHORT).and_then(|_| match robot.simulation.commands().tally().refused {
         refused if refused.iter().any(|&count| count > 0) => Err(robot.simulation.commands().tally().to_string()),
         _ => Ok(String::new()),
     });
@@ -172,29 +173,29 @@ fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String
         return Ok(());
     }
 
-    let mut second = host.invite(&invitation)?;
+    let mut second = host.start(&environment)?;
     let start = Instant::now();
     let mut walks = Ok(vec![]);
-    while walks.is_ok() && !second.has_ended() && start.elapsed() < host.patience + GOODBYE {
-        walks = robot.walk(&mut guest, 1);
+    while walks.is_ok() && !second.has_ended() && start.elapsed() < host.patience + END_LIMIT {
+        walks = robot.walk(&mut program, 1);
     }
     let refused = second.end(Duration::ZERO).and_then(|ended| ended.by_refusing());
     report.rule("a second one beside it ends with a sentence", "Topics", refused);
-    let walks = walks.and_then(|_| robot.walk(&mut guest, SHORT));
+    let walks = walks.and_then(|_| robot.walk(&mut program, SHORT));
     report.rule("and the first drives on", "Topics", walks.map(|_| String::new()));
 
-    guest.signal(Signal::SIGTERM);
-    let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[company::INTERRUPTED]));
+    program.signal(Signal::SIGTERM);
+    let ended = program.end(END_LIMIT).and_then(|ended| ended.in_order(&[refusals::INTERRUPTED]));
     report.rule("TERM ends it in order within 3 s", ENVIRONMENT, ended);
     Ok(())
 }
 
 /// In real time. The result is a remark, because speed is not a rule.
 fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let invitation = host.invitation(Pace::RealTime);
-    let mut robot = SimulatedRobot::new(host, &invitation)?;
-    let mut guest = host.invite(&invitation)?;
-    if let Err(instead) = robot.walk(&mut guest, 1) {
+    let environment = host.environment(Pace::RealTime);
+    let mut robot = SimulatedRobot::new(host, &environment)?;
+    let mut program = host.start(&environment)?;
+    if let Err(instead) = robot.walk(&mut program, 1) {
         report.rule("answers in real time", "A control period, step 3", Err(instead));
         return Ok(());
     }

@@ -1,6 +1,6 @@
 //! The peer of a plant: its controller and a recorder.
 
-use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::program::{END_LIMIT, ProgramSetup, ProgramUnderTest};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use controller::Controller;
@@ -30,11 +30,11 @@ pub struct Driver {
 }
 
 impl Driver {
-    pub fn new(host: &ProgramSetup, invitation: &PeerEnvironment) -> Result<Driver, String> {
-        let words = |error: PortError| error.to_string();
+    pub fn new(host: &ProgramSetup, environment: &PeerEnvironment) -> Result<Driver, String> {
+        let text = |error: PortError| error.to_string();
         Ok(Driver {
-            recorder: RecorderPort::open(&invitation.session, &invitation.contract).map_err(words)?,
-            port: ControllerPort::open(&invitation.session, &invitation.contract).map_err(words)?,
+            recorder: RecorderPort::open(&environment.session, &environment.contract).map_err(text)?,
+            port: ControllerPort::open(&environment.session, &environment.contract).map_err(text)?,
             controller: Controller::new(&host.scene).map_err(|error| error.to_string())?,
             rate: host.scene.rate,
             patience: host.patience,
@@ -66,12 +66,12 @@ impl Driver {
     }
 
     /// The next sensors, or why there are none.
-    pub fn next(&mut self, guest: &mut ProgramUnderTest) -> Result<Sensors, String> {
+    pub fn next(&mut self, program: &mut ProgramUnderTest) -> Result<Sensors, String> {
         let start = Instant::now();
         while !self.look()? {
             let before = self.sensors.stamp.seq;
-            if guest.has_ended() {
-                return Err(format!("it ended after sensors {before}: {}", guest.end(GOODBYE)?));
+            if program.has_ended() {
+                return Err(format!("it ended after sensors {before}: {}", program.end(END_LIMIT)?));
             }
             if start.elapsed() > self.patience {
                 return Err(format!("no sensors after number {before} within {} s", self.patience.as_secs_f64()));
@@ -105,11 +105,11 @@ impl Driver {
     }
 
     /// Runs control periods in lockstep until these sensors or the last ones.
-    pub fn drive(&mut self, guest: &mut ProgramUnderTest, until: u64) -> Result<(), String> {
+    pub fn drive(&mut self, program: &mut ProgramUnderTest, until: u64) -> Result<(), String> {
         while self.sensors.stamp.seq < until && self.sensors.last == 0 {
             let command = self.answer()?;
             self.pass_on(command)?;
-            self.next(guest)?;
+            self.next(program)?;
         }
         Ok(())
     }

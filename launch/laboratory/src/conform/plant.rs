@@ -1,8 +1,8 @@
 //! The rules of a plant. This program is its controller and a recorder.
 
-use super::company::{self, ProgramRole};
 use super::driver::Driver;
-use super::guest::{Ended, GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::program::{END_LIMIT, Ended, ProgramSetup, ProgramUnderTest};
+use super::refusals::{self, ProgramRole};
 use super::report::{Finding, RuleReport};
 use super::stamps::Stamps;
 use controller::Controller;
@@ -26,8 +26,8 @@ pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String>
     let mut scene = host.scene.clone();
     scene.duration = DURATION;
     let host = &ProgramSetup { command: host.command.clone(), scene, patience: host.patience };
-    let company = |host: &ProgramSetup, report: &mut RuleReport| company::check(host, ProgramRole::Plant, report);
-    report.each(host, &[conversation, succession, company, silence, on_time])
+    let refusals = |host: &ProgramSetup, report: &mut RuleReport| refusals::check(host, ProgramRole::Plant, report);
+    report.each(host, &[conversation, succession, refusals, silence, on_time])
 }
 
 /// Commands that must not be accepted before the first good one: description, index into [`REFUSALS`], and the defect.
@@ -46,18 +46,18 @@ const SEALED: [PlantFlaw; 5] = [
 
 /// One session from start to end.
 fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let invitation = host.invitation(Pace::Lockstep);
-    let mut driver = Driver::new(host, &invitation)?;
+    let environment = host.environment(Pace::Lockstep);
+    let mut driver = Driver::new(host, &environment)?;
     let start = Instant::now();
-    let mut guest = host.invite(&invitation)?;
-    let first = driver.next(&mut guest).and_then(|first| match first.stamp.seq {
+    let mut program = host.start(&environment)?;
+    let first = driver.next(&mut program).and_then(|first| match first.stamp.seq {
         1 => Ok(format!("after {} ms", start.elapsed().as_millis())),
         other => Err(format!("number {other} came")),
     });
     if !report.rule("opens the session with its contract, and sends sensors number 1", YOURS, first) {
         return Ok(());
     }
-    let is_member = guest.is_member_of(&invitation.session).then(String::new);
+    let is_member = program.is_member_of(&environment.session).then(String::new);
     let is_member = is_member.ok_or_else(|| "it does not hold the file …_members open".into());
     report.rule("is a member of the session, by its lock", "Topics", is_member);
     report.rule("encoders count from the zero angle of the scene", YOURS, at_the_start(host, &driver.sensors));
@@ -78,7 +78,7 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
         }
     }
     driver.pass_on(good)?;
-    let went = driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT));
+    let went = driver.next(&mut program).and_then(|_| driver.drive(&mut program, SHORT));
     let went = went.map(|()| String::new());
     if !report.rule("goes on with a good one, in lockstep", LOCKSTEP, went) {
         return Ok(());
@@ -87,18 +87,18 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
     refused[4] += 1;
     report.rule("a command of before is not taken for the answer", GATE, driver.silence());
     driver.stamp = Stamp { epoch: random(), seq: 0, ..driver.stamp };
-    let taken = driver.drive(&mut guest, 2 * SHORT).map(|()| String::new());
+    let taken = driver.drive(&mut program, 2 * SHORT).map(|()| String::new());
     report.rule("a controller with another epoch takes over", GATE, taken);
 
     let periods = (DURATION * host.scene.rate).round() as u64;
-    let went = driver.drive(&mut guest, u64::MAX).and_then(|()| match driver.sensors.stamp.seq {
+    let went = driver.drive(&mut program, u64::MAX).and_then(|()| match driver.sensors.stamp.seq {
         last if last == periods + 1 => Ok(format!("number {last}")),
         other => Err(format!("number {other} was the last, not {}", periods + 1)),
     });
     if !report.rule("runs to the scene's end, and says so by `last` = 1", YOURS, went) {
         return Ok(());
     }
-    let ended = guest.end(GOODBYE).and_then(|ended| ended.in_order(&[]));
+    let ended = program.end(END_LIMIT).and_then(|ended| ended.in_order(&[]));
     report.rule("then ends in order within 3 s, with exit code 0", YOURS, ended);
     driver.look()?; // the rest of the truth messages
     std::mem::take(&mut driver.stamps).report(report, false);
@@ -108,11 +108,14 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
         is_complete(&driver.truths, periods + 1),
     );
     let tally = driver.truths.last().map(|truth| truth.tally).unwrap_or_default();
-    let told = REFUSALS.iter().enumerate().filter(|(reason, _)| tally.refused[*reason] != refused[*reason]);
-    let told: Vec<String> =
-        told.map(|(k, why)| format!("{} instead of {} {why}", tally.refused[k], refused[k])).collect();
-    let told = if told.is_empty() { Ok(String::new()) } else { Err(told.join("; ")) };
-    report.rule("counts every refusal by its reason", GATE, told);
+    let wrong: Vec<String> = REFUSALS
+        .iter()
+        .enumerate()
+        .filter(|(reason, _)| tally.refused[*reason] != refused[*reason])
+        .map(|(k, why)| format!("{} instead of {} {why}", tally.refused[k], refused[k]))
+        .collect();
+    let finding = if wrong.is_empty() { Ok(String::new()) } else { Err(wrong.join("; ")) };
+    report.rule("counts every refusal by its reason", GATE, finding);
     let takeovers = match tally.takeovers {
         1 => Ok(String::new()),
         other => Err(format!("{other} instead of 1")),
@@ -151,51 +154,53 @@ fn is_complete(truths: &[Truth], wanted: u64) -> Finding {
 
 /// A killed and restarted plant, a second plant, and TERM.
 fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let invitation = host.invitation(Pace::Lockstep);
-    let mut driver = Driver::new(host, &invitation)?;
-    let mut guest = host.invite(&invitation)?;
-    if driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT)).is_err() {
+    let environment = host.environment(Pace::Lockstep);
+    let mut driver = Driver::new(host, &environment)?;
+    let mut program = host.start(&environment)?;
+    if driver.next(&mut program).and_then(|_| driver.drive(&mut program, SHORT)).is_err() {
         return Ok(()); // already reported
     }
     let run = driver.sensors.stamp.run;
-    guest.signal(Signal::SIGKILL);
-    guest.end(GOODBYE)?;
+    program.signal(Signal::SIGKILL);
+    program.end(END_LIMIT)?;
     driver.stamps = Stamps::default();
-    let mut guest = host.invite(&invitation)?;
-    let other = driver.next(&mut guest).and_then(|first| match (first.stamp.run == run, first.stamp.seq) {
+    let mut program = host.start(&environment)?;
+    let other = driver.next(&mut program).and_then(|first| match (first.stamp.run == run, first.stamp.seq) {
         (true, _) => Err(format!("run {run:x} is that of the one before: draw it at random")),
         (false, 1) => Ok(String::new()),
         (false, other) => Err(format!("it began with number {other}")),
     });
-    if !report.rule("killed and started anew in the same session, it begins another run", YOURS, other) {
+    if !report.rule("killed and restarted in the same session, it begins another run", YOURS, other) {
         return Ok(());
     }
     driver.controller = Controller::new(&host.scene).map_err(|error| error.to_string())?;
-    let mut second = host.invite(&invitation)?;
+    let mut second = host.start(&environment)?;
     let refused = second.end(host.patience).and_then(|ended| ended.by_refusing());
     report.rule("a second one beside it ends with a sentence", "Topics", refused);
-    let goes_on = driver.drive(&mut guest, SHORT).map(|()| String::new());
+    let goes_on = driver.drive(&mut program, SHORT).map(|()| String::new());
     report.rule("and the first goes on", "Topics", goes_on);
-    guest.signal(Signal::SIGTERM);
-    farewell(&mut driver, &mut guest, "TERM ends it", GOODBYE, report, |ended| ended.in_order(&[company::INTERRUPTED]));
+    program.signal(Signal::SIGTERM);
+    farewell(&mut driver, &mut program, "TERM ends it", END_LIMIT, report, |ended| {
+        ended.in_order(&[refusals::INTERRUPTED])
+    });
     Ok(())
 }
 
 /// Checks that the plant ends in time and in an allowed way, and that its last sensors announce the end.
 fn farewell(
     driver: &mut Driver,
-    guest: &mut ProgramUnderTest,
+    program: &mut ProgramUnderTest,
     what: &str,
     limit: Duration,
     report: &mut RuleReport,
     how: impl Fn(&Ended) -> Finding,
 ) {
     let start = Instant::now();
-    while !guest.has_ended() && start.elapsed() < limit {
+    while !program.has_ended() && start.elapsed() < limit {
         let _ = driver.look();
     }
     let _ = driver.look();
-    let ended = guest.end(Duration::ZERO).and_then(|ended| how(&ended));
+    let ended = program.end(Duration::ZERO).and_then(|ended| how(&ended));
     report.rule(&format!("{what} within {:.0} s", limit.as_secs_f64()), YOURS, ended);
     let last = match driver.sensors.last {
         0 => Err("it left without a word".into()),
@@ -206,14 +211,14 @@ fn farewell(
 
 /// A controller that becomes silent in lockstep.
 fn silence(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let mut invitation = host.invitation(Pace::Lockstep);
-    invitation.patience = Duration::from_secs(1);
-    let mut driver = Driver::new(host, &invitation)?;
-    let mut guest = host.invite(&invitation)?;
-    if driver.next(&mut guest).and_then(|_| driver.drive(&mut guest, SHORT)).is_ok() {
-        let limit = invitation.patience + GOODBYE;
+    let mut environment = host.environment(Pace::Lockstep);
+    environment.patience = Duration::from_secs(1);
+    let mut driver = Driver::new(host, &environment)?;
+    let mut program = host.start(&environment)?;
+    if driver.next(&mut program).and_then(|_| driver.drive(&mut program, SHORT)).is_ok() {
+        let limit = environment.patience + END_LIMIT;
         let what = "a silent controller ends it, after its patience, with a sentence,";
-        farewell(&mut driver, &mut guest, what, limit, report, Ended::by_refusing);
+        farewell(&mut driver, &mut program, what, limit, report, Ended::by_refusing);
     }
     Ok(())
 }
@@ -222,12 +227,12 @@ fn silence(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
 fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let mut host = ProgramSetup { command: host.command.clone(), scene: host.scene.clone(), patience: host.patience };
     host.scene.duration = 1e6;
-    let invitation = host.invitation(Pace::RealTime);
-    let mut driver = Driver::new(&host, &invitation)?;
-    let mut guest = host.invite(&invitation)?;
-    let why = match driver.next(&mut guest) {
+    let environment = host.environment(Pace::RealTime);
+    let mut driver = Driver::new(&host, &environment)?;
+    let mut program = host.start(&environment)?;
+    let why = match driver.next(&mut program) {
         Ok(first) if first.last == 0 => None,
-        Ok(_) => Some(guest.end(GOODBYE)?.to_string()),
+        Ok(_) => Some(program.end(END_LIMIT)?.to_string()),
         Err(why) => Some(why),
     };
     if let Some(why) = why {
@@ -265,7 +270,9 @@ fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
         "A control period, step 5",
         finding,
     );
-    guest.signal(Signal::SIGTERM);
-    farewell(&mut driver, &mut guest, "TERM ends it", GOODBYE, report, |ended| ended.in_order(&[company::INTERRUPTED]));
+    program.signal(Signal::SIGTERM);
+    farewell(&mut driver, &mut program, "TERM ends it", END_LIMIT, report, |ended| {
+        ended.in_order(&[refusals::INTERRUPTED])
+    });
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! The results, rule by rule.
 
-use super::guest::ProgramSetup;
+use super::program::ProgramSetup;
 use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 

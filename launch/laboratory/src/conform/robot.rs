@@ -1,6 +1,6 @@
 //! The peer of a controller: a simulated robot.
 
-use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::program::{END_LIMIT, ProgramSetup, ProgramUnderTest};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use messages::clock::{now_ns, random};
@@ -25,22 +25,22 @@ pub struct SimulatedRobot {
 }
 
 impl SimulatedRobot {
-    pub fn new(host: &ProgramSetup, invitation: &PeerEnvironment) -> Result<SimulatedRobot, String> {
-        let port = PlantPort::open(&invitation.session, &invitation.contract).map_err(|error| error.to_string())?;
+    pub fn new(host: &ProgramSetup, environment: &PeerEnvironment) -> Result<SimulatedRobot, String> {
+        let port = PlantPort::open(&environment.session, &environment.contract).map_err(|error| error.to_string())?;
         let simulation = simulation(host)?;
         let (stamps, limit) = (Stamps::default(), host.scene.plant.torque_limit);
         Ok(SimulatedRobot { port, simulation, stamps, limit, patience: host.patience, torques: Torques::default() })
     }
 
     /// Sends these sensors and waits for a command; an error says why there is none.
-    pub fn ask(&mut self, guest: &mut ProgramUnderTest, sensors: Sensors) -> Result<Command, String> {
+    pub fn ask(&mut self, program: &mut ProgramUnderTest, sensors: Sensors) -> Result<Command, String> {
         let sensors = Sensors { stamp: Stamp { mono_ns: now_ns(), ..sensors.stamp }, ..sensors };
         self.port.send(sensors).map_err(|error| error.to_string())?;
-        self.answer(guest, &sensors)
+        self.answer(program, &sensors)
     }
 
     /// Waits for the command that answers these sensors.
-    pub fn answer(&mut self, guest: &mut ProgramUnderTest, sensors: &Sensors) -> Result<Command, String> {
+    pub fn answer(&mut self, program: &mut ProgramUnderTest, sensors: &Sensors) -> Result<Command, String> {
         let start = Instant::now();
         loop {
             if let Some(command) = self.port.wait().map_err(|error| error.to_string())? {
@@ -51,8 +51,8 @@ impl SimulatedRobot {
                 return Ok(command);
             }
             let asked = sensors.stamp.seq;
-            if guest.has_ended() {
-                return Err(format!("it ended at sensors {asked}: {}", guest.end(GOODBYE)?));
+            if program.has_ended() {
+                return Err(format!("it ended at sensors {asked}: {}", program.end(END_LIMIT)?));
             }
             if start.elapsed() > self.patience {
                 return Err(format!("no answer to sensors {asked} within {} s", self.patience.as_secs_f64()));
@@ -61,10 +61,10 @@ impl SimulatedRobot {
     }
 
     /// Runs control periods in lockstep; returns the torques of each.
-    pub fn walk(&mut self, guest: &mut ProgramUnderTest, periods: usize) -> Result<Vec<Torques>, String> {
+    pub fn walk(&mut self, program: &mut ProgramUnderTest, periods: usize) -> Result<Vec<Torques>, String> {
         let mut torques = vec![];
         for _ in 0..periods {
-            let command = self.ask(guest, self.simulation.sensors())?;
+            let command = self.ask(program, self.simulation.sensors())?;
             self.simulation.receive(&command);
             self.simulation.advance().map_err(|error| format!("our robot cannot go on: {error}"))?;
             torques.push(command.torques);

@@ -21,19 +21,19 @@ pub fn side_by_side(
     let next = AtomicUsize::new(0);
     let seeds: Vec<u64> = (0..count).map(|_| random.u64(..)).collect();
     let work = &|first: bool| {
-        let mut told: Vec<(usize, FaultTrial)> = vec![];
+        let mut outcomes: Vec<(usize, FaultTrial)> = vec![];
         // the first worker may use the common shared memory
         if memory::of_ones_own().is_err() && !first {
-            return told;
+            return outcomes;
         }
         while !stop.load(Relaxed)
             && let nth = next.fetch_add(1, Relaxed)
             && nth < count
         {
-            told.push((nth, trial(nth, &mut fastrand::Rng::with_seed(seeds[nth]))));
+            outcomes.push((nth, trial(nth, &mut fastrand::Rng::with_seed(seeds[nth]))));
             progress.add_done(1);
         }
-        told
+        outcomes
     };
     let mut all = std::thread::scope(|scope| {
         let workers: Vec<_> = (0..ABREAST.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
@@ -42,5 +42,5 @@ pub fn side_by_side(
     });
     progress.finish();
     all.sort_by_key(|(nth, _)| *nth);
-    all.into_iter().map(|(_, told)| told).collect()
+    all.into_iter().map(|(_, outcomes)| outcomes).collect()
 }

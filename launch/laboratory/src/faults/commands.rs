@@ -80,10 +80,10 @@ impl Rogue {
     fn start(scene: &Scene, settings: &str) -> Result<Rogue, String> {
         let stage = Stage::empty();
         let contract = Contract::of(scene, Pace::Lockstep);
-        let port = ControllerPort::open(&stage.session, &contract).map_err(words)?;
-        let listener = RecorderPort::open(&stage.session, &contract).map_err(words)?;
+        let port = ControllerPort::open(&stage.session, &contract).map_err(message)?;
+        let listener = RecorderPort::open(&stage.session, &contract).map_err(message)?;
         let plant = ["plant", "walk", "--set", settings, "--patience", "2", "--session", stage.session.name()];
-        let (plant, controller) = (Subject::biped(&plant)?, Controller::new(scene).map_err(words)?);
+        let (plant, controller) = (Subject::biped(&plant)?, Controller::new(scene).map_err(message)?);
         let (sent, truth) = (Command::default(), Truth::default());
         Ok(Rogue { port, listener, plant, controller, sent, truth, _stage: stage })
     }
@@ -92,9 +92,9 @@ impl Rogue {
     fn ask(&mut self) -> Result<Sensors, String> {
         let start = Instant::now();
         loop {
-            match self.port.wait().map_err(words)? {
+            match self.port.wait().map_err(message)? {
                 Some(sensors) if sensors.stamp.seq != self.sent.stamp.ack => return Ok(sensors),
-                _ if self.plant.has_ended() => return Err(format!("the plant has ended: {}", self.plant.words())),
+                _ if self.plant.has_ended() => return Err(format!("the plant has ended: {}", self.plant.output())),
                 _ if self.sent.stamp.ack > 0 && start.elapsed() > LIMIT => return Err("the plant is silent".into()),
                 _ => (),
             }
@@ -103,14 +103,14 @@ impl Rogue {
 
     /// The correct answer, not yet sent. Its sequence number leaves room for bad commands before it.
     fn answer(&mut self, sensors: &Sensors) -> Result<Command, String> {
-        let torques = self.controller.tick(&sensors.encoders).map_err(words)?;
+        let torques = self.controller.tick(&sensors.encoders).map_err(message)?;
         let (asked, seq) = (sensors.stamp, self.sent.stamp.seq + 1 + BEFORE as u64);
         let stamp = Stamp { run: asked.run, epoch: 1, seq, ack: asked.seq, sim_ns: asked.sim_ns, ..Stamp::default() };
         Ok(Command { stamp, torques, telemetry: self.controller.telemetry() }.sealed())
     }
 
     fn listen(&mut self, mut check: impl FnMut(&Truth) -> Result<(), String>) -> Result<(), String> {
-        while let Some(truth) = self.listener.read().map_err(words)? {
+        while let Some(truth) = self.listener.read().map_err(message)? {
             is_finite(&truth)?;
             check(&truth)?;
             self.truth = *truth;
@@ -122,7 +122,7 @@ impl Rogue {
         self.truth.tally.refused.iter().sum()
     }
 
-    fn told(&self, how: &str, start: Instant) -> TrialOutcome {
+    fn outcome(&self, how: &str, start: Instant) -> TrialOutcome {
         let refused = self.truth.tally.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0);
         let refused: Vec<String> = refused.map(|(count, reason)| format!("{count} {reason}")).collect();
         let (walked, took) = (self.truth.stamp.sim_ns as f64 * 1e-9, start.elapsed().as_secs_f64());
@@ -133,7 +133,7 @@ impl Rogue {
     }
 }
 
-fn words(error: impl ToString) -> String {
+fn message(error: impl ToString) -> String {
     error.to_string()
 }
 
@@ -143,8 +143,8 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
     let (_, scene) = walk(&["duration=100000"])?;
     let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
     // the same walk without the flood, here
-    let mut calm = Simulation::new(&scene, 1, 1).map_err(words)?;
-    let mut hashes = vec![0, calm.truth().hash];
+    let mut undisturbed = Simulation::new(&scene, 1, 1).map_err(message)?;
+    let mut hashes = vec![0, undisturbed.truth().hash];
     while rogue.refused() < count {
         if start.elapsed() > LONGEST {
             return Err(format!("after {LONGEST:?} only {} were refused: the machine is too busy", rogue.refused()));
@@ -156,24 +156,24 @@ pub fn flood(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
             let flaw = CommandFlaw::VARIANTS[random.usize(0..CommandFlaw::VARIANTS.len())];
             // it answers the previous sensors, so that the plant continues to wait for the good command
             let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
-            rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(words)?;
+            rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(message)?;
             let begin = Instant::now();
             while begin.elapsed() < READ {
                 std::thread::yield_now(); // the plant may need this processor
             }
         }
-        rogue.port.send_raw(good).map_err(words)?;
+        rogue.port.send_raw(good).map_err(message)?;
         rogue.sent = good;
-        let stamp = Stamp { ack: calm.sensors().stamp.seq, ..calm.sensors().stamp };
-        calm.receive(&Command { stamp, ..good }.sealed());
-        calm.advance().map_err(words)?;
-        hashes.push(calm.truth().hash);
+        let stamp = Stamp { ack: undisturbed.sensors().stamp.seq, ..undisturbed.sensors().stamp };
+        undisturbed.receive(&Command { stamp, ..good }.sealed());
+        undisturbed.advance().map_err(message)?;
+        hashes.push(undisturbed.truth().hash);
         rogue.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {
             true => Ok(()),
             false => Err(format!("at period {} the walk differs from the walk without bad commands", truth.stamp.seq)),
         })?;
     }
-    Ok(rogue.told("bit for bit as without them", start))
+    Ok(rogue.outcome("bit for bit as without them", start))
 }
 
 /// Every second answer must be refused. The walk continues with the torques of the previous period.
@@ -185,12 +185,12 @@ pub fn every_other(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
         let good = rogue.answer(&sensors)?;
         let bad = [CommandFlaw::NotANumber, CommandFlaw::Infinite, CommandFlaw::Huge][random.usize(0..3)];
         let is_bad = sensors.stamp.seq > 1 && sensors.stamp.seq % 2 == 0;
-        rogue.port.send_raw(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(words)?;
+        rogue.port.send_raw(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(message)?;
         rogue.sent = good;
         rogue.listen(|truth| match truth.base_position[2] > 0.2 {
             true => Ok(()),
             false => Err(format!("the robot fell at period {}", truth.stamp.seq)),
         })?;
     }
-    Ok(rogue.told("upright", start))
+    Ok(rogue.outcome("upright", start))
 }

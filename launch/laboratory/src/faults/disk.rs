@@ -47,11 +47,11 @@ fn walk(namespaces: &[&str], script: &str) -> FaultTrial {
         [] => command.args(["-c", script]),
         some => command.args(some).args(["sh", "-c", script]),
     })?;
-    let (status, words) = process.end(LIMIT * 20)?;
-    let told = words.lines().find(|line| line.starts_with("the recording")).unwrap_or("").to_string();
-    let is_told = told.contains("ends at") && told.contains("the run continues");
-    match is(status, Exit::Unrecorded) && is_told {
-        true => Ok(TrialOutcome { time: Some(start.elapsed()), remark: told }),
-        false => Err(format!("{status}: {words}")),
+    let (status, output) = process.end(LIMIT * 20)?;
+    let sentence = output.lines().find(|line| line.starts_with("the recording")).unwrap_or("").to_string();
+    let is_reported = sentence.contains("ends at") && sentence.contains("the run continues");
+    match is(status, Exit::Unrecorded) && is_reported {
+        true => Ok(TrialOutcome { time: Some(start.elapsed()), remark: sentence }),
+        false => Err(format!("{status}: {output}")),
     }
 }

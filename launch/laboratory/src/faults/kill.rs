@@ -23,12 +23,12 @@ pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial 
     let number = stage.wait_for(victim)?;
     let start = Instant::now();
     send(number, Signal::SIGKILL)?;
-    let (took, _, words) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
+    let (took, _, output) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
     // a killed launcher reports nothing
     match victim {
         SessionRole::Launcher => Ok(took.into()),
-        _ if words.contains(&format!("the {} failed", victim.name())) && words.contains("SIGKILL") => Ok(took.into()),
-        _ => Err(format!("killed after {wait:?}, it was not named: {words}")),
+        _ if output.contains(&format!("the {} failed", victim.name())) && output.contains("SIGKILL") => Ok(took.into()),
+        _ => Err(format!("killed after {wait:?}, it was not named: {output}")),
     }
 }
 
@@ -86,18 +86,18 @@ pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
         return Err(at(error));
     }
     if !peer.done {
-        return Err(at(format!("its successor ended: {}", successor.words())));
+        return Err(at(format!("its successor ended: {}", successor.output())));
     }
     eventually("its successor ends", LIMIT, || {
         let _ = peer.answer(); // goodbye
         successor.has_ended()
     })
     .map_err(at)?;
-    let (status, words) = successor.end(LIMIT).map_err(at)?;
+    let (status, output) = successor.end(LIMIT).map_err(at)?;
     drop(peer);
     let left = stage.session.shm_files();
     match () {
-        () if !status.success() => Err(at(format!("its successor ended with {status}: {words}"))),
+        () if !status.success() => Err(at(format!("its successor ended with {status}: {output}"))),
         () if !left.is_empty() => Err(at(format!("left {}", left[0].display()))),
         () => Ok(took.into()),
     }
@@ -134,7 +134,7 @@ impl SurvivingPeer {
 
     /// One exchange, or a short wait.
     fn answer(&mut self) -> Result<(), String> {
-        let told = match &mut self.place {
+        let sent = match &mut self.place {
             SurvivorPort::Controller(port) => port.wait().and_then(|sensors| {
                 let Some(Sensors { stamp, last, .. }) = sensors else { return Ok(()) };
                 self.done |= last != 0;
@@ -147,7 +147,7 @@ impl SurvivingPeer {
                 said.and_then(|()| port.wait()).map(|command| self.done |= command.is_some())
             }
         };
-        told.map_err(|error| error.to_string())
+        sent.map_err(|error| error.to_string())
     }
 }
 

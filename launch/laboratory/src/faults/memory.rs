@@ -23,15 +23,15 @@ pub fn full(kilobytes: u64, fill: Option<Duration>) -> FaultTrial {
     let start = Instant::now();
     let process =
         Subject::start(Command::new("unshare").args(["--user", "--map-root-user", "--mount", "sh", "-c", &script]))?;
-    let (status, words) = process.end(LIMIT * 10)?;
+    let (status, output) = process.end(LIMIT * 10)?;
     let took = start.elapsed();
-    let first = words.lines().find(|line| line.contains("error")).unwrap_or("").trim().to_string();
+    let first = output.lines().find(|line| line.contains("error")).unwrap_or("").trim().to_string();
     match status.code() {
         Some(0) => Ok(TrialOutcome { time: Some(took), remark: String::new() }),
-        Some(6) if words.contains("/dev/shm") => Ok(TrialOutcome { time: Some(took), remark: first }),
-        Some(4) if words.contains("SIGBUS") => Ok(TrialOutcome { time: Some(took), remark: first }),
-        Some(99) => Err(format!("files remain: {words}")),
-        _ => Err(format!("{kilobytes} kB: {status}: {words}")),
+        Some(6) if output.contains("/dev/shm") => Ok(TrialOutcome { time: Some(took), remark: first }),
+        Some(4) if output.contains("SIGBUS") => Ok(TrialOutcome { time: Some(took), remark: first }),
+        Some(99) => Err(format!("files remain: {output}")),
+        _ => Err(format!("{kilobytes} kB: {status}: {output}")),
     }
 }
 

@@ -46,10 +46,10 @@ pub fn laid(random: &mut fastrand::Rng) -> FaultTrial {
     let took = start.elapsed();
     let _ = std::fs::remove_file(&list).or_else(|_| std::fs::remove_dir(&list));
     match ended? {
-        (status, words) if is(status, Exit::SharedMemory) && words.contains("is not a regular file") => {
+        (status, output) if is(status, Exit::SharedMemory) && output.contains("is not a regular file") => {
             cleared(&session, took.into())
         }
-        (status, words) => Err(format!("{status}: {words}")),
+        (status, output) => Err(format!("{status}: {output}")),
     }
 }
 
@@ -64,10 +64,10 @@ pub fn loud(random: &mut fastrand::Rng) -> FaultTrial {
     let start = Instant::now();
     let session = Session::unique();
     let walk = ["run", "walk", "--quiet", "--session", session.name(), "--controller", &controller];
-    let (status, words) = Subject::biped(&walk)?.end(LIMIT * 20)?;
+    let (status, output) = Subject::biped(&walk)?.end(LIMIT * 20)?;
     match is(status, Exit::Ok) {
         true => cleared(&session, start.elapsed().into()),
-        false => Err(format!("{status} after {bytes} bytes: {}", words.lines().last().unwrap_or_default())),
+        false => Err(format!("{status} after {bytes} bytes: {}", output.lines().last().unwrap_or_default())),
     }
 }
 

@@ -20,10 +20,10 @@ pub fn second(role: SessionRole) -> FaultTrial {
         role => vec![role.name(), "walk", "--set", WALK[1]],
     };
     let intruder = Subject::biped(&[&intruder[..], &["--session", stage.session.name()]].concat())?;
-    let (status, words) = intruder.end(LIMIT)?;
+    let (status, output) = intruder.end(LIMIT)?;
     let took = start.elapsed();
-    if !is(status, Exit::Incompatible) || !(words.contains("already")) {
-        return Err(format!("it was not refused: {status}: {words}"));
+    if !is(status, Exit::Incompatible) || !(output.contains("already")) {
+        return Err(format!("it was not refused: {status}: {output}"));
     }
     walks_on(&stage)?;
     Ok(took.into())
@@ -35,20 +35,20 @@ pub fn other_contract() -> FaultTrial {
     stage.is_set()?;
     let (_, scene) = walk(&[WALK[1]])?;
     let ours = Contract::of(&scene, Pace::Lockstep);
-    let mut told = vec![];
+    let mut named = vec![];
     for (_, other) in conform::others(&ours) {
         let opened =
             [ControllerPort::open(&stage.session, &other).err(), PlantPort::open(&stage.session, &other).err()];
         for error in opened {
             match error {
-                Some(PortError::Incompatible { what, theirs, ours, .. }) if theirs != ours => told.push(what),
+                Some(PortError::Incompatible { what, theirs, ours, .. }) if theirs != ours => named.push(what),
                 other => return Err(format!("not refused as incompatible: {other:?}")),
             }
         }
     }
     walks_on(&stage)?;
-    told.dedup();
-    Ok(TrialOutcome { time: None, remark: format!("each refused with both values: {}", told.join(", ")) })
+    named.dedup();
+    Ok(TrialOutcome { time: None, remark: format!("each refused with both values: {}", named.join(", ")) })
 }
 
 /// Checks that the original processes are still running a moment later.

@@ -93,7 +93,7 @@ impl Stage {
         })?;
         match &mut self.launcher {
             Some(launcher) if is_over => {
-                Err(format!("the run was over before it was seen to begin: {}", launcher.words()))
+                Err(format!("the run was over before it was seen to begin: {}", launcher.output()))
             }
             _ => Ok(()),
         }
@@ -120,9 +120,9 @@ impl Stage {
         let numbers = entries.filter_map(|entry| entry.file_name().to_string_lossy().parse().ok());
         let of_it = |number: u32| {
             let line = std::fs::read_to_string(format!("/proc/{number}/cmdline")).ok()?;
-            let words: Vec<&str> = line.split('\0').collect();
-            let is_of_it = words.contains(&self.session.name()) && is_alive(number);
-            is_of_it.then(|| (number, words[1].to_string()))
+            let arguments: Vec<&str> = line.split('\0').collect();
+            let is_of_it = arguments.contains(&self.session.name()) && is_alive(number);
+            is_of_it.then(|| (number, arguments[1].to_string()))
         };
         numbers.filter_map(of_it).collect()
     }
@@ -130,23 +130,23 @@ impl Stage {
     /// Checks that the launcher and its child processes end within the limit and leave no files. Returns the time since `start` and the
     /// standard error.
     pub fn must_end(self, start: Instant) -> Result<(Duration, ExitStatus, String), String> {
-        let (took, status, words) = self.must_end_some_time(start)?;
+        let (took, status, output) = self.must_end_some_time(start)?;
         match took > LIMIT {
-            true => Err(format!("it took {:.1} s to end: {words}", took.as_secs_f64())),
-            false => Ok((took, status, words)),
+            true => Err(format!("it took {:.1} s to end: {output}", took.as_secs_f64())),
+            false => Ok((took, status, output)),
         }
     }
 
     /// The same without a limit.
     pub fn must_end_some_time(mut self, start: Instant) -> Result<(Duration, ExitStatus, String), String> {
         let launcher = self.launcher.take().ok_or("there is no launcher")?;
-        let (status, words) = launcher.end(LONG)?;
+        let (status, output) = launcher.end(LONG)?;
         eventually("every process ends", LONG, || self.living().is_empty())?;
         let took = start.elapsed();
         let left = self.session.shm_files();
         match left.first() {
             Some(file) => Err(format!("{} files are left, such as {}", left.len(), file.display())),
-            None => Ok((took, status, words)),
+            None => Ok((took, status, output)),
         }
     }
 }

@@ -29,9 +29,9 @@ pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand:
     let ended = stage.must_end_some_time(start);
     let hash = hash(&folder);
     let _ = std::fs::remove_dir_all(&folder);
-    let (_, status, words) = ended?;
+    let (_, status, output) = ended?;
     match hash? {
-        _ if !is(status, Exit::Ok) => Err(format!("stopped for {pause:?}: {status}: {words}")),
+        _ if !is(status, Exit::Ok) => Err(format!("stopped for {pause:?}: {status}: {output}")),
         hash if hash != reference => Err(format!("after a stop of {pause:?} the trajectory is different")),
         _ => Ok(TrialOutcome::default()),
     }
@@ -64,10 +64,10 @@ pub fn for_ever(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     std::thread::sleep(Duration::from_millis(random.u64(0..500)));
     let number = stage.wait_for(victim)?;
     send(number, Signal::SIGSTOP)?;
-    let (took, status, words) = stage.must_end(Instant::now() + patience)?;
-    match words.contains("silent") || words.contains("answered within") || words.contains("sent sensors within") {
+    let (took, status, output) = stage.must_end(Instant::now() + patience)?;
+    match output.contains("silent") || output.contains("answered within") || output.contains("sent sensors within") {
         true if !is(status, Exit::Ok) => Ok(took.into()),
-        _ => Err(format!("{status}, and no message names the silent process: {words}")),
+        _ => Err(format!("{status}, and no message names the silent process: {output}")),
     }
 }
 

@@ -50,7 +50,7 @@ impl BarePlant {
             BarePlant::Bare(port) => port.poll(),
             BarePlant::Ours(port) => port.wait(),
         };
-        while hear(&mut look)?.stamp.ack != stamp.seq {}
+        while receive(&mut look)?.stamp.ack != stamp.seq {}
         Ok(())
     }
 
@@ -96,7 +96,7 @@ impl BareController {
                 BareController::Bare(port) => port.poll(),
                 BareController::Ours(port) => port.wait(),
             };
-            let Sensors { stamp, last, .. } = hear(&mut look)?;
+            let Sensors { stamp, last, .. } = receive(&mut look)?;
             if last != 0 {
                 return Ok(());
             }
@@ -111,7 +111,7 @@ impl BareController {
 
 /// Polls until there is a message.
 #[inline]
-fn hear<M>(look: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
+fn receive<M>(look: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
     let mut start = None;
     for looks in 1_u32.. {
         if let Some(message) = look()? {

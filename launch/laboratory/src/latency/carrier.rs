@@ -2,12 +2,12 @@
 
 use super::bare;
 use super::bench::Bench;
+use super::initiator::Initiator;
 use super::lines::Wake;
 use super::peer::Order;
 use super::results::Results;
 use super::sockets::{Meeting, SIZE, Socket};
 use super::spread::Spread;
-use super::talk::Talk;
 use super::terms::null_plant;
 use messages::clock::now_ns;
 use messages::port::Waiting;
@@ -109,26 +109,26 @@ fn turn(bench: &mut Bench, results: &mut Results, carrier: Carrier, count: u32) 
         }
         Carrier::Port(waiting) => {
             let session = bench.session()?;
-            let mut talk = Talk::open(&session, &null_plant(), waiting, bench.stop)?;
+            let mut initiator = Initiator::open(&session, &null_plant(), waiting, bench.stop)?;
             bench.peer.order(&Order::Echo {
                 session: session.name().into(),
                 waiting,
                 system: RealtimeArgs::default(),
             })?;
-            talk.meet()?;
+            initiator.first_exchange()?;
             let mut sent = now_ns();
             let limit = sent + bench.plan.turn_ns;
             for seq in 2..=u64::from(count) {
-                talk.exchange(Sensors {
+                initiator.exchange(Sensors {
                     stamp: Stamp { seq, mono_ns: sent, ..Stamp::default() },
                     ..Sensors::default()
                 })?;
-                sent = talk.heard_ns;
+                sent = initiator.received_ns;
                 if sent > limit {
                     break;
                 }
             }
-            talk.end(results, carrier.name())
+            initiator.end(results, carrier.name())
         }
     }
 }

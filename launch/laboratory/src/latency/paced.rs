@@ -3,10 +3,10 @@
 use super::bench::Bench;
 use super::floor::{Floor, PERIOD_NS, late};
 use super::host::Usage;
+use super::initiator::Initiator;
 use super::peer::Order;
 use super::results::Results;
 use super::spread::Spread;
-use super::talk::Talk;
 use super::terms::null_plant;
 use super::watch::HostWatch;
 use messages::clock::now_ns;
@@ -39,9 +39,9 @@ pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     bench.step(LINK)?;
     minimize_timer_slack();
     let (session, waiting) = (bench.session()?, Waiting::Hybrid);
-    let mut talk = Talk::open(&session, &null_plant(), waiting, bench.stop)?;
+    let mut initiator = Initiator::open(&session, &null_plant(), waiting, bench.stop)?;
     bench.peer.order(&Order::Echo { session: session.name().into(), waiting, system: system.for_child(1) })?;
-    talk.meet()?;
+    initiator.first_exchange()?;
     let (mut wake, mut trip, mut skipped) = (Spread::new()?, Spread::new()?, 0);
     let begin = now_ns() + 20 * PERIOD_NS; // time to get ready
     let end = begin + (bench.plan.paced_s * 1e9) as u64;
@@ -56,15 +56,15 @@ pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         deadline += missed / PERIOD_NS * PERIOD_NS;
         seq += 1;
         let stamp = Stamp { seq, mono_ns: now_ns(), ..Stamp::default() };
-        talk.exchange(Sensors { stamp, ..Sensors::default() })?;
-        trip.add_due(talk.heard_ns - deadline, PERIOD_NS);
+        initiator.exchange(Sensors { stamp, ..Sensors::default() })?;
+        trip.add_due(initiator.received_ns - deadline, PERIOD_NS);
         deadline += PERIOD_NS;
     }
     let used = Usage::of("thread-self").since(before);
     results.put(LINK, FLOOR, &floor.finish()?);
     results.put(LINK, "wake", &wake);
     results.put(LINK, "round trip from the deadline", &trip);
-    talk.end(results, LINK)?;
+    initiator.end(results, LINK)?;
     results.count(LINK, "skipped periods", skipped as f64);
     usage(results, LINK, used);
     Ok(())

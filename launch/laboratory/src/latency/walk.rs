@@ -1,10 +1,10 @@
 //! The whole walk over the link in lockstep: the cost of a control period if the plant waits for each answer.
 
 use super::bench::Bench;
+use super::initiator::Initiator;
 use super::peer::Order;
 use super::results::Results;
 use super::spread::Spread;
-use super::talk::Talk;
 use messages::clock::now_ns;
 use messages::load::load;
 use messages::port::{Contract, Pace, Waiting};
@@ -52,31 +52,31 @@ pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> 
     for (waiting, section) in WAYS {
         bench.step(section)?;
         let session = bench.session()?;
-        let mut talk = Talk::open(&session, &Contract::of(&scene, Pace::Lockstep), waiting, bench.stop)?;
+        let mut initiator = Initiator::open(&session, &Contract::of(&scene, Pace::Lockstep), waiting, bench.stop)?;
         bench.peer.order(&Order::Walk { session: session.name().into(), waiting, seconds })?;
         let (mut compute, mut period) = (Spread::new()?, Spread::new()?);
         let mut simulation = Simulation::new(&scene, 1, 1)?;
         let limit = now_ns() + bench.plan.walk_ns;
         let walked = plant::process::drive(&mut simulation, |simulation, sensors, _| {
-            let begun = talk.heard_ns;
+            let begun = initiator.received_ns;
             if sensors.last != 0 || begun > limit {
                 return Err(End::Time);
             }
             let command = match begun {
-                0 => talk.ask(sensors)?, // the other side may still be starting
-                _ => talk.exchange(*sensors)?,
+                0 => initiator.ask(sensors)?, // the other side may still be starting
+                _ => initiator.exchange(*sensors)?,
             };
             simulation.receive(&command);
             if begun > 0 {
                 compute.add(sensors.stamp.mono_ns - begun);
-                period.add(talk.heard_ns - begun);
+                period.add(initiator.received_ns - begun);
             }
             Ok(ExchangeOutcome::Advance { late_ns: 0 })
         });
         if let Err(End::Failed(failure)) = walked {
             return Err(failure);
         }
-        talk.end(results, section)?;
+        initiator.end(results, section)?;
         results.put(section, "plant computes", &compute);
         results.put(section, "whole period", &period);
     }

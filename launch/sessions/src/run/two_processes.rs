@@ -42,14 +42,14 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
     let contract = Contract::of(scene, args.pace.pace());
     let bar = monitor.progress.bar.clone();
     let patience = args.pace.patience();
-    let invitation =
+    let environment =
         PeerEnvironment { session: cleanup.0.clone(), contract, patience, scene: scene.clone(), takes_over: false };
     let arguments = |child| [child_arguments(args, &cleanup.0), args.system.for_child(child).arguments()].concat();
     let start = |child: usize| {
         let name = ["plant", "controller"][child];
         match [&args.plant, &args.controller][child] {
             Some(command) => {
-                RoleProcess::start_foreign(name, command, &children::environment_variables(&invitation)?, &bar)
+                RoleProcess::start_foreign(name, command, &children::environment_variables(&environment)?, &bar)
             }
             None => RoleProcess::start(name, &arguments(child), &bar),
         }
@@ -65,15 +65,15 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
     }
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = open_with_timeout(|| RecorderPort::open(&cleanup.0, &contract))?;
-    invitation.publish()?;
+    environment.publish()?;
     let mut roles = vec![held.map_or_else(|| start(0), Ok)?];
     roles[0].release();
     roles.extend(controller);
     let mut restarts_left = args.respawn;
     let mut swaps = SwapSchedule::new(&args.swap, &cleanup.0, &contract, patience);
     let start_successor = |command: &str| {
-        let invitation = PeerEnvironment { takes_over: true, ..invitation.clone() };
-        RoleProcess::start_foreign("controller", command, &children::environment_variables(&invitation)?, &bar)
+        let environment = PeerEnvironment { takes_over: true, ..environment.clone() };
+        RoleProcess::start_foreign("controller", command, &children::environment_variables(&environment)?, &bar)
     };
     let mut controller_exit: Option<Instant> = None;
     let (mut is_gone, mut last_poll) = (false, Instant::now());

@@ -13,7 +13,7 @@ use std::process::ExitStatus;
 use std::time::Duration;
 
 /// Time limit for the program to end after the request to end.
-pub const GOODBYE: Duration = Duration::from_secs(3);
+pub const END_LIMIT: Duration = Duration::from_secs(3);
 
 /// The tested program and the scene.
 pub struct ProgramSetup {
@@ -25,7 +25,7 @@ pub struct ProgramSetup {
 
 impl ProgramSetup {
     /// A unique session with the scene's contract.
-    pub fn invitation(&self, pace: Pace) -> PeerEnvironment {
+    pub fn environment(&self, pace: Pace) -> PeerEnvironment {
         let (scene, session) = (self.scene.clone(), Session::unique());
         PeerEnvironment {
             session,
@@ -37,11 +37,11 @@ impl ProgramSetup {
     }
 
     /// Starts the program in the session.
-    pub fn invite(&self, invitation: &PeerEnvironment) -> Result<ProgramUnderTest, String> {
-        let environment = children::environment_variables(invitation).map_err(|failure| failure.message)?;
+    pub fn start(&self, environment: &PeerEnvironment) -> Result<ProgramUnderTest, String> {
+        let variables = children::environment_variables(environment).map_err(|failure| failure.message)?;
         let mut command =
             child_command(&children::become_arguments(&self.command)).map_err(|error| error.to_string())?;
-        Ok(ProgramUnderTest { process: Some(Subject::start_group(command.envs(environment))?) })
+        Ok(ProgramUnderTest { process: Some(Subject::start_group(command.envs(variables))?) })
     }
 }
 
@@ -71,16 +71,16 @@ impl ProgramUnderTest {
     /// Waits for the end of the process. Returns exit status and standard error.
     pub fn end(&mut self, limit: Duration) -> Result<Ended, String> {
         let process = self.process.take().ok_or("it has ended already")?;
-        let (status, words) =
+        let (status, text) =
             process.end(limit).map_err(|_| format!("it was still there after {} s", limit.as_secs_f64()))?;
-        Ok(Ended { status, words })
+        Ok(Ended { status, text })
     }
 }
 
 /// The end of a program under test.
 pub struct Ended {
     status: ExitStatus,
-    words: String,
+    text: String,
 }
 
 impl Ended {
@@ -94,7 +94,7 @@ impl Ended {
 
     /// A refusal: an exit code other than 0, and a sentence.
     pub fn by_refusing(&self) -> Result<String, String> {
-        if self.words.contains("Traceback ") || self.words.contains("panicked at") {
+        if self.text.contains("Traceback ") || self.text.contains("panicked at") {
             return Err(format!("it crashed, {self}"));
         }
         match (self.status.code(), self.sentence()) {
@@ -106,8 +106,8 @@ impl Ended {
 
     /// The explanation of the program: its error message, or else its last line.
     fn sentence(&self) -> Option<&str> {
-        let error = self.words.lines().find_map(|line| line.strip_prefix("error: "));
-        error.or_else(|| self.words.lines().rfind(|line| !line.trim().is_empty()))
+        let error = self.text.lines().find_map(|line| line.strip_prefix("error: "));
+        error.or_else(|| self.text.lines().rfind(|line| !line.trim().is_empty()))
     }
 }
 

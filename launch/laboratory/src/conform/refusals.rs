@@ -1,6 +1,6 @@
 //! Peers that a program must refuse, and when it must give up: the same for plant and controller.
 
-use super::guest::{GOODBYE, ProgramSetup, ProgramUnderTest};
+use super::program::{END_LIMIT, ProgramSetup, ProgramUnderTest};
 use super::report::RuleReport;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError};
 use messages::session::Session;
@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Exit code after TERM.
 pub const INTERRUPTED: i32 = 130;
 /// Time after which a process without a peer gives up.
-const LONELY: Duration = Duration::from_secs(1);
+const LIMIT_ALONE: Duration = Duration::from_secs(1);
 const REFUSAL: &str = "Topics";
 
 /// Role of the tested program.
@@ -51,38 +51,37 @@ pub fn others(ours: &Contract) -> [(&'static str, Contract); 4] {
 
 /// Sessions with another contract and sessions without a peer, all in parallel.
 pub fn check(host: &ProgramSetup, role: ProgramRole, report: &mut RuleReport) -> Result<(), String> {
-    let mut alone = host.invitation(Pace::Lockstep);
-    alone.patience = LONELY;
-    let lonely = host.invite(&alone)?;
+    let mut environment_alone = host.environment(Pace::Lockstep);
+    environment_alone.patience = LIMIT_ALONE;
+    let mut program_alone = host.start(&environment_alone)?;
 
-    let ours = host.invitation(Pace::Lockstep).contract;
+    let ours = host.environment(Pace::Lockstep).contract;
     let mut refused = vec![];
     for (what, other) in others(&ours) {
-        let mut invitation = host.invitation(Pace::Lockstep);
+        let mut environment = host.environment(Pace::Lockstep);
         // the program takes the contract from the environment, except the schema: it was built for one
-        invitation.contract.schema = other.schema;
-        let held = role.hold_other_side(&invitation.session, &other).map_err(|error| error.to_string())?;
-        refused.push((what, held, host.invite(&invitation)?));
+        environment.contract.schema = other.schema;
+        let held = role.hold_other_side(&environment.session, &other).map_err(|error| error.to_string())?;
+        refused.push((what, held, host.start(&environment)?));
     }
 
-    let deadline = Instant::now() + host.patience + GOODBYE;
-    let end = |guest: &mut ProgramUnderTest| guest.end(deadline.saturating_duration_since(Instant::now()));
-    for (what, held, mut guest) in refused {
-        let finding = end(&mut guest).and_then(|ended| ended.by_refusing());
+    let deadline = Instant::now() + host.patience + END_LIMIT;
+    let end = |program: &mut ProgramUnderTest| program.end(deadline.saturating_duration_since(Instant::now()));
+    for (what, held, mut program) in refused {
+        let finding = end(&mut program).and_then(|ended| ended.by_refusing());
         report.rule(&format!("refuses a session with {what}, with a sentence"), REFUSAL, finding);
         drop(held);
     }
-    let mut lonely = lonely;
-    let finding = end(&mut lonely).and_then(|ended| ended.by_refusing());
+    let finding = end(&mut program_alone).and_then(|ended| ended.by_refusing());
     let rule = format!("gives up without a {}, after its patience, with a sentence", role.other());
     if report.rule(&rule, "Your own controller", finding) {
-        let left = alone.session.shm_files();
+        let left = environment_alone.session.shm_files();
         let left = match left.first() {
             None => Ok(String::new()),
             Some(file) => Err(format!("{} files, such as {}", left.len(), file.display())),
         };
         report.rule("leaves nothing in /dev/shm, as the last one of its session", "Topics", left);
     }
-    alone.session.remove_files();
+    environment_alone.session.remove_files();
     Ok(())
 }

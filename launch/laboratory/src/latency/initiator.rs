@@ -12,12 +12,12 @@ use shared::exit::{Exit, Failure, check_interrupt};
 use std::sync::atomic::AtomicBool;
 
 /// The connection and its measured times.
-pub struct Talk<'a> {
+pub struct Initiator<'a> {
     port: PlantPort,
     stop: &'a AtomicBool,
     latest: Stamp,
     /// Arrival time of the last command.
-    pub heard_ns: u64,
+    pub received_ns: u64,
     /// Times of the way there, the way back and the round trip [ns]. Histograms are made at the end, because they cost time.
     times: Vec<[u64; 3]>,
 }
@@ -25,7 +25,7 @@ pub struct Talk<'a> {
 /// An upper limit on the number of exchanges.
 const MOST: usize = 1 << 16;
 
-impl<'a> Talk<'a> {
+impl<'a> Initiator<'a> {
     /// Joins a session as the plant.
     ///
     /// # Errors
@@ -35,16 +35,16 @@ impl<'a> Talk<'a> {
         contract: &Contract,
         waiting: Waiting,
         stop: &'a AtomicBool,
-    ) -> Result<Talk<'a>, Failure> {
+    ) -> Result<Initiator<'a>, Failure> {
         let port = open_with_timeout(|| PlantPort::open(session, contract))?.waiting(waiting);
-        Ok(Talk { port, stop, latest: Stamp::default(), heard_ns: 0, times: Vec::with_capacity(MOST) })
+        Ok(Initiator { port, stop, latest: Stamp::default(), received_ns: 0, times: Vec::with_capacity(MOST) })
     }
 
     /// A first exchange, which is not counted: the other side may still be starting.
     ///
     /// # Errors
-    /// As [`Talk::exchange`].
-    pub fn meet(&mut self) -> Result<(), Failure> {
+    /// As [`Initiator::exchange`].
+    pub fn first_exchange(&mut self) -> Result<(), Failure> {
         let stamp = Stamp { seq: 1, mono_ns: now_ns(), ..Stamp::default() };
         self.ask(&Sensors { stamp, ..Sensors::default() }).map(drop)
     }
@@ -57,28 +57,28 @@ impl<'a> Talk<'a> {
     pub fn exchange(&mut self, sensors: Sensors) -> Result<Command, Failure> {
         let command = self.ask(&sensors)?;
         let (sent, stamped) = (sensors.stamp.mono_ns, command.stamp.mono_ns);
-        let (there, back) = (stamped.saturating_sub(sent), self.heard_ns.saturating_sub(stamped));
-        self.times.push([there, back, self.heard_ns - sent]);
+        let (there, back) = (stamped.saturating_sub(sent), self.received_ns.saturating_sub(stamped));
+        self.times.push([there, back, self.received_ns - sent]);
         Ok(command)
     }
 
     /// The same without counting.
     ///
     /// # Errors
-    /// As [`Talk::exchange`].
+    /// As [`Initiator::exchange`].
     #[inline]
     pub fn ask(&mut self, sensors: &Sensors) -> Result<Command, Failure> {
         self.latest = sensors.stamp;
         self.port.send(*sensors)?;
         loop {
             let command = self.port.wait()?.filter(Command::is_sound);
-            self.heard_ns = now_ns();
+            self.received_ns = now_ns();
             match command {
                 Some(command) if command.stamp.ack == self.latest.seq => return Ok(command),
                 Some(_) => (),
                 None => check_interrupt(self.stop)?,
             }
-            if self.heard_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 {
+            if self.received_ns.saturating_sub(self.latest.mono_ns) > PATIENCE.as_nanos() as u64 {
                 return Err(Failure::new(Exit::PeerMissing, LOST));
             }
         }

@@ -1,0 +1,73 @@
+//! Claims about the summary.
+
+use super::*;
+use crate::analysis::synthetic::SyntheticWalk;
+use messages::scene::Scene;
+use messages::wire::Truth;
+
+/// The keys that users' scripts use, in their order.
+const KEYS: [&str; 24] = [
+    "scene",
+    "fell",
+    "fall_time_s",
+    "duration_s",
+    "distance_m",
+    "lateral_m",
+    "yaw_deg",
+    "speed_mps",
+    "period_s",
+    "period_std_s",
+    "x2_min_m",
+    "steps",
+    "peak_torque_nm",
+    "peak_power_w",
+    "foot_tilt_max_deg",
+    "zmp_margin_m",
+    "signorini_max",
+    "natural_map_max",
+    "energy_gain_max_j",
+    "fallbacks",
+    "trajectory_hash",
+    "wall_s",
+    "realtime_factor",
+    "processes",
+];
+
+pub fn summary(truths: impl IntoIterator<Item = Truth>) -> Summary {
+    let mut analysis = RunAnalysis::new(&Scene::default());
+    truths.into_iter().for_each(|truth| analysis.push(&truth));
+    Summary::new("walk", &analysis, Duration::from_millis(200), 2)
+}
+
+#[test]
+fn all_documented_keys_exist_in_order() {
+    let json = summary([]).json();
+    let positions: Vec<_> = KEYS.iter().map(|key| json.find(&format!("\n  \"{key}\":"))).collect();
+    assert!(positions.iter().all(Option::is_some) && positions.is_sorted(), "{json}");
+}
+
+#[test]
+fn a_record_with_nan_affects_neither_the_json_syntax_nor_other_values() {
+    let walk = SyntheticWalk::new(0.06);
+    let truths = (0..5000).map(|seq| {
+        let mut truth = walk.truth(seq, seq as f64 * 1e-3);
+        truth.base_position[2] = if seq == 3000 { f64::NAN } else { truth.base_position[2] };
+        truth.natural_map = if seq == 3001 { f64::NAN } else { truth.natural_map };
+        truth
+    });
+    let summary = summary(truths);
+    let json: serde_json::Value = serde_json::from_str(&summary.json()).unwrap();
+    assert_eq!(json["dropped"], 1);
+    assert!(json["natural_map_max"].is_null() && json["signorini_max"].is_number());
+    assert!((json["period_s"].as_f64().unwrap() - 0.6).abs() < 1e-3);
+    assert!(json["trajectory_hash"].as_str().unwrap().len() == 16);
+}
+
+#[test]
+fn a_value_that_was_not_measured_is_null() {
+    let json: serde_json::Value = serde_json::from_str(&summary([]).json()).unwrap();
+    for key in ["fall_time_s", "distance_m", "period_s", "x2_min_m", "zmp_margin_m", "foot_tilt_max_deg"] {
+        assert!(json[key].is_null(), "{key}: {}", json[key]);
+    }
+    assert_eq!(json["fell"], false);
+}
