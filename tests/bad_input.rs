@@ -148,10 +148,10 @@ fn write_errors_are_reported_at_once() {
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.code() == Some(4) && errors.contains("cannot be written"), "{errors}");
     let scene = std::env::temp_dir().join(format!("biped-test-{}-own.toml", std::process::id()));
-    std::fs::copy("launch/scenes/stand.toml", &scene).expect("a file");
+    std::fs::copy("messages/scenes/stand.toml", &scene).expect("a file");
     let name = scene.display().to_string();
     refused(&["run", &name, "--record", &name], &["is the input file"]);
-    assert_eq!(std::fs::read(&scene).ok(), std::fs::read("launch/scenes/stand.toml").ok());
+    assert_eq!(std::fs::read(&scene).ok(), std::fs::read("messages/scenes/stand.toml").ok());
     std::fs::remove_file(scene).expect("our own file");
     for long in [
         &["run", "walk", "--realtime", "--set", "duration=1e6"][..],

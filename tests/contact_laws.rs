@@ -58,7 +58,7 @@ fn the_papers_conditions_keep_a_slider_on_the_ground_and_stop_it_at_coulombs_dis
 /// Every step of every built-in scene with the default law.
 #[test]
 fn every_built_in_scene_obeys_the_round_cone_in_every_step() {
-    let published = include_str!("../launch/scenes/hashes.txt");
+    let published = include_str!("../messages/scenes/hashes.txt");
     let names = published.lines().skip(1).filter_map(|line| line.split_whitespace().next());
     let default: Vec<_> = names.filter(|name| scene(name, &[]).plant.law == Law::DEFAULT).collect();
     assert!(default.len() > 30, "{default:?}");

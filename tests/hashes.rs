@@ -8,7 +8,7 @@ use common::run_two;
 use std::process::Command;
 
 /// The published table.
-const PUBLISHED: &str = include_str!("../launch/scenes/hashes.txt");
+const PUBLISHED: &str = include_str!("../messages/scenes/hashes.txt");
 
 /// The table that this build computes.
 fn table(threads: &str) -> String {

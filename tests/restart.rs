@@ -20,7 +20,7 @@ const SPEED_WINDOW: f64 = 1.8;
 
 fn walk(duration: f64) -> Scene {
     let settings = [format!("duration={duration}")];
-    messages::load::load("launch/scenes/walk.toml", &settings, &[]).expect("the walk")
+    messages::load::load("walk", &settings, messages::load::SCENES).expect("the walk")
 }
 
 /// Lowest height of the trunk [m] and final speed [m/s] of a walk. The controller is replaced by a new one before each control period for which

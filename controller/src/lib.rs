@@ -8,8 +8,7 @@
 //! At the first tick the robot stands with bent knees, and the servo has to carry its weight:
 //!
 //! ```
-//! use controller::Controller;
-//! use messages::{load, wire::Encoders};
+//! use biped_controller::{Controller, messages::{load, wire::Encoders}};
 //! use std::f64::consts::TAU;
 //!
 //! let posture = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0]; // [rad], from the left foot to the right one
@@ -45,6 +44,7 @@ mod ankle;
 pub mod constants;
 pub mod encoder;
 pub mod error;
+pub mod foreign;
 pub mod gait;
 pub mod pendulum;
 pub mod process;
@@ -58,4 +58,6 @@ pub mod swing;
 pub mod tick;
 
 pub use error::ControllerError;
+#[doc(no_inline)]
+pub use messages;
 pub use tick::Controller;

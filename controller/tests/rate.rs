@@ -2,14 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use controller::rate::{bias, resolve, resolve_bounded, resolve_by_interior_points};
-use controller::support::{Chain, Joints, TaskVector};
+use biped_controller::rate::{bias, resolve, resolve_bounded, resolve_by_interior_points};
+use biped_controller::support::{Chain, Joints, TaskVector};
 use messages::robot::table_1;
 
 const SEED: u64 = 28;
 
 /// Random postures with bent knees, and random task rates.
-fn cases(n: usize) -> impl Iterator<Item = (controller::support::Task, TaskVector)> {
+fn cases(n: usize) -> impl Iterator<Item = (biped_controller::support::Task, TaskVector)> {
     let chain = Chain::new(&table_1()).unwrap();
     let mut random = fastrand::Rng::with_seed(SEED);
     println!("seed {SEED}");

@@ -7,7 +7,7 @@
 //! A scene is plain data. Keys that a text omits have default values. The error for a wrong key names its place and the valid keys:
 //!
 //! ```
-//! use messages::{load, scene::Method};
+//! use biped_messages::{load, scene::Method};
 //!
 //! let scene = load::parse("duration = 2.0\nplant = { friction = 0.3 }", "my scene")?;
 //! assert_eq!((scene.plant.friction, scene.plant.method), (0.3, Method::MidpointContact));

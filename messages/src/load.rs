@@ -3,6 +3,7 @@
 //! A bad scene is refused with one sentence. It names the file, the key, the value, and the values that are allowed.
 
 mod bodies;
+mod built_in;
 mod check;
 mod error;
 mod robot;
@@ -10,14 +11,12 @@ mod setting;
 mod suggestion;
 mod urdf;
 
+pub use built_in::{BuiltIn, SCENES, built_in};
 pub use check::validate;
 pub use error::SceneError;
 pub use robot::{read, with_robot};
 
 use crate::scene::Scene;
-
-/// A scene that is part of the program: its name and its TOML text.
-pub type BuiltIn = (&'static str, &'static str);
 
 /// Loads a built-in scene, or the file at a path. Then applies the overrides `key=value` in order and checks the result.
 ///
@@ -53,10 +52,7 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
 
 fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {
     crate::file::text(path.as_ref()).map_err(|reason| match reason.kind() {
-        std::io::ErrorKind::NotFound => {
-            let known = built_in.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
-            SceneError::Unknown { name: path.into(), known }
-        }
+        std::io::ErrorKind::NotFound => SceneError::unknown(path, built_in),
         _ => SceneError::Unreadable { path: path.into(), reason },
     })
 }

@@ -2,10 +2,10 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-use messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError, RecorderPort, Waiting};
-use messages::scene::Scene;
-use messages::session::Session;
-use messages::wire::{Command, Sensors, Stamp, Truth};
+use biped_messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError, RecorderPort, Waiting};
+use biped_messages::scene::Scene;
+use biped_messages::session::Session;
+use biped_messages::wire::{Command, Sensors, Stamp, Truth};
 use std::time::{Duration, Instant};
 
 fn contract() -> Contract {
@@ -275,7 +275,7 @@ fn a_segment_without_a_size_does_not_block_another_process() {
 
 #[test]
 fn the_transport_version_is_the_pinned_one() {
-    let (name, version) = messages::port::TRANSPORT.split_once(' ').expect("a name and a version");
+    let (name, version) = biped_messages::port::TRANSPORT.split_once(' ').expect("a name and a version");
     assert!(include_str!("../Cargo.toml").contains(&format!("{name} = \"={version}\"")));
 }
 

@@ -8,8 +8,7 @@
 //! A brick slides on level ground until friction stops it, after v²/(2 μ g):
 //!
 //! ```
-//! use messages::load;
-//! use plant::Plant;
+//! use biped_plant::{Plant, messages::load};
 //!
 //! let scene = load::parse(r#"
 //!     plant = { friction = 0.5 }
@@ -79,5 +78,7 @@ pub mod validation;
 pub mod watchdog;
 
 pub use error::PlantError;
+#[doc(no_inline)]
+pub use messages;
 pub use simulation::Simulation;
 pub use step::Plant;

@@ -2,30 +2,23 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+use biped_plant::Simulation;
 use controller::Controller;
-use messages::load::load;
+use messages::load::built_in;
 use messages::scene::Scene;
 use messages::wire::{Command, Stamp, Stamped};
-use plant::Simulation;
-use std::path::PathBuf;
-
-/// Directory of the scenes.
-fn folder() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch/scenes")
-}
 
 /// Published names and hashes of the first second.
 fn published() -> Vec<(String, String)> {
-    let table = std::fs::read_to_string(folder().join("hashes.txt")).expect("the table");
+    let table = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../messages/scenes/hashes.txt"))
+        .expect("the table");
     let words = |line: &str| line.split_whitespace().map(String::from).take(2).collect::<Vec<_>>();
     let rows = table.lines().skip(1).map(words);
     rows.map(|row| <[String; 2]>::try_from(row).expect("name and hash").into()).collect()
 }
 
 fn scene(name: &str) -> Scene {
-    let path = [name.into(), format!("known/{name}")].map(|name| folder().join(name + ".toml"));
-    let path = path.iter().find(|path| path.exists()).expect(name);
-    let mut scene = load(&path.to_string_lossy(), &[], &[]).expect("a good scene");
+    let mut scene = built_in(name).expect("a good scene");
     scene.duration = scene.duration.min(1.0);
     scene
 }
@@ -52,7 +45,7 @@ fn hash(name: &str) -> String {
 }
 
 fn agrees((name, published): &(String, String)) {
-    assert_eq!(&hash(name), published, "{name}; launch/hashes.rs says how to renew them");
+    assert_eq!(&hash(name), published, "{name}; launch/laboratory/src/hashes.rs says how to renew them");
 }
 
 #[test]

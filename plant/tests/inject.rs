@@ -1,8 +1,8 @@
 //! Claims about the link: nothing is invented, nothing comes before its time, chance is as stated and repeats.
 
+use biped_plant::inject::{Injector, MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH};
 use messages::scene::{Jitter, LinkScene};
 use messages::wire::{Command, Stamp, Torques};
-use plant::inject::{Injector, MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH};
 use proptest::prelude::*;
 
 const PERIOD: f64 = 1e-3;

@@ -2,11 +2,11 @@
 //!
 //! A failure prints the smallest scene that proptest finds, and keeps its seed in `properties.proptest-regressions`.
 
+use biped_plant::kinematics::{self, Pose, Totals};
+use biped_plant::{Plant, PlantError};
 use messages::robot::{Body, Joint, JointKind, Sphere};
 use messages::scene::{Base, Initial, Law, Method, Scene};
 use nalgebra::{Rotation3, Vector3};
-use plant::kinematics::{self, Pose, Totals};
-use plant::{Plant, PlantError};
 use proptest::prelude::*;
 
 /// A vector of entries up to `size`.

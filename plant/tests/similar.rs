@@ -2,10 +2,10 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+use biped_plant::Plant;
 use messages::load::parse;
 use messages::scene::Law;
 use messages::wire::Torques;
-use plant::Plant;
 
 /// The states of a scene, one per step: position of the base and its velocity.
 fn run(text: &str) -> Vec<([f64; 3], [f64; 3])> {

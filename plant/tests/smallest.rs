@@ -2,13 +2,13 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-use messages::load::load;
+use biped_plant::Plant;
+use biped_plant::kinematics::{self, Pose};
+use biped_plant::smallest::{Size, smallest};
+use messages::load::{SCENES, built_in};
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
 use nalgebra::{Vector2, Vector3};
-use plant::Plant;
-use plant::kinematics::{self, Pose};
-use plant::smallest::{Size, smallest};
 
 /// Part of the weight below which the zero-moment point is not compared.
 const LOADED: f64 = 0.01;
@@ -18,22 +18,13 @@ const UNDETERMINED: f64 = f64::INFINITY;
 const WHILE: f64 = 0.6;
 
 fn scene(name: &str) -> Scene {
-    let path = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    load(&path, &[], &[]).expect("a good scene")
+    built_in(name).expect("a good scene")
 }
 
 /// Every scene without a controller.
-fn scenes() -> Vec<(String, Scene)> {
-    let folder = format!("{}/../launch/scenes", env!("CARGO_MANIFEST_DIR"));
-    let names = |folder: &str, prefix: &str| -> Vec<String> {
-        let files = std::fs::read_dir(folder).expect("the scenes").map(|file| file.expect("a file").path());
-        let tomls = files.filter(|path| path.extension().is_some_and(|end| end == "toml"));
-        tomls.map(|path| format!("{prefix}{}", path.file_stem().expect("a name").to_string_lossy())).collect()
-    };
-    let mut all = [names(&folder, ""), names(&format!("{folder}/known"), "known/")].concat();
-    all.sort();
-    let alone = |(_, scene): &(String, Scene)| scene.controller.is_none();
-    all.into_iter().map(|name| (name.clone(), scene(&name))).filter(alone).collect()
+fn scenes() -> Vec<(&'static str, Scene)> {
+    let alone = |(_, scene): &(&str, Scene)| scene.controller.is_none();
+    SCENES.iter().map(|&(name, _)| (name, scene(name))).filter(alone).collect()
 }
 
 /// Observable quantities of a model at the end of a control period.
@@ -139,7 +130,7 @@ fn every_scene_moves_the_same_on_its_smallest_model() {
         }
         let most = difference(&full, &plan.scene);
         println!("{name}: {}, not {}: {most:?}", plan.size, plan.full);
-        let bound = match name.as_str() {
+        let bound = match name {
             "wheel" => {
                 let mut exact = full.clone();
                 exact.plant.method = Method::EventDriven;

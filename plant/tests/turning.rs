@@ -2,9 +2,9 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+use biped_plant::Plant;
 use messages::load::load;
 use messages::wire::Torques;
-use plant::Plant;
 
 /// Angular velocity about the vertical at the end of a scene from `tests/data` [rad/s].
 fn turning(name: &str, settings: &[&str]) -> f64 {

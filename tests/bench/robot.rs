@@ -1,7 +1,7 @@
 //! The motions of the robot that are measured: scenes, with the recorded torques of their controller.
 
 use controller::Controller;
-use messages::load::load;
+use messages::load::{SCENES, load};
 use messages::scene::Scene;
 use messages::wire::{Encoders, Torques, Truth};
 use plant::Plant;
@@ -34,9 +34,8 @@ impl Doing {
             Doing::Walking => ("walk", &[]),
             Doing::Tumbling => ("stand", &["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3"]),
         };
-        let path = format!("{}/launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let settings: Vec<_> = own.iter().map(|setting| setting.to_string()).chain(settings.to_vec()).collect();
-        load(&path, &settings, &[]).expect("a good scene")
+        load(name, &settings, SCENES).expect("a good scene")
     }
 
     /// The control periods that are measured.

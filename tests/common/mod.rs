@@ -106,11 +106,8 @@ impl Summary {
 
 /// A built-in scene with changed values.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
-    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/launch/scenes");
-    let paths = [format!("{folder}/{name}.toml"), format!("{folder}/known/{name}.toml")];
-    let path = paths.iter().find(|path| std::path::Path::new(path).exists()).expect(name);
     let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
-    messages::load::load(path, &settings, &[]).expect("a good scene")
+    messages::load::load(name, &settings, messages::load::SCENES).expect("a good scene")
 }
 
 /// A robot file that is removed when dropped.

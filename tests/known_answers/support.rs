@@ -11,12 +11,10 @@ pub const G: f64 = 9.81;
 
 /// A built-in scene or one of the tests, with changed values.
 pub fn scene(name: &str, settings: &[&str]) -> Scene {
-    let folder = format!("{}/launch/scenes", env!("CARGO_MANIFEST_DIR"));
-    let data = format!("{}/tests/data", env!("CARGO_MANIFEST_DIR"));
-    let places = [&folder, &format!("{folder}/known"), &data].map(|folder| format!("{folder}/{name}.toml"));
-    let path = places.iter().find(|path| std::path::Path::new(path).exists()).expect("a scene of this name");
+    let built_in = messages::load::SCENES.iter().any(|(known, _)| *known == name);
+    let path = if built_in { name } else { &format!("{}/tests/data/{name}.toml", env!("CARGO_MANIFEST_DIR")) };
     let settings: Vec<_> = settings.iter().map(|setting| setting.to_string()).collect();
-    messages::load::load(path, &settings, &[]).expect("a good scene")
+    messages::load::load(path, &settings, messages::load::SCENES).expect("a good scene")
 }
 
 /// The plant of a scene at time zero.

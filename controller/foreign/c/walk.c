@@ -1,7 +1,7 @@
 /* A walking controller: this program runs the session, and biped_plan returns the torques of this project's controller. Replace that
  * call by your own control law.
  *
- *     cargo build --release -p biped_c
+ *     cargo build --release -p biped-c
  *     cc controller/foreign/c/walk.c -o walk -I controller/foreign/c -I messages/include \
  *         -L target/release -lbiped_c -Wl,-rpath,"$PWD/target/release"
  *     biped run walk --controller ./walk

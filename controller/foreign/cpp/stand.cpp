@@ -1,6 +1,6 @@
 // A standing controller: a spring and a damper hold every joint at its initial angle.
 //
-//     cargo build --release -p biped_c
+//     cargo build --release -p biped-c
 //     c++ -std=c++17 controller/foreign/cpp/stand.cpp -o stand -I controller/foreign/c -I messages/include
 //         -L target/release -lbiped_c -Wl,-rpath,"$PWD/target/release"
 //     biped run stand --controller ./stand

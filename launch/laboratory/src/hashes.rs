@@ -1,9 +1,9 @@
 //! `biped list --hashes`: hashes of the states of every built-in scene.
 //!
-//! `launch/scenes/hashes.txt` is a copy of this list, and tests compare with it. Renew it after a change of bits that is intended:
+//! `messages/scenes/hashes.txt` is a copy of this list, and tests compare with it. Renew it after a change of bits that is intended:
 //!
 //! ```text
-//! cargo run --release -- list --hashes > launch/scenes/hashes.txt
+//! cargo run --release -- list --hashes > messages/scenes/hashes.txt
 //! ```
 
 use messages::load::load;

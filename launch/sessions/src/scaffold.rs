@@ -2,6 +2,7 @@
 
 use crate::export::toml;
 use clap::{Args, Subcommand, ValueEnum};
+use controller::foreign;
 use messages::load::load;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
@@ -53,26 +54,15 @@ enum Template {
     Walk,
 }
 
-/// A file of this repository, by its name.
-macro_rules! python {
-    ($name:literal) => {
-        ($name, include_str!(concat!("../../../controller/foreign/python/", $name)))
-    };
-}
-
-/// Modules that every controller in Python imports.
-const LIBRARY: [(&str, &str); 2] = [python!("session.py"), python!("wire.py")];
-/// Further modules that the walking controller imports.
-const GAIT: [(&str, &str); 2] = [python!("robot.py"), python!("gait.py")];
 /// Python packages that these modules need. tests/common/languages.rs has the same list.
 const REQUIREMENTS: &str = "iceoryx2==0.10.0\nnumpy\nxxhash\n";
 
 impl Template {
     /// The controller, the class in it, the scene that it is for, whose name its file has too, and further modules.
-    fn parts(self) -> (&'static str, &'static str, &'static str, &'static [(&'static str, &'static str)]) {
+    fn parts(self) -> (&'static str, &'static str, &'static str, &'static [foreign::File]) {
         match self {
-            Template::Stand => (python!("stand.py").1, "Stand", "stand", &[]),
-            Template::Walk => (python!("walk.py").1, "Walk", "walk", &GAIT),
+            Template::Stand => (foreign::PYTHON_STAND.1, "Stand", "stand", &[]),
+            Template::Walk => (foreign::PYTHON_WALK.1, "Walk", "walk", &foreign::PYTHON_GAIT),
         }
     }
 }
@@ -118,7 +108,7 @@ fn controller(args: &ControllerArgs) -> Result<(), Failure> {
         ("test_controller.py", test(class)),
         ("scene.json", serde_json::to_string_pretty(&load(scene, &[], SCENES)?).unwrap_or_default() + "\n"),
     ];
-    let copies = LIBRARY.iter().chain(more).map(|(name, text)| (*name, text.to_string()));
+    let copies = foreign::PYTHON.iter().chain(more).map(|(name, text)| (*name, text.to_string()));
     for (name, text) in texts.into_iter().chain(copies) {
         write_atomically(&folder.join(name), &text).map_err(|error| write_failure(folder, &error))?;
     }

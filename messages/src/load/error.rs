@@ -1,6 +1,6 @@
 //! Errors of loading a scene or a robot.
 
-use super::suggestion;
+use super::{BuiltIn, suggestion};
 use thiserror::Error;
 
 /// Longest line of a file that an error quotes [characters].
@@ -61,6 +61,13 @@ pub enum SceneError {
         /// Values that are allowed.
         rule: String,
     },
+}
+
+impl SceneError {
+    pub(super) fn unknown(name: &str, built_in: &[BuiltIn]) -> SceneError {
+        let known = built_in.iter().map(|(name, _)| *name).collect::<Vec<_>>().join(", ");
+        SceneError::Unknown { name: name.into(), known }
+    }
 }
 
 /// Text of a parser's error in which quoted lines are cut to [`LONGEST_QUOTE`]. A quoted line follows its number and a bar.

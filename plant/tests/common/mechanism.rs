@@ -1,6 +1,6 @@
 //! Contact problems of mechanisms whose H is diagonal.
 
-use plant::contact::Problem;
+use biped_plant::contact::Problem;
 
 pub const G: f64 = 9.81;
 pub const H: f64 = 1e-3;

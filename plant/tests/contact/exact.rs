@@ -1,8 +1,8 @@
 //! Problems with exact solutions.
 
 use super::{G, H, PIVOTED, Rows, assemble, assert_near, on_body, point_mass, solve};
+use biped_plant::contact::{Memory, Problem, Solver, tangents};
 use messages::scene::Law;
-use plant::contact::{Memory, Problem, Solver, tangents};
 
 /// Scene 1. The printed program lifts a sliding block; Coulomb's law does not.
 #[test]

@@ -6,9 +6,9 @@ mod mechanism;
 mod random;
 mod residuals;
 
+use biped_plant::contact::{Memory, Problem, Report, Solver, tangents};
 use mechanism::{G, H, Rows, of_rows, on_body};
 use messages::scene::Law;
-use plant::contact::{Memory, Problem, Report, Solver, tangents};
 
 /// The laws with a basis along the problem's own tangents; the others are in `tests/laws/`.
 const PIVOTED: [Law; 4] = [Law::EnergyQp, Law::EnergyQpGap, Law::Complementarity, Law::Aligned];

@@ -2,8 +2,8 @@
 
 use super::mechanism::{CORNERS, INVERSE, stirring_foot};
 use super::{G, H, PIVOTED, Rows, assemble, on_body, solve};
+use biped_plant::contact::{Memory, Problem, Solver};
 use messages::scene::Law;
-use plant::contact::{Memory, Problem, Solver};
 
 fn step_scale(problem: &Problem, solver: &Solver) -> f64 {
     let m = problem.rows();

@@ -2,8 +2,8 @@
 
 use super::mechanism::of_rows;
 use super::{assert_near, point_mass};
+use biped_plant::contact::{Problem, Report, Solver};
 use messages::scene::Law;
-use plant::contact::{Problem, Report, Solver};
 
 /// Inverse mass of the point [1/kg].
 const A: f64 = 2.0;

@@ -1,12 +1,12 @@
 //! Construction of models from scenes, and the errors of bad scenes.
 
 use crate::support::*;
+use biped_plant::kinematics::totals;
+use biped_plant::model::Model;
+use biped_plant::state::State;
 use messages::robot::Joint;
 use messages::scene::{Base, Scene};
 use nalgebra::{Matrix3, Vector3};
-use plant::kinematics::totals;
-use plant::model::Model;
-use plant::state::State;
 
 fn refused(change: impl Fn(&mut Scene), words: &[&str]) {
     let mut scene = Scene::default();

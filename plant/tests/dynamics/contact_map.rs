@@ -1,17 +1,17 @@
 //! The contact problem of a step: its rows are velocities of points, and its columns are the effects of unit impulses.
 
 use crate::support::*;
+use biped_plant::Plant;
+use biped_plant::composite::Composite;
+use biped_plant::delassus::{ContactMap, Free};
+use biped_plant::detect::Touch;
+use biped_plant::factor::Factor;
+use biped_plant::kinematics::{self, Pose};
+use biped_plant::model::ContactPoint;
 use messages::robot::Body;
 use messages::scene::{Base, Law, Method, Scene};
 use messages::wire::Torques;
 use nalgebra::{DVector, Vector3};
-use plant::Plant;
-use plant::composite::Composite;
-use plant::delassus::{ContactMap, Free};
-use plant::detect::Touch;
-use plant::factor::Factor;
-use plant::kinematics::{self, Pose};
-use plant::model::ContactPoint;
 
 /// All contact points of a robot.
 fn touches(case: &Case) -> Vec<Touch> {

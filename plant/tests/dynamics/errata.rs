@@ -1,11 +1,11 @@
-//! Equations (8)-(11) as printed do not give the motion; with the signs of `plant::dynamics` they do.
+//! Equations (8)-(11) as printed do not give the motion; with the signs of `biped_plant::dynamics` they do.
 
 use crate::reference_data::{floating, signed, state_of};
 use crate::support::*;
+use biped_plant::dynamics::{self, Given};
+use biped_plant::state::State;
 use messages::scene::Base;
 use nalgebra::Vector3;
-use plant::dynamics::{self, Given};
-use plant::state::State;
 
 /// The signs and terms in question.
 #[derive(Clone, Copy)]
@@ -132,7 +132,7 @@ fn bare(scene: &messages::scene::Scene) -> messages::scene::Scene {
 #[test]
 fn the_recursion_with_both_signs_corrected_equals_the_crates_recursion() {
     for_each_case(22, 2, |_, case| {
-        let slides = |link: &plant::model::Link| link.motion == plant::model::Motion::Prismatic;
+        let slides = |link: &biped_plant::model::Link| link.motion == biped_plant::model::Motion::Prismatic;
         if case.model.links[case.model.base_link + 1..].iter().any(slides) {
             return;
         }

@@ -1,13 +1,13 @@
 //! The fast path equals the paper's recursion, and the sparse factor is a factor of H.
 
 use crate::support::*;
+use biped_plant::PlantError;
+use biped_plant::dynamics::{self, Force};
+use biped_plant::factor::{Factor, PathMatrix};
+use biped_plant::kinematics::contact_column;
+use biped_plant::state::State;
 use messages::scene::Base;
 use nalgebra::{DMatrix, DVector};
-use plant::PlantError;
-use plant::dynamics::{self, Force};
-use plant::factor::{Factor, PathMatrix};
-use plant::kinematics::contact_column;
-use plant::state::State;
 
 #[test]
 fn composite_bodies_give_the_inertia_of_unit_accelerations() {

@@ -3,12 +3,12 @@
 //! In that data, joints count from the trunk down, so the left leg's angles have the opposite sign.
 
 use crate::support::*;
+use biped_plant::dynamics::{self, Given};
+use biped_plant::kinematics::totals;
+use biped_plant::model::Model;
+use biped_plant::state::State;
 use messages::scene::Base;
 use nalgebra::{DMatrix, DVector, Vector3};
-use plant::dynamics::{self, Given};
-use plant::kinematics::totals;
-use plant::model::Model;
-use plant::state::State;
 use serde_json::Value;
 
 /// Required agreement, relative to the largest entry of a vector or matrix.

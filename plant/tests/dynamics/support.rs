@@ -1,13 +1,13 @@
 //! Random robots and states, and comparisons.
 
+use biped_plant::composite::Composite;
+use biped_plant::factor::{Factor, PathMatrix};
+use biped_plant::kinematics::{self, Pose};
+use biped_plant::model::Model;
+use biped_plant::state::State;
 use messages::robot::{Body, Joint, JointKind};
 use messages::scene::{Base, Scene};
 use nalgebra::{DMatrix, DVector, Vector3};
-use plant::composite::Composite;
-use plant::factor::{Factor, PathMatrix};
-use plant::kinematics::{self, Pose};
-use plant::model::Model;
-use plant::state::State;
 
 pub const BASES: [Base; 4] = [Base::Fixed, Base::Planar, Base::Virtual, Base::Quaternion];
 

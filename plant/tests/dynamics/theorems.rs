@@ -1,11 +1,11 @@
 //! Theorems that hold for every robot in every state.
 
 use crate::support::*;
+use biped_plant::kinematics::{Totals, totals};
+use biped_plant::model::Model;
+use biped_plant::state::State;
 use messages::scene::{Base, Scene};
 use nalgebra::{DVector, Vector3};
-use plant::kinematics::{Totals, totals};
-use plant::model::Model;
-use plant::state::State;
 
 /// The state a short time later or earlier, to second order.
 fn after(model: &Model, state: &State, acceleration: &[f64], time: f64) -> State {
@@ -29,7 +29,7 @@ fn rate(case: &Case, acceleration: &[f64], quantity: impl Fn(&Totals) -> f64) ->
 #[test]
 fn inertia_is_symmetric_positive_and_twice_the_kinetic_energy() {
     for_each_case(11, 10, |_, case| {
-        let reference = plant::dynamics::inertia(&case.model, &case.pose);
+        let reference = biped_plant::dynamics::inertia(&case.model, &case.pose);
         close("transpose", reference.transpose().as_slice(), reference.as_slice(), 1e-13);
         assert!(case.inertia().symmetric_eigenvalues().min() > 0.0);
         let xdot = DVector::from_vec(case.state.xdot.clone());

@@ -1,8 +1,8 @@
 //! Known defects of the compared laws: negative controls.
 
 use super::support::*;
+use biped_plant::contact::{ContactSpring, Memory, Problem, Solver};
 use messages::scene::Law;
-use plant::contact::{ContactSpring, Memory, Problem, Solver};
 
 /// A convex program lifts a sliding contact, with a gap or without, with a round or a square cone: v_N = mu |v_F|.
 #[test]

@@ -6,9 +6,9 @@ mod mechanism;
 mod random;
 mod support;
 
+use biped_plant::contact::{Memory, Problem, Solver, tangents};
 use mechanism::{CORNERS, INVERSE, stirring_foot};
 use messages::scene::{Iteration, Law, PlantScene};
-use plant::contact::{Memory, Problem, Solver, tangents};
 use support::*;
 
 /// Coulomb's law with a round cone, or with facets.

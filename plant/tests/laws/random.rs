@@ -1,8 +1,8 @@
 //! Claims over random mechanisms.
 
 use super::support::*;
+use biped_plant::contact::{Memory, Problem, Solver, is_plastic, tangents};
 use messages::scene::{Iteration, Law};
-use plant::contact::{Memory, Problem, Solver, is_plastic, tangents};
 use proptest::prelude::*;
 use proptest::test_runner::TestRunner;
 use std::cell::Cell;

@@ -2,8 +2,8 @@
 
 use super::mechanism::of_rows;
 pub use super::mechanism::{G, H, Rows, on_body};
+use biped_plant::contact::{Memory, Problem, Report, Solver};
 use messages::scene::Law;
-use plant::contact::{Memory, Problem, Report, Solver};
 
 /// A = K^T H^-1 K and b = K^T xdot for diagonal H, with `tangents` along fixed axes.
 pub fn assemble(tangents: usize, contacts: &[Rows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {

@@ -1,8 +1,8 @@
 //! Restitution: bounces, their end, and bodies that rested before.
 
 use crate::support::{built_in, gap, go, plant};
+use biped_plant::Plant;
 use messages::scene::Method;
-use plant::Plant;
 
 const G: f64 = 9.81;
 

@@ -1,10 +1,10 @@
 //! Cases from bug reports about other engines, with their correct values, under the default method.
 
 use crate::support::{corners, energy, gap, go, totals};
+use biped_plant::Plant;
 use messages::load::parse;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
-use plant::Plant;
 
 const CUBE: &str = "[[bodies]]\nname = \"cube\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n\
     contacts = [[0.05, 0.05, -0.05], [0.05, -0.05, -0.05], [-0.05, 0.05, -0.05], [-0.05, -0.05, -0.05]]\n";

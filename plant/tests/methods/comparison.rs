@@ -50,7 +50,7 @@ fn a_rocking_block_loses_energy_as_housner_predicts() {
 fn a_rimless_wheel_keeps_its_steady_speed() {
     for (method, dt, limit) in [(Method::EventDriven, 0.02, 1e-9), (Method::Rk4Impact, 0.005, 1e-4)] {
         let mut wheel = plant(built_in("wheel"), method, dt);
-        let energy = |plant: &plant::Plant| totals(plant).kinetic + totals(plant).potential;
+        let energy = |plant: &biped_plant::Plant| totals(plant).kinetic + totals(plant).potential;
         let (start, kinetic) = (energy(&wheel), totals(&wheel).kinetic);
         let drop = 10.0 * 9.81 * 8f64.to_radians().sin() * 2.0 * 0.3 * 22.5f64.to_radians().sin();
         let mut worst = 0.0_f64;

@@ -1,11 +1,11 @@
 //! Flight: order, energy, momentum, and orientations at which virtual joints are singular.
 
 use crate::support::{body, distance, go, plant, totals, tumbling};
+use biped_plant::kinematics::{self, Pose};
+use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
 use nalgebra::{Rotation3, Vector3};
-use plant::kinematics::{self, Pose};
-use plant::{Plant, PlantError};
 use std::f64::consts::PI;
 
 #[test]

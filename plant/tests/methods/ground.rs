@@ -1,8 +1,8 @@
 //! Contact: landing, stopping, resting, rolling about a foot.
 
 use crate::support::{built_in, corners, distance, gap, go, plant, totals, way};
+use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Law, Method, Scene};
-use plant::{Plant, PlantError};
 
 const LOCATING: [Method; 2] = [Method::Rk4Impact, Method::EventDriven];
 

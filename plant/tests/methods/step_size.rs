@@ -1,9 +1,9 @@
 //! Step size control: error of the parts of a step, rejected parts, and steps that do not converge.
 
 use crate::support::{distance, go, plant, tumbling};
+use biped_plant::PlantError;
 use messages::scene::{Base, Method};
 use messages::wire::Torques;
-use plant::PlantError;
 
 /// The errors of the parts of a step add up, here with one sign. Each is below its tolerance, and none so far below that effort was wasted.
 /// The first part is as long as the step, and is rejected.
@@ -47,7 +47,7 @@ fn infinite_inertia_ends_the_run() {
     let text = "[plant]\ndrive_inertia = 1e308\n[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"b\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\n\
         inertia = [1e308, 1e308, 1e308]\njoint = { parent = \"a\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.1] }\n";
     let scene = messages::load::parse(text, "a test").expect("a scene");
-    let ended = plant::Plant::new(&scene).and_then(|mut plant| plant.advance(&Torques::default()));
+    let ended = biped_plant::Plant::new(&scene).and_then(|mut plant| plant.advance(&Torques::default()));
     println!("{ended:?}");
     assert!(matches!(ended, Err(PlantError::Singular { pivot, .. }) if pivot == f64::INFINITY));
 }

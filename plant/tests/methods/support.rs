@@ -1,11 +1,11 @@
 //! Scenes of the tests, and functions that run them.
 
+use biped_plant::Plant;
+use biped_plant::kinematics::{self, Pose, Totals};
 use messages::robot::Body;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
 use nalgebra::Vector3;
-use plant::Plant;
-use plant::kinematics::{self, Pose, Totals};
 
 /// A plant that runs `scene` with this method in steps of `dt`, one per control period.
 pub fn plant(mut scene: Scene, method: Method, dt: f64) -> Plant {
@@ -67,8 +67,7 @@ pub fn body(size: [f64; 3], contacts: Vec<[f64; 3]>) -> Scene {
 
 /// One of the built-in scenes.
 pub fn built_in(name: &str) -> Scene {
-    let path = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
-    messages::load::load(&path, &[], &[]).expect("a good scene")
+    messages::load::built_in(name).expect("a good scene")
 }
 
 /// Position of every contact point [m].

@@ -1,9 +1,9 @@
 //! The reference method finishes every throw.
 
 use crate::support::energy;
+use biped_plant::Plant;
 use messages::robot::{Body, Sphere};
 use messages::scene::{Base, Initial, Law, Method, PlantScene, Scene};
-use plant::Plant;
 use std::time::Instant;
 
 /// Number of throws; `BIPED_THROWS` sets another.

@@ -1,10 +1,10 @@
 //! The promise of `plant.tolerance` for every step.
 
 use crate::support::built_in;
+use biped_plant::contact::{Memory, Solver};
+use biped_plant::{Plant, PlantError};
 use messages::scene::{Law, Method, Scene};
 use messages::wire::Torques;
-use plant::contact::{Memory, Solver};
-use plant::{Plant, PlantError};
 
 /// Whether a scene runs for this many steps under a tolerance.
 fn run(scene: &Scene, tolerance: f64, steps: usize) -> Result<(), PlantError> {

@@ -1,10 +1,10 @@
 //! A foot about to land while another one stands.
 
+use biped_plant::Plant;
+use biped_plant::kinematics::{self, Pose};
 use messages::robot::{Body, Joint};
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
-use plant::Plant;
-use plant::kinematics::{self, Pose};
 
 const STEP: f64 = 5e-3;
 /// Force on the foot, ten times its weight [N].

@@ -1,11 +1,11 @@
 //! A table that leans until a leg carries nothing, and until it tips.
 
+use biped_plant::Plant;
+use biped_plant::kinematics::{self, Pose, Totals};
 use messages::robot::Body;
 use messages::scene::{Base, Scene};
 use messages::wire::Torques;
 use nalgebra::Vector3;
-use plant::Plant;
-use plant::kinematics::{self, Pose, Totals};
 
 const MU: f64 = 0.9;
 const WEIGHT: f64 = 5.0 * 9.81;

@@ -5,16 +5,15 @@
 mod airborne;
 mod edge;
 
+use biped_plant::Plant;
 use controller::Controller;
-use messages::load::load;
+use messages::load::{SCENES, load};
 use messages::scene::Scene;
 use messages::wire::Torques;
-use plant::Plant;
 
 fn scene(name: &str, settings: &[&str]) -> Scene {
-    let file = format!("{}/../launch/scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
-    load(&file, &settings, &[]).expect("a scene")
+    load(name, &settings, SCENES).expect("a scene")
 }
 
 /// Runs a scene with and without standing feet. Returns the greatest difference of the states, the number of steps with standing feet, and

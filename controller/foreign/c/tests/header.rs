@@ -35,5 +35,5 @@ fn the_header_matches_the_functions() {
         std::fs::write(&path, &generated).expect("our own file");
     }
     let found = std::fs::read_to_string(&path).unwrap_or_default();
-    assert!(generated == found, "run: BIPED_MAKE=1 cargo test --release -p biped_c --test header");
+    assert!(generated == found, "run: BIPED_MAKE=1 cargo test --release -p biped-c --test header");
 }
