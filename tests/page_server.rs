@@ -57,7 +57,7 @@ impl View {
         std::fs::read_dir(format!("/proc/{}/fd", self.process.id())).expect("open files").count()
     }
 
-    /// Its peak resident memory [kB].
+    /// Peak resident memory [kB].
     fn peak_memory(&self) -> i64 {
         let status = std::fs::read_to_string(format!("/proc/{}/status", self.process.id())).expect("a process");
         let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).expect("its memory");

@@ -12,7 +12,7 @@ pub struct Touch {
     pub id: usize,
     /// Link that carries it.
     pub link: usize,
-    /// Its position from the pose's reference point, at the height of the lowest contact of its link [m]. All contacts of a link thus lie
+    /// Position from the pose's reference point, at the height of the lowest contact of its link [m]. All contacts of a link thus lie
     /// in one plane. Otherwise a slightly tilted foot could only stand if it slipped slightly, and the contact problem would be
     /// ill-conditioned.
     pub arm: Vector3<f64>,

@@ -222,7 +222,7 @@ pub struct Totals {
     pub mass: f64,
     /// Centre of mass in W [m].
     pub com: Vector3<f64>,
-    /// Its velocity [m/s].
+    /// Velocity [m/s].
     pub com_velocity: Vector3<f64>,
     /// Linear momentum [kg·m/s].
     pub linear: Vector3<f64>,

@@ -128,7 +128,7 @@ impl RobotFile {
         RobotFile { path }
     }
 
-    /// Its path.
+    /// Path.
     pub fn path(&self) -> &str {
         self.path.to_str().expect("a path of plain letters")
     }

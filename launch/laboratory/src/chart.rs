@@ -60,10 +60,10 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     let trials = precision::trials(&chosen, args.quick, &watch)?;
     let mut rows: Vec<_> = trials.iter().flat_map(precision::MethodTrial::rows).collect();
-    rows.extend(steps::rows(args.quick, &watch)?);
-    rows.extend(failures::rows(&trials, &watch)?);
-    rows.extend(thresholds::rows(&watch)?);
-    rows.extend(models::rows(&watch)?);
+    rows.extend(steps::measure(args.quick, &watch)?);
+    rows.extend(failures::measure(&trials, &watch)?);
+    rows.extend(thresholds::measure(&watch)?);
+    rows.extend(models::measure(&watch)?);
     let held = Core::hold().remark();
     let write = |rows: &[csv::Measurement], remarks: &[String]| {
         let remark = [vec![held.clone()], remarks.to_vec()].concat().join(" ");
@@ -75,7 +75,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
         None => vec![alone],
         Some(None) => {
             write(&rows, &[alone]).map_err(failed)?; // the measurement takes minutes and may fail
-            let (found, left_out) = peers::rows(&args.out, &chosen, args.quick, &watch)?;
+            let (found, left_out) = peers::measure(&args.out, &chosen, args.quick, &watch)?;
             rows.extend(found);
             [vec![peers::REMARK.into()], left_out].concat()
         }

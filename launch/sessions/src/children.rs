@@ -96,7 +96,7 @@ impl RoleProcess {
         Ok(RoleProcess { name, process, errors })
     }
 
-    /// Its process ID.
+    /// Process ID.
     pub fn pid(&self) -> u32 {
         self.process.pid()
     }

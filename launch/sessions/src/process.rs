@@ -57,7 +57,7 @@ impl Process {
         Ok(process)
     }
 
-    /// Its process ID.
+    /// Process ID.
     pub fn pid(&self) -> u32 {
         self.child.id()
     }

@@ -19,7 +19,7 @@ fn is_ours(prefix: &str) -> bool {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct StaleSession {
     prefix: String,
-    /// Its files, in order.
+    /// Files, in order.
     pub files: Vec<PathBuf>,
 }
 

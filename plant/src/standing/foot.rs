@@ -11,7 +11,7 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Foot {
     pub link: usize,
-    /// Its first contact.
+    /// First contact.
     pub first: usize,
     pub sole: Sole,
     /// J of its six velocities without free axes, one row for each degree of freedom of its path. Once prepared: Y = √D⁻¹ L⁻ᵀJᵀ.

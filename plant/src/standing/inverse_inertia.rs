@@ -15,7 +15,7 @@ const BLOCK_ROWS: usize = 2 * MAX_FEET;
 #[derive(Clone, Debug, Default)]
 pub(super) struct InverseInertia([[Matrix3<f64>; BLOCK_ROWS]; BLOCK_ROWS]);
 
-/// Its LDLᵀ factorisation.
+/// LDLᵀ factorisation.
 #[derive(Clone, Debug, Default)]
 pub(super) struct BlockLdl {
     /// LD below the diagonal.

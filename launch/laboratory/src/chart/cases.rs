@@ -123,7 +123,7 @@ pub const LAW: Law = Law::DEFAULT;
 pub const METHOD: Method = Method::MoreauJean;
 
 impl Way {
-    /// Its name in tables: `Cone/MoreauJean`.
+    /// Name in tables: `Cone/MoreauJean`.
     pub fn name(self) -> String {
         format!("{}/{}", word(&self.law), word(&self.method))
     }

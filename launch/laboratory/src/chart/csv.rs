@@ -27,7 +27,7 @@ impl View {
         View::VARIANTS.iter().copied().find(|view| view.name() == name)
     }
 
-    /// Its name in the table.
+    /// Name in the table.
     pub fn name(self) -> &'static str {
         match self {
             View::Precision => "precision",
@@ -53,7 +53,7 @@ pub struct Measurement {
     pub dt: f64,
     /// The measured quantity.
     pub metric: String,
-    /// Its value.
+    /// Value.
     pub error: f64,
     /// CPU time per simulated time [-].
     pub cost: f64,

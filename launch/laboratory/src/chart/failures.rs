@@ -39,7 +39,7 @@ pub enum Cause {
 }
 
 impl Cause {
-    /// Its name in the table. The map shows the first letter.
+    /// Name in the table. The map shows the first letter.
     pub fn name(self) -> &'static str {
         match self {
             Cause::BlowUp => "B blow-up",
@@ -92,7 +92,7 @@ pub const REFUSED: &str = "refused";
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is refused for a reason other than its law or method.
-pub fn rows(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
+pub fn measure(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut ways: Vec<Way> = Vec::new();
     let mut at_h: Vec<&MethodTrial> = Vec::new();
     for trial in trials {

@@ -14,7 +14,7 @@ const H: f64 = 1e-3;
 
 /// Models of one scene from small to large. The answer of the last one, the full model, is the reference.
 pub struct Group {
-    /// Its name in the table.
+    /// Name in the table.
     pub name: &'static str,
     /// Heading: the growing quantity.
     pub title: &'static str,
@@ -37,7 +37,7 @@ pub const GROUPS: [Group; 5] = [
 ///
 /// # Errors
 /// Ctrl-C, or a scene that is refused.
-pub fn rows(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
+pub fn measure(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut rows = Vec::new();
     let _core = Core::hold();
     for group in GROUPS {

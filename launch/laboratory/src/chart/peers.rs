@@ -30,7 +30,7 @@ pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: 
 ///
 /// # Errors
 /// Ctrl-C, no Python, a script that fails, or runs that cannot be read.
-pub fn rows(
+pub fn measure(
     folder: &Path,
     chosen: &[ComparisonScene],
     quick: bool,
@@ -57,7 +57,7 @@ pub fn rows(
     if !status.success() {
         return Err(fault(format!("{SCRIPT} ended with {status}")));
     }
-    let rows = runs::rows(&files)?;
+    let rows = runs::measure(&files)?;
     let origin = messages::file::text(&files.join("origin.txt")).map_err(|error| fault(error.to_string()))?;
     let origin: String = origin.lines().map(|line| format!("# {line}\n")).collect();
     let text = format!("{HEAD}{origin}{}", table(&rows));
@@ -71,7 +71,7 @@ pub fn rows(
 /// A file that cannot be read or is not such a table.
 pub fn read(table: &Path) -> Result<Vec<Measurement>, Failure> {
     if table.is_dir() {
-        return runs::rows(table);
+        return runs::measure(table);
     }
     let named = |error: String| Failure::new(Exit::Usage, format!("--peers: {}: {error}", table.display()));
     let text = messages::file::text(table).map_err(|error| named(error.to_string()))?;

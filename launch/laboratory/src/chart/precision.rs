@@ -32,7 +32,7 @@ pub struct MethodTrial {
     pub h: f64,
     /// The scene as it ran.
     pub scene: Scene,
-    /// Its metrics, or why there are none.
+    /// Metrics, or why there are none.
     pub result: Result<Vec<Metric>, Fate>,
     /// Steps that needed the solver's fallback.
     pub fallbacks: u64,
@@ -100,7 +100,7 @@ fn run((case, way, h): (ComparisonScene, Way, f64), progress: &ChartProgress) ->
 }
 
 impl MethodTrial {
-    /// Its rows of the table. The errors of a run that broke off are infinite.
+    /// Rows of the table. The errors of a run that broke off are infinite.
     pub fn rows(&self) -> Vec<Measurement> {
         let row = |metric: &str, error: f64| Measurement {
             view: View::Precision,

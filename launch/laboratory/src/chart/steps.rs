@@ -27,7 +27,7 @@ pub const P99: &str = "p99";
 ///
 /// # Errors
 /// Ctrl-C, or an invalid scene. A method has no row if it cannot simulate the scene or if the robot falls.
-pub fn rows(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
+pub fn measure(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let mut rows = Vec::new();
     let _core = Core::hold();
     for (name, _, duration) in LOADS {
@@ -38,7 +38,7 @@ pub fn rows(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>, F
             let mut scene = cases::scene(name, way, H, &[])?;
             let duration = if way.share() < 1.0 { 0.1 * duration } else { duration };
             scene.duration = if quick { duration.min(0.4) } else { duration };
-            let Some(mut times) = measure(&scene)? else { continue };
+            let Some(mut times) = step_times(&scene)? else { continue };
             rows.extend([(MEDIAN, 0.5), (P99, 0.99)].map(|(metric, share)| {
                 let seconds = quantile(&mut times, share);
                 Measurement {
@@ -67,7 +67,7 @@ fn ways(name: &str, quick: bool) -> Vec<Way> {
 }
 
 /// Time of every step [s]. The torques are those of the scene's controller in an earlier run; its states must be reproduced.
-fn measure(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
+fn step_times(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
     let Some(torques) = driven(scene) else { return Ok(None) };
     let RunEnd::Done(log) = watch(scene, &torques) else { return Ok(None) };
     match times(scene, &torques)? {

@@ -60,7 +60,7 @@ contacts = [[FOOT, 0.0, -0.8944271909999159]]
 ///
 /// # Errors
 /// Ctrl-C, or a bad scene (excluded by a test).
-pub fn rows(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
+pub fn measure(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
     let jobs: [fn() -> ThresholdResult; 4] = [springs, sticking, painleve, masses];
     progress.expect(jobs.len());
     let mut rows = Vec::new();

@@ -47,7 +47,7 @@ pub enum SessionRole {
 }
 
 impl SessionRole {
-    /// Its name on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             SessionRole::Plant => "plant",
@@ -56,7 +56,7 @@ impl SessionRole {
         }
     }
 
-    /// Its name in messages.
+    /// Name in messages.
     pub fn title(self) -> &'static str {
         if self == SessionRole::Launcher { "launcher" } else { self.name() }
     }

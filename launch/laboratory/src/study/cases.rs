@@ -9,7 +9,7 @@ pub struct StudyCase {
     pub name: String,
     /// The scene.
     pub scene: &'static str,
-    /// Its changed settings.
+    /// Changed settings.
     pub settings: Vec<String>,
 }
 

@@ -11,7 +11,7 @@ pub struct DerivedState {
     pub time: f64,
     /// Centre of mass [m].
     pub com: Vector3<f64>,
-    /// Its velocity [m/s].
+    /// Velocity [m/s].
     pub com_velocity: Vector3<f64>,
     /// Soles of the left and right foot.
     pub soles: Option<[SoleState; 2]>,

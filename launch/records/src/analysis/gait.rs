@@ -25,7 +25,7 @@ pub struct LateralState {
     pub support: usize,
     /// Distance x_c2 of the centre of mass from the support sole's centre [m].
     pub position: f64,
-    /// Its rate [m/s].
+    /// Rate [m/s].
     pub velocity: f64,
     /// Signed distance from the midline, positive on the left [m].
     offset: f64,

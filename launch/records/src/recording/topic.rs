@@ -42,7 +42,7 @@ impl RecordingTopic {
         }
     }
 
-    /// Its message type.
+    /// Message type.
     pub fn message(self) -> &'static Message {
         let name = match self {
             RecordingTopic::Sensors => "Sensors",

@@ -26,7 +26,7 @@ impl CurveFamily {
         }
     }
 
-    /// Its colour: one for each kind, another one for methods that do not converge.
+    /// Colour: one for each kind, another one for methods that do not converge.
     pub fn colour(self, hollow: bool) -> RGBColor {
         match self {
             CurveFamily::Peer => GREY,

@@ -65,7 +65,7 @@ impl Puck {
         }
     }
 
-    /// Its displacement at a time before it comes to rest.
+    /// Displacement at a time before it comes to rest.
     pub fn at(&self, time: f64) -> PuckPose {
         let [x, y, yaw, ..] = self.after(time, STEPS);
         PuckPose { travel: Vector3::new(x, y, 0.0), yaw }
@@ -116,7 +116,7 @@ impl Ball {
         }
     }
 
-    /// Its angle after a time [rad].
+    /// Angle after a time [rad].
     pub fn at(&self, time: f64) -> f64 {
         self.after(time, STEPS)[0]
     }

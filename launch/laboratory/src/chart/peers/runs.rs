@@ -38,7 +38,7 @@ struct PeerRun {
 ///
 /// # Errors
 /// A file that cannot be read, or holds no such runs.
-pub fn rows(folder: &Path) -> Result<Vec<Measurement>, Failure> {
+pub fn measure(folder: &Path) -> Result<Vec<Measurement>, Failure> {
     let file = folder.join(RUNS);
     let fault = |reason: String| Failure::new(Exit::Usage, format!("--peers: {}: {reason}", file.display()));
     if !file.exists() {
