@@ -79,5 +79,5 @@ pub mod validation;
 pub mod watchdog;
 
 pub use error::PlantError;
-pub use simulation::Simulation;
+pub use simulation::{Simulation, SimulationSnapshot};
 pub use step::Plant;
