@@ -14,6 +14,7 @@ use messages::scene::{ControllerScene, Scene};
 use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
 
 /// The constant part of the controller.
+#[derive(Clone)]
 struct ControllerModel {
     scene: ControllerScene,
     gravity: f64,
@@ -37,6 +38,7 @@ struct ControllerState {
 }
 
 /// The paper's walking controller. In each control period it computes torques from encoder counts.
+#[derive(Clone)]
 pub struct Controller {
     model: ControllerModel,
     state: ControllerState,

@@ -80,5 +80,5 @@ pub mod watchdog;
 pub use error::PlantError;
 #[doc(no_inline)]
 pub use messages;
-pub use simulation::Simulation;
+pub use simulation::{Simulation, SimulationSnapshot};
 pub use step::Plant;

@@ -2,7 +2,7 @@
 
 use crate::command_pipeline::CommandPipeline;
 use crate::error::PlantError;
-use crate::step::Plant;
+use crate::step::{Plant, PlantSnapshot};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
 
@@ -16,6 +16,17 @@ pub struct Simulation {
     periods: u64,
     /// Run, epoch, sequence number and simulated time of the present sensor message.
     stamp: Stamp,
+}
+
+/// The state of a run, to continue from it later.
+#[derive(Clone, Debug)]
+pub struct SimulationSnapshot {
+    plant: PlantSnapshot,
+    commands: CommandPipeline,
+    encoders: Encoders,
+    stamp: Stamp,
+    /// Seeds of the plant and of the link.
+    seeds: [u64; 2],
 }
 
 impl Simulation {
@@ -79,6 +90,30 @@ impl Simulation {
         self.encoders = self.plant.advance(&torques)?;
         self.stamp = Stamp { seq: self.stamp.seq + 1, sim_ns: self.plant.time_ns(), ..self.stamp };
         Ok(())
+    }
+
+    /// The present state.
+    pub fn snapshot(&self) -> SimulationSnapshot {
+        SimulationSnapshot {
+            plant: self.plant.snapshot(),
+            commands: self.commands.clone(),
+            encoders: self.encoders,
+            stamp: self.stamp,
+            seeds: [self.scene.plant.seed, self.scene.link.seed],
+        }
+    }
+
+    /// As [`Plant::restore`], with the commands that are under way.
+    pub fn restore(&mut self, snapshot: &SimulationSnapshot) {
+        self.plant.restore(&snapshot.plant);
+        self.commands.clone_from(&snapshot.commands);
+        (self.encoders, self.stamp) = (snapshot.encoders, snapshot.stamp);
+        [self.scene.plant.seed, self.scene.link.seed] = snapshot.seeds;
+    }
+
+    /// The plant.
+    pub fn plant(&self) -> &Plant {
+        &self.plant
     }
 
     /// As [`Plant::prepare`].

@@ -33,6 +33,7 @@ mod posed_state;
 mod prediction;
 mod runge_kutta;
 mod settings;
+mod snapshot;
 mod stability;
 mod stages;
 mod step_size;
@@ -43,6 +44,7 @@ use event_contact::EventContact;
 use last_acceleration::LastAcceleration;
 use posed_state::PosedState;
 use settings::{Push, World};
+pub use snapshot::PlantSnapshot;
 use workspace::Workspace;
 
 use crate::contact::{Memory, Problem};

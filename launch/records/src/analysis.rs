@@ -16,7 +16,7 @@ pub mod synthetic;
 
 pub use derived::{DerivedState, normal_forces};
 pub use energy_balance::EnergyBalance;
-pub use extrema::Extrema;
+pub use extrema::{Extrema, InitialPosture};
 pub use gait::{LateralState, StepDetector};
 pub use histogram::Histogram;
 pub use kinematic_tree::{BodyState, FootGeometry, KinematicTree};

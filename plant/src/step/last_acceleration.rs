@@ -5,7 +5,7 @@ use crate::model::Model;
 use nalgebra::Vector3;
 
 /// Acceleration of the step before, including contact.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct LastAcceleration {
     rate: Vec<f64>,
     /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].

@@ -40,6 +40,7 @@ impl BaseCentre {
 }
 
 /// A state and its pose.
+#[derive(Clone, Debug)]
 pub(super) struct PosedState {
     pub state: State,
     pub pose: Pose,

@@ -40,7 +40,7 @@ pub(super) struct Settings {
 }
 
 /// A force on a body's centre of mass for some steps.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Push {
     pub link: usize,
     pub force: Vector3<f64>,

@@ -49,7 +49,7 @@ pub struct Extrema {
 }
 
 /// The posture in the first record: the reference for fall and drift. Heights are above the lowest contact point [m].
-struct InitialPosture {
+pub struct InitialPosture {
     y: f64,
     trunk_height: f64,
     com_height: f64,
@@ -116,7 +116,8 @@ impl Extrema {
 }
 
 impl InitialPosture {
-    fn new(derived: &DerivedState) -> Self {
+    /// The posture of the first record.
+    pub fn new(derived: &DerivedState) -> Self {
         let ground = if derived.clearance.is_finite() { derived.clearance } else { 0.0 };
         InitialPosture {
             y: derived.com.y,
@@ -126,7 +127,7 @@ impl InitialPosture {
     }
 
     /// True if the trunk is too low or too tilted, or the centre of mass is too low.
-    fn has_fallen(&self, derived: &DerivedState) -> bool {
+    pub fn has_fallen(&self, derived: &DerivedState) -> bool {
         derived.trunk_height < FALL_TRUNK_HEIGHT * self.trunk_height
             || derived.trunk_tilt > FALL_TILT_DEG.to_radians()
             || derived.com.z < FALL_COM_HEIGHT * self.com_height

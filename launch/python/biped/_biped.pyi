@@ -1,0 +1,226 @@
+from collections.abc import Mapping, Sequence
+from typing import Any, final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+class Error(Exception):
+    """Base of all exceptions of this package."""
+
+class SceneError(Error):
+    """A scene is unknown or invalid. The message names the key and the values that are allowed."""
+
+class InputError(Error):
+    """An argument has the wrong shape or type, is not finite, or is out of range."""
+
+class EndedError(Error):
+    """The run has ended: there is no further control period."""
+
+class SimulationError(Error):
+    """The simulation has diverged, or a contact problem could not be solved."""
+
+class ControllerError(Error):
+    """The controller does not fit the robot, or has no torques for its posture."""
+
+def layout() -> list[tuple[str, int, list[tuple[str, str, int, str]]]]:
+    """The layout of every message: name, size [bytes], and fields with name, type, offset [bytes] and meaning."""
+
+def names() -> tuple[list[str], list[str]]:
+    """Names of the phases of the gait, and of the states of the plant."""
+
+def rust_loop(scene: Scene, periods: int = ...) -> tuple[int, float, int]:
+    """Runs a scene with its controller without Python: (control periods, time [s], hash of all states). The reference for speed."""
+
+@final
+class Scene:
+    """A scene: robot, ground, controller settings and duration. It cannot be changed.
+
+    ``Scene("walk")`` is a built-in scene, ``Scene("my.toml")`` a file. Settings change values:
+    ``Scene("walk", "plant.friction=0.3")`` or ``Scene("walk", {"plant.friction": 0.3, "robot": "my.urdf"})``.
+    """
+
+    def __init__(self, name: str, *settings: str | Mapping[str, Any]) -> None: ...
+    @staticmethod
+    def parse(text: str, name: str = "scene") -> Scene:
+        """A scene from its TOML text. Errors call it by ``name``."""
+
+    @staticmethod
+    def built_in() -> list[str]:
+        """Names of the built-in scenes."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def text(self) -> str:
+        """The scene as TOML, with every default written out."""
+
+    @property
+    def dt(self) -> float:
+        """Length of an integration step [s]."""
+
+    @property
+    def rate(self) -> float:
+        """Control periods per second [Hz]."""
+
+    @property
+    def duration(self) -> float:
+        """Length of a run [s]."""
+
+    @property
+    def torque_limit(self) -> float:
+        """Largest torque of a drive [N·m]."""
+
+    @property
+    def radians_per_count(self) -> float:
+        """Angle of one encoder count [rad]."""
+
+    @property
+    def joints(self) -> list[str]:
+        """Names of the joints, in the order of all arrays."""
+
+    @property
+    def bodies(self) -> list[str]:
+        """Names of the bodies."""
+
+    @property
+    def start(self) -> list[float]:
+        """Joint angles at time zero [rad]."""
+
+    @property
+    def mass(self) -> float:
+        """Mass of the robot, with its payload [kg]."""
+
+    @property
+    def has_controller(self) -> bool:
+        """Whether the scene has settings for the walking controller."""
+
+@final
+class Snapshot:
+    """The state of a plant, from :meth:`Plant.snapshot`."""
+
+@final
+class Plant:
+    """Robot, ground and drives of a scene, one control period at a time.
+
+    It has the command pipeline of ``biped run``: a ``[link]`` table of the scene delays and loses commands, and torques beyond four
+    times the limit are refused. The same torques give the same bits as in ``biped run``.
+
+    A plant serves one thread at a time. Different plants run in parallel, because a step releases the GIL.
+    """
+
+    def __init__(self, scene: Scene) -> None: ...
+    def reset(self, *, seed: int | None = None) -> NDArray[np.int64]:
+        """Starts again from time zero, with another seed of all random numbers if one is given. Returns :attr:`counts`."""
+
+    def step(self, torques: ArrayLike | None = None, periods: int = 1) -> NDArray[np.int64]:
+        """Simulates control periods with these torques, shape (8,) [N·m]. Returns :attr:`counts`.
+
+        Without torques the plant gets no command: it holds the last ones for 10 ms, then damps the joints. Stops at the end of the run.
+
+        :raises InputError: wrong shape, not finite, or refused by the plant
+        :raises EndedError: the run had already ended
+        :raises SimulationError: the simulation failed; only ``reset`` and ``restore`` help then
+        """
+
+    def push(self, impulse: Sequence[float], *, body: str | int | None = None, duration: float = 0.05) -> None:
+        """Pushes a body's centre of mass from now on: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. Without
+        a body it pushes the trunk."""
+
+    def truth(self) -> Any:
+        """What only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
+        For evaluation. A real robot cannot measure it."""
+
+    def snapshot(self) -> Snapshot:
+        """The present state."""
+
+    def restore(self, snapshot: Snapshot) -> NDArray[np.int64]:
+        """Returns to a state of this plant, or of another plant of an equal scene. What follows has the same bits. Returns :attr:`counts`."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Encoder counts of the joints, shape (8,), as the wire carries them. A read-only view that changes with each step."""
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Joint angles from the encoder counts, shape (8,) [rad]. A read-only view that changes with each step."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time [s]."""
+
+    @property
+    def ended(self) -> bool:
+        """Whether the run has reached its duration."""
+
+    @property
+    def state(self) -> str:
+        """What drove the robot in the last control period: one of ``STATES``."""
+
+    @property
+    def energy(self) -> float:
+        """Kinetic energy, and potential energy of gravity [J]."""
+
+    @property
+    def fallen(self) -> bool:
+        """Whether the posture is that of a fallen robot, by the rule of ``biped run``."""
+
+    @property
+    def hash(self) -> int:
+        """Hash of all states since time zero. Equal hashes mean equal bits."""
+
+@final
+class PlantBatch:
+    """Plants that step together on all cores, with the GIL released."""
+
+    def __init__(self, plants: Sequence[Plant]) -> None: ...
+    def step(self, torques: ArrayLike | None = None, periods: int = 1) -> NDArray[np.int64]:
+        """As :meth:`Plant.step` for every plant, with torques of shape (plants, 8) [N·m]. Returns :attr:`counts`. If some plants fail, all
+        others have stepped, and the error names the first that failed."""
+
+    @property
+    def plants(self) -> tuple[Plant, ...]: ...
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Encoder counts after the last ``step`` of the batch, shape (plants, 8). A read-only view."""
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Joint angles after the last ``step`` of the batch, shape (plants, 8) [rad]. A read-only view."""
+
+    def __len__(self) -> int: ...
+
+@final
+class ControllerSnapshot:
+    """The state of a controller, from :meth:`Controller.snapshot`."""
+
+@final
+class Controller:
+    """The walking controller of the paper. It must get every reading of a run exactly once."""
+
+    def __init__(self, scene: Scene) -> None: ...
+    def reset(self) -> None:
+        """Starts again, with the set-points of the scene."""
+
+    def tick(self, counts: ArrayLike) -> NDArray[np.float64]:
+        """One control period: encoder counts, shape (8,) int64, to torques, shape (8,) [N·m]. The result is a read-only view that the next
+        call overwrites."""
+
+    def set(self, *, speed: float | None = None, period: float | None = None) -> None:
+        """Changes the set-points of the gait: walking speed [m/s] and period of two steps [s].
+
+        :raises ControllerError: out of the range of this robot; then nothing changes
+        """
+
+    def telemetry(self) -> Any:
+        """State of the gait in the last control period, as a NumPy record; docs/WIRE.md, Telemetry."""
+
+    def snapshot(self) -> ControllerSnapshot:
+        """The present state, with the set-points."""
+
+    def restore(self, snapshot: ControllerSnapshot) -> None:
+        """Returns to a state of this controller, or of another controller of an equal scene."""
+
+    @property
+    def scene(self) -> Scene: ...

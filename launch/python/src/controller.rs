@@ -1,0 +1,90 @@
+//! `Controller`: the paper's walking controller.
+
+use crate::arrays::{OutputArray, counts, record};
+use crate::error::{ControllerError, Error, InputError};
+use crate::scene::Scene;
+use messages::wire::{Encoders, JOINTS};
+use numpy::{Ix1, PyArray1};
+use pyo3::prelude::*;
+use std::sync::{Mutex, MutexGuard, TryLockError};
+
+/// The walking controller of a scene.
+#[pyclass(frozen, module = "biped")]
+pub struct Controller {
+    scene: Py<Scene>,
+    controller: Mutex<controller::Controller>,
+    torques: OutputArray<f64, Ix1>,
+}
+
+/// The state of a controller, to return to.
+#[pyclass(frozen, module = "biped")]
+pub struct ControllerSnapshot {
+    scene: Py<Scene>,
+    controller: controller::Controller,
+}
+
+fn unfit(error: controller::ControllerError) -> PyErr {
+    ControllerError::new_err(error.to_string())
+}
+
+#[pymethods]
+impl Controller {
+    #[new]
+    fn new(py: Python<'_>, scene: Py<Scene>) -> PyResult<Controller> {
+        let controller = controller::Controller::new(&scene.get().scene).map_err(unfit)?;
+        Ok(Controller { torques: OutputArray::new(py, [JOINTS])?, controller: Mutex::new(controller), scene })
+    }
+
+    fn reset(&self) -> PyResult<()> {
+        *self.lock()? = controller::Controller::new(&self.scene.get().scene).map_err(unfit)?;
+        Ok(())
+    }
+
+    fn tick(&self, py: Python<'_>, counts: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
+        let encoders = Encoders { counts: self::counts(counts)? };
+        let torques = self.lock()?.tick(&encoders).map_err(unfit)?;
+        self.torques.write(py, torques.torque.into_iter())?;
+        Ok(self.torques.view(py))
+    }
+
+    #[pyo3(signature = (*, speed = None, period = None))]
+    fn set(&self, speed: Option<f64>, period: Option<f64>) -> PyResult<()> {
+        self.lock()?.set(period, speed).map_err(unfit)
+    }
+
+    fn telemetry<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        record(py, "Telemetry", &self.lock()?.telemetry())
+    }
+
+    fn snapshot(&self, py: Python<'_>) -> PyResult<ControllerSnapshot> {
+        Ok(ControllerSnapshot { scene: self.scene.clone_ref(py), controller: self.lock()?.clone() })
+    }
+
+    fn restore(&self, snapshot: &ControllerSnapshot) -> PyResult<()> {
+        if snapshot.scene.get().scene != self.scene.get().scene {
+            return Err(InputError::new_err("the snapshot is of a controller of another scene"));
+        }
+        self.lock()?.clone_from(&snapshot.controller);
+        Ok(())
+    }
+
+    #[getter]
+    fn scene(&self, py: Python<'_>) -> Py<Scene> {
+        self.scene.clone_ref(py)
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<biped.Controller of {}>", self.scene.get().name)
+    }
+}
+
+impl Controller {
+    /// The controller, unless another thread uses it.
+    fn lock(&self) -> PyResult<MutexGuard<'_, controller::Controller>> {
+        match self.controller.try_lock() {
+            Ok(controller) => Ok(controller),
+            Err(TryLockError::Poisoned(controller)) => Ok(controller.into_inner()),
+            Err(TryLockError::WouldBlock) => Err(Error::new_err("this controller is in use by another thread")),
+        }
+    }
+}

@@ -1,0 +1,41 @@
+//! The Python package `biped`: plant, controller, recordings and sessions with NumPy arrays.
+//!
+//! This crate converts between Python and the crates of the workspace and computes nothing itself. Its Python half is `launch/python/biped`.
+//!
+//! | what | where |
+//! |---|---|
+//! | exceptions | `error.rs` |
+//! | arrays in and out, layout of messages | `arrays.rs` |
+//! | `Scene` | `scene.rs` |
+//! | `Plant`, and its run | `plant.rs`, `run.rs` |
+//! | `PlantBatch`: many plants on all cores | `batch.rs` |
+//! | `Controller` | `controller.rs` |
+
+mod arrays;
+mod batch;
+mod controller;
+mod error;
+mod plant;
+mod run;
+mod scene;
+
+use pyo3::prelude::*;
+
+/// The compiled half of the package `biped`.
+#[pymodule]
+mod _biped {
+    #[pymodule_export]
+    use crate::arrays::{layout, names};
+    #[pymodule_export]
+    use crate::batch::PlantBatch;
+    #[pymodule_export]
+    use crate::controller::{Controller, ControllerSnapshot};
+    #[pymodule_export]
+    use crate::error::{ControllerError, EndedError, Error, InputError, SceneError, SimulationError};
+    #[pymodule_export]
+    use crate::plant::{Plant, Snapshot};
+    #[pymodule_export]
+    use crate::run::rust_loop;
+    #[pymodule_export]
+    use crate::scene::Scene;
+}

@@ -1,0 +1,178 @@
+//! `Scene`: a checked scene.
+
+use crate::error::{InputError, SceneError};
+use messages::load::{self, load, parse, validate};
+use pyo3::prelude::*;
+use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
+use records::analysis::KinematicTree;
+use shared::list::SCENES;
+use std::f64::consts::TAU;
+
+/// A scene: robot, ground, controller settings and duration. It cannot be changed.
+#[pyclass(frozen, module = "biped")]
+pub struct Scene {
+    pub name: String,
+    pub scene: messages::scene::Scene,
+}
+
+fn refused(error: load::SceneError) -> PyErr {
+    SceneError::new_err(error.to_string())
+}
+
+#[pymethods]
+impl Scene {
+    #[new]
+    #[pyo3(signature = (name, *settings))]
+    fn new(name: &str, settings: &Bound<'_, PyTuple>) -> PyResult<Scene> {
+        let mut texts = vec![];
+        for setting in settings {
+            match setting.cast::<PyDict>() {
+                Ok(pairs) => {
+                    for (key, value) in pairs {
+                        texts.push(format!("{}={}", key.extract::<String>()?, toml(&value)?));
+                    }
+                }
+                Err(_) => texts.push(setting.extract().map_err(|_| {
+                    InputError::new_err("a setting must be a text \"key=value\" or a dict {\"key\": value}")
+                })?),
+            }
+        }
+        Ok(Scene { name: name.into(), scene: load(name, &texts, SCENES).map_err(refused)? })
+    }
+
+    /// A scene from its TOML text.
+    #[staticmethod]
+    #[pyo3(signature = (text, name = "scene"))]
+    fn parse(text: &str, name: &str) -> PyResult<Scene> {
+        let scene = parse(text, name).map_err(refused)?;
+        validate(&scene, name).map_err(refused)?;
+        Ok(Scene { name: name.into(), scene })
+    }
+
+    /// Names of the built-in scenes.
+    #[staticmethod]
+    fn built_in() -> Vec<&'static str> {
+        SCENES.iter().map(|(name, _)| *name).collect()
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The scene as TOML, with every default.
+    #[getter]
+    fn text(&self) -> String {
+        load::text(&self.scene)
+    }
+
+    #[getter]
+    fn dt(&self) -> f64 {
+        self.scene.plant.dt
+    }
+
+    #[getter]
+    fn rate(&self) -> f64 {
+        self.scene.rate
+    }
+
+    #[getter]
+    fn duration(&self) -> f64 {
+        self.scene.duration
+    }
+
+    #[getter]
+    fn torque_limit(&self) -> f64 {
+        self.scene.plant.torque_limit
+    }
+
+    #[getter]
+    pub fn radians_per_count(&self) -> f64 {
+        TAU / f64::from(self.scene.plant.encoder_bits).exp2()
+    }
+
+    #[getter]
+    fn joints(&self) -> Vec<String> {
+        KinematicTree::new(&self.scene).joint_names().into_iter().map(Into::into).collect()
+    }
+
+    #[getter]
+    fn bodies(&self) -> Vec<&str> {
+        self.scene.bodies.iter().map(|body| body.name.as_str()).collect()
+    }
+
+    #[getter]
+    fn start(&self) -> Vec<f64> {
+        self.scene.initial.joints.clone()
+    }
+
+    #[getter]
+    fn mass(&self) -> f64 {
+        KinematicTree::new(&self.scene).mass
+    }
+
+    #[getter]
+    fn has_controller(&self) -> bool {
+        self.scene.controller.is_some()
+    }
+
+    fn __eq__(&self, other: &Scene) -> bool {
+        self.scene == other.scene
+    }
+
+    fn __repr__(&self) -> String {
+        let Scene { name, scene } = self;
+        format!("<biped.Scene {name}: {} s at {} Hz, dt {} s>", scene.duration, scene.rate, scene.plant.dt)
+    }
+
+    fn __reduce__<'py>(&self, py: Python<'py>) -> PyResult<(Bound<'py, PyAny>, (String, String))> {
+        Ok((py.get_type::<Scene>().getattr("parse")?, (self.text(), self.name.clone())))
+    }
+}
+
+impl Scene {
+    /// Number of a body that is given by its name or number.
+    pub fn body(&self, body: &Bound<'_, PyAny>) -> PyResult<usize> {
+        let bodies = &self.scene.bodies;
+        let found = match body.extract::<String>() {
+            Ok(name) => bodies.iter().position(|body| body.name == name),
+            Err(_) => body.extract().ok().filter(|number| *number < bodies.len()),
+        };
+        found.ok_or_else(|| {
+            let names = self.bodies().join(", ");
+            InputError::new_err(format!("scene {} has no body {}; its bodies are {names}", self.name, printed(body)))
+        })
+    }
+}
+
+fn printed(value: &Bound<'_, PyAny>) -> String {
+    value.repr().map_or_else(|_| "of that name".into(), |text| text.to_string())
+}
+
+/// A value as TOML. A text stays as it is, as on the command line.
+fn toml(value: &Bound<'_, PyAny>) -> PyResult<String> {
+    if let Ok(value) = value.cast::<PyBool>() {
+        return Ok(value.is_true().to_string());
+    }
+    if let Ok(text) = value.cast::<PyString>() {
+        return Ok(text.to_string());
+    }
+    if value.is_instance_of::<PyInt>() {
+        return Ok(value.to_string());
+    }
+    if let Ok(number) = value.cast::<PyFloat>() {
+        return Ok(format!("{:?}", number.value()).to_lowercase()); // TOML's nan
+    }
+    if let Ok(number) = value.call_method0("item") {
+        return toml(&number); // a NumPy scalar
+    }
+    let parts = value.try_iter().map_err(|_| {
+        InputError::new_err(format!("{} cannot be a value of a scene: use numbers, texts and lists", printed(value)))
+    })?;
+    let quoted = |part: Bound<'_, PyAny>| match part.cast::<PyString>() {
+        Ok(text) => Ok(format!("{:?}", text.to_string())),
+        Err(_) => toml(&part),
+    };
+    let parts = parts.map(|part| quoted(part?)).collect::<PyResult<Vec<_>>>()?;
+    Ok(format!("[{}]", parts.join(", ")))
+}

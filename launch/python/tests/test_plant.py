@@ -1,0 +1,200 @@
+"""Claims about plant and controller in process: bits, snapshots, refusals."""
+
+import pickle
+import unittest
+from pathlib import Path
+
+import biped
+import numpy as np
+
+HASHES = Path(__file__).parents[2] / "scenes" / "hashes.txt"
+
+
+def published(scene):
+    """The published hashes of the first second and of the whole run."""
+    rows = (line.split() for line in HASHES.read_text().splitlines()[1:])
+    return next([int(hash, 16) for hash in row[1:3]] for row in rows if row[0] == scene)
+
+
+def run(plant, controller, periods=None):
+    while not plant.ended and periods != 0:
+        plant.step(controller.tick(plant.counts))
+        periods = periods and periods - 1
+    return plant.hash
+
+
+class Bits(unittest.TestCase):
+    def test_a_loop_in_python_has_the_published_bits(self):
+        scene = biped.Scene("walk")
+        plant, controller = biped.Plant(scene), biped.Controller(scene)
+        first, whole = published("walk")
+        self.assertEqual(run(plant, controller, round(scene.rate)), first)
+        self.assertEqual(run(plant, controller), whole)
+        self.assertFalse(plant.fallen)
+        self.assertGreater(plant.truth().base_position[0], 2.0)
+
+    def test_a_scene_without_a_controller_has_the_published_bits(self):
+        plant = biped.Plant(biped.Scene("slide"))
+        plant.step(periods=10**9)
+        self.assertEqual(plant.hash, published("slide")[1])
+
+    def test_reset_repeats_and_another_seed_does_not(self):
+        scene = biped.Scene("stand", {"duration": 0.5, "plant.stale_probability": 0.3, "link.loss": 0.1})
+        plant, controller = biped.Plant(scene), biped.Controller(scene)
+        hashes = []
+        for seed in [7, 7, 8, None]:
+            plant.reset(seed=seed)
+            controller.reset()
+            hashes.append(run(plant, controller))
+        self.assertEqual(hashes[0], hashes[1])
+        self.assertNotEqual(hashes[0], hashes[2])
+        self.assertEqual(hashes[2], hashes[3], "the seed stays")
+
+    def test_a_snapshot_restores_every_bit(self):
+        scene = biped.Scene("walk", {"duration": 3})
+        plant, controller = biped.Plant(scene), biped.Controller(scene)
+        run(plant, controller, 1234)
+        plant.push([0, 2, 0], duration=0.1)
+        run(plant, controller, 30)
+        snapshots = plant.snapshot(), controller.snapshot()
+        straight = run(plant, controller)
+        others = biped.Plant(scene), biped.Controller(scene)
+        for plant, controller in [(plant, controller), others]:
+            for subject, snapshot in zip((plant, controller), snapshots):
+                subject.restore(snapshot)
+            self.assertAlmostEqual(plant.time, 1.264)
+            self.assertEqual(run(plant, controller), straight)
+        with self.assertRaisesRegex(biped.InputError, "another scene"):
+            biped.Plant(biped.Scene("stand")).restore(snapshots[0])
+
+    def test_a_batch_has_the_bits_of_single_plants(self):
+        scene = biped.Scene("stand", "duration=0.4")
+        batch = biped.PlantBatch([biped.Plant(scene) for _ in range(5)])
+        single, torques = biped.Plant(scene), np.random.default_rng(1).normal(0, 5, (300, 5, 8))
+        for row in torques:
+            batch.step(row)
+        for number, plant in enumerate(batch.plants):
+            single.reset()
+            for row in torques:
+                single.step(row[number])
+            self.assertEqual(single.hash, plant.hash)
+            np.testing.assert_array_equal(batch.counts[number], single.counts)
+            np.testing.assert_array_equal(batch.angles[number], single.angles)
+        with self.assertRaisesRegex(biped.InputError, r"torques\[3, 2\] is NaN"):
+            batch.step(np.where(np.arange(40).reshape(5, 8) == 26, np.nan, 0.0))
+        with self.assertRaisesRegex(biped.Error, "twice in one call"):
+            biped.PlantBatch([single, single])
+
+
+class Arrays(unittest.TestCase):
+    def setUp(self):
+        self.scene = biped.Scene("stand", "duration=0.05")
+        self.plant = biped.Plant(self.scene)
+
+    def test_results_are_views_that_cannot_be_written(self):
+        counts, angles = self.plant.counts, self.plant.angles
+        before = counts.copy()
+        self.assertEqual((counts.shape, counts.dtype, angles.dtype), ((8,), np.int64, np.float64))
+        self.assertTrue(np.shares_memory(self.plant.step(np.zeros(8), 5), counts))
+        self.assertFalse(np.array_equal(counts, before), "the view follows the plant")
+        np.testing.assert_allclose(angles, counts * self.scene.radians_per_count, rtol=0, atol=0)
+        np.testing.assert_allclose(angles, self.plant.truth().angle, atol=self.scene.radians_per_count)
+        with self.assertRaises(ValueError):
+            counts[0] = 1
+
+    def test_lists_and_other_number_types_are_converted(self):
+        other = biped.Plant(self.scene)
+        self.plant.step(np.full(8, 2.0))
+        other.step([2] * 8)
+        other.step(np.full(16, 2, np.float32)[::2])
+        self.plant.step((2.0,) * 8)
+        self.assertEqual(self.plant.hash, other.hash)
+
+    def test_a_wrong_shape_or_type_is_refused_and_nothing_happens(self):
+        for wrong in [np.zeros(7), np.zeros((2, 8)), np.zeros((8, 1)), 3.0, ["a"] * 8, np.zeros(8, complex)]:
+            with self.assertRaisesRegex(biped.InputError, r"torques must be an array of float64 with the shape \(8,\)"):
+                self.plant.step(wrong)
+        with self.assertRaisesRegex(biped.InputError, "counts must be an array of int64"):
+            biped.Controller(self.scene).tick(self.plant.angles)
+        self.assertEqual(self.plant.time, 0.0)
+
+    def test_torques_that_are_not_finite_or_too_large_are_refused_by_name(self):
+        for wrong in [np.nan, np.inf, -np.inf]:
+            torques = np.zeros(8)
+            torques[3] = wrong
+            with self.assertRaisesRegex(biped.InputError, r"torques\[3\] is (NaN|-?inf)"):
+                self.plant.step(torques)
+        with self.assertRaisesRegex(biped.InputError, "four times the torque limit"):
+            self.plant.step(np.full(8, 5 * self.scene.torque_limit))
+        self.assertEqual(self.plant.time, 0.0)
+
+    def test_a_step_after_the_end_is_refused_until_reset(self):
+        self.plant.step(np.zeros(8), 1000)
+        self.assertTrue(self.plant.ended)
+        self.assertAlmostEqual(self.plant.time, 0.05)
+        with self.assertRaisesRegex(biped.EndedError, "ended at t = 0.05 s.*reset"):
+            self.plant.step(np.zeros(8))
+        self.plant.reset()
+        self.plant.step(np.zeros(8))
+
+    def test_truth_and_telemetry_are_records_with_the_fields_of_the_wire(self):
+        controller = biped.Controller(self.scene)
+        self.plant.step(controller.tick(self.plant.counts))
+        truth = self.plant.truth()
+        self.assertEqual((truth.nbytes, truth.contact_force.shape), (1376, (48,)))
+        self.assertEqual(truth.stamp.sim_ns, 1_000_000)
+        self.assertEqual(biped.STATES[truth.state], self.plant.state)
+        self.assertEqual(biped.PHASES[controller.telemetry().phase], "stand")
+        weight = truth.contact_force.reshape(16, 3)[:, 2].sum()
+        self.assertAlmostEqual(weight / (9.81 * self.scene.mass), 1.0, delta=0.3)
+
+
+class Words(unittest.TestCase):
+    def test_an_unknown_scene_key_or_value_is_named(self):
+        for name, settings, words in [
+            ("wlak", [], "wlak.*walk"),
+            ("walk", ["plant.fricton=0.3"], "fricton.*friction"),
+            ("walk", [{"plant.dt": -1.0}], "plant.dt = -1"),
+            ("walk", [{"plant.friction": float("nan")}], "finite"),
+        ]:
+            with self.assertRaisesRegex(biped.SceneError, words):
+                biped.Scene(name, *settings)
+        for wrong in [3, [4]]:
+            with self.assertRaises(biped.InputError):
+                biped.Scene("walk", wrong)
+        with self.assertRaisesRegex(biped.SceneError, "mine"):
+            biped.Scene.parse("plant = 3", "mine")
+
+    def test_settings_are_texts_or_python_values(self):
+        scene = biped.Scene("walk", "plant.friction=0.3", {"duration": np.float64(2), "initial.joints": np.zeros(8)})
+        self.assertEqual((scene.duration, scene.start, len(scene.joints)), (2.0, [0.0] * 8, 8))
+        self.assertIn("friction = 0.3", scene.text)
+        self.assertEqual(pickle.loads(pickle.dumps(scene)), scene)
+        self.assertNotEqual(scene, biped.Scene("walk"))
+        self.assertIn("stand", biped.Scene.built_in())
+
+    def test_a_controller_refuses_scenes_and_set_points_that_it_cannot_control(self):
+        with self.assertRaisesRegex(biped.ControllerError, "controller"):
+            biped.Controller(biped.Scene("slide"))
+        with self.assertRaisesRegex(biped.ControllerError, "cannot walk"):
+            biped.Controller(biped.Scene("walk")).set(speed=9.0)
+
+    def test_a_push_acts_and_a_bad_one_is_refused(self):
+        scene = biped.Scene("stand", "duration=3")
+        plant, controller = biped.Plant(scene), biped.Controller(scene)
+        energy = plant.energy
+        plant.push([0, 0, 0.5], body="trunk", duration=0.001)
+        plant.step(controller.tick(plant.counts))
+        self.assertGreater(plant.energy, energy)
+        plant.push([0, 60, 0])
+        run(plant, controller)
+        self.assertTrue(plant.fallen)
+        for wrong, words in [({"body": "head"}, "head.*trunk"), ({"duration": -1}, "out of range")]:
+            with self.assertRaisesRegex(biped.InputError, words):
+                plant.push([0, 1, 0], **wrong)
+        with self.assertRaisesRegex(biped.InputError, "out of range"):
+            plant.push([0, float("nan"), 0])
+
+
+if __name__ == "__main__":
+    unittest.main()
