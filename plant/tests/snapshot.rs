@@ -4,17 +4,13 @@
 
 use biped_plant::{PlantError, Simulation};
 use controller::Controller;
-use messages::load::load;
+use messages::load::{SCENES, load};
 use messages::scene::Scene;
 use messages::wire::{Command, Stamp, Stamped};
-use std::path::PathBuf;
 
 fn scene(name: &str, settings: &[&str]) -> Scene {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../launch/scenes");
-    let path = [name.into(), format!("known/{name}")].map(|name| folder.join(name + ".toml"));
-    let path = path.iter().find(|path| path.exists()).expect(name);
     let settings: Vec<String> = settings.iter().map(|setting| setting.to_string()).collect();
-    load(&path.to_string_lossy(), &settings, &[]).expect("a good scene")
+    load(name, &settings, SCENES).expect("a good scene")
 }
 
 /// A plant and the controller of its scene.
