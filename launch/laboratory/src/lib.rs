@@ -1,5 +1,6 @@
 //! The laboratory: speed against accuracy, latency, faults, conformance, robustness, studies.
 
+pub mod batch;
 pub mod chart;
 pub mod conform;
 pub mod contact;
