@@ -13,6 +13,7 @@ mod urdf;
 pub use check::validate;
 pub use error::SceneError;
 pub use robot::{read, with_robot};
+pub use suggestion::suggest;
 
 use crate::scene::Scene;
 

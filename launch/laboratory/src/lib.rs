@@ -11,3 +11,4 @@ pub mod robustness;
 pub mod soak;
 pub mod study;
 pub mod subject;
+pub mod sweep;
