@@ -11,7 +11,7 @@ const GROUPS: [(&str, &[&str]); 6] = [
         "Use your own controller, plant or robot",
         &["new", "plant", "controller", "session", "wire", "conform", "export", "tunnel"],
     ),
-    ("Measure", &["chart", "study", "robustness", "latency", "faults", "soak", "contact"]),
+    ("Measure", &["chart", "study", "sweep", "robustness", "latency", "faults", "soak", "contact"]),
     ("Check and clean the machine", &["doctor", "clean"]),
 ];
 

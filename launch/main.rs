@@ -15,7 +15,7 @@ mod fuzz;
 mod help;
 
 use clap::{FromArgMatches, Parser, Subcommand};
-use laboratory::{chart, conform, contact, faults, hashes, latency, robustness, soak, study};
+use laboratory::{chart, conform, contact, faults, hashes, latency, robustness, soak, study, sweep};
 use nix::sys::signal::{SigSet, Signal};
 use records::{recording, top, view};
 use sessions::{
@@ -53,6 +53,8 @@ enum CliCommand {
     Chart(chart::ChartArgs),
     /// Map the delay, jitter and loss of commands that the walk tolerates
     Robustness(robustness::RobustnessArgs),
+    /// Run a scene with every combination of values of its keys, and find the values at which the robot begins to fall
+    Sweep(sweep::SweepArgs),
     /// Measure latency and jitter of the link between the processes, relative to the limits of this machine
     Latency(latency::LatencyArgs),
     /// The second process of `latency`
@@ -143,6 +145,7 @@ fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(
         Some(CliCommand::Study(args)) => study::run(&args, stop),
         Some(CliCommand::Chart(args)) => chart::run(&args, stop),
         Some(CliCommand::Robustness(args)) => robustness::run(&args, stop),
+        Some(CliCommand::Sweep(args)) => sweep::run(&args, stop),
         Some(CliCommand::Latency(args)) => latency::run(&args, stop),
         Some(CliCommand::LatencyPeer(args)) => latency::peer(&args, stop),
         Some(CliCommand::Model(args)) => model::run(&args),

@@ -15,6 +15,7 @@ pub use built_in::{BuiltIn, SCENES, built_in};
 pub use check::validate;
 pub use error::SceneError;
 pub use robot::{read, with_robot};
+pub use suggestion::suggest;
 
 use crate::scene::Scene;
 

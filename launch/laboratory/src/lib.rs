@@ -1,5 +1,6 @@
 //! The laboratory: speed against accuracy, latency, faults, conformance, robustness, studies.
 
+pub mod batch;
 pub mod chart;
 pub mod conform;
 pub mod contact;
@@ -10,3 +11,4 @@ pub mod robustness;
 pub mod soak;
 pub mod study;
 pub mod subject;
+pub mod sweep;

@@ -4,7 +4,7 @@
 const MIN_SIMILARITY: f64 = 0.85;
 
 /// `; did you mean ...?` if a known name is similar to the unknown one, otherwise an empty string.
-pub(super) fn suggest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
+pub fn suggest<'a>(unknown: &str, known: impl IntoIterator<Item = &'a str>) -> String {
     let likeness = |name: &'a str| (strsim::jaro_winkler(unknown, name), name);
     let best = known.into_iter().map(likeness).max_by(|one, other| one.0.total_cmp(&other.0));
     best.filter(|(likeness, _)| *likeness > MIN_SIMILARITY)

@@ -1,6 +1,6 @@
 //! Arguments of `biped robustness`.
 
-use super::shard::Shard;
+use crate::batch::BatchArgs;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -32,12 +32,8 @@ pub struct RobustnessArgs {
     /// A coarse map of short walks: takes seconds
     #[arg(long)]
     pub(super) quick: bool,
-    /// Run only the i-th of n equal shares
-    #[arg(long, value_name = "I/N")]
-    pub(super) shard: Option<Shard>,
-    /// Run nothing: merge the tables of all shards and draw the map; needs the options of the shards
-    #[arg(long, value_name = "FILES", num_args = 1.., conflicts_with = "shard")]
-    pub(super) merge: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) batch: BatchArgs,
     /// Write the table and the map into this folder; runs that its table already contains are not repeated
     #[arg(long, value_name = "DIR", default_value = "out/robustness")]
     pub(super) out: PathBuf,

@@ -1,12 +1,13 @@
 //! Results by cell. A cell contains all runs that differ only in their seed.
 
 use super::grid::{Grid, SweepRun};
-use super::table::{self, UP};
+use super::results::{PERIOD_STD, UP};
+use crate::batch::table::Row;
 use crate::study;
 use controller::stability;
 use messages::scene::LinkScene;
 use plant::inject::Injector;
-use shared::exit::{Exit, Failure};
+use shared::exit::Failure;
 
 /// One cell.
 #[derive(Clone, Copy, Debug, Default)]
@@ -35,28 +36,25 @@ impl Cells {
     /// Summarises the rows of a complete table.
     ///
     /// # Errors
-    /// A missing row, or a scene whose servos cannot be analysed.
-    pub fn new(grid: &Grid, cases: &[SweepRun], rows: &[Option<String>]) -> Result<Cells, Failure> {
+    /// A scene whose servos cannot be analysed.
+    pub fn new(grid: &Grid, cases: &[SweepRun], rows: &[Row]) -> Result<Cells, Failure> {
         let critical = grid.variations.iter().map(|variation| {
             let loops = stability::loops(&variation.scene).map_err(controller::process::ProcessError::from)?;
             Ok(loops.iter().map(stability::ServoLoop::critical_delay).fold(f64::INFINITY, f64::min))
         });
         let critical = critical.collect::<Result<_, Failure>>()?;
         let seeds = grid.seeds as usize;
-        let cell = |(cases, rows): (&[SweepRun], &[Option<String>])| {
+        let cell = |(cases, rows): (&[SweepRun], &[Row])| {
             let case = &cases[0];
             let age = mean_age(&LinkScene { duplicate: 0.0, ..case.link.clone() }, 1.0 / case.variation.scene.rate);
-            let results = cases.iter().zip(rows).map(|(case, row)| row.as_ref().map(|row| table::cells(case, row)));
-            let results: Vec<_> = results
-                .collect::<Option<_>>()
-                .ok_or_else(|| Failure::new(Exit::Fault, format!("run {} has no row", case.number)))?;
-            let is_up = |cells: &&Vec<String>| cells[0] == UP;
-            let is_even = |cells: &&Vec<String>| is_up(cells) && cells[4].parse::<f64>().is_ok_and(|ms| ms < EVEN_MS);
+            let is_up = |row: &&Row| row.results[0] == UP;
+            let is_even =
+                |row: &&Row| is_up(row) && row.results[PERIOD_STD].parse::<f64>().is_ok_and(|ms| ms < EVEN_MS);
             let share = |count: usize| count as f64 / seeds as f64;
-            let up = share(results.iter().filter(is_up).count());
-            Ok(Cell { up, even: share(results.iter().filter(is_even).count()), age })
+            let up = share(rows.iter().filter(is_up).count());
+            Cell { up, even: share(rows.iter().filter(is_even).count()), age }
         };
-        let cells = cases.chunks(seeds).zip(rows.chunks(seeds)).map(cell).collect::<Result<_, Failure>>()?;
+        let cells = cases.chunks(seeds).zip(rows.chunks(seeds)).map(cell).collect();
         Ok(Cells { cells, critical })
     }
 

@@ -1,6 +1,9 @@
 //! The list of runs: every combination of the axes, numbered.
 
 use super::args::RobustnessArgs;
+use super::results;
+use crate::batch::axis::{Axis, combinations, refused, settings};
+use crate::batch::table::Form;
 use messages::load::{load, text, validate};
 use messages::scene::{LinkScene, Scene};
 use messages::wire::{FNV_START, fnv1a};
@@ -31,14 +34,14 @@ pub struct Variation {
 
 /// One run.
 pub struct SweepRun<'a> {
-    /// Number of the run in the grid.
-    pub number: usize,
-    /// Variations of the scene.
+    /// Variation of the scene.
     pub variation: &'a Variation,
     /// Disturbance of the commands in this run.
     pub link: LinkScene,
 }
 
+/// Columns of the table that name a run.
+const KEYS: [&str; 7] = ["case", "with", "delay_ms", "jitter_ms", "jitter", "loss", "seed"];
 /// Default axes, and quick ones with the duration of their walks.
 const DELAYS: [f64; 9] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
 const JITTERS: [f64; 8] = [0.0, 1.0, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0];
@@ -77,7 +80,7 @@ impl Grid {
         Ok(grid)
     }
 
-    /// Every run, in the order of the table.
+    /// Every run, in the order of the table. The index of a run is its number.
     pub fn cases(&self) -> Vec<SweepRun<'_>> {
         let mut cases = Vec::new();
         for variation in &self.variations {
@@ -86,7 +89,7 @@ impl Grid {
                     for &delay_ms in &self.delays {
                         for seed in 1..=self.seeds {
                             let link = LinkScene { delay_ms, jitter_ms, loss, seed, ..variation.scene.link.clone() };
-                            cases.push(SweepRun { number: cases.len(), variation, link });
+                            cases.push(SweepRun { variation, link });
                         }
                     }
                 }
@@ -95,8 +98,21 @@ impl Grid {
         cases
     }
 
+    /// What the table contains.
+    pub fn form(&self) -> Form {
+        let key = |case: &SweepRun| {
+            let link = &case.link;
+            let jitter = format!("{:?}", link.jitter).to_lowercase();
+            let [delay, spread, loss, seed] =
+                [&link.delay_ms as &dyn ToString, &link.jitter_ms, &link.loss, &link.seed].map(ToString::to_string);
+            vec![case.variation.name.clone(), delay, spread, jitter, loss, seed]
+        };
+        let names = KEYS.into_iter().chain(results::NAMES);
+        Form::new("robustness", self.hash(), self.cases().iter().map(key).collect(), names, results::NAMES.len())
+    }
+
     /// A hash of axes and scenes.
-    pub fn hash(&self) -> u64 {
+    fn hash(&self) -> u64 {
         let axes = format!("{:?}{:?}{:?}{}", self.delays, self.jitters, self.losses, self.seeds);
         let scenes = self.variations.iter().map(|variation| text(&variation.scene));
         scenes.fold(fnv1a(FNV_START, axes.as_bytes()), |hash, scene| fnv1a(hash, scene.as_bytes()))
@@ -124,20 +140,9 @@ fn axis(name: &str, wished: &[f64], usual: &[f64]) -> Result<Vec<f64>, Failure> 
 
 /// Every combination of the values of `--with`.
 fn variations(args: &RobustnessArgs) -> Result<Vec<Variation>, Failure> {
-    let mut combinations: Vec<Vec<String>> = vec![vec![]];
-    for wish in &args.with {
-        let (key, values) = wish.split_once('=').filter(|(_, values)| !values.is_empty()).ok_or_else(|| {
-            Failure::new(
-                Exit::Usage,
-                format!("--with {wish}: give a key with its values, for example plant.friction=0.7,0.3"),
-            )
-        })?;
-        let settings: Vec<_> = outside_brackets(values).into_iter().map(|value| format!("{key}={value}")).collect();
-        combinations = combinations
-            .iter()
-            .flat_map(|old| settings.iter().map(|setting| [old.clone(), vec![setting.clone()]].concat()))
-            .collect();
-    }
+    let axes =
+        args.with.iter().map(|wish| Axis::parse(wish).map_err(|words| refused(&format!("--with {wish}"), words)));
+    let axes: Vec<Axis> = axes.collect::<Result<_, _>>()?;
     let quick = args.quick.then(|| QUICK_DURATION.to_string());
     let fixed: Vec<_> = quick.into_iter().chain(args.settings.iter().cloned()).collect();
     let scene = |settings: &[String]| -> Result<Scene, Failure> {
@@ -150,29 +155,6 @@ fn variations(args: &RobustnessArgs) -> Result<Vec<Variation>, Failure> {
             }
         }
     };
-    combinations.iter().map(|settings| Ok(Variation { name: settings.join(" "), scene: scene(settings)? })).collect()
-}
-
-/// Splits at the commas that are not within brackets.
-fn outside_brackets(values: &str) -> Vec<String> {
-    let (mut parts, mut depth) = (vec![String::new()], 0);
-    for letter in values.chars() {
-        depth += i32::from(letter == '[') - i32::from(letter == ']');
-        match parts.last_mut() {
-            Some(part) if letter != ',' || depth > 0 => part.push(letter),
-            _ => parts.push(String::new()),
-        }
-    }
-    parts
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lists_within_brackets_stay_together() {
-        assert_eq!(outside_brackets("0.7,0.3"), ["0.7", "0.3"]);
-        assert_eq!(outside_brackets("[0,2,0],[0,-2,0]"), ["[0,2,0]", "[0,-2,0]"]);
-    }
+    let variation = |settings: Vec<String>| Ok(Variation { name: settings.join(" "), scene: scene(&settings)? });
+    combinations(&axes).iter().map(|combination| variation(settings(&axes, combination))).collect()
 }

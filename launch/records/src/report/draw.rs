@@ -93,7 +93,7 @@ fn mesh(chart: &mut Chart, frame: &Frame) -> PlotResult {
     let mut mesh = chart.configure_mesh();
     mesh.disable_x_mesh().light_line_style(TRANSPARENT).bold_line_style(GRID.stroke_width(SCALE));
     mesh.axis_style(GREY.stroke_width(SCALE)).label_style(font(TEXT_SIZE, INK)).axis_desc_style(font(TEXT_SIZE, INK));
-    mesh.x_labels(8).y_labels(6).x_desc(frame.x.label).y_desc(frame.y.label);
+    mesh.x_labels(8).y_labels(6).x_desc(&frame.x.label).y_desc(&frame.y.label);
     mesh.x_label_formatter(&x).y_label_formatter(&y).set_all_tick_mark_size(px(4.0));
     if matches!(frame.x.ticks, Ticks::None) {
         mesh.disable_x_axis();

@@ -37,7 +37,7 @@ pub enum Ticks {
 /// One axis.
 pub struct Axis {
     /// Quantity and unit.
-    pub label: &'static str,
+    pub label: String,
     /// Limits.
     pub range: Range<f64>,
     /// Format of the tick labels.
@@ -77,18 +77,18 @@ pub(super) enum MarkShape {
 
 impl Axis {
     /// An axis with decimal numbers.
-    pub fn new(label: &'static str, range: Range<f64>) -> Self {
-        Axis { label, range, ticks: Ticks::Plain }
+    pub fn new(label: impl Into<String>, range: Range<f64>) -> Self {
+        Axis { label: label.into(), range, ticks: Ticks::Plain }
     }
 
     /// An axis of decimal logarithms.
-    pub fn powers(label: &'static str, range: Range<f64>) -> Self {
-        Axis { label, range, ticks: Ticks::Powers }
+    pub fn powers(label: impl Into<String>, range: Range<f64>) -> Self {
+        Axis { label: label.into(), range, ticks: Ticks::Powers }
     }
 
     /// An axis that is not drawn.
     pub fn hidden(range: Range<f64>) -> Self {
-        Axis { label: "", range, ticks: Ticks::None }
+        Axis { label: String::new(), range, ticks: Ticks::None }
     }
 }
 

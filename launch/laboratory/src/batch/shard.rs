@@ -15,9 +15,9 @@ impl Shard {
         number % self.count == self.index - 1
     }
 
-    /// File name of the shard's table.
-    pub fn file_name(self) -> String {
-        format!("robustness-{}-of-{}.csv", self.index, self.count)
+    /// File name of the shard's table in a batch of a command.
+    pub fn file_name(self, command: &str) -> String {
+        format!("{command}-{}-of-{}.csv", self.index, self.count)
     }
 }
 

@@ -1,0 +1,68 @@
+//! `biped sweep`: runs of a scene with every combination of values of some keys.
+//!
+//! | what | where |
+//! |---|---|
+//! | the arguments' keys and values; the list of runs | [`keys`], [`grid`] |
+//! | the columns of their results, and what counts as survival | [`figures`] |
+//! | thresholds of survival, by bisection | [`edge`] |
+//! | the drawing of one key; of two or more | [`curve`], [`map`] |
+//! | shards, the table and its resumption | [`crate::batch`] |
+
+mod args;
+mod curve;
+mod edge;
+mod figures;
+mod grid;
+mod keys;
+mod map;
+
+use crate::batch::Batch;
+use crate::study;
+pub use args::SweepArgs;
+use figures::Survival;
+use grid::Grid;
+use shared::exit::{Exit, Failure};
+use shared::output::{print_text, write_atomically, write_failure};
+use std::sync::atomic::AtomicBool;
+
+/// Does the runs that are missing from the table, finds thresholds, writes tables and the figure, and prints a summary. With a shard or
+/// after Ctrl-C, only the table is written.
+///
+/// # Errors
+/// Ctrl-C, a bad argument, tables that do not belong together, or a folder that cannot be written.
+pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    let survival = args.survival.as_deref();
+    let survival = Survival::parse(survival)
+        .map_err(|words| Failure::new(Exit::Usage, format!("--survival {}: {words}", survival.unwrap_or_default())))?;
+    let grid = Grid::new(args)?;
+    let tolerance = args.edge.as_ref().map(|_| edge::tolerance(args.tolerance, &grid)).transpose()?;
+    let batch = Batch { command: "sweep", args: &args.batch, out: &args.out, quiet: args.quiet, form: &grid.form };
+    let work = |number: usize| {
+        let scene = grid.scene(&grid.settings(&grid.runs[number]))?;
+        Ok(figures::cells(&study::observe(&args.scene.scene, &scene, stop)?))
+    };
+    let Some(rows) = batch.rows(work)? else { return Ok(()) };
+    let edges =
+        tolerance.map(|tolerance| edge::find(&grid, &survival, &rows, tolerance, args.quiet, stop)).transpose()?;
+    let figure = match grid.drawn().0.len() {
+        1 => curve::draw(&grid, &survival, &rows, edges.as_deref().unwrap_or_default()),
+        _ => map::draw(&grid, &survival, &rows),
+    };
+    let mut files = vec![("sweep.csv", grid.form.text(&rows)), ("sweep.svg", figure)];
+    files.extend(edges.as_ref().map(|edges| ("edges.csv", edge::table(&grid, edges))));
+    for (name, text) in files {
+        let path = args.out.join(name);
+        write_atomically(&path, &text).map_err(|error| write_failure(&path, &error))?;
+    }
+    let survivors = rows.iter().filter(|row| survival.holds(&row.results)).count();
+    if let Some(edges) = edges {
+        print_text(edge::summary(&grid, &edges, survivors));
+    }
+    let table = args.out.join("sweep.csv");
+    print_text(format!(
+        "{survivors} of {} runs survive: {}, drawn in sweep.svg beside it\n",
+        rows.len(),
+        table.display()
+    ));
+    Ok(())
+}

@@ -1,0 +1,152 @@
+//! `--edge`: the values of a key at which survival changes. Neighbouring values that differ in survival are bisected.
+//!
+//! Survival need not be monotonic: every change between two neighbours is reported, and two changes between the same neighbours
+//! are not seen.
+
+use super::figures::{Survival, cells};
+use super::grid::Grid;
+use crate::batch::table::Row;
+use crate::study;
+use rayon::prelude::*;
+use shared::csv;
+use shared::exit::{Exit, Failure};
+use shared::progress::BatchProgress;
+use std::sync::atomic::AtomicBool;
+
+/// The default tolerance, relative to the range.
+const TOLERANCE: f64 = 1e-3;
+
+/// A change of survival.
+pub struct Edge {
+    /// Number of the run before the change; its other values hold for the edge too.
+    run: usize,
+    /// Value of the key [its unit].
+    pub value: f64,
+    /// The change is within this distance of the value [its unit].
+    half_width: f64,
+    /// Whether the robot survives above the value, and not below; otherwise below, and not above.
+    above: bool,
+}
+
+/// The tolerance of the arguments, or the default.
+///
+/// # Errors
+/// If it is not greater than 0.
+pub fn tolerance(given: Option<f64>, grid: &Grid) -> Result<f64, Failure> {
+    let ends = [grid.axes[0].values.first(), grid.axes[0].values.last()].map(number);
+    match given {
+        None => Ok(TOLERANCE * (ends[1] - ends[0]).abs()),
+        Some(tolerance) if tolerance > 0.0 && tolerance.is_finite() => Ok(tolerance),
+        Some(tolerance) => {
+            Err(Failure::new(Exit::Usage, format!("--tolerance {tolerance}: a number greater than 0 is needed")))
+        }
+    }
+}
+
+/// Finds every edge of the first axis.
+///
+/// # Errors
+/// Ctrl-C, or a bad scene.
+pub fn find(
+    grid: &Grid,
+    survival: &Survival,
+    rows: &[Row],
+    tolerance: f64,
+    quiet: bool,
+    stop: &AtomicBool,
+) -> Result<Vec<Edge>, Failure> {
+    let stride = rows.len() / grid.axes[0].values.len();
+    let holds = |run: usize| survival.holds(&rows[run].results);
+    let mut brackets: Vec<usize> = (0..rows.len() - stride).filter(|run| holds(*run) != holds(run + stride)).collect();
+    brackets.sort_by_key(|run| (run % stride, run / stride));
+    let counter = BatchProgress::new(quiet, brackets.len(), 0, "thresholds");
+    let bisect = |&run: &usize| {
+        let [low, high] = [run, run + stride].map(|run| number(grid.axes[0].values.get(grid.runs[run][0])));
+        let others = grid.settings(&grid.runs[run]).split_off(1);
+        let survives = |value: f64| {
+            let setting = format!("{}={value}", grid.axes[0].key);
+            let scene = grid.scene(&[vec![setting], others.clone()].concat())?;
+            Ok(survival.holds(&cells(&study::observe(&grid.axes[0].key, &scene, stop)?)))
+        };
+        let (value, half_width) = bisected(low, high, holds(run), tolerance, survives)?;
+        counter.add_done(1);
+        Ok(Edge { run, value, half_width, above: holds(run) == (low > high) })
+    };
+    let edges = brackets.par_iter().map(bisect).collect();
+    counter.finish();
+    edges
+}
+
+/// The middle and half the width of an interval with a change, at most `tolerance` wide if numbers are close enough.
+fn bisected(
+    mut from: f64,
+    mut to: f64,
+    at_from: bool,
+    tolerance: f64,
+    survives: impl Fn(f64) -> Result<bool, Failure>,
+) -> Result<(f64, f64), Failure> {
+    loop {
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from).abs());
+        if half <= tolerance || middle == from || middle == to {
+            return Ok((middle, half));
+        }
+        *if survives(middle)? == at_from { &mut from } else { &mut to } = middle;
+    }
+}
+
+/// Sentences about the edges.
+pub fn summary(grid: &Grid, edges: &[Edge], survivors: usize) -> String {
+    let axis = &grid.axes[0];
+    let (first, last, count) = (&axis.values[0], &axis.values[axis.values.len() - 1], axis.values.len());
+    let line = |edge: &Edge| {
+        let others = grid.settings(&grid.runs[edge.run]).split_off(1).join(" ");
+        let separator = if others.is_empty() { "" } else { ": " };
+        let digits = (1.0 - edge.half_width.log10().floor()).clamp(0.0, 15.0) as usize;
+        let (yes, no) = if edge.above { ("above", "below") } else { ("below", "above") };
+        let Edge { value, half_width, .. } = edge;
+        format!(
+            "{others}{separator}{} = {value:.digits$} ± {half_width:.digits$}: survives {yes}, not {no}\n",
+            axis.key
+        )
+    };
+    let found: String = edges.iter().map(line).collect();
+    let none = match survivors {
+        0 => format!("no run with {} from {first} to {last} survives\n", axis.key),
+        _ => format!("survival does not change with {} from {first} to {last}\n", axis.key),
+    };
+    let remark = "survival need not be monotonic: changes between two neighbours that survive alike are not found";
+    let found = if edges.is_empty() { none } else { found };
+    format!("{found}{count} values of {} were compared; {remark}\n", axis.key)
+}
+
+/// The edges as a table.
+pub fn table(grid: &Grid, edges: &[Edge]) -> String {
+    let names = grid.axes.iter().map(|axis| axis.key.clone()).chain(["half_width".into(), "survives".into()]);
+    let row = |edge: &Edge| {
+        let others = grid.axes.iter().zip(&grid.runs[edge.run]).skip(1).map(|(axis, k)| axis.values[*k].clone());
+        let side = if edge.above { "above" } else { "below" };
+        let [value, half_width] = [edge.value, edge.half_width].map(|number| number.to_string());
+        [value].into_iter().chain(others).chain([half_width, side.into()]).collect::<Vec<_>>()
+    };
+    let rows = [names.collect::<Vec<_>>()].into_iter().chain(edges.iter().map(row));
+    format!("# biped {} thresholds of survival\n{}", env!("CARGO_PKG_VERSION"), csv::text(rows))
+}
+
+fn number(text: Option<&String>) -> f64 {
+    text.and_then(|text| text.parse().ok()).unwrap_or(f64::NAN)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bisection_ends_within_the_tolerance_or_at_neighbouring_numbers() {
+        for (from, to, at_from) in [(0.0, 1.0, true), (1.0, 0.0, false)] {
+            let (value, half) = bisected(from, to, at_from, 1e-3, |x| Ok(x < 0.7)).expect("no error");
+            assert!((value - 0.7).abs() <= half && half <= 1e-3, "{value} ± {half}");
+            let (value, half) = bisected(from, to, at_from, 1e-300, |x| Ok(x < 0.7)).expect("no error");
+            assert!((value - 0.7).abs() < 1e-15 && half < 1e-15, "{value} ± {half}");
+        }
+    }
+}

@@ -1,0 +1,66 @@
+//! The drawing of a sweep of two or more keys: a map of survival over the first two, and a panel for each combination of the others.
+
+use super::figures::Survival;
+use super::grid::Grid;
+use crate::batch::axis::{combinations, settings};
+use crate::batch::panel::{Layout, MOST, Panel, STRENGTH, mixed};
+use crate::batch::table::Row;
+use records::report::draw::plot;
+use records::report::plot::{Axis, Frame, GREEN, INK, Mark, ZMP};
+
+/// Most columns of a panel that shares its row with another one.
+const NARROW: usize = 8;
+/// Width of the figure, and of a character of a label [px].
+const WIDTH: f64 = 560.0;
+const CHARACTER: f64 = 8.0;
+
+/// The map of survival.
+pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row]) -> String {
+    let (axes, seeds) = grid.drawn();
+    let [along, up] = [&axes[0], &axes[1]];
+    let panels = combinations(&axes[2..]);
+    let share = |i: usize, j: usize, panel: usize| {
+        let cell = (i * up.values.len() + j) * panels.len() + panel;
+        let runs = &rows[cell * seeds..(cell + 1) * seeds];
+        runs.iter().filter(|row| survival.holds(&row.results)).count() as f64 / seeds as f64
+    };
+    let across = if panels.len() == 1 || along.values.len() > NARROW { 1 } else { 2 };
+    let layout = Layout::new(panels.len(), across, [along.values.len(), up.values.len()]);
+    let labels = spaced(&along.values, WIDTH / layout.extent().0);
+    let names = format!("to the right: {}, upward: {}", along.key, up.key);
+    let mut marks: Vec<Mark> = legend().into();
+    for (panel, combination) in panels.iter().enumerate() {
+        Panel {
+            title: &settings(&axes[2..], combination).join(" "),
+            names: [&names, ""],
+            values: [&labels, &up.values],
+            corner: layout.corner(panel),
+            colour: &|i, j| mixed([(GREEN, share(i, j, panel)), (ZMP, 1.0 - share(i, j, panel))]),
+            up: &|i, j| share(i, j, panel),
+        }
+        .draw(&mut marks);
+    }
+    let (wide, tall) = layout.extent();
+    let (title, height) = (grid.title(survival), layout.height());
+    plot(&Frame { title, height, x: Axis::hidden(0.0..wide), y: Axis::hidden(-tall..0.0) }, &marks)
+}
+
+/// Invisible marks that make the entries of the legend.
+fn legend() -> [Mark; 3] {
+    const { assert!(MOST == 0.5) }; // as the legend says
+    let speck = vec![(0.0, 0.0); 2];
+    let area = |colour| Mark::area(speck.clone(), colour).faint(STRENGTH);
+    [
+        area(GREEN).label("survives"),
+        area(ZMP).label("does not"),
+        Mark::line(speck.clone(), INK).label("half of the runs survive"),
+    ]
+}
+
+/// The labels of columns of a width [px], without those that would overlap the one before.
+fn spaced(labels: &[String], width: f64) -> Vec<String> {
+    let longest = labels.iter().map(|label| label.chars().count()).max().unwrap_or(0);
+    let step = (CHARACTER * longest as f64 / width).ceil().max(1.0) as usize;
+    let shown = |(k, label): (usize, &String)| if k % step == 0 { label.clone() } else { String::new() };
+    labels.iter().enumerate().map(shown).collect()
+}
