@@ -8,7 +8,8 @@
 //! BIPED_SESSION=lab in the environment means the same as `--session lab`.
 
 use messages::controller_session::{ControllerSession, ControllerSessionError};
-use messages::wire::{Telemetry, Torques};
+use messages::scene::Scene;
+use messages::wire::{Encoders, Telemetry, Torques};
 use std::f64::consts::TAU;
 use std::process::ExitCode;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -45,22 +46,50 @@ pub fn main() -> ExitCode {
 /// Answers every reading of the encoders until the plant's goodbye.
 pub fn control(session: Option<&str>) -> Result<(), ControllerSessionError> {
     let (mut session, scene) = ControllerSession::join(session, &STOP)?;
-    let count = TAU / 2f64.powi(scene.plant.encoder_bits as i32); // [rad]
-    let share = 1.0 - (-TAU * CUT_OFF / scene.rate).exp(); // of the newest rate in the filtered one
-    let (mut angle, mut rate) = ([0.0; 8], [0.0; 8]);
+    let mut stand = Stand::new(&scene);
     while let Some(reading) = session.wait(&STOP)? {
-        let now = reading.encoders.counts.map(|counts| count * counts as f64);
         if reading.begins {
-            (angle, rate) = (now, [0.0; 8]);
+            stand = Stand::new(&scene);
         }
-        for joint in 0..8 {
-            rate[joint] += share * ((now[joint] - angle[joint]) * scene.rate - rate[joint]);
-        }
-        angle = now;
-        let torque = |joint: usize| STIFFNESS * (scene.initial.joints[joint] - angle[joint]) - DAMPING * rate[joint];
-        let limit = scene.plant.torque_limit;
-        let torques = Torques { torque: std::array::from_fn(|joint| torque(joint).clamp(-limit, limit)) };
-        session.answer(torques, Telemetry::default())?;
+        session.answer(stand.tick(&reading.encoders), Telemetry::default())?;
     }
     Ok(())
+}
+
+/// A spring and a damper at each joint.
+struct Stand {
+    /// Angles to hold [rad].
+    target: [f64; 8],
+    /// Angle of one encoder count [rad].
+    count: f64,
+    /// Control rate [Hz].
+    rate: f64,
+    /// Torque limit of the drives [N·m].
+    limit: f64,
+    /// Angles of the last period; none before the first one [rad].
+    angle: Option<[f64; 8]>,
+    /// Filtered joint rates [rad/s].
+    speed: [f64; 8],
+}
+
+impl Stand {
+    fn new(scene: &Scene) -> Stand {
+        let mut target = [0.0; 8];
+        target.iter_mut().zip(&scene.initial.joints).for_each(|(target, &angle)| *target = angle);
+        let count = TAU / 2f64.powi(scene.plant.encoder_bits as i32);
+        Stand { target, count, rate: scene.rate, limit: scene.plant.torque_limit, angle: None, speed: [0.0; 8] }
+    }
+
+    /// The torques of one control period.
+    fn tick(&mut self, encoders: &Encoders) -> Torques {
+        let angle = encoders.counts.map(|counts| self.count * counts as f64);
+        let before = self.angle.replace(angle).unwrap_or(angle);
+        let share = 1.0 - (-TAU * CUT_OFF / self.rate).exp();
+        let torque = |joint: usize| {
+            self.speed[joint] += share * ((angle[joint] - before[joint]) * self.rate - self.speed[joint]);
+            let torque = STIFFNESS * (self.target[joint] - angle[joint]) - DAMPING * self.speed[joint];
+            torque.clamp(-self.limit, self.limit)
+        };
+        Torques { torque: std::array::from_fn(torque) }
+    }
 }
