@@ -8,6 +8,12 @@ mod one_step;
 mod own_controller;
 #[path = "../examples/own_law.rs"]
 mod own_law;
+#[path = "../examples/own_process.rs"]
+#[allow(dead_code, reason = "its main reads the arguments of a program of its own")]
+mod own_process;
+
+use messages::session::Session;
+use std::process::Command;
 
 #[test]
 fn a_falling_body_lands_where_and_when_it_must() {
@@ -27,4 +33,26 @@ fn a_controller_of_twenty_lines_stands() {
 #[test]
 fn an_own_law_converges_by_the_certificate() {
     own_law::main().expect("it runs");
+}
+
+#[test]
+fn a_controller_of_its_own_attaches_to_a_session_by_its_name_until_the_end_of_the_scene() {
+    let session = Session::unique();
+    let mut plant = Command::new(env!("CARGO_BIN_EXE_biped"))
+        .args(["plant", "stand", "--set", "duration=1", "--session", session.name()])
+        .spawn()
+        .expect("the program starts");
+    let controlled = own_process::control(Some(session.name()));
+    assert!(plant.wait().expect("it ends").success());
+    controlled.expect("it answers until the goodbye");
+}
+
+#[test]
+fn a_session_that_cannot_be_is_refused_with_its_exit_code() {
+    let error = own_process::control(Some("no/such")).expect_err("no name of a session");
+    assert_eq!(
+        (error.exit_code(), error.to_string().contains("`no/such` cannot name a session")),
+        (2, true),
+        "{error}"
+    );
 }

@@ -7,8 +7,8 @@ mod common;
 mod languages;
 
 use common::fresh_path;
-use languages::python;
-use std::path::Path;
+use languages::{libraries, python};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
 fn biped(folder: &Path, arguments: &[&str]) -> Output {
@@ -38,6 +38,102 @@ fn a_new_controller_runs_conforms_and_passes_its_own_test_away_from_this_reposit
     }
     let command = format!("{} stand/controller.py", python().display());
     succeeds(&biped(&folder, &["conform", "--controller", &command]), "conform");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn a_new_controller_in_rust_builds_by_path_runs_conforms_and_passes_its_own_test() {
+    // within the target folder, so that it is built with the options of this repository
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("scaffold-rust");
+    let _ = std::fs::remove_dir_all(folder.join("mine"));
+    std::fs::create_dir_all(&folder).expect("a folder");
+    let here = env!("CARGO_MANIFEST_DIR");
+    succeeds(&biped(&folder, &["new", "controller", "mine", "--rust", "--tree", here]), "new");
+    std::fs::copy(Path::new(here).join("Cargo.lock"), folder.join("mine/Cargo.lock")).expect("a file");
+    for what in ["test", "build"] {
+        let mut cargo = Command::new(env!("CARGO"));
+        cargo.args([what, "--release", "--quiet"]).current_dir(folder.join("mine"));
+        let built = cargo.env("CARGO_TARGET_DIR", folder.join("target")).output().expect("cargo");
+        succeeds(&built, what);
+    }
+    stands_and_conforms(&folder, "target/release/mine");
+    std::fs::remove_dir_all(folder.join("mine")).expect("our own folder");
+}
+
+/// A standing controller keeps the robot up, and keeps the rules.
+fn stands_and_conforms(folder: &Path, command: &str) {
+    let run = ["run", "stand", "--quiet", "--set", "duration=1", "--out", "out", "--controller", command];
+    succeeds(&biped(folder, &run), command);
+    let summary = std::fs::read_to_string(folder.join("out/summary.json")).expect("a file");
+    assert!(summary.contains("\"fell\": false"), "{summary}");
+    succeeds(&biped(folder, &["conform", "--controller", command]), "conform");
+}
+
+#[test]
+fn new_controllers_in_c_and_cpp_build_run_and_conform() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    for (name, options) in [("c", vec!["--c"]), ("cpp", vec!["--cpp"]), ("walk", vec!["--c", "--from", "walk"])] {
+        succeeds(&biped(&folder, &[vec!["new", "controller", name], options].concat()), name);
+        succeeds(&make(&folder.join(name), &[&format!("BIPED_LIB={}", libraries().display())]), name);
+    }
+    stands_and_conforms(&folder, "c/controller");
+    stands_and_conforms(&folder, "cpp/controller");
+    let walk = ["run", "walk", "--quiet", "--set", "duration=2", "--controller", "walk/controller"];
+    succeeds(&biped(&folder, &walk), "walk");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+fn make(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new("make").arg("-C").arg(folder).args(arguments).env_remove("BIPED_LIB").output().expect("make")
+}
+
+#[test]
+fn a_missing_library_compiler_or_clone_is_named_in_one_sentence() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    for (option, compiler) in [("--c", "CC=no-such-compiler"), ("--cpp", "CXX=no-such-compiler")] {
+        succeeds(&biped(&folder, &["new", "controller", "mine", option]), option);
+        let library = format!("BIPED_LIB={}", libraries().display());
+        for (arguments, words) in [
+            (vec![], "there is no libbiped_c.so in BIPED_LIB=''"),
+            (vec![library.as_str(), compiler], "compiler 'no-such-compiler': install g"),
+        ] {
+            let output = make(&folder.join("mine"), &arguments);
+            let errors = String::from_utf8_lossy(&output.stderr).into_owned();
+            let ours: Vec<_> = errors.lines().filter(|line| line.starts_with("error: ")).collect();
+            assert!(!output.status.success() && ours.len() == 1 && ours[0].contains(words), "{errors}");
+        }
+        std::fs::remove_dir_all(folder.join("mine")).expect("our own folder");
+    }
+    for (arguments, words) in [
+        (&["mine", "--rust", "--tree", "."][..], "no clone of biped"),
+        (&["mine", "--c", "--tree", "no-such-folder"], "no clone of biped"),
+        (&["mine", "--tree", "."], "Python needs nothing from there"),
+        (&["Mine", "--rust"], "\"Mine\" cannot name a Rust package"),
+        (&["mine", "--cpp", "--from", "walk"], "in Python and in C"),
+        (&["mine", "--rust", "--from", "walk"], "in Python and in C"),
+    ] {
+        let refused = biped(&folder, &[&["new", "controller"], arguments].concat());
+        let sentence = String::from_utf8_lossy(&refused.stderr).into_owned();
+        assert!(refused.status.code() == Some(2) && sentence.contains(words), "{arguments:?}: {sentence}");
+        assert!(sentence.lines().count() == 1 && !folder.join("mine").exists(), "{sentence}");
+    }
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn mujoco_as_a_new_plant_is_walked_away_from_this_repository() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    succeeds(&biped(&folder, &["new", "plant", "mine", "--mujoco"]), "new");
+    let command = format!("{} mine/plant.py", python().display());
+    let run = ["run", "walk", "--quiet", "--set", "duration=2", "--out", "out", "--plant", &command];
+    succeeds(&biped(&folder, &run), "the plant");
+    let summary = std::fs::read_to_string(folder.join("out/summary.json")).expect("a file");
+    assert!(summary.contains("\"fell\": false"), "{summary}");
+    let own = Command::new(python()).arg(folder.join("mine/test_plant.py")).output().expect("Python");
+    succeeds(&own, "its own test");
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 

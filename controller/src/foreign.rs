@@ -1,4 +1,4 @@
-//! Controllers in other languages, as source text: the files of `controller/foreign`. `biped new controller` copies them.
+//! Controllers as programs of their own, as source text: the files of `controller/foreign`. `biped new controller` copies them.
 
 /// The name and the text of a file.
 pub type File = (&'static str, &'static str);
@@ -17,3 +17,15 @@ pub const PYTHON_STAND: File = python!("stand.py");
 pub const PYTHON_WALK: File = python!("walk.py");
 /// Further modules that the controller of the paper imports.
 pub const PYTHON_GAIT: [File; 2] = [python!("robot.py"), python!("gait.py")];
+/// A controller in Rust: a spring and a damper in each joint.
+pub const RUST_STAND: &str = include_str!("../foreign/rust/stand.rs");
+/// The same in C. It is a link, because `foreign/c` is another package.
+pub const C_STAND: &str = include_str!("foreign/stand.c");
+/// In C, with the torques of this crate's controller.
+pub const C_WALK: &str = include_str!("foreign/walk.c");
+/// Header of the C library.
+pub const C_HEADER: File = ("controller.h", include_str!("foreign/controller.h"));
+/// A spring and a damper in each joint, in C++.
+pub const CPP_STAND: &str = include_str!("../foreign/cpp/stand.cpp");
+/// The C library as a class.
+pub const CPP_HEADER: File = ("session.hpp", include_str!("../foreign/cpp/session.hpp"));

@@ -37,6 +37,7 @@
 //! | | start in the middle of a step | [`resume`] |
 //! | | encoders | [`encoder`] |
 //! | | the controller as a process | [`process`] |
+//! | | controllers in other languages | [`foreign`] |
 //!
 //! [`tick`] is pure: it uses no clock, no thread and no communication, allocates nothing and does not panic.
 

@@ -2,77 +2,56 @@
 
 use crate::error::ControllerError;
 use crate::tick::Controller;
-use messages::clock::{Timeout, now_ns, random};
-use messages::port::{Action, ControllerPort, PortError, Verdict};
+use messages::controller_session::{ControllerSession, ControllerSessionError, Event};
+use messages::port::{Action, ControllerPort, Verdict};
 use messages::scene::Scene;
-use messages::wire::{Command, Reply, Request, Sensors, Stamp, Stamped};
+use messages::wire::Request;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 /// Why a controller process ended before it received the plant's goodbye.
 #[derive(Debug, thiserror::Error)]
 pub enum ProcessError {
-    /// The connection could not be opened, or it failed.
+    /// No plant, no connection, or a request to stop.
     #[error(transparent)]
-    Port(#[from] PortError),
+    Session(#[from] ControllerSessionError),
     /// The controller does not fit the scene, or it has no torques for the posture of the robot.
     #[error("controller: {0}")]
     Controller(#[from] ControllerError),
-    /// No plant sent sensors.
-    #[error("no plant sent sensors within {0:?}")]
-    NoPlant(Duration),
-    /// Ctrl-C or SIGTERM.
-    #[error("interrupted")]
-    Interrupted,
 }
 
-/// Answers the sensors of the plant at the other end of `port` until its goodbye. A new run number starts a new controller.
-/// Sensors that arrive a second time get the same answer.
+/// Answers the sensors of the plant at the other end of `port` until its goodbye. A new run starts a new controller.
 ///
 /// # Errors
 /// See [`ProcessError`].
-pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &AtomicBool) -> Result<(), ProcessError> {
+pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &AtomicBool) -> Result<(), ProcessError> {
     let mut controller = Controller::new(scene)?;
-    let mut waiting = Timeout::new("plant", patience);
-    let mut answer = Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() };
+    let mut session = ControllerSession::over(port, patience);
     while !stop.load(Relaxed) {
-        while let Some(pending) = port.next_request()? {
-            let reply = serve_request(&mut controller, &pending.request, &answer.stamp);
-            port.answer(pending, reply)?;
+        while let Some(pending) = session.next_request().map_err(ControllerSessionError::from)? {
+            let verdict = serve_request(&mut controller, &pending.request);
+            session.reply(pending, verdict).map_err(ControllerSessionError::from)?;
         }
-        let Some(sensors) = port.wait()?.filter(Sensors::is_sound) else {
-            match waiting.has_expired() {
-                true => return Err(ProcessError::NoPlant(patience)),
-                false => continue,
+        match session.poll()? {
+            Event::Idle => {}
+            Event::Goodbye => return Ok(()),
+            Event::Reading(reading) => {
+                if reading.begins {
+                    controller = Controller::new(scene)?;
+                }
+                session.answer(controller.tick(&reading.encoders)?, controller.telemetry())?;
             }
-        };
-        if sensors.last != 0 {
-            return Ok(());
         }
-        let asked = sensors.stamp;
-        if answer.stamp.run != asked.run {
-            controller = Controller::new(scene)?;
-            answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..answer.stamp };
-        }
-        if answer.stamp.ack != asked.seq {
-            answer.torques = controller.tick(&sensors.encoders)?;
-            answer.telemetry = controller.telemetry();
-        }
-        let seq = answer.stamp.seq + 1;
-        answer.stamp = Stamp { seq, ack: asked.seq, sim_ns: asked.sim_ns, mono_ns: now_ns(), ..answer.stamp };
-        port.send(answer)?;
-        waiting.restart();
     }
-    Err(ProcessError::Interrupted)
+    Err(ControllerSessionError::Interrupted.into())
 }
 
 /// Carries out a request. The controller accepts one kind: new set-points of the gait.
-fn serve_request(controller: &mut Controller, request: &Request, stamp: &Stamp) -> Reply {
-    let verdict = match Action::decode(request) {
+fn serve_request(controller: &mut Controller, request: &Request) -> Verdict {
+    match Action::decode(request) {
         Ok(Action::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
         Ok(Action::Set { .. }) => Verdict::OutOfRange,
         Ok(_) => Verdict::WrongProcess,
         Err(verdict) => verdict,
-    };
-    Reply { stamp: *stamp, verdict: verdict as u64, state: 0 }
+    }
 }

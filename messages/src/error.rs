@@ -66,6 +66,16 @@ pub enum PortError {
 }
 
 impl PortError {
+    /// The exit code with which a process ends that cannot go on: docs/WIRE.md lists them.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            PortError::SessionName { .. } => 2,
+            PortError::NoSession { .. } | PortError::Absent { .. } => 3,
+            PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => 5,
+            PortError::SharedMemory(_) => 6,
+        }
+    }
+
     /// An operation of iceoryx2 failed for this reason.
     pub(crate) fn failed(what: &str, reason: impl Debug) -> PortError {
         PortError::SharedMemory(format!("{what} failed: {reason:?}"))

@@ -50,6 +50,7 @@
 //! | the plant as a process | [`process`] |
 //! | the smallest sufficient model of a scene | [`smallest`] |
 //! | what can go wrong | [`error`] |
+//! | MuJoCo as the plant | [`foreign`] |
 
 pub mod command_pipeline;
 pub mod composite;
@@ -60,6 +61,7 @@ pub mod drive;
 pub mod dynamics;
 pub mod error;
 pub mod factor;
+pub mod foreign;
 pub mod handover;
 mod initial;
 pub mod inject;

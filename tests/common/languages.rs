@@ -47,7 +47,7 @@ pub fn python() -> &'static PathBuf {
 }
 
 /// The folder of the C library, as cargo builds it for tests.
-fn libraries() -> PathBuf {
+pub fn libraries() -> PathBuf {
     let folder = Path::new(env!("CARGO_BIN_EXE_biped")).parent().expect("a folder").join("deps");
     assert!(folder.join("libbiped_c.so").exists(), "no libbiped_c.so in {}", folder.display());
     folder

@@ -1,12 +1,14 @@
-//! `biped new`: a controller, scene or robot of one's own to begin from. All files come out of this program.
+//! `biped new`: a controller, plant, scene or robot of one's own to begin from. All files come out of this program.
+
+mod native;
+mod python;
+mod rust;
 
 use crate::export::toml;
 use clap::{Args, Subcommand, ValueEnum};
-use controller::foreign;
-use messages::load::load;
+use messages::load::{SCENES, load};
 use shared::exit::{Exit, Failure};
-use shared::list::SCENES;
-use shared::output::{print_text, write_atomically, write_failure};
+use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
@@ -14,8 +16,10 @@ use std::path::{Path, PathBuf};
 /// Kind of file or folder to make.
 #[derive(Subcommand)]
 pub enum NewArgs {
-    /// Make a folder with a controller in Python that runs at once
+    /// Make a folder with a controller in Python, Rust, C or C++
     Controller(ControllerArgs),
+    /// Make a folder with MuJoCo as the plant, in Python
+    Plant(PlantArgs),
     /// Make a file with a scene to edit
     Scene(FileArgs),
     /// Make a file with a robot to edit
@@ -27,12 +31,43 @@ pub enum NewArgs {
 pub struct ControllerArgs {
     /// Folder to make
     folder: PathBuf,
-    /// Controller to begin from
+    /// Controller to begin from; `walk` is there in Python and in C
     #[arg(long, value_enum, default_value = "stand")]
     from: Template,
-    /// In Python, which is the default and so far the only language: docs/WIRE.md shows C, C++ and Rust
+    #[command(flatten)]
+    language: LanguageArgs,
+    /// Clone of the repository of biped that has the Rust crates or the C library. Without it, the crates come from crates.io,
+    /// and `make` asks for the library
+    #[arg(long, value_name = "FOLDER", conflicts_with = "python")]
+    tree: Option<PathBuf>,
+}
+
+/// The language of a controller.
+#[derive(Args)]
+#[group(multiple = false)]
+struct LanguageArgs {
+    /// In Python, the default
     #[arg(long)]
     python: bool,
+    /// In Rust
+    #[arg(long)]
+    rust: bool,
+    /// In C
+    #[arg(long)]
+    c: bool,
+    /// In C++
+    #[arg(long)]
+    cpp: bool,
+}
+
+/// Arguments of `biped new plant`.
+#[derive(Args)]
+pub struct PlantArgs {
+    /// Folder to make
+    folder: PathBuf,
+    /// MuJoCo, the default and so far the only one
+    #[arg(long)]
+    mujoco: bool,
 }
 
 /// Arguments of `biped new scene` and `biped new robot`.
@@ -50,22 +85,12 @@ pub struct FileArgs {
 enum Template {
     /// A spring and a damper in each joint
     Stand,
-    /// The paper's controller in NumPy
+    /// The paper's controller
     Walk,
 }
 
-/// Python packages that these modules need. tests/common/languages.rs has the same list.
-const REQUIREMENTS: &str = "iceoryx2==0.10.0\nnumpy\nxxhash\n";
-
-impl Template {
-    /// The controller, the class in it, the scene that it is for, whose name its file has too, and further modules.
-    fn parts(self) -> (&'static str, &'static str, &'static str, &'static [foreign::File]) {
-        match self {
-            Template::Stand => (foreign::PYTHON_STAND.1, "Stand", "stand", &[]),
-            Template::Walk => (foreign::PYTHON_WALK.1, "Walk", "walk", &foreign::PYTHON_GAIT),
-        }
-    }
-}
+/// A file of a new folder: its name and its text.
+type NewFile = (&'static str, String);
 
 /// Makes it.
 ///
@@ -73,7 +98,20 @@ impl Template {
 /// Something that is there already, a scene that is refused, or a place that cannot be written.
 pub fn run(args: &NewArgs) -> Result<(), Failure> {
     match args {
-        NewArgs::Controller(args) => controller(args),
+        NewArgs::Controller(args) => {
+            let (from, tree) = (args.from, args.tree.as_deref());
+            let files = match args.language {
+                LanguageArgs { rust: true, .. } => rust::controller(&args.folder, from, tree)?,
+                LanguageArgs { c: true, .. } => native::c(&args.folder, from, tree)?,
+                LanguageArgs { cpp: true, .. } => native::cpp(&args.folder, from, tree)?,
+                _ if tree.is_some() => {
+                    return Err(usage("--tree is for --rust, --c and --cpp: Python needs nothing from there"));
+                }
+                _ => python::controller(&args.folder, from)?,
+            };
+            write(&args.folder, &files)
+        }
+        NewArgs::Plant(args) => write(&args.folder, &python::plant(&args.folder)?),
         NewArgs::Scene(args) => {
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &messages::load::text(&scene))?;
@@ -92,70 +130,19 @@ pub fn run(args: &NewArgs) -> Result<(), Failure> {
     }
 }
 
-fn controller(args: &ControllerArgs) -> Result<(), Failure> {
-    let folder = &args.folder;
+/// Makes a folder with these files.
+fn write(folder: &Path, files: &[NewFile]) -> Result<(), Failure> {
     fs::create_dir(folder).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists => there(folder),
         _ => write_failure(folder, &error),
     })?;
-    let (code, class, scene, more) = args.from.parts();
-    let program = folder.join("controller.py").display().to_string();
-    let code = code.replace(&format!("controller/foreign/python/{scene}.py"), &program);
-    let texts = [
-        ("controller.py", code),
-        ("requirements.txt", REQUIREMENTS.into()),
-        ("README.md", readme(&program, scene, folder)),
-        ("test_controller.py", test(class)),
-        ("scene.json", serde_json::to_string_pretty(&load(scene, &[], SCENES)?).unwrap_or_default() + "\n"),
-    ];
-    let copies = foreign::PYTHON.iter().chain(more).map(|(name, text)| (*name, text.to_string()));
-    for (name, text) in texts.into_iter().chain(copies) {
-        write_atomically(&folder.join(name), &text).map_err(|error| write_failure(folder, &error))?;
+    for (name, text) in files {
+        let path = folder.join(name);
+        create_folder(path.parent().unwrap_or(folder))?;
+        write_atomically(&path, text).map_err(|error| write_failure(folder, &error))?;
     }
     print_text(format!("{}: README.md says how to run it\n", folder.display()));
     Ok(())
-}
-
-fn readme(program: &str, scene: &str, folder: &Path) -> String {
-    let folder = folder.display();
-    format!(
-        "# A controller for biped\n\n\
-         pip install -r {folder}/requirements.txt                       # once\n\
-         biped run {scene} --controller \"python3 {program}\"   # started by biped\n\
-         biped plant {scene} --session lab & python3 {program} --session lab   # started by hand, for example in a debugger\n\
-         biped conform --controller \"python3 {program}\"       # checks it against the rules of the wire\n\
-         python3 {folder}/test_controller.py\n"
-    )
-}
-
-fn test(class: &str) -> String {
-    format!(
-        r#""""The controller gives eight finite torques within the limit: python3 test_controller.py"""
-
-import json
-import math
-import unittest
-from pathlib import Path
-
-import wire
-from controller import {class}
-
-
-class Torques(unittest.TestCase):
-    def test_eight_finite_torques_within_the_limit(self):
-        scene = json.loads(Path(__file__).with_name("scene.json").read_text())
-        controller = {class}(scene, scene["rate"])
-        count = math.tau / 2 ** scene["plant"]["encoder_bits"]
-        counts = [round(angle / count) for angle in scene["initial"]["joints"]]
-        torques = controller.tick(counts, wire.Telemetry())
-        self.assertEqual(len(torques), 8)
-        self.assertTrue(all(abs(torque) <= scene["plant"]["torque_limit"] for torque in torques), torques)
-
-
-if __name__ == "__main__":
-    unittest.main()
-"#
-    )
 }
 
 /// Writes a new file, and gives its name.
@@ -169,5 +156,23 @@ fn file(path: &Path, text: &str) -> Result<PathBuf, Failure> {
 }
 
 fn there(path: &Path) -> Failure {
-    Failure::new(Exit::Usage, format!("{} is there already: choose another name, or remove it", path.display()))
+    usage(format!("{} is there already: choose another name, or remove it", path.display()))
+}
+
+fn usage(sentence: impl ToString) -> Failure {
+    Failure::new(Exit::Usage, sentence.to_string())
+}
+
+/// The absolute path of a clone of the repository of biped, in which `part` has to be.
+fn in_clone(tree: &Path, part: &str) -> Result<PathBuf, Failure> {
+    let absolute = tree.canonicalize().unwrap_or_else(|_| tree.into());
+    match absolute.join(part).exists() {
+        true => Ok(absolute),
+        false => Err(usage(format!("--tree {0}: there is no {0}/{part}, so it is no clone of biped", tree.display()))),
+    }
+}
+
+/// A source text without the comment at its head, which tells how to build it in this repository.
+fn code<'a>(text: &'a str, first: &str) -> &'a str {
+    text.find(first).map_or(text, |begin| &text[begin..])
 }

@@ -2,6 +2,7 @@
 
 use crate::unsolved_problem::UnsolvedProblem;
 use controller::ControllerError;
+use messages::controller_session::ControllerSessionError;
 use messages::load::SceneError;
 use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
@@ -157,10 +158,21 @@ impl From<controller::process::ProcessError> for Failure {
     fn from(error: controller::process::ProcessError) -> Self {
         use controller::process::ProcessError as E;
         match error {
-            E::Port(error) => error.into(),
-            E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
+            E::Session(error) => error.into(),
             E::Controller(ControllerError::Singular { .. }) => Failure::new(Exit::Fault, error),
             E::Controller(_) => Failure::new(Exit::Usage, error), // an invalid value of the scene
+        }
+    }
+}
+
+impl From<ControllerSessionError> for Failure {
+    fn from(error: ControllerSessionError) -> Self {
+        use ControllerSessionError as E;
+        match error {
+            E::Environment(error) => error.into(),
+            E::Port(error) => error.into(),
+            E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
+            E::Torque { .. } => Failure::new(Exit::Fault, error),
             E::Interrupted => Failure::new(Exit::Interrupted, error),
         }
     }

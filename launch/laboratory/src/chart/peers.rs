@@ -2,6 +2,7 @@
 
 mod resolved;
 mod runs;
+pub mod scripts;
 
 use super::cases::ComparisonScene;
 use super::csv::{Measurement, parse, table};
@@ -14,9 +15,6 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-/// The script, in the source folder of this build.
-const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/run.py");
-
 /// The first line of a table of other simulators.
 const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
 
@@ -24,7 +22,7 @@ const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
 pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \
     bodies only, and for the time of its solver alone.";
 
-/// Runs the script in the folder `peers` below `folder`, and computes errors. Also returns a sentence for each engine that is left out.
+/// Copies the scripts into the folder `peers` below `folder`, runs them there, and computes errors. Also returns a sentence for each engine that is left out.
 ///
 /// Writes the rows to `peers.csv`, below day, machine and versions. [`read`] reads this file.
 ///
@@ -41,8 +39,9 @@ pub fn measure(
     make(&files)?;
     let scenes = resolved::text(chosen, quick)?;
     write_atomically(&files.join("scenes.toml"), &scenes).map_err(|error| fault(error.to_string()))?;
+    let program = scripts::copy(&files, "run.py")?;
     let mut command = Command::new("python3");
-    command.arg(SCRIPT).arg(&files).args(quick.then_some("--quick")).stdout(Stdio::piped());
+    command.arg(&program).arg(&files).args(quick.then_some("--quick")).stdout(Stdio::piped());
     let mut script = Process::start(&mut command).map_err(|error| fault(format!("python3 does not start: {error}")))?;
     let mut left_out = Vec::new();
     for line in script.stdout().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
@@ -52,10 +51,10 @@ pub fn measure(
         }
         check_interrupt(watch.stop)?;
     }
-    let status = script.wait(Duration::MAX).ok_or_else(|| fault(format!("{SCRIPT} did not end")))?;
+    let status = script.wait(Duration::MAX).ok_or_else(|| fault(format!("{} did not end", program.display())))?;
     check_interrupt(watch.stop)?;
     if !status.success() {
-        return Err(fault(format!("{SCRIPT} ended with {status}")));
+        return Err(fault(format!("{} ended with {status}", program.display())));
     }
     let rows = runs::measure(&files)?;
     let origin = messages::file::text(&files.join("origin.txt")).map_err(|error| fault(error.to_string()))?;

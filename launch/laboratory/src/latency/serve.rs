@@ -9,6 +9,7 @@ use super::walk;
 use clap::Args;
 use controller::process::ProcessError;
 use messages::clock::now_ns;
+use messages::controller_session::ControllerSessionError;
 use messages::port::{Contract, ControllerPort, Pace};
 use messages::session::Session;
 use messages::wire::{Command, Sensors, Stamp, Stamped};
@@ -72,7 +73,7 @@ fn obey(order: Order, stop: &AtomicBool) -> Result<(), Failure> {
             let port = open_with_timeout(|| ControllerPort::open(&session, &Contract::of(&scene, Pace::Lockstep)))?;
             ready();
             match controller::process::run(&scene, port.waiting(waiting), PATIENCE, stop) {
-                Err(ProcessError::Interrupted) => Ok(()), // the first process reports it
+                Err(ProcessError::Session(ControllerSessionError::Interrupted)) => Ok(()), // the first process reports it
                 ended => Ok(ended?),
             }
         }

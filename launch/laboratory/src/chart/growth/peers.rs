@@ -2,6 +2,7 @@
 
 use super::points::Point;
 use super::scenes::GrowthCurve;
+use crate::chart::peers::scripts;
 use crate::chart::watch::ChartProgress;
 use messages::scene::Scene;
 use sessions::export::mjcf;
@@ -11,8 +12,6 @@ use std::process::Command;
 
 /// The engine's name.
 pub const NAME: &str = "MuJoCo";
-/// The script, in the source folder of this build.
-const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/growth.py");
 
 /// Points of a curve; none, with a message, if MuJoCo does not install.
 ///
@@ -41,12 +40,13 @@ fn measured(
         std::fs::write(&file, mjcf(scene)?).map_err(|error| fault(error.to_string()))?;
         files.push(file);
     }
-    let output = Command::new("python3").arg(SCRIPT).args(&files).output();
+    let script = scripts::copy(folder, "growth.py")?;
+    let output = Command::new("python3").arg(&script).args(&files).output();
     let output = output.map_err(|error| fault(format!("python3 does not start: {error}")))?;
     if !output.status.success() {
         let errors = String::from_utf8_lossy(&output.stderr);
         let last = errors.lines().rfind(|line| !line.trim().is_empty()).unwrap_or("it said nothing");
-        return Err(fault(format!("{SCRIPT} failed ({}): {last}", output.status)));
+        return Err(fault(format!("{} failed ({}): {last}", script.display(), output.status)));
     }
     let text = String::from_utf8_lossy(&output.stdout);
     text.lines().filter(|line| line.contains("left out")).for_each(|line| watch.tell(line));

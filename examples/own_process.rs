@@ -1,0 +1,1 @@
+../controller/foreign/rust/stand.rs
