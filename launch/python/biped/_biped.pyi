@@ -40,8 +40,9 @@ def layout() -> list[tuple[str, int, list[tuple[str, str, int, str]]]]:
 def names() -> tuple[list[str], list[str]]:
     """Names of the phases of the gait, and of the states of the plant."""
 
-def rust_loop(scene: Scene, periods: int = ...) -> tuple[int, float, int]:
-    """Runs a scene with its controller without Python: (control periods, time [s], hash of all states). The reference for speed."""
+def rust_loop(scene: Scene, torques: NDArray[np.float64] | None = None) -> tuple[int, float, int]:
+    """Runs a scene without Python, with the torques of the rows of an array, shape (periods, 8) [N·m], or those of its controller: (control
+    periods, time [s], hash of all states). It is the reference for the speed of a loop in Python."""
 
 def read_recording(path: str) -> tuple[Scene, dict[str, tuple[bytes, bytes]], str, str | None]:
     """Reads a recording: scene, times [ns] and messages of each topic, when it began, and why it is cut short, if it is."""
