@@ -159,7 +159,8 @@ class Plant:
     def scene(self) -> Scene: ...
     @property
     def counts(self) -> NDArray[np.int64]:
-        """Encoder counts of the joints, shape (8,), as the wire carries them. A read-only view that changes with each step."""
+        """Encoder counts of the joints, shape (8,), as the wire carries them. A read-only view: it changes with each step of this plant, and
+        after a step of a batch when it is asked for again."""
 
     @property
     def angles(self) -> NDArray[np.float64]:

@@ -92,30 +92,32 @@ def batch() -> None:
 
 
 def wire(program: str) -> None:
-    """The controller in a process of its own, in lockstep: this one in Python, and that of `biped run`."""
+    """The controller in a process of its own, in lockstep: the one of this module, and that of the program."""
 
-    def python() -> float:
-        name = f"benchmark-{os.getpid()}"
-        with subprocess.Popen([program, "plant", "walk", "--session", name], stdout=subprocess.DEVNULL):
-            with biped.attach(name) as session:
-                controller, start = biped.Controller(session.scene), 0.0
-                for counts in session:
-                    start = start or time.perf_counter()
-                    session.write(controller.tick(counts))
-                return time.perf_counter() - start
-
-    def rust() -> float:
+    def run(*controller: str) -> float:
         with tempfile.TemporaryDirectory() as out:
-            subprocess.run([program, "run", "walk", "--quiet", "--out", out], check=True, stdout=subprocess.DEVNULL)
-            return float(json.loads(Path(out, "summary.json").read_text())["loop_s"])
+            subprocess.run([program, "run", "walk", "--quiet", "--out", out, *controller], check=True, stdout=subprocess.DEVNULL)
+            summary = json.loads(Path(out, "summary.json").read_text())
+            return float(summary["loop_s"]) / (summary["duration_s"] * biped.Scene("walk").rate)
 
-    periods = 14_000
-    times = in_turns(python, rust)
-    print(f"over shared memory: Python {periods / times[0]:,.0f} periods/s, Rust {periods / times[1]:,.0f}, ratio {times[1] / times[0]:.2f}")
+    answering = f"{sys.executable} -m biped.benchmark answer"
+    python, rust = in_turns(lambda: run("--controller", answering), run)
+    print(f"over shared memory: Python {1 / python:,.0f} periods/s, Rust {1 / rust:,.0f}, ratio {rust / python:.2f}")
+
+
+def answer() -> None:
+    """The controller of a session as a loop in Python."""
+    with biped.attach() as session:
+        controller = biped.Controller(session.scene)
+        for counts in session:
+            session.write(controller.tick(counts))
 
 
 if __name__ == "__main__":
-    single()
-    batch()
-    for path in sys.argv[1:2]:
-        wire(path)
+    if sys.argv[1:] == ["answer"]:
+        answer()
+    else:
+        single()
+        batch()
+        for path in sys.argv[1:2]:
+            wire(path)

@@ -114,13 +114,15 @@ impl Plant {
     }
 
     #[getter]
-    fn counts(&self, py: Python<'_>) -> Py<PyArray1<i64>> {
-        self.counts.view(py)
+    fn counts(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i64>>> {
+        self.publish(py, &*self.lock()?)?; // a batch may have stepped the plant
+        Ok(self.counts.view(py))
     }
 
     #[getter]
-    fn angles(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        self.angles.view(py)
+    fn angles(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        self.publish(py, &*self.lock()?)?;
+        Ok(self.angles.view(py))
     }
 
     #[getter]

@@ -4,9 +4,9 @@ use crate::arrays::converted;
 use crate::error::{ControllerError, EndedError, InputError, SimulationError};
 use crate::scene::Scene;
 use messages::wire::{Command, JOINTS, PlantState, REFUSALS, Stamp, Stamped, Telemetry, Torques, Truth};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use plant::kinematics::{Pose, Totals, pose, totals};
 use plant::{PlantError, Simulation, SimulationSnapshot};
-use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use pyo3::prelude::*;
 use records::analysis::{DerivedState, InitialPosture, KinematicTree};
 use std::time::Instant;
@@ -145,10 +145,15 @@ fn derived(tree: &KinematicTree, truth: &Truth) -> DerivedState {
 /// states). It is the reference for the speed of a loop in Python.
 #[pyfunction]
 #[pyo3(signature = (scene, torques = None))]
-pub fn rust_loop(py: Python<'_>, scene: &Scene, torques: Option<PyReadonlyArray2<'_, f64>>) -> PyResult<(u64, f64, u64)> {
+pub fn rust_loop(
+    py: Python<'_>,
+    scene: &Scene,
+    torques: Option<PyReadonlyArray2<'_, f64>>,
+) -> PyResult<(u64, f64, u64)> {
     let unfit = |error: controller::ControllerError| ControllerError::new_err(error.to_string());
     let mut run = Run::new(&scene.scene).map_err(Stopped::from)?;
-    let given = torques.map(|rows| converted::<f64>("torques", rows.as_any(), &[rows.shape()[0], JOINTS])).transpose()?;
+    let given =
+        torques.map(|rows| converted::<f64>("torques", rows.as_any(), &[rows.shape()[0], JOINTS])).transpose()?;
     let controller = given.is_none().then(|| controller::Controller::new(&scene.scene)).transpose();
     let mut controller = controller.map_err(unfit)?;
     let mut given = given.as_ref().map(|given| given.as_chunks::<JOINTS>().0.iter());
