@@ -28,22 +28,33 @@ const PACKAGES: [&str; 10] = [
 /// The Python interpreter of that environment.
 pub fn python() -> &'static PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
-    PYTHON.get_or_init(|| {
-        let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("python");
-        let (python, marker) = (folder.join("bin/python3"), folder.join(PACKAGES.join(" ")));
-        // only one test program installs at a time
-        let lock = File::create(folder.with_extension("lock")).expect("a file of ours");
-        lock.lock().expect("a lock");
-        if !marker.exists() {
-            let venv = Command::new("python3").args(["-m", "venv"]).arg(&folder).output().expect("Python 3");
-            assert!(venv.status.success(), "{}", String::from_utf8_lossy(&venv.stderr));
-            let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
-            let pip = Command::new(&python).args(pip).args(PACKAGES).output().expect("pip");
-            assert!(pip.status.success(), "{}", String::from_utf8_lossy(&pip.stderr));
-            std::fs::write(marker, "").expect("a file of ours");
-        }
-        python
-    })
+    PYTHON.get_or_init(|| python_with("python", &PACKAGES))
+}
+
+/// The Python interpreter of an environment of this name in the target folder, with these packages.
+pub fn python_with(name: &str, packages: &[&str]) -> PathBuf {
+    let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
+    let (python, marker) = (folder.join("bin/python3"), folder.join(packages.join(" ")));
+    // only one test program installs at a time
+    let lock = File::create(folder.with_extension("lock")).expect("a file of ours");
+    lock.lock().expect("a lock");
+    if !marker.exists() {
+        let venv = Command::new("python3").args(["-m", "venv"]).arg(&folder).output().expect("Python 3");
+        assert!(venv.status.success(), "{}", String::from_utf8_lossy(&venv.stderr));
+        pip_install(&python, packages);
+        std::fs::write(marker, "").expect("a file of ours");
+    }
+    python
+}
+
+/// Installs packages. The programs of the environment are on the path, for those that are built.
+pub fn pip_install(python: &Path, arguments: &[&str]) {
+    let programs = python.parent().expect("a folder").to_path_buf();
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let path = std::env::join_paths(std::iter::once(programs).chain(std::env::split_paths(&others))).expect("a path");
+    let pip = ["-m", "pip", "install", "--quiet", "--disable-pip-version-check"];
+    let pip = Command::new(python).args(pip).args(arguments).env("PATH", path).output().expect("pip");
+    assert!(pip.status.success(), "{}", String::from_utf8_lossy(&pip.stderr));
 }
 
 /// The folder of the C library, as cargo builds it for tests.

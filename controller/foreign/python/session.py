@@ -1,7 +1,10 @@
-"""The controller's end of a biped session: the protocol of docs/WIRE.md over iceoryx2. The part that a plant also needs is here
-too; the rest of the plant's end is plant/foreign/mujoco/link.py.
+"""The controller's end of a biped session. If the Python package `biped` is installed, it carries the messages. Otherwise this
+module does: the protocol of docs/WIRE.md over iceoryx2, to read and to port. The part that a plant also needs is here too; the
+rest of the plant's end is plant/foreign/mujoco/link.py.
 
-    python3 -m pip install iceoryx2==0.10.0 numpy xxhash
+    python3 -m pip install .                               # in a clone: the package, for every Linux and any Python from 3.10 on
+    python3 -m pip install iceoryx2==0.10.0 numpy xxhash   # or without it
+
     biped run stand --controller "python3 controller/foreign/python/stand.py"
 
 or, from anywhere else that shares /dev/shm, such as a debugger or another terminal:
@@ -23,18 +26,24 @@ import time
 from pathlib import Path
 
 try:
+    import biped
+except ModuleNotFoundError:
+    biped = None
+try:
     import iceoryx2 as iox2
     import numpy  # noqa: F401, the controllers that import this module need it
     import xxhash
 except ModuleNotFoundError as missing:
-    print(f"error: the Python package {missing.name} is missing: pip install iceoryx2==0.10.0 numpy xxhash", file=sys.stderr)
-    sys.exit(2)
+    if biped is None:
+        print(f"error: the Python package {missing.name} is missing: pip install iceoryx2==0.10.0 numpy xxhash", file=sys.stderr)
+        sys.exit(2)
+    iox2 = None
 
 import wire
 
 PEER_MISSING, INCOMPATIBLE, INTERRUPTED = 3, 5, 130
 SPIN_NS = 50_000  # a reader polls for this long before it sleeps
-SLICE = iox2.Duration.from_millis(10)  # longest sleep
+SLICE = iox2 and iox2.Duration.from_millis(10)  # longest sleep
 
 
 def fail(code, sentence):
@@ -225,6 +234,8 @@ def serve(make):
     """Answers the plant until its goodbye. `make(scene, rate)` returns a controller whose `tick(counts, telemetry)` returns eight
     torques [N·m] and may fill in the telemetry. Each run of the plant gets a new controller."""
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
+    if biped:
+        return serve_by_package(make, environment())
     session = Session(environment=environment())
     try:
         answer = wire.Command()
@@ -250,3 +261,24 @@ def serve(make):
             session.send(answer)
     finally:
         session.close()
+
+
+def serve_by_package(make, environment):
+    """The same, with the package `biped`."""
+    if "BIPED_SESSION" not in environment:
+        fail(2, 'start this program by: biped run SCENE --controller "python3 …", or with --session NAME of a running session')
+    os.environ.update(environment)
+    try:
+        with biped.attach() as session:
+            scene, telemetry = json.loads(environment["BIPED_SCENE"]), wire.Telemetry()
+            controller, runs = make(scene, scene["rate"]), 0
+            for counts in session:
+                if session.begins:
+                    controller, runs = controller if runs == 0 else make(scene, scene["rate"]), runs + 1
+                session.write(controller.tick(counts.tolist(), telemetry), telemetry)
+    except biped.AbsentError as error:
+        fail(PEER_MISSING, error)
+    except biped.RefusedError as error:
+        fail(INCOMPATIBLE, error)
+    except biped.Error as error:
+        fail(2, error)

@@ -13,6 +13,7 @@ Units are SI. The arrays that an object returns are views of memory that it reus
 """
 
 from ._biped import (
+    AbsentError,
     Controller,
     ControllerError,
     ControllerSnapshot,
@@ -21,16 +22,43 @@ from ._biped import (
     InputError,
     Plant,
     PlantBatch,
+    RecordingError,
+    RefusedError,
     Scene,
     SceneError,
+    Session,
+    SessionError,
     SimulationError,
     Snapshot,
 )
+from .recording import Recording, read_recording
 from .records import PHASES, STATES
+
+
+def attach(name: str | None = None, *, patience: float = 10.0, control: bool = True) -> Session:
+    """Joins the session of this name, which ``biped plant SCENE --session NAME`` or ``biped run SCENE --session NAME`` starts.
+
+    Without a name it joins the session that the environment names: that of ``biped run SCENE --controller COMMAND``, or BIPED_SESSION.
+
+        with biped.attach("lab") as session:
+            controller = biped.Controller(session.scene)
+            for counts in session:
+                if session.begins:
+                    controller.reset()
+                session.write(controller.tick(counts))
+
+    :param patience: how long to wait for the session, and later for sensors [s]
+    :param control: whether to join as its controller. Without it, this process only asks and hears the truth.
+    :raises AbsentError: no session of that name within that time
+    :raises RefusedError: the session has a controller already, or another wire format
+    """
+    return Session(name, patience=patience, control=control)
+
 
 __all__ = [
     "PHASES",
     "STATES",
+    "AbsentError",
     "Controller",
     "ControllerError",
     "ControllerSnapshot",
@@ -39,8 +67,15 @@ __all__ = [
     "InputError",
     "Plant",
     "PlantBatch",
+    "Recording",
+    "RecordingError",
+    "RefusedError",
     "Scene",
     "SceneError",
+    "Session",
+    "SessionError",
     "SimulationError",
     "Snapshot",
+    "attach",
+    "read_recording",
 ]

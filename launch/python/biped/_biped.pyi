@@ -22,14 +22,33 @@ class SimulationError(Error):
 class ControllerError(Error):
     """The controller does not fit the robot, or has no torques for its posture."""
 
+class RecordingError(Error):
+    """A file is not a recording of this program, or has another wire format."""
+
+class SessionError(Error):
+    """A session fails: shared memory, a call of another thread, or a closed session."""
+
+class AbsentError(SessionError):
+    """No session of that name is running, or its other side does not answer."""
+
+class RefusedError(SessionError):
+    """The session refuses: it has another contract or a controller already, or a request cannot be done."""
+
 def layout() -> list[tuple[str, int, list[tuple[str, str, int, str]]]]:
     """The layout of every message: name, size [bytes], and fields with name, type, offset [bytes] and meaning."""
 
 def names() -> tuple[list[str], list[str]]:
     """Names of the phases of the gait, and of the states of the plant."""
 
-def rust_loop(scene: Scene, periods: int = ...) -> tuple[int, float, int]:
-    """Runs a scene with its controller without Python: (control periods, time [s], hash of all states). The reference for speed."""
+def rust_loop(scene: Scene, torques: NDArray[np.float64] | None = None) -> tuple[int, float, int]:
+    """Runs a scene without Python, with the torques of the rows of an array, shape (periods, 8) [N·m], or those of its controller: (control
+    periods, time [s], hash of all states). It is the reference for the speed of a loop in Python."""
+
+def read_recording(path: str) -> tuple[Scene, dict[str, tuple[bytes, bytes]], str, str | None]:
+    """Reads a recording: scene, times [ns] and messages of each topic, when it began, and why it is cut short, if it is."""
+
+def read_table(path: str) -> tuple[bytes, bytes]:
+    """Reads a recording as one topic: times [ns], and the truth of each control period, completed from the other topics."""
 
 @final
 class Scene:
@@ -140,7 +159,8 @@ class Plant:
     def scene(self) -> Scene: ...
     @property
     def counts(self) -> NDArray[np.int64]:
-        """Encoder counts of the joints, shape (8,), as the wire carries them. A read-only view that changes with each step."""
+        """Encoder counts of the joints, shape (8,), as the wire carries them. A read-only view: it changes with each step of this plant, and
+        after a step of a batch when it is asked for again."""
 
     @property
     def angles(self) -> NDArray[np.float64]:
@@ -224,3 +244,81 @@ class Controller:
 
     @property
     def scene(self) -> Scene: ...
+
+@final
+class Session:
+    """A running session, from :func:`biped.attach`. It belongs to the thread that opened it.
+
+    As the controller, answer every reading once: ``for counts in session: session.write(torques)``. The loop ends with the run.
+    """
+
+    def __init__(self, name: str | None = None, *, patience: float = 10.0, control: bool = True) -> None: ...
+    def read(self) -> NDArray[np.int64] | None:
+        """Waits for the next reading of the encoders. Returns :attr:`counts`, or None after the plant's goodbye.
+
+        :raises AbsentError: no plant sent sensors for the time of the patience
+        """
+
+    def write(self, torques: ArrayLike, telemetry: Any = None) -> None:
+        """Answers the reading with torques, shape (8,) [N·m]. Telemetry is a record or bytes of the message Telemetry, for recordings.
+
+        :raises InputError: wrong shape, not finite, or no reading to answer
+        """
+
+    def truth(self, timeout: float = 0.0) -> Any:
+        """The next record of what only the simulation knows, in order; None if none arrives within the timeout [s]. In lockstep the
+        plant waits for those who have begun to read, so go on reading."""
+
+    def push(self, impulse: Sequence[float], *, body: str | int | None = None, duration: float = 0.05) -> float:
+        """Pushes a body, by default the trunk: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. As all requests
+        it returns the simulated time at which it took effect [s].
+
+        :raises RefusedError: no such body, or out of range
+        :raises AbsentError: the plant does not answer
+        """
+
+    def set(self, *, speed: float | None = None, period: float | None = None) -> float:
+        """Asks the session's controller for another walking speed [m/s] or period of two steps [s]."""
+
+    def pause(self) -> float:
+        """Stops simulated time."""
+
+    def resume(self) -> float:
+        """Lets simulated time go on."""
+
+    def step(self, periods: int = 1) -> float:
+        """Runs a paused session for some control periods."""
+
+    def reset(self, *, seed: int | None = None) -> float:
+        """Starts a new run from time zero."""
+
+    def rearm(self) -> float:
+        """Switches the drives on again after a fault."""
+
+    def close(self) -> None:
+        """Leaves the session. The end of a ``with`` block does so."""
+
+    @property
+    def name(self) -> str: ...
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def counts(self) -> NDArray[np.int64]:
+        """Encoder counts of the last reading, shape (8,). A read-only view that the next reading changes."""
+
+    @property
+    def angles(self) -> NDArray[np.float64]:
+        """Joint angles of the last reading, shape (8,) [rad]. A read-only view that the next reading changes."""
+
+    @property
+    def begins(self) -> bool:
+        """Whether the last reading was the first one of a run. The controller must start from its initial state then."""
+
+    @property
+    def time(self) -> float:
+        """Simulated time of the last reading [s]."""
+
+    def __iter__(self) -> Session: ...
+    def __next__(self) -> NDArray[np.int64]: ...
+    def __enter__(self) -> Session: ...
+    def __exit__(self, *reason: object) -> None: ...

@@ -38,6 +38,11 @@ def _format(kind: str) -> Any:
 _TYPES = {message: np.dtype((np.record, dtype(message))) for message in _LAYOUT}
 
 
+def records(message: str, data: bytes) -> Any:
+    """Messages one after another as an array of records."""
+    return np.frombuffer(data, _TYPES[message]).view(np.recarray)
+
+
 def record(message: str, data: bytes) -> Any:
     """A message as a record: ``truth.base_position`` or ``truth["base_position"]``."""
     return np.frombuffer(data, _TYPES[message])[0]

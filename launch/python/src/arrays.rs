@@ -3,8 +3,9 @@
 use crate::error::InputError;
 use messages::wire::{JOINTS, LAYOUT, PHASES, STATES};
 use numpy::{Element, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods, dtype};
+use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{PyBytes, PyDict};
 
 /// An array that Rust fills and Python reads.
 pub struct OutputArray<T, D> {
@@ -99,6 +100,14 @@ pub fn layout() -> Vec<(&'static str, usize, Vec<(&'static str, &'static str, us
     LAYOUT.iter().map(|message| (message.name, message.size, fields(message))).collect()
 }
 
+/// A message from the bytes of an object, such as a NumPy record or a structure of `ctypes`.
+pub fn message<T: bytemuck::Pod>(what: &str, object: &Bound<'_, PyAny>) -> PyResult<T> {
+    let bytes = PyBytes::type_object(object.py()).call1((object,))?.cast_into::<PyBytes>()?;
+    let length = bytes.as_bytes().len();
+    bytemuck::try_pod_read_unaligned(bytes.as_bytes())
+        .map_err(|_| InputError::new_err(format!("{what} has {length} bytes, but the message has {}", size_of::<T>())))
+}
+
 /// Names of the phases of the gait, and of the states of the plant.
 #[pyfunction]
 pub fn names() -> (Vec<&'static str>, Vec<&'static str>) {
@@ -107,6 +116,6 @@ pub fn names() -> (Vec<&'static str>, Vec<&'static str>) {
 
 /// A message as a NumPy record.
 pub fn record<'py, T: bytemuck::Pod>(py: Python<'py>, name: &str, message: &T) -> PyResult<Bound<'py, PyAny>> {
-    let bytes = pyo3::types::PyBytes::new(py, bytemuck::bytes_of(message));
+    let bytes = PyBytes::new(py, bytemuck::bytes_of(message));
     py.import("biped.records")?.call_method1("record", (name, bytes))
 }

@@ -40,9 +40,6 @@ impl PlantBatch {
             runs.map(|(plant, run)| run.advance(torques_of(plant), periods)).collect()
         });
         drop(runs);
-        for (plant, lock) in self.plants.iter().zip(&locks) {
-            plant.get().publish(py, lock)?;
-        }
         drop(locks);
         self.publish(py)?;
         for (plant, outcome) in outcomes.into_iter().enumerate() {

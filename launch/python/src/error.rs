@@ -29,3 +29,27 @@ create_exception!(
     Error,
     "The controller does not fit the robot, or has no torques for its posture."
 );
+create_exception!(
+    biped,
+    RecordingError,
+    Error,
+    "A file is not a recording of this program, or has another wire format."
+);
+create_exception!(
+    biped,
+    SessionError,
+    Error,
+    "A session fails: shared memory, a call of another thread, or a closed session."
+);
+create_exception!(
+    biped,
+    AbsentError,
+    SessionError,
+    "No session of that name is running, or its other side does not answer."
+);
+create_exception!(
+    biped,
+    RefusedError,
+    SessionError,
+    "The session refuses: it has another contract or a controller already, or a request cannot be done."
+);

@@ -10,14 +10,18 @@
 //! | `Plant`, and its run | `plant.rs`, `run.rs` |
 //! | `PlantBatch`: many plants on all cores | `batch.rs` |
 //! | `Controller` | `controller.rs` |
+//! | `Session`: a running session | `session.rs` |
+//! | recordings | `recording.rs` |
 
 mod arrays;
 mod batch;
 mod controller;
 mod error;
 mod plant;
+mod recording;
 mod run;
 mod scene;
+mod session;
 
 use pyo3::prelude::*;
 
@@ -31,11 +35,18 @@ mod _biped {
     #[pymodule_export]
     use crate::controller::{Controller, ControllerSnapshot};
     #[pymodule_export]
-    use crate::error::{ControllerError, EndedError, Error, InputError, SceneError, SimulationError};
+    use crate::error::{
+        AbsentError, ControllerError, EndedError, Error, InputError, RecordingError, RefusedError, SceneError,
+        SessionError, SimulationError,
+    };
     #[pymodule_export]
     use crate::plant::{Plant, Snapshot};
+    #[pymodule_export]
+    use crate::recording::{read_recording, read_table};
     #[pymodule_export]
     use crate::run::rust_loop;
     #[pymodule_export]
     use crate::scene::Scene;
+    #[pymodule_export]
+    use crate::session::Session;
 }

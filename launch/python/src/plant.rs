@@ -74,9 +74,7 @@ impl Plant {
 
     #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
     fn push(&self, impulse: [f64; 3], body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<()> {
-        let scene = self.scene.get();
-        let body = body.map_or(Ok(None), |body| scene.body(body).map(Some))?;
-        let trunk = || scene.scene.bodies.iter().position(|body| body.name == messages::robot::TRUNK);
+        let body = self.scene.get().body_or_trunk(body)?;
         let (greatest, longest) = MAX_PUSH;
         if !impulse.iter().all(|part| part.abs() <= greatest) || !(0.0..=longest).contains(&duration) {
             return Err(InputError::new_err(format!(
@@ -84,7 +82,7 @@ impl Plant {
             )));
         }
         let mut run = self.lock()?;
-        run.simulation.push(body.or_else(trunk).unwrap_or(0), impulse, duration);
+        run.simulation.push(body, impulse, duration);
         Ok(())
     }
 
@@ -116,13 +114,15 @@ impl Plant {
     }
 
     #[getter]
-    fn counts(&self, py: Python<'_>) -> Py<PyArray1<i64>> {
-        self.counts.view(py)
+    fn counts(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i64>>> {
+        self.publish(py, &*self.lock()?)?; // a batch may have stepped the plant
+        Ok(self.counts.view(py))
     }
 
     #[getter]
-    fn angles(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
-        self.angles.view(py)
+    fn angles(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
+        self.publish(py, &*self.lock()?)?;
+        Ok(self.angles.view(py))
     }
 
     #[getter]

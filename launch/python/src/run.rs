@@ -1,8 +1,10 @@
 //! The run of a plant: what `biped run --in-process` does in a control period, with torques from anywhere.
 
+use crate::arrays::converted;
 use crate::error::{ControllerError, EndedError, InputError, SimulationError};
 use crate::scene::Scene;
 use messages::wire::{Command, JOINTS, PlantState, REFUSALS, Stamp, Stamped, Telemetry, Torques, Truth};
+use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
 use plant::kinematics::{Pose, Totals, pose, totals};
 use plant::{PlantError, Simulation, SimulationSnapshot};
 use pyo3::prelude::*;
@@ -139,24 +141,32 @@ fn derived(tree: &KinematicTree, truth: &Truth) -> DerivedState {
     DerivedState::new(tree, truth, &tree.body_states(truth))
 }
 
-/// Runs a scene with its controller in Rust, without Python: (control periods, time [s], hash of all states). It is the reference for the
-/// speed of a loop in Python.
+/// Runs a scene without Python, with the torques of the rows of an array or those of its controller: (control periods, time [s], hash of all
+/// states). It is the reference for the speed of a loop in Python.
 #[pyfunction]
-#[pyo3(signature = (scene, periods = u64::MAX))]
-pub fn rust_loop(py: Python<'_>, scene: &Scene, periods: u64) -> PyResult<(u64, f64, u64)> {
-    let failed = |error: PlantError| SimulationError::new_err(error.to_string());
+#[pyo3(signature = (scene, torques = None))]
+pub fn rust_loop(
+    py: Python<'_>,
+    scene: &Scene,
+    torques: Option<PyReadonlyArray2<'_, f64>>,
+) -> PyResult<(u64, f64, u64)> {
     let unfit = |error: controller::ControllerError| ControllerError::new_err(error.to_string());
-    let mut run = Run::new(&scene.scene).map_err(failed)?;
-    let controller = scene.scene.controller.as_ref().map(|_| controller::Controller::new(&scene.scene)).transpose();
+    let mut run = Run::new(&scene.scene).map_err(Stopped::from)?;
+    let given =
+        torques.map(|rows| converted::<f64>("torques", rows.as_any(), &[rows.shape()[0], JOINTS])).transpose()?;
+    let controller = given.is_none().then(|| controller::Controller::new(&scene.scene)).transpose();
     let mut controller = controller.map_err(unfit)?;
+    let mut given = given.as_ref().map(|given| given.as_chunks::<JOINTS>().0.iter());
     py.detach(|| {
         let (start, mut done) = (Instant::now(), 0);
-        while done < periods && !run.ended() {
+        while !run.ended() {
             if let Some(controller) = &mut controller {
                 let torques = controller.tick(&run.simulation.sensors().encoders).map_err(unfit)?;
                 run.command(torques, controller.telemetry()).map_err(Stopped::Refused)?;
+            } else if let Some(&torque) = given.as_mut().and_then(Iterator::next) {
+                run.command(Torques { torque }, Telemetry::default()).map_err(Stopped::Refused)?;
             }
-            run.simulation.advance().map_err(failed)?;
+            run.simulation.advance().map_err(Stopped::from)?;
             done += 1;
         }
         Ok((done, start.elapsed().as_secs_f64(), run.simulation.truth().hash))

@@ -39,17 +39,25 @@ pub struct ControllerHandle {
 impl ControllerHandle {
     /// Joins the session that the environment names.
     pub(crate) fn open() -> Result<ControllerHandle, CallFailure> {
-        ControllerHandle::join(PeerEnvironment::from_env(|| !STOP.load(Relaxed))?)
+        ControllerHandle::join(PeerEnvironment::from_env(|| !STOP.load(Relaxed))?, || !STOP.load(Relaxed))
     }
 
     /// Joins a session by its name, once it is running.
     pub(crate) fn attach(session: &str, patience: Duration) -> Result<ControllerHandle, CallFailure> {
-        ControllerHandle::join(PeerEnvironment::attach(session, patience, || !STOP.load(Relaxed))?)
+        let keeps_waiting = || !STOP.load(Relaxed);
+        ControllerHandle::join(PeerEnvironment::attach(session, patience, keeps_waiting)?, keeps_waiting)
     }
 
-    fn join(environment: PeerEnvironment) -> Result<ControllerHandle, CallFailure> {
+    /// Joins the session of an environment. A successor waits for the end of its predecessor while `keeps_waiting` returns true.
+    ///
+    /// # Errors
+    /// If the session has another contract or another controller, or shared memory fails.
+    pub fn join(
+        environment: PeerEnvironment,
+        keeps_waiting: impl Fn() -> bool,
+    ) -> Result<ControllerHandle, CallFailure> {
         let PeerEnvironment { session, contract, patience, scene, takes_over } = environment;
-        let keep_waiting = || takes_over && !STOP.load(Relaxed);
+        let keep_waiting = || takes_over && keeps_waiting();
         Ok(ControllerHandle {
             port: ControllerPort::open_when_free(&session, &contract, keep_waiting)?,
             sensors: Sensors::default(),
@@ -68,14 +76,26 @@ impl ControllerHandle {
         self.owner == std::thread::current().id()
     }
 
-    /// Waits for the next sensors, and returns their kind.
-    pub(crate) fn wait(&mut self) -> Result<c_int, CallFailure> {
+    /// As [`ControllerHandle::wait`], until `biped_stop` is called.
+    pub(crate) fn wait_until_stopped(&mut self) -> Result<c_int, CallFailure> {
+        match STOP.load(Relaxed) {
+            true => Err(stopped()),
+            false => self.wait(|| !STOP.load(Relaxed)),
+        }
+    }
+
+    /// Waits for the next sensors while `keeps_waiting` returns true, and returns their kind. It asks every 10 ms.
+    ///
+    /// # Errors
+    /// If no plant sends sensors in time, or the wait is stopped.
+    pub fn wait(&mut self, mut keeps_waiting: impl FnMut() -> bool) -> Result<c_int, CallFailure> {
         let mut waiting = Timeout::new("plant", self.patience);
-        while !STOP.load(Relaxed) {
+        loop {
             let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
-                match waiting.has_expired() {
-                    true => return Err(self.no_plant()),
-                    false => continue,
+                match (waiting.has_expired(), keeps_waiting()) {
+                    (true, _) => return Err(self.no_plant()),
+                    (false, true) => continue,
+                    (false, false) => return Err(stopped()),
                 }
             };
             if sensors.last != 0 {
@@ -93,7 +113,6 @@ impl ControllerHandle {
             (self.sensors, self.is_answered) = (sensors, false);
             return Ok(if begins { BIPED_BEGIN } else { BIPED_TICK });
         }
-        Err(CallFailure::new(BIPED_STOPPED, "stopped by biped_stop"))
     }
 
     /// Torques and telemetry of this project's own controller. It must get every reading of a run exactly once.
@@ -123,7 +142,10 @@ impl ControllerHandle {
     }
 
     /// The reading of the encoders.
-    pub(crate) fn encoders(&self) -> Result<Encoders, CallFailure> {
+    ///
+    /// # Errors
+    /// If there is none yet.
+    pub fn encoders(&self) -> Result<Encoders, CallFailure> {
         match self.sensors.stamp.seq {
             0 => Err(CallFailure::misuse("there is no reading of the encoders yet: call biped_wait first")),
             _ => Ok(self.sensors.encoders),
@@ -131,7 +153,10 @@ impl ControllerHandle {
     }
 
     /// Answers the last sensors.
-    pub(crate) fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), CallFailure> {
+    ///
+    /// # Errors
+    /// If they are answered already, or a torque is not finite.
+    pub fn answer(&mut self, torques: Torques, telemetry: Telemetry) -> Result<(), CallFailure> {
         if self.is_answered {
             return Err(CallFailure::misuse("there is no reading to answer: call biped_wait, then biped_write once"));
         }
@@ -151,10 +176,14 @@ impl ControllerHandle {
     }
 
     /// State of the session.
-    pub(crate) fn status(&self) -> ControllerStatus {
+    pub fn status(&self) -> ControllerStatus {
         let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
         ControllerStatus { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
     }
+}
+
+fn stopped() -> CallFailure {
+    CallFailure::new(BIPED_STOPPED, "stopped by biped_stop")
 }
 
 /// The data of the robot that a controller needs.

@@ -4,6 +4,7 @@ use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
 use std::cell::RefCell;
 use std::ffi::{CString, c_char, c_int};
+use std::fmt;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Wrong arguments, calls in the wrong order, or an environment that `biped run` has not set.
@@ -32,9 +33,20 @@ impl CallFailure {
         CallFailure { code, sentence: sentence.to_string() }
     }
 
+    /// The code.
+    pub fn code(&self) -> c_int {
+        self.code
+    }
+
     /// A mistake of the caller.
     pub fn misuse(sentence: impl ToString) -> CallFailure {
         CallFailure::new(BIPED_MISUSE, sentence)
+    }
+}
+
+impl fmt::Display for CallFailure {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(&self.sentence)
     }
 }
 

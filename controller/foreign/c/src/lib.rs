@@ -67,7 +67,7 @@ pub unsafe extern "C" fn biped_attach(
 #[unsafe(no_mangle)]
 pub unsafe extern "C" fn biped_wait(controller: *mut ControllerHandle) -> c_int {
     // SAFETY: as the caller promises.
-    guarded(|| unsafe { opened(controller) }?.wait())
+    guarded(|| unsafe { opened(controller) }?.wait_until_stopped())
 }
 
 /// The reading of the encoders that `biped_wait` has received.

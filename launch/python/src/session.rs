@@ -1,0 +1,284 @@
+//! `Session`: a running session, as its controller or as an observer.
+
+use crate::arrays::{OutputArray, message, record, torques};
+use crate::error::{AbsentError, InputError, RefusedError, SessionError};
+use crate::scene::Scene;
+use biped_c::end::ControllerHandle;
+use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
+use biped_c::status::{BIPED_BEGIN, BIPED_GOODBYE};
+use messages::peer_environment::PeerEnvironment;
+use messages::port::{Action, RecorderPort, Verdict, ask};
+use messages::wire::{JOINTS, Telemetry, Torques};
+use numpy::{Ix1, PyArray1};
+use pyo3::prelude::*;
+use send_wrapper::SendWrapper;
+use std::cell::{RefCell, RefMut};
+use std::sync::{Mutex, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Time between two looks for a record of the truth.
+const POLL: Duration = Duration::from_millis(1);
+
+/// A session that this process has joined.
+#[pyclass(frozen, module = "biped")]
+pub struct Session {
+    session: messages::session::Session,
+    scene: Py<Scene>,
+    /// `None` only while the session is dropped.
+    ports: Option<SendWrapper<RefCell<Ports>>>,
+    counts: OutputArray<i64, Ix1>,
+    angles: OutputArray<f64, Ix1>,
+}
+
+/// The ports of a session. They stay in the thread that opened them.
+#[derive(Default)]
+struct Ports {
+    controller: Option<ControllerHandle>,
+    recorder: Option<RecorderPort>,
+    /// Whether the last reading was the first one of a run.
+    begins: bool,
+}
+
+#[pymethods]
+impl Session {
+    #[new]
+    #[pyo3(signature = (name = None, *, patience = 10.0, control = true))]
+    fn new(py: Python<'_>, name: Option<&str>, patience: f64, control: bool) -> PyResult<Session> {
+        let patience = seconds("patience", patience)?;
+        let interrupt = Interrupt::default();
+        let join = || {
+            let keeps_waiting = || interrupt.is_absent();
+            let environment = match name {
+                Some(name) => PeerEnvironment::attach(name, patience, keeps_waiting),
+                None => PeerEnvironment::from_env(keeps_waiting),
+            };
+            let environment = environment.map_err(CallFailure::from)?;
+            let (session, scene) = (environment.session.clone(), environment.scene.clone());
+            let controller = control.then(|| ControllerHandle::join(environment, keeps_waiting)).transpose()?;
+            Ok((session, scene, RefCell::new(Ports { controller, ..Ports::default() })))
+        };
+        let joined = py.detach(|| SendWrapper::new(join())).take();
+        interrupt.check()?;
+        let (session, scene, ports) = joined.map_err(failed)?;
+        let scene = Py::new(py, Scene { name: session.name().into(), scene })?;
+        let (counts, angles) = (OutputArray::new(py, [JOINTS])?, OutputArray::new(py, [JOINTS])?);
+        Ok(Session { session, scene, ports: Some(SendWrapper::new(ports)), counts, angles })
+    }
+
+    fn read(&self, py: Python<'_>) -> PyResult<Option<Py<PyArray1<i64>>>> {
+        let mut ports = self.ports()?;
+        let controller = ports.controller()?;
+        let interrupt = Interrupt::default();
+        let outcome = {
+            let mut controller = SendWrapper::new(&mut *controller);
+            py.detach(|| controller.wait(|| interrupt.is_absent()))
+        };
+        interrupt.check()?;
+        let kind = outcome.map_err(failed)?;
+        if kind == BIPED_GOODBYE {
+            return Ok(None);
+        }
+        let counts = controller.encoders().map_err(failed)?.counts;
+        ports.begins = kind == BIPED_BEGIN;
+        self.counts.write(py, counts.into_iter())?;
+        let angle = self.scene.get().radians_per_count();
+        self.angles.write(py, counts.into_iter().map(|count| count as f64 * angle))?;
+        Ok(Some(self.counts.view(py)))
+    }
+
+    #[pyo3(signature = (torques, telemetry = None))]
+    fn write(&self, torques: &Bound<'_, PyAny>, telemetry: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
+        let torque = self::torques(torques)?;
+        let telemetry: Telemetry = telemetry.map_or(Ok(Telemetry::default()), |data| message("telemetry", data))?;
+        self.ports()?.controller()?.answer(Torques { torque }, telemetry).map_err(failed)
+    }
+
+    #[pyo3(signature = (timeout = 0.0))]
+    fn truth<'py>(&self, py: Python<'py>, timeout: f64) -> PyResult<Option<Bound<'py, PyAny>>> {
+        let (start, timeout) = (Instant::now(), seconds("timeout", timeout)?);
+        let mut ports = self.ports()?;
+        let recorder = match &mut ports.recorder {
+            Some(recorder) => recorder,
+            none => none.insert(RecorderPort::attach(&self.session).map_err(|error| failed(error.into()))?),
+        };
+        loop {
+            if let Some(truth) = recorder.read().map_err(|error| failed(error.into()))? {
+                return record(py, "Truth", &*truth).map(Some);
+            }
+            if start.elapsed() >= timeout {
+                return Ok(None);
+            }
+            py.detach(|| std::thread::sleep(POLL));
+            py.check_signals()?;
+        }
+    }
+
+    #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
+    fn push(&self, py: Python<'_>, impulse: [f64; 3], body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<f64> {
+        let body = self.scene.get().body_or_trunk(body)?;
+        self.ask(py, Action::Push { body, impulse, duration })
+    }
+
+    #[pyo3(signature = (*, speed = None, period = None))]
+    fn set(&self, py: Python<'_>, speed: Option<f64>, period: Option<f64>) -> PyResult<f64> {
+        self.ask(py, Action::Set { period, speed })
+    }
+
+    fn pause(&self, py: Python<'_>) -> PyResult<f64> {
+        self.ask(py, Action::Pause)
+    }
+
+    fn resume(&self, py: Python<'_>) -> PyResult<f64> {
+        self.ask(py, Action::Resume)
+    }
+
+    #[pyo3(signature = (periods = 1))]
+    fn step(&self, py: Python<'_>, periods: u64) -> PyResult<f64> {
+        self.ask(py, Action::Step { periods })
+    }
+
+    #[pyo3(signature = (*, seed = None))]
+    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<f64> {
+        self.ask(py, Action::Reset { seed })
+    }
+
+    fn rearm(&self, py: Python<'_>) -> PyResult<f64> {
+        self.ask(py, Action::Rearm)
+    }
+
+    fn close(&self) -> PyResult<()> {
+        *self.ports()? = Ports::default();
+        Ok(())
+    }
+
+    #[getter]
+    fn name(&self) -> &str {
+        self.session.name()
+    }
+
+    #[getter]
+    fn scene(&self, py: Python<'_>) -> Py<Scene> {
+        self.scene.clone_ref(py)
+    }
+
+    #[getter]
+    fn counts(&self, py: Python<'_>) -> Py<PyArray1<i64>> {
+        self.counts.view(py)
+    }
+
+    #[getter]
+    fn angles(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
+        self.angles.view(py)
+    }
+
+    #[getter]
+    fn begins(&self) -> PyResult<bool> {
+        Ok(self.ports()?.begins)
+    }
+
+    #[getter]
+    fn time(&self) -> PyResult<f64> {
+        Ok(self.ports()?.controller()?.status().time)
+    }
+
+    fn __iter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        this
+    }
+
+    fn __next__(&self, py: Python<'_>) -> PyResult<Option<Py<PyArray1<i64>>>> {
+        self.read(py)
+    }
+
+    fn __enter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
+        this
+    }
+
+    #[pyo3(signature = (*_reason))]
+    fn __exit__(&self, _reason: &Bound<'_, pyo3::types::PyTuple>) -> PyResult<()> {
+        self.close()
+    }
+
+    fn __repr__(&self) -> String {
+        format!("<biped.Session {}>", self.session.name())
+    }
+}
+
+impl Session {
+    /// The ports, for the thread that opened them.
+    fn ports(&self) -> PyResult<RefMut<'_, Ports>> {
+        let ports = self.ports.as_ref().filter(|ports| ports.valid());
+        let ports = ports.ok_or_else(|| {
+            SessionError::new_err("a session belongs to the thread that opened it: open one per thread")
+        })?;
+        ports
+            .try_borrow_mut()
+            .map_err(|_| SessionError::new_err("this session is in use already, by an interrupted call"))
+    }
+
+    /// Sends a request, and returns the simulated time at which it took effect [s].
+    fn ask(&self, py: Python<'_>, action: Action) -> PyResult<f64> {
+        let reply = py.detach(|| ask(&self.session, action)).map_err(|error| failed(error.into()))?;
+        match reply.verdict == Verdict::Done as u64 {
+            true => Ok(reply.stamp.sim_ns as f64 * 1e-9),
+            false => {
+                let role = if action.is_for_controller() { "controller" } else { "plant" };
+                let reason = Verdict::text(reply.verdict);
+                let name = self.session.name();
+                Err(RefusedError::new_err(format!("the {role} of session `{name}` refuses: {reason}")))
+            }
+        }
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        // In another thread the ports cannot be closed. They stay open until the process ends.
+        if let Some(ports) = self.ports.take()
+            && !ports.valid()
+        {
+            std::mem::forget(ports);
+        }
+    }
+}
+
+impl Ports {
+    fn controller(&mut self) -> PyResult<&mut ControllerHandle> {
+        let missing =
+            "this process is not the controller of the session: open it with control=True, and do not close it before";
+        self.controller.as_mut().ok_or_else(|| SessionError::new_err(missing))
+    }
+}
+
+/// Ctrl-C, or what another signal handler in Python raises, while a call waits.
+#[derive(Default)]
+struct Interrupt(Mutex<Option<PyErr>>);
+
+impl Interrupt {
+    /// Whether the call goes on waiting.
+    fn is_absent(&self) -> bool {
+        let raised = Python::attach(|py| py.check_signals()).err();
+        let goes_on = raised.is_none();
+        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = raised;
+        goes_on
+    }
+
+    /// Raises it.
+    fn check(self) -> PyResult<()> {
+        self.0.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
+    }
+}
+
+fn seconds(what: &str, value: f64) -> PyResult<Duration> {
+    Duration::try_from_secs_f64(value).map_err(|error| InputError::new_err(format!("{what} is {value} s: {error}")))
+}
+
+/// A failure of the session as an exception.
+fn failed(failure: CallFailure) -> PyErr {
+    let sentence = failure.to_string();
+    match failure.code() {
+        BIPED_MISUSE => InputError::new_err(sentence),
+        BIPED_NO_PLANT => AbsentError::new_err(sentence),
+        BIPED_INCOMPATIBLE => RefusedError::new_err(sentence),
+        _ => SessionError::new_err(sentence),
+    }
+}

@@ -1,0 +1,113 @@
+"""Claims about running sessions: attach, read, write, ask, truth, and how each of them is refused."""
+
+import re
+import threading
+import unittest
+
+import biped
+import numpy as np
+import program
+
+
+class Sessions(unittest.TestCase):
+    def test_our_controller_over_the_wire_has_the_bits_of_one_process(self):
+        settings = {"duration": 1.5}
+        scene = biped.Scene("walk", settings)
+        plant, controller = biped.Plant(scene), biped.Controller(scene)
+        while not plant.ended:
+            plant.step(controller.tick(plant.counts))
+        with program.plant("walk", "--set", "duration=1.5") as (name, process), biped.attach(name) as session:
+            controller, readings, last = biped.Controller(session.scene), 0, None
+            for counts in session:
+                self.assertEqual(session.begins, readings == 0)
+                session.write(controller.tick(counts), controller.telemetry())
+                readings += 1
+                last = session.truth() or last
+            while (truth := session.truth(timeout=0.2)) is not None:
+                last = truth
+        self.assertEqual(readings, 1500)
+        self.assertEqual(last.hash, plant.hash)
+        self.assertEqual(last.telemetry.steps, controller.telemetry().steps)
+
+    def test_requests_are_answered_or_refused_in_words(self):
+        with program.plant("stand", "--set", "duration=1000") as (name, _), biped.attach(name) as session:
+            controller = biped.Controller(session.scene)
+            answered = threading.Event()
+
+            def requests():
+                with biped.attach(name, control=False) as other:
+                    self.results = [other.push([0, 1, 0]), other.pause(), other.step(5), other.resume()]
+                    for call, words in [
+                        (lambda: other.push([0, 1e6, 0]), "plant of session .* refuses: a number is out of range"),
+                        (lambda: other.push([0, 1, 0], body="tail"), "no body 'tail'"),
+                        (lambda: other.read(), "not the controller"),
+                    ]:
+                        try:
+                            call()
+                        except biped.Error as error:
+                            self.results.append(re.search(words, str(error)) and "refused")
+                answered.set()
+
+            thread = threading.Thread(target=requests)
+            thread.start()
+            while not answered.is_set():
+                self.assertIsNotNone(session.read())
+                session.write(controller.tick(session.counts))
+            thread.join()
+            self.assertEqual(self.results[4:], ["refused"] * 3)
+            self.assertEqual(sorted(self.results[:4]), self.results[:4], "times in order")
+
+    def test_one_session_has_one_controller(self):
+        with program.plant("stand") as (name, _), biped.attach(name):
+            with self.assertRaisesRegex(biped.RefusedError, "already has a controller"):
+                biped.attach(name)
+
+    def test_a_missing_session_is_named(self):
+        with self.assertRaisesRegex(biped.AbsentError, "no session `nowhere-at-all` is running"):
+            biped.attach("nowhere-at-all", patience=0.05)
+        with self.assertRaisesRegex(biped.InputError, "letters, digits or hyphens"):
+            biped.attach("no name", patience=0.05)
+        with self.assertRaisesRegex(biped.InputError, "patience is -1 s"):
+            biped.attach("nowhere-at-all", patience=-1)
+
+    def test_the_end_of_the_plant_is_told(self):
+        with program.plant("stand") as (name, process), biped.attach(name, patience=0.3) as session:
+            for _ in range(3):
+                session.read()
+                session.write(np.zeros(8))
+            process.kill()
+            process.wait()
+            with self.assertRaisesRegex(biped.AbsentError, "no plant sent sensors within 300ms"):
+                while session.read() is not None:
+                    session.write(np.zeros(8))
+
+    def test_wrong_torques_calls_and_threads_are_refused(self):
+        with program.plant("stand") as (name, _), biped.attach(name) as session:
+            with self.assertRaisesRegex(biped.InputError, "no reading to answer"):
+                session.write(np.zeros(8))
+            session.read()
+            for wrong, words in [(np.zeros(7), r"shape \(8,\)"), (np.full(8, np.nan), r"torques\[0\] is NaN")]:
+                with self.assertRaisesRegex(biped.InputError, words):
+                    session.write(wrong)
+            with self.assertRaisesRegex(biped.InputError, "telemetry has 3 bytes"):
+                session.write(np.zeros(8), b"abc")
+            session.write(np.zeros(8))
+            errors = []
+
+            def elsewhere():
+                try:
+                    session.read()
+                except biped.SessionError as error:
+                    errors.append(str(error))
+
+            thread = threading.Thread(target=elsewhere)
+            thread.start()
+            thread.join()
+            self.assertEqual(errors, ["a session belongs to the thread that opened it: open one per thread"])
+            session.close()
+            with self.assertRaisesRegex(biped.SessionError, "not the controller"):
+                session.read()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,30 @@
+//! Claim: `pip install .` makes the Python package `biped` from a clone, without the wheel of iceoryx2, and the package does what its
+//! own tests in `launch/python/tests` claim.
+
+#![expect(clippy::expect_used, reason = "a test may panic")]
+
+mod common;
+#[path = "common/languages.rs"]
+mod languages;
+
+use languages::{pip_install, python_with};
+use std::process::Command;
+
+/// What builds the package, and what its tests need. NumPy alone is a dependency of the package.
+const PACKAGES: [&str; 3] = ["maturin>=1.9.4,<2", "numpy", "pandas"];
+
+#[test]
+fn the_package_builds_from_a_clone_and_its_tests_pass() {
+    let python = python_with("python-package", &PACKAGES);
+    // with the maturin of the environment, so that pip downloads nothing else
+    pip_install(&python, &["--no-build-isolation", "--no-deps", "--force-reinstall", env!("CARGO_MANIFEST_DIR")]);
+    let output = Command::new(&python)
+        .args(["-W", "error", "-m", "unittest", "discover", "--start-directory", "launch/python/tests"])
+        .env("BIPED", env!("CARGO_BIN_EXE_biped"))
+        .env("PYTHONDONTWRITEBYTECODE", "1")
+        .output()
+        .expect("Python 3");
+    let told = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{told}");
+    assert!(told.contains("\nOK\n") && !told.contains("Ran 0 tests"), "no test may be skipped: {told}");
+}
