@@ -143,7 +143,7 @@ mod tests {
         let all = combinations(&axes);
         assert_eq!(all.len(), 6);
         assert_eq!(settings(&axes, &all[1]), ["a=1", "b=y"]);
-        assert_eq!(combinations(&[]), [[]; 1]);
+        assert_eq!(combinations(&[]).len(), 1);
     }
 
     #[test]

@@ -1,5 +1,6 @@
 //! The results of a run as cells of the table, and what counts as survival.
 
+use crate::batch::table::Row;
 use crate::study::RunOutcome;
 use messages::load::suggest;
 use serde_json::Value;
@@ -66,6 +67,11 @@ pub fn cells(outcome: &RunOutcome) -> Vec<String> {
     let summary = summary.unwrap_or_default();
     let figures = FIGURES.iter().map(|name| text(&summary, name));
     [word.into()].into_iter().chain(figures).chain([error.replace('\n', "; ")]).collect()
+}
+
+/// Why a run failed, if it did.
+pub fn failure(row: &Row) -> Option<&str> {
+    row.results.last().map(String::as_str).filter(|words| !words.is_empty())
 }
 
 /// A figure with the digits that summary.json has.

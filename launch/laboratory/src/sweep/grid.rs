@@ -83,8 +83,8 @@ impl Grid {
     /// Title of the drawing.
     pub fn title(&self, survival: &Survival) -> String {
         match survival.limit() {
-            None => format!("{}: no fall", self.name),
-            Some(_) => format!("{}: no fall and {}", self.name, survival.text()),
+            None => format!("Runs of {} without a fall", self.name),
+            Some(_) => format!("Runs of {} without a fall and with {}", self.name, survival.text()),
         }
     }
 
