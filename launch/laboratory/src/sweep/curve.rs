@@ -70,12 +70,15 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
             marks.push(mark.label(words));
         }
     }
+    let margin = if let Scale::Words = scale { 0.2 } else { 0.04 };
+    let x = padded_range(places.iter().copied(), margin, FLAT);
     if let Scale::Words = scale {
         let word = |(x, value): (&f64, &String)| Mark::text((*x, y.start), value.clone());
         marks.extend(places.iter().zip(&axis.values).map(word));
+        let top = y.end - 0.5 * FLOOR * (y.end - y.start);
+        marks.push(Mark::note((x.start, top), format!("to the right: {}", axis.key), INK));
     }
-    let margin = if let Scale::Words = scale { 0.2 } else { 0.04 };
-    let x = scale.axis(&axis.key, padded_range(places.iter().copied(), margin, FLAT));
+    let x = scale.axis(&axis.key, x);
     plot(&Frame { title: grid.title(survival), height: HEIGHT, x, y: Axis::new(survival.name(), y) }, &marks)
 }
 
