@@ -1,4 +1,4 @@
-//! The laboratory: speed against accuracy, latency, faults, conformance, robustness, studies.
+//! The laboratory: speed against accuracy, latency, faults, conformance, robustness, sweeps, studies.
 
 pub mod batch;
 pub mod chart;

@@ -6,6 +6,7 @@
 //! | the columns of their results, and what counts as survival | [`figures`] |
 //! | thresholds of survival, by bisection | [`edge`] |
 //! | the drawing of one key; of two or more | [`curve`], [`map`] |
+//! | the table as Parquet | [`parquet`] |
 //! | shards, the table and its resumption | [`crate::batch`] |
 
 mod args;
@@ -15,14 +16,16 @@ mod figures;
 mod grid;
 mod keys;
 mod map;
+mod parquet;
 
 use crate::batch::Batch;
 use crate::study;
 pub use args::SweepArgs;
 use figures::Survival;
 use grid::Grid;
+use shared::csv;
 use shared::exit::{Exit, Failure};
-use shared::output::{print_text, write_atomically, write_failure};
+use shared::output::{log, print_text, write_atomically, write_failure};
 use std::sync::atomic::AtomicBool;
 
 /// Does the runs that are missing from the table, finds thresholds, writes tables and the figure, and prints a summary. With a shard or
@@ -53,6 +56,17 @@ pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     for (name, text) in files {
         let path = args.out.join(name);
         write_atomically(&path, &text).map_err(|error| write_failure(&path, &error))?;
+    }
+    let path = args.out.join("sweep.parquet");
+    let cells = csv::rows(&grid.form.text(&rows)).map_err(|words| write_failure(&path, &words))?;
+    parquet::write(&path, &cells).map_err(|error| write_failure(&path, &error))?;
+    let failed: Vec<_> = rows.iter().enumerate().filter_map(|(k, row)| Some((k, figures::failure(row)?))).collect();
+    if let Some((first, words)) = failed.first() {
+        log(format_args!(
+            "{} runs failed, as the column `{}` says; run {first}: {words}",
+            failed.len(),
+            figures::ERROR
+        ));
     }
     let survivors = rows.iter().filter(|row| survival.holds(&row.results)).count();
     if let Some(edges) = edges {

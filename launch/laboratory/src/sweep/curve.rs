@@ -13,6 +13,10 @@ use std::ops::Range;
 const HEIGHT: u32 = 330;
 /// Radius of a dot [px].
 const DOT: f64 = 3.0;
+/// Least range of an axis [its unit].
+const FLAT: f64 = 1e-3;
+/// Height of the dots of runs in which the figure was not measured, above the lower end, relative to the axis.
+const FLOOR: f64 = 0.1;
 /// Values whose greatest is this many times the least are drawn by their logarithms.
 const LOGARITHMIC: f64 = 100.0;
 
@@ -32,10 +36,11 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
     let cells: Vec<(f64, &[Row])> = places.iter().copied().zip(rows.chunks(seeds)).collect();
     let measured = |row: &Row| Some(survival.value(&row.results)).filter(|value| value.is_finite());
     let values = rows.iter().filter_map(measured).chain(survival.limit());
-    let y = padded_range(values, 0.08, 1e-12);
+    let y = padded_range(values, 0.08, FLAT);
+    let floor = y.start + FLOOR * (y.end - y.start);
     let dots = |alive: bool, known: bool| {
         let has = |row: &&Row| survival.holds(&row.results) == alive && measured(row).is_some() == known;
-        let dot = |x: f64, row: &Row| (x, measured(row).unwrap_or(y.start));
+        let dot = |x: f64, row: &Row| (x, measured(row).unwrap_or(floor));
         cells.iter().flat_map(|(x, rows)| rows.iter().filter(has).map(|row| dot(*x, row))).collect::<Vec<_>>()
     };
     let mean = cells.iter().map(|(x, rows)| {
@@ -65,11 +70,14 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
             marks.push(mark.label(words));
         }
     }
+    let margin = if let Scale::Words = scale { 0.2 } else { 0.04 };
+    let x = padded_range(places.iter().copied(), margin, FLAT);
     if let Scale::Words = scale {
         let word = |(x, value): (&f64, &String)| Mark::text((*x, y.start), value.clone());
         marks.extend(places.iter().zip(&axis.values).map(word));
+        let top = y.end - 0.5 * FLOOR * (y.end - y.start);
+        marks.push(Mark::note((x.start, top), format!("to the right: {}", axis.key), INK));
     }
-    let x = padded_range(places.iter().copied(), 0.04, 1e-12);
     let x = scale.axis(&axis.key, x);
     plot(&Frame { title: grid.title(survival), height: HEIGHT, x, y: Axis::new(survival.name(), y) }, &marks)
 }

@@ -1,5 +1,6 @@
 //! The results of a run as cells of the table, and what counts as survival.
 
+use crate::batch::table::Row;
 use crate::study::RunOutcome;
 use messages::load::suggest;
 use serde_json::Value;
@@ -68,6 +69,11 @@ pub fn cells(outcome: &RunOutcome) -> Vec<String> {
     [word.into()].into_iter().chain(figures).chain([error.replace('\n', "; ")]).collect()
 }
 
+/// Why a run failed, if it did.
+pub fn failure(row: &Row) -> Option<&str> {
+    row.results.last().map(String::as_str).filter(|words| !words.is_empty())
+}
+
 /// A figure with the digits that summary.json has.
 fn text(summary: &Value, name: &str) -> String {
     let (key, index) = name.split_once('[').unwrap_or((name, ""));
@@ -87,6 +93,7 @@ pub struct Survival {
     figure: usize,
     /// Whether the figure must be below the limit, and the limit; `None` if it is only drawn.
     limit: Option<(bool, f64)>,
+    condition: String,
 }
 
 impl Survival {
@@ -96,7 +103,11 @@ impl Survival {
     /// An unknown figure, or a limit that is no number.
     pub fn parse(text: Option<&str>) -> Result<Survival, String> {
         let Some(text) = text else {
-            return Ok(Survival { figure: index("distance_m").unwrap_or_default(), limit: None });
+            return Ok(Survival {
+                figure: index("distance_m").unwrap_or_default(),
+                limit: None,
+                condition: String::new(),
+            });
         };
         let parts = text.find(['<', '>']).map(|at| (text[..at].trim(), &text[at..at + 1], text[at + 1..].trim()));
         let (name, sign, limit) = parts.ok_or("give a figure with a limit, for example distance_m<0.001")?;
@@ -104,9 +115,10 @@ impl Survival {
             let figures = "the figures are the columns of sweep.csv, such as distance_m or period_std_s";
             format!("there is no figure `{name}`{}; {figures}", suggest(name, FIGURES))
         })?;
+        let condition = format!(", {name} {sign} {limit}");
         let limit = limit.parse().ok().filter(|limit: &f64| limit.is_finite());
         let limit = limit.ok_or("the limit is no finite number")?;
-        Ok(Survival { figure, limit: Some((sign == "<", limit)) })
+        Ok(Survival { figure, limit: Some((sign == "<", limit)), condition })
     }
 
     /// Whether a run with these results survived. A figure that was not measured is beyond every limit.
@@ -118,12 +130,9 @@ impl Survival {
         results[0] == COMPLETED && self.limit.is_none_or(is_within)
     }
 
-    /// The condition on the figure; its name without one.
-    pub fn text(&self) -> String {
-        match self.limit {
-            None => self.name().into(),
-            Some((below, limit)) => format!("{} {} {limit}", self.name(), if below { "<" } else { ">" }),
-        }
+    /// The condition on the figure, with a comma before it; empty without one.
+    pub fn condition(&self) -> &str {
+        &self.condition
     }
 
     /// Name of the figure.

@@ -49,14 +49,12 @@ impl Grid {
         }
         let mut grid =
             Grid { name: args.scene.scene.clone(), fixed, runs: combinations(&axes), axes, form: Form::default() };
-        let scenes: Vec<(u64, bool)> = grid
-            .runs
-            .par_iter()
-            .map(|run| {
-                let scene = grid.scene(&grid.settings(run))?;
-                Ok((fnv1a(FNV_START, text(&scene).as_bytes()), is_random(&scene)))
-            })
-            .collect::<Result<_, Failure>>()?;
+        let check = |run: &Vec<usize>| {
+            let scene = grid.scene(&grid.settings(run))?;
+            Ok((fnv1a(FNV_START, text(&scene).as_bytes()), is_random(&scene)))
+        };
+        let scenes: Vec<Result<_, Failure>> = grid.runs.par_iter().map(check).collect();
+        let scenes: Vec<(u64, bool)> = scenes.into_iter().collect::<Result<_, _>>()?; // the first failure, each time the same
         if grid.axes.last().is_some_and(|axis| axis.key == SEED) && !scenes.iter().any(|(_, random)| *random) {
             let words = format!(
                 "nothing in {} is random; link.jitter_ms, link.loss, link.reorder and plant.stale_probability are",
@@ -82,10 +80,7 @@ impl Grid {
 
     /// Title of the drawing.
     pub fn title(&self, survival: &Survival) -> String {
-        match survival.limit() {
-            None => format!("{}: no fall", self.name),
-            Some(_) => format!("{}: no fall and {}", self.name, survival.text()),
-        }
+        format!("{}: no fall{}", self.name, survival.condition())
     }
 
     /// The settings of a run.
@@ -115,9 +110,8 @@ impl Grid {
         let keys = self.axes.iter().map(|axis| axis.key.clone());
         let names: Vec<String> =
             ["run".into()].into_iter().chain(keys).chain(figures::names().map(String::from)).collect();
-        let command = format!("sweep of {}", self.name.replace('\n', " "));
         let cells = self.runs.iter().map(cells).collect();
-        Form::new(&command, hash, cells, names.iter().map(String::as_str), figures::names().count())
+        Form::new("sweep", hash, cells, names.iter().map(String::as_str), figures::names().count())
     }
 
     /// Checks that the robot can fall, and that values between those of the range are valid.

@@ -27,12 +27,13 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row]) -> String {
     let across = if panels.len() == 1 || along.values.len() > NARROW { 1 } else { 2 };
     let layout = Layout::new(panels.len(), across, [along.values.len(), up.values.len()]);
     let labels = spaced(&along.values, WIDTH / layout.extent().0);
-    let names = format!("to the right: {}, upward: {}", along.key, up.key);
     let mut marks: Vec<Mark> = legend().into();
+    let (wide, tall) = layout.extent();
+    marks.push(Mark::text((0.5 * wide, -tall), format!("to the right: {}, upward: {}", along.key, up.key)));
     for (panel, combination) in panels.iter().enumerate() {
         Panel {
             title: &settings(&axes[2..], combination).join(" "),
-            names: [&names, ""],
+            names: ["", ""],
             values: [&labels, &up.values],
             corner: layout.corner(panel),
             colour: &|i, j| mixed([(GREEN, share(i, j, panel)), (ZMP, 1.0 - share(i, j, panel))]),
@@ -40,7 +41,6 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row]) -> String {
         }
         .draw(&mut marks);
     }
-    let (wide, tall) = layout.extent();
     let (title, height) = (grid.title(survival), layout.height());
     plot(&Frame { title, height, x: Axis::hidden(0.0..wide), y: Axis::hidden(-tall..0.0) }, &marks)
 }
