@@ -27,6 +27,7 @@ from ._biped import (
     Snapshot,
 )
 from .records import PHASES, STATES
+from .sweeping import sweep
 
 __all__ = [
     "PHASES",
@@ -43,4 +44,5 @@ __all__ = [
     "SceneError",
     "SimulationError",
     "Snapshot",
+    "sweep",
 ]

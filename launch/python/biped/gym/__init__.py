@@ -38,7 +38,7 @@ no torques; truncated at ``duration`` (5, 3 and 10 s).
 also draws the faults of a ``[link]`` table; in Push, a push on the trunk for 50 ms between 0.2 and 0.8 s, in any horizontal direction, of 0.5
 to 1 times ``impulse`` (8 N·s). ``reset(options={"push": [0, 6, 0], "time": 0.5})`` chooses it.
 
-All environments take ``settings``, changes of the scene: ``gymnasium.make("biped/Push-v0", settings={"link.delay": 0.003})``.
+All environments take ``settings``, changes of the scene: ``gymnasium.make("biped/Push-v0", settings={"link.delay_ms": 2.0})``.
 """
 
 import gymnasium
