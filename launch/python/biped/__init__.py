@@ -33,6 +33,7 @@ from ._biped import (
 )
 from .recording import Recording, read_recording
 from .records import PHASES, STATES
+from .sweeping import sweep
 
 
 def attach(name: str | None = None, *, patience: float = 10.0, control: bool = True) -> Session:
@@ -78,4 +79,5 @@ __all__ = [
     "Snapshot",
     "attach",
     "read_recording",
+    "sweep",
 ]
