@@ -51,7 +51,9 @@ pub fn run(scene: &Scene, mut port: ControllerPort, patience: Duration, stop: &A
         }
         let asked = sensors.stamp;
         if answer.stamp.run != asked.run {
-            controller = Controller::new(scene)?;
+            if answer.stamp.run != 0 {
+                controller = Controller::new(scene)?; // before the first run it is new, and may have been given other set-points
+            }
             answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..answer.stamp };
         }
         if answer.stamp.ack != asked.seq {

@@ -7,7 +7,7 @@ use super::waiting::{SPIN, Waiting};
 use crate::error::PortError;
 use crate::wire::Stamped;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
-use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
 use std::cell::Cell;
@@ -44,7 +44,7 @@ pub(super) struct Receiver<M: Stamped> {
 
 impl<M: Stamped> Receiver<M> {
     pub fn open(node: &SessionNode, name: &str, pace: Pace) -> Result<Receiver<M>, PortError> {
-        let reader = TopicReader::open(&node.link::<M>(name)?, 1)?;
+        let reader = TopicReader::open(&node.link::<M>(name)?, 1, node.session())?;
         let listener = node.listener(name)?;
         let (waiting, long_yield_at) = (Waiting::default(), Cell::new(None));
         Ok(Receiver { reader, held: None, listener, peer_sent_ns: 0, waiting, pace, long_yield_at })
@@ -136,9 +136,12 @@ type Borrowed<M> = Sample<ipc::Service, M, ()>;
 pub(super) struct TopicReader<M: Stamped>(Subscriber<ipc::Service, M, ()>);
 
 impl<M: Stamped> TopicReader<M> {
-    pub fn open(topic: &TopicFactory<M>, buffer: usize) -> Result<TopicReader<M>, PortError> {
-        let builder = topic.subscriber_builder().buffer_size(buffer);
-        builder.create().map(TopicReader).map_err(|e| PortError::failed("reading", e))
+    /// `session` names the session in an error.
+    pub fn open(topic: &TopicFactory<M>, buffer: usize, session: &str) -> Result<TopicReader<M>, PortError> {
+        topic.subscriber_builder().buffer_size(buffer).create().map(TopicReader).map_err(|error| match error {
+            SubscriberCreateError::ExceedsMaxSupportedSubscribers => PortError::Crowded { session: session.into() },
+            error => PortError::failed("reading", error),
+        })
     }
 
     /// A copy of the next message. Its shared memory is free again at once.

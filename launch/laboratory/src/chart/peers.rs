@@ -18,7 +18,7 @@ use std::time::Duration;
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/peers/run.py");
 
 /// The first line of a table of other simulators.
-const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
+pub const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
 
 /// A remark for the page.
 pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \
