@@ -98,7 +98,7 @@ fn a_file_of_the_user_in_the_output_folder_is_refused_before_the_work() {
     for (command, file) in [
         (&["run", "slide"][..], "summary.json"),
         (&["chart", "--quick"], "chart.csv"),
-        (&["chart", "--quick"], "step-stand.svg"),
+        (&["chart", "--quick"], "step-slide.svg"),
         (&["chart", "--growth"], "growth.csv"),
         (&["chart", "--orders"], "orders.csv"),
         (&["latency"], "latency.html"),
