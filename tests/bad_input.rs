@@ -2,7 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-use std::process::Command;
+use std::process::{Command, Output};
 
 /// Exit code and standard error of `biped ARGUMENTS`.
 fn biped(arguments: &[&str]) -> (Option<i32>, String) {
@@ -87,6 +87,38 @@ fn a_report_folder_has_only_the_figures_of_its_last_run() {
         names
     };
     assert_eq!(figures("used"), figures("fresh"));
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn a_file_of_the_user_in_the_output_folder_is_refused_before_the_work() {
+    let folder = std::env::temp_dir().join(format!("biped-test-{}-own-files", std::process::id()));
+    std::fs::create_dir(&folder).expect("a folder");
+    let out = folder.display().to_string();
+    for (command, file) in [
+        (&["run", "slide"][..], "summary.json"),
+        (&["chart", "--quick"], "chart.csv"),
+        (&["chart", "--quick"], "step-slide.svg"),
+        (&["chart", "--growth"], "growth.csv"),
+        (&["chart", "--orders"], "orders.csv"),
+        (&["latency"], "latency.html"),
+        (&["study", "laws"], "laws.md"),
+        (&["study", "problems"], "problems.csv"),
+        (&["study", "pushes"], "pushes-walks.csv"),
+        (&["soak"], "soak.csv"),
+        (&["faults"], "faults.md"),
+    ] {
+        let path = folder.join(file);
+        std::fs::write(&path, "notes of mine").expect("a file");
+        let output = Command::new(env!("CARGO_BIN_EXE_biped")).args(command).args(["--out", &out]).output();
+        let Output { status, stdout, stderr } = output.expect("the program starts");
+        let errors = String::from_utf8_lossy(&stderr);
+        assert_eq!(status.code(), Some(2), "{command:?}: {errors}");
+        assert!(errors.lines().count() == 1 && errors.contains(file) && errors.contains("it is kept"), "{errors}");
+        assert!(stdout.is_empty(), "{command:?}: {}", String::from_utf8_lossy(&stdout));
+        assert_eq!(std::fs::read_to_string(&path).expect("it is kept"), "notes of mine");
+        std::fs::remove_file(&path).expect("our own file");
+    }
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 

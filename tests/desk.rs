@@ -6,7 +6,7 @@
 mod live;
 
 use live::{LONG, Running, biped, eventually};
-use messages::port::{Action, Contract, Pace, PortError, Verdict, ask};
+use messages::port::{Action, Contract, Pace, PortError, RecorderPort, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use messages::wire::{STATES, Truth};
@@ -45,6 +45,32 @@ fn time_stops_during_a_pause_and_advances_by_the_requested_periods() {
     assert_eq!(STATES[later.state as usize], "run");
     assert_eq!(later.tally.skipped, walk.latest.tally.skipped, "a pause is no delay");
     walk.end();
+}
+
+#[test]
+fn set_points_from_before_the_first_sensors_hold_in_the_run() {
+    let distance = |name: &str, action: Action| {
+        let session = Session::named(&format!("test-{}-{name}", std::process::id())).expect("a good name");
+        let arguments = ["walk", "--session", session.name(), "--set", "duration=6"];
+        let mut controller = biped(&[&["controller"], &arguments[..]].concat()).spawn().expect("the program starts");
+        eventually("an answer", || ask(&session, action).is_ok_and(|reply| reply.verdict == Verdict::Done as u64));
+        let mut port = RecorderPort::attach(&session).expect("listening");
+        let mut plant = biped(&[&["plant"], &arguments[..]].concat()).spawn().expect("the program starts");
+        let mut x = 0.0;
+        eventually("the end of the run", || {
+            let has_ended = plant.try_wait().expect("our own child").is_some();
+            while let Some(truth) = port.read().expect("reading") {
+                x = truth.base_position[0];
+            }
+            has_ended
+        });
+        assert!(controller.wait().expect("our own child").success());
+        x
+    };
+    let unchanged = distance("early-unchanged", Action::Set { period: None, speed: None });
+    let slower = distance("early-slower", Action::Set { period: None, speed: Some(0.1) });
+    println!("{unchanged:.3} m as in the scene, {slower:.3} m at half the speed");
+    assert!(unchanged > 0.8 && slower < 0.7 * unchanged, "{unchanged} {slower}");
 }
 
 #[test]

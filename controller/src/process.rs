@@ -27,6 +27,7 @@ pub enum ProcessError {
 pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &AtomicBool) -> Result<(), ProcessError> {
     let mut controller = Controller::new(scene)?;
     let mut session = ControllerSession::over(port, patience);
+    let mut has_run = false;
     while !stop.load(Relaxed) {
         while let Some(pending) = session.next_request().map_err(ControllerSessionError::from)? {
             let verdict = serve_request(&mut controller, &pending.request);
@@ -36,9 +37,10 @@ pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &Atomi
             Event::Idle => {}
             Event::Goodbye => return Ok(()),
             Event::Reading(reading) => {
-                if reading.begins {
-                    controller = Controller::new(scene)?;
+                if reading.begins && has_run {
+                    controller = Controller::new(scene)?; // before the first run it is new, and may have other set-points by request
                 }
+                has_run = true;
                 session.answer(controller.tick(&reading.encoders)?, controller.telemetry())?;
             }
         }

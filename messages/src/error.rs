@@ -44,6 +44,12 @@ pub enum PortError {
         /// Plant or controller.
         role: &'static str,
     },
+    /// The session has no room for one more reader.
+    #[error("session `{session}` has as many observers as it allows: end a `biped view`, a `biped top` or a recorder")]
+    Crowded {
+        /// Name of the session.
+        session: String,
+    },
     /// No process is in the session.
     #[error("no session `{session}` is running: {}", advice(.other.as_deref()))]
     NoSession {
@@ -71,7 +77,10 @@ impl PortError {
         match self {
             PortError::SessionName { .. } => 2,
             PortError::NoSession { .. } | PortError::Absent { .. } => 3,
-            PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => 5,
+            PortError::Incompatible { .. }
+            | PortError::Foreign { .. }
+            | PortError::Taken { .. }
+            | PortError::Crowded { .. } => 5,
             PortError::SharedMemory(_) => 6,
         }
     }

@@ -18,9 +18,11 @@
 //! another contract is refused, and the error shows both values.
 
 mod bare;
+mod busy_detector;
 mod contract;
 mod controller;
 mod node;
+mod placement;
 mod plant;
 mod receiver;
 mod recorder;

@@ -226,6 +226,24 @@ fn a_second_plant_or_controller_is_refused_until_the_first_has_left() {
 }
 
 #[test]
+fn one_observer_too_many_is_refused_with_a_sentence_until_another_leaves() {
+    let session = Session::unique();
+    let _plant = PlantPort::open(&session, &contract()).expect("plant");
+    let mut observers = vec![];
+    let refusal = loop {
+        match RecorderPort::attach(&session) {
+            Ok(port) => observers.push(port),
+            Err(error) => break error,
+        }
+    };
+    assert_eq!(observers.len(), 3, "the launcher, a page and a terminal");
+    let sentence = format!("session `{}` has as many observers as it allows", session.name());
+    assert!(refusal.to_string().starts_with(&sentence), "{refusal}");
+    drop(observers.pop());
+    RecorderPort::attach(&session).expect("there is room again");
+}
+
+#[test]
 fn sessions_do_not_affect_each_other() {
     let (one, other) = (Session::unique(), Session::unique());
     let first = PlantPort::open(&one, &contract()).expect("plant");

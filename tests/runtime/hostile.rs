@@ -164,6 +164,11 @@ fn resource_limits_that_are_too_low_are_reported_at_the_start() {
             assert!(code == Some(4) && errors.contains(words), "{limit} {how}: {code:?} {errors}");
         }
     }
+    // doctor asks for no more than the program needs
+    let doctor =
+        std::process::Command::new("sh").args(["-c", &format!("ulimit -n 130; exec '{ours}' doctor")]).output();
+    let told = String::from_utf8_lossy(&doctor.expect("a shell").stdout).into_owned();
+    assert!(told.lines().any(|line| line.starts_with("ok") && line.contains("limit nofile")), "{told}");
     // a soft limit below the hard limit is raised
     let script = format!("ulimit -Sn 40; exec '{ours}' run walk --quiet --set duration=0.2");
     let shell = std::process::Command::new("sh").args(["-c", &script]).stdin(Stdio::null()).output().expect("a shell");

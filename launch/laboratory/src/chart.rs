@@ -35,10 +35,29 @@ mod watch;
 use self::core::Core;
 pub use args::ChartArgs;
 use shared::exit::Failure;
-use shared::output::{create_folder, print_text, write_atomically, write_failure};
+use shared::output::{MARK, prepare_folder, print_text, write_atomically, write_failure};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use watch::ChartProgress;
+
+/// Creates the folder before the work, and checks that its files can be replaced.
+fn prepare(args: &ChartArgs, chosen: &[cases::ComparisonScene]) -> Result<(), Failure> {
+    let drawn = |names: Vec<String>| names.into_iter().map(|name| (format!("{name}.svg"), MARK)).collect::<Vec<_>>();
+    let mut files = match (args.orders, args.growth) {
+        (true, _) => vec![],
+        (_, true) => drawn(growth::drawings()),
+        _ => drawn(page::drawings(chosen)),
+    };
+    files.extend(match (args.orders, args.growth) {
+        (true, _) => vec![("orders.csv".into(), "method,")],
+        (_, true) => vec![("growth.csv".into(), "curve,")],
+        _ => vec![("chart.csv".into(), csv::HEADER), ("chart.html".into(), MARK)],
+    });
+    if let Some(None) = args.peers {
+        files.push(("peers.csv".into(), peers::HEAD));
+    }
+    prepare_folder(&args.out, &files)
+}
 
 /// Measures everything and draws it.
 ///
@@ -49,7 +68,7 @@ pub fn run(args: &ChartArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let chosen = cases::chosen(&args.scenes)?;
     let table = args.peers.as_ref().and_then(Option::as_deref);
     let given = table.map_or(Ok(vec![]), peers::read)?;
-    create_folder(&args.out)?;
+    prepare(args, &chosen)?;
     let failed = |error| write_failure(&args.out, &error);
     let watch = ChartProgress::new(args.quiet, stop);
     if args.orders {

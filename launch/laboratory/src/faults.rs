@@ -26,7 +26,7 @@ mod stop;
 use abreast::side_by_side;
 use clap::Args;
 use shared::exit::{Exit, Failure, check_interrupt};
-use shared::output::{create_folder, print_text, write_atomically, write_failure};
+use shared::output::{prepare_folder, print_text, write_atomically, write_failure};
 use shared::progress::BatchProgress;
 use stage::{FaultTrial, SessionRole, TrialOutcome};
 use std::fmt;
@@ -194,7 +194,8 @@ pub fn run(args: &FaultsArgs, stop: &AtomicBool) -> Result<(), Failure> {
     if !FAULTS.into_iter().any(|(fault, ..)| wanted(fault)) {
         return Err(Failure::new(Exit::Usage, "no fault has the text of --only in its name"));
     }
-    args.out.as_deref().map_or(Ok(()), create_folder)?;
+    let files = [("faults.md", "Seed "), ("faults.csv", "fault,trials,")];
+    args.out.as_deref().map_or(Ok(()), |folder| prepare_folder(folder, &files))?;
     let seed = args.seed.unwrap_or_else(|| fastrand::u64(..1 << 32));
     let mut random = fastrand::Rng::with_seed(seed);
     let quick = if args.quick { " --quick" } else { "" };

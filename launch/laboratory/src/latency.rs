@@ -41,7 +41,7 @@ use messages::port::Waiting;
 use results::Results;
 use sessions::realtime::{RealtimeArgs, pin_to_nth};
 use shared::exit::Failure;
-use shared::output::{create_folder, print_text, write_atomically, write_failure};
+use shared::output::{print_text, write_atomically, write_failure};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 
@@ -67,7 +67,7 @@ pub struct LatencyArgs {
 /// # Errors
 /// A link that breaks, a folder that cannot be written, or Ctrl-C.
 pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    create_folder(&args.out)?;
+    page::prepare(&args.out)?;
     let failed = |error| write_failure(&args.out, &error);
     let mut results = Results::new(Host::watch());
     let mut bench = Bench::start(if args.quick { Plan::QUICK } else { Plan::FULL }, args.quiet, stop)?;

@@ -10,7 +10,7 @@ use messages::wire::Truth;
 use records::recording::{McapRecorder, RecordArgs, RecordingEnd};
 use shared::csv;
 use shared::exit::{Exit, Failure, check_interrupt};
-use shared::output::{create_folder, log, print_text, write_atomically, write_failure};
+use shared::output::{log, prepare_folder, print_text, write_atomically, write_failure};
 use std::os::unix::fs::MetadataExt;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -66,7 +66,7 @@ fn minutes(text: &str) -> Result<f64, String> {
 /// # Errors
 /// A quantity that grows, or a process that ends.
 pub fn run(args: &SoakArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    args.out.as_deref().map_or(Ok(()), create_folder)?;
+    args.out.as_deref().map_or(Ok(()), |folder| prepare_folder(folder, &[("soak.csv", "time_s,")]))?;
     let fault = |error: String| Failure::new(Exit::Fault, error);
     let (pace, name) = if args.realtime { (Pace::RealTime, "real time") } else { (Pace::Lockstep, "lockstep") };
     let (_, scene) = walk(&["duration=1000000"]).map_err(fault)?;

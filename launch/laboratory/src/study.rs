@@ -9,7 +9,6 @@ use sessions::run::{check_run, in_process};
 use shared::csv;
 use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
-use shared::output::create_folder;
 use shared::progress::BatchProgress;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -40,7 +39,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(belongs_to("--count", "problems"));
     }
     args.pushes.check(args.study)?;
-    args.out.as_deref().map_or(Ok(()), create_folder)?;
+    args.out.as_deref().map_or(Ok(()), |folder| tables::prepare(folder, args.study))?;
     if let Study::Pushes = args.study {
         return pushes::run(args, stop);
     }

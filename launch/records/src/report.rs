@@ -19,8 +19,8 @@ use crate::view::frame;
 use crate::view::page::ViewPage;
 use figure::Figure;
 use messages::scene::Scene;
-use shared::exit::{Exit, Failure};
-use shared::output::{MARK, check_replaceable, create_folder, remove_own_figures, write_atomically};
+use shared::exit::Failure;
+use shared::output::{MARK, prepare_folder, remove_own_figures, write_atomically};
 use std::path::Path;
 use std::{fs, io};
 
@@ -58,12 +58,7 @@ const FILES: [(&str, &str); 4] = [
 /// # Errors
 /// If the folder cannot be created, or contains a file of the same name that this program did not write.
 pub fn prepare(path: &Path) -> Result<(), Failure> {
-    create_folder(path)?;
-    FILES.iter().try_for_each(|(name, head)| {
-        let file = path.join(name);
-        check_replaceable(&file, head.as_bytes())
-            .map_err(|error| Failure::new(Exit::Usage, format!("{}: {error}", file.display())))
-    })
+    prepare_folder(path, &FILES)
 }
 
 /// Writes [`FILES`] and `figures/*.svg` into the folder and creates it if necessary. Each file is written completely or

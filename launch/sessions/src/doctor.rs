@@ -2,6 +2,7 @@
 
 use crate::host_environment::HostEnvironment;
 use crate::realtime;
+use crate::resource_limits::MIN_OPEN_FILES;
 use messages::port::{REQUIRED_SHM, TRANSPORT};
 use messages::session::{REQUIRED_FILES, SHARED_MEMORY, Session, ShmUsage, StaleSession};
 use messages::wire::SCHEMA_HASH;
@@ -13,8 +14,6 @@ use shared::output::print_text;
 use std::fmt;
 use std::os::unix::fs::MetadataExt;
 
-/// Open files that a session needs, with a margin: the program itself refuses to start below 128.
-const MIN_OPEN_FILES: u64 = 256;
 /// Clock sources that take nanoseconds to read, because no system call is needed.
 const FAST_CLOCKS: [&str; 4] = ["tsc", "kvm-clock", "arch_sys_counter", "hyperv_clocksource_tsc_page"];
 

@@ -3,6 +3,8 @@
 use crate::host_environment::{HostEnvironment, Privilege};
 use clap::Args;
 use messages::port::Pace;
+use messages::session::Session;
+use messages::wire::{FNV_START, fnv1a};
 use nix::errno::Errno;
 use nix::sched::{CpuSet, sched_getaffinity, sched_setaffinity};
 use nix::sys::mman::{MlockAllFlags, mlockall};
@@ -121,6 +123,11 @@ impl RealtimeArgs {
         }
     }
 
+    /// Whether the user chose the processor, so that the process must not move.
+    pub fn names_processor(self) -> bool {
+        self.cpu.is_some()
+    }
+
     /// Applies all settings to the calling thread and its memory. Call it after all memory is allocated and before the loop begins.
     /// Returns one line for each setting.
     ///
@@ -185,12 +192,15 @@ pub fn pin_to_nth(nth: usize) {
 }
 
 /// Pins the calling thread to every second processor that it may use, beginning with the first (0) or the second (1), if there are two.
-/// Both processes of a lockstep run spin; on the same processor, a period would take twice as long.
-pub fn pin_to_half(side: usize) {
+/// Both processes of a lockstep run spin; on the same processor, a period would take twice as long. Returns the processor on which
+/// both sides of the session should meet while the machine is busy; sessions differ in it.
+pub fn pin_to_half(side: usize, session: &Session) -> Option<usize> {
     let allowed = allowed_processors();
     if allowed.len() > 1 {
-        set_affinity(allowed.into_iter().skip(side).step_by(2));
+        set_affinity(allowed.iter().copied().skip(side).step_by(2));
     }
+    let number = fnv1a(FNV_START, session.name().as_bytes()) as usize;
+    allowed.get(number % allowed.len().max(1)).copied()
 }
 
 /// Processors that the calling thread may use.

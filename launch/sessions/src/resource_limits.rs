@@ -7,7 +7,7 @@ use std::sync::Mutex;
 use std::thread::Builder;
 
 /// Open files. The process that records a run and draws its report needs the most, 60; the limit is twice that.
-const MIN_OPEN_FILES: u64 = 128;
+pub(crate) const MIN_OPEN_FILES: u64 = 128;
 /// Memory [bytes]. A process that starts a walk uses 9 MB; a long report and its page need the rest.
 const MIN_MEMORY: u64 = 64 << 20;
 /// Stack [bytes]. The deepest call chain, that of a contact problem, uses an eighth of it.

@@ -69,9 +69,9 @@ const SESSION: &str = "biped";
 /// # Errors
 /// Why the role failed, with an exit code.
 pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let environment = prepare(args, 0, stop)?;
+    let (environment, shared) = prepare(args, 0, stop)?;
     let PeerEnvironment { session, contract, patience, scene, .. } = &environment;
-    let port = open_with_timeout(|| PlantPort::open(session, contract))?;
+    let port = open_with_timeout(|| PlantPort::open(session, contract))?.sharing(shared);
     environment.publish()?;
     apply_realtime(args)?;
     if args.parent.is_some() {
@@ -91,28 +91,34 @@ pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
 /// # Errors
 /// Why the role failed, with an exit code.
 pub fn controller(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let PeerEnvironment { session, contract, patience, scene, takes_over } = prepare(args, 1, stop)?;
+    let (environment, shared) = prepare(args, 1, stop)?;
+    let PeerEnvironment { session, contract, patience, scene, takes_over } = environment;
     let port = match takes_over {
         true => ControllerPort::open_when_free(&session, &contract, || !stop.load(Relaxed))?,
         false => open_with_timeout(|| ControllerPort::open(&session, &contract))?,
     };
     apply_realtime(args)?;
-    Ok(controller::process::run(&scene, port, patience, stop)?)
+    Ok(controller::process::run(&scene, port.sharing(shared), patience, stop)?)
 }
 
-/// The common start of both roles, plant (0) and controller (1): session, scene, parent, processors.
-fn prepare(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
+/// The common start of both roles, plant (0) and controller (1): session, scene, parent, processors. Also returns the processor that
+/// both sides share while the machine is busy.
+fn prepare(args: &RoleArgs, side: usize, stop: &AtomicBool) -> Result<(PeerEnvironment, Option<usize>), Failure> {
     let environment = args.environment(stop)?;
     if let Some(parent) = args.parent {
         // If the parent is already dead, this process may be the last one that can remove the files.
         children::die_with_parent(parent).inspect_err(|_| environment.session.remove_files())?;
     }
     args.system.check_pace(environment.contract.pace)?;
-    match environment.contract.pace {
-        Pace::RealTime => realtime::minimize_timer_slack(),
-        Pace::Lockstep => realtime::pin_to_half(side), // first, because a thread that moves later has to wait
-    }
-    Ok(environment)
+    let shared = match environment.contract.pace {
+        Pace::RealTime => {
+            realtime::minimize_timer_slack();
+            None
+        }
+        // First, because a thread that moves later has to wait.
+        Pace::Lockstep => realtime::pin_to_half(side, &environment.session).filter(|_| !args.system.names_processor()),
+    };
+    Ok((environment, shared))
 }
 
 /// Applies the real-time settings. Call it when all shared memory is mapped, so that it is locked too.

@@ -3,10 +3,9 @@
 use crate::process::Process;
 use clap::Args;
 use messages::session::Session;
-use nix::unistd::mkdtemp;
 use shared::exit::{Exit, Failure};
-use shared::output::write_failure;
-use std::path::{Path, PathBuf};
+use shared::output::temporary_folder;
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
@@ -52,7 +51,7 @@ pub fn run(args: &TunnelArgs, stop: &AtomicBool) -> Result<(), Failure> {
     }
     // The last member to leave removes the files. Being one delays that until the tunnel has transmitted the last messages.
     let member = session.join()?;
-    let folder = private_folder()?;
+    let folder = temporary_folder("tunnel")?;
     let result = write_config(args, &session, &folder)
         .and_then(|()| start(args, &folder))
         .map_err(|error| match error.kind() {
@@ -65,12 +64,6 @@ pub fn run(args: &TunnelArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let _ = std::fs::remove_dir_all(&folder);
     drop(member);
     result
-}
-
-/// Creates a folder that only this user can access, with an unpredictable name.
-fn private_folder() -> Result<PathBuf, Failure> {
-    let folder = std::env::temp_dir().join("biped-tunnel-XXXXXX");
-    mkdtemp(&folder).map_err(|error| write_failure(&folder, &error))
 }
 
 /// Writes the configuration files of the tunnel: the location of the session in shared memory, and the endpoints.

@@ -127,7 +127,10 @@ impl From<PortError> for Failure {
     fn from(error: PortError) -> Self {
         let exit = match &error {
             PortError::SessionName { .. } => Exit::Usage,
-            PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => Exit::Incompatible,
+            PortError::Incompatible { .. }
+            | PortError::Foreign { .. }
+            | PortError::Taken { .. }
+            | PortError::Crowded { .. } => Exit::Incompatible,
             PortError::NoSession { .. } | PortError::Absent { .. } => Exit::PeerMissing,
             PortError::SharedMemory(_) => Exit::SharedMemory,
         };

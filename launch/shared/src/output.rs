@@ -3,9 +3,10 @@
 pub use crate::atomic_file::{AtomicFile, MARK, check_replaceable, remove_own_figures, write_atomically};
 use crate::exit::{Exit, Failure};
 pub use messages::{log, printable};
+use nix::unistd::mkdtemp;
 use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process;
 
 /// Longest line of an error message [characters]. A sentence of this program with a path in it has up to 300.
@@ -52,6 +53,29 @@ pub fn create_folder(path: &Path) -> Result<(), Failure> {
     fs::create_dir_all(path).map_err(|error| write_failure(path, &error))
 }
 
+/// Creates an output folder, and checks that each of these files can be replaced: it is missing, or begins with the given text.
+/// Commands call this before the work, so that a file of the user is refused at once.
+///
+/// # Errors
+/// If the folder cannot be created, or has a file of another program.
+pub fn prepare_folder(path: &Path, files: &[(impl AsRef<Path>, &str)]) -> Result<(), Failure> {
+    create_folder(path)?;
+    files.iter().try_for_each(|(name, begin)| {
+        let file = path.join(name);
+        check_replaceable(&file, begin.as_bytes())
+            .map_err(|error| Failure::new(Exit::Usage, format!("{}: {error}", file.display())))
+    })
+}
+
+/// Creates a temporary folder that only this user can access, with an unpredictable name. The caller removes it.
+///
+/// # Errors
+/// If the folder cannot be created.
+pub fn temporary_folder(purpose: &str) -> Result<PathBuf, Failure> {
+    let folder = std::env::temp_dir().join(format!("biped-{purpose}-XXXXXX"));
+    mkdtemp(&folder).map_err(|error| write_failure(&folder, &error))
+}
+
 /// The failure that reports a file or folder that cannot be written.
 pub fn write_failure(path: &Path, error: &impl std::fmt::Display) -> Failure {
     Failure::new(Exit::Fault, format!("{} cannot be written: {error}", path.display()))
@@ -85,6 +109,17 @@ pub fn refuse_overwriting_input(input: &Path, output: &Path) -> Result<(), Failu
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    #[test]
+    fn temporary_folders_are_private_and_their_names_differ() {
+        let folders = [(); 2].map(|()| temporary_folder("test").expect("a folder"));
+        assert_ne!(folders[0], folders[1]);
+        for folder in folders {
+            assert_eq!(folder.metadata().expect("its mode").permissions().mode() & 0o777, 0o700);
+            fs::remove_dir(folder).expect("our own");
+        }
+    }
 
     #[test]
     fn error_messages_are_escaped_and_shortened() {

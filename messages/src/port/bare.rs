@@ -43,7 +43,7 @@ impl<Out: Stamped, In: Stamped> BarePort<Out, In> {
         let topic = node.link::<Out>(out)?;
         let writer =
             topic.publisher_builder().max_loaned_samples(1).create().map_err(|e| PortError::failed("writing", e))?;
-        let reader = TopicReader::open(&node.link::<In>(back)?, 1)?;
+        let reader = TopicReader::open(&node.link::<In>(back)?, 1, node.session())?;
         Ok(BarePort { writer, reader, _node: node })
     }
 

@@ -2,6 +2,7 @@
 
 use super::contract::Contract;
 use super::node::{COMMAND, SENSORS, SessionNode};
+use super::placement::Placement;
 use super::receiver::Receiver;
 use super::sender::Sender;
 use super::service::{self, ControlService, PendingRequest};
@@ -53,13 +54,19 @@ impl ControllerPort {
         self
     }
 
+    /// As [`PlantPort::sharing`](super::PlantPort::sharing).
+    pub fn sharing(mut self, processor: Option<usize>) -> ControllerPort {
+        self.sensors.placement = processor.map(Placement::new);
+        self
+    }
+
     /// Seals and sends a command, and wakes the plant.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, command: Command) -> Result<(), PortError> {
-        self.command.send(command, self.sensors.peer_sent_ns)
+        self.command.send(command, self.sensors.peer_awake_ns())
     }
 
     /// Sends a command without sealing it: one that another process has sealed, or a damaged one in a test.
@@ -67,7 +74,7 @@ impl ControllerPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn send_raw(&self, command: Command) -> Result<(), PortError> {
-        self.command.write(command, |_| (), self.sensors.peer_sent_ns)
+        self.command.write(command, |_| (), self.sensors.peer_awake_ns())
     }
 
     /// Waits up to 10 ms for sensors, as [`PlantPort::wait`](super::PlantPort::wait).

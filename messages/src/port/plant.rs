@@ -2,6 +2,7 @@
 
 use super::contract::Contract;
 use super::node::{COMMAND, SENSORS, SessionNode};
+use super::placement::Placement;
 use super::receiver::Receiver;
 use super::sender::Sender;
 use super::service::{self, ControlService, PendingRequest};
@@ -46,13 +47,20 @@ impl PlantPort {
         self
     }
 
+    /// The same port, which may move the calling thread to this processor while the machine is busy. Both sides should name the same
+    /// one. This has an effect in lockstep only.
+    pub fn sharing(mut self, processor: Option<usize>) -> PlantPort {
+        self.command.placement = processor.map(Placement::new);
+        self
+    }
+
     /// Seals and sends sensors, and wakes the controller.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.send(sensors, self.command.peer_sent_ns)
+        self.sensors.send(sensors, self.command.peer_awake_ns())
     }
 
     /// Sends sensors without sealing them. Tests use this for damaged messages.
@@ -60,7 +68,7 @@ impl PlantPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn send_raw(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.write(sensors, |_| (), self.command.peer_sent_ns)
+        self.sensors.write(sensors, |_| (), self.command.peer_awake_ns())
     }
 
     /// Seals the truth and sends it to the recorders.

@@ -1,27 +1,21 @@
 //! The reading end of a topic. It waits by polling, by sleeping, or by one after the other.
 
+use super::busy_detector::{BusyDetector, LONG_PERIOD, Machine};
 use super::contract::Pace;
 use super::node::{SessionNode, TopicFactory};
+use super::placement::Placement;
 use super::sender::arrival;
 use super::waiting::{SPIN, Waiting};
 use crate::error::PortError;
 use crate::wire::Stamped;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
-use iceoryx2::port::subscriber::Subscriber;
+use iceoryx2::port::subscriber::{Subscriber, SubscriberCreateError};
 use iceoryx2::prelude::*;
 use iceoryx2::sample::Sample;
-use std::cell::Cell;
 use std::time::{Duration, Instant};
 
 /// Number of polls, about 1 µs, between two readings of the clock.
 const POLLS: u32 = 16;
-/// A hybrid reader in lockstep polls for this long and yields the processor in between. This is longer than a recorder uses the
-/// other side's processor. Waking a sleeping process would take longer than several periods.
-const LOCKSTEP_SPIN: Duration = Duration::from_millis(1);
-/// A process of this session returns a yielded processor within this time. Other processes keep it for whole time slices.
-const LONGEST_YIELD: Duration = Duration::from_millis(2);
-/// After a yield that took longer than [`LONGEST_YIELD`], the reader does not yield for this long.
-const YIELD_BACKOFF: Duration = Duration::from_millis(100);
 /// Longest wait. After it the caller can check for a stop request or for a process that was restarted.
 const SLICE: Duration = Duration::from_millis(10);
 
@@ -33,21 +27,22 @@ pub(super) struct Receiver<M: Stamped> {
     held: Option<Borrowed<M>>,
     listener: Listener<ipc::Service>,
     /// When the writer sent the last message, by the monotonic clock that all processes share [ns].
-    pub peer_sent_ns: u64,
+    peer_sent_ns: u64,
     /// How to wait.
     pub waiting: Waiting,
-    /// In lockstep a hybrid reader yields the processor while it polls.
+    /// In lockstep a hybrid reader yields the processor while it polls, and sleeps at once on a busy machine.
     pace: Pace,
-    /// When a yield last took longer than [`LONGEST_YIELD`].
-    long_yield_at: Cell<Option<Instant>>,
+    detector: BusyDetector,
+    /// `None` if this process must stay where it is.
+    pub placement: Option<Placement>,
 }
 
 impl<M: Stamped> Receiver<M> {
     pub fn open(node: &SessionNode, name: &str, pace: Pace) -> Result<Receiver<M>, PortError> {
-        let reader = TopicReader::open(&node.link::<M>(name)?, 1)?;
+        let reader = TopicReader::open(&node.link::<M>(name)?, 1, node.session())?;
         let listener = node.listener(name)?;
-        let (waiting, long_yield_at) = (Waiting::default(), Cell::new(None));
-        Ok(Receiver { reader, held: None, listener, peer_sent_ns: 0, waiting, pace, long_yield_at })
+        let (waiting, detector) = (Waiting::default(), BusyDetector::default());
+        Ok(Receiver { reader, held: None, listener, peer_sent_ns: 0, waiting, pace, detector, placement: None })
     }
 
     /// The next message, not validated.
@@ -70,8 +65,36 @@ impl<M: Stamped> Receiver<M> {
     #[inline]
     fn copy(&mut self) -> Option<M> {
         let message = **self.held.as_ref()?;
-        self.peer_sent_ns = message.stamp().mono_ns;
+        let sent_ns = message.stamp().mono_ns;
+        if self.pace == Pace::Lockstep && self.waiting == Waiting::Hybrid && self.peer_sent_ns != 0 {
+            self.update_detector(Duration::from_nanos(sent_ns.saturating_sub(self.peer_sent_ns)));
+        }
+        self.peer_sent_ns = sent_ns;
         Some(message)
+    }
+
+    /// Takes the time between two messages: a control period.
+    #[inline]
+    fn update_detector(&mut self, period: Duration) {
+        let change = self.detector.update(period);
+        if let (Some(machine), Some(placement)) = (change, self.placement.as_mut()) {
+            placement.apply(machine);
+        }
+    }
+
+    /// Time until which the writer is certainly awake, apart from the short time for which it then polls [ns]; 0 if it may sleep at once.
+    #[inline]
+    pub fn peer_awake_ns(&self) -> u64 {
+        if self.detector.peer_may_sleep() { 0 } else { self.peer_sent_ns }
+    }
+
+    /// How to wait now.
+    #[inline]
+    fn waiting_now(&self) -> Waiting {
+        match self.detector.machine() {
+            Machine::Idle => self.waiting,
+            Machine::Busy => Waiting::Event,
+        }
     }
 
     fn find(&self) -> Result<Option<Borrowed<M>>, PortError> {
@@ -88,9 +111,10 @@ impl<M: Stamped> Receiver<M> {
             if found.is_some() || waited >= SLICE {
                 return Ok(found);
             }
-            match self.waiting {
+            match self.waiting_now() {
                 Waiting::Spin => (),
-                Waiting::Hybrid if self.may_yield() && waited < LOCKSTEP_SPIN => self.yield_processor(),
+                // The writer, or a recorder, may need the processor. Waking a sleeping process would take longer than several periods.
+                Waiting::Hybrid if self.pace == Pace::Lockstep && waited < LONG_PERIOD => std::thread::yield_now(),
                 Waiting::Hybrid if waited < SPIN => (),
                 Waiting::Hybrid | Waiting::Event => {
                     match self.listener.timed_wait(|event| peer_arrived |= event.id == arrival(), SLICE - waited) {
@@ -103,21 +127,9 @@ impl<M: Stamped> Receiver<M> {
         }
     }
 
-    /// Yields the processor, because the writer may need it. A process that then keeps the processor for long is not the writer, and
-    /// would keep it again at every poll.
-    fn yield_processor(&self) {
-        let before = Instant::now();
-        std::thread::yield_now();
-        self.long_yield_at.set((before.elapsed() > LONGEST_YIELD).then(Instant::now));
-    }
-
-    fn may_yield(&self) -> bool {
-        self.pace == Pace::Lockstep && self.long_yield_at.get().is_none_or(|then| then.elapsed() > YIELD_BACKOFF)
-    }
-
     /// Polls for a message this many times, or once if the reader waits for events only.
     fn poll(&self, times: u32) -> Result<Option<Borrowed<M>>, PortError> {
-        for _ in 0..if self.waiting == Waiting::Event { 1 } else { times } {
+        for _ in 0..if self.waiting_now() == Waiting::Event { 1 } else { times } {
             let found = self.reader.poll()?;
             if found.is_some() {
                 return Ok(found);
@@ -136,9 +148,12 @@ type Borrowed<M> = Sample<ipc::Service, M, ()>;
 pub(super) struct TopicReader<M: Stamped>(Subscriber<ipc::Service, M, ()>);
 
 impl<M: Stamped> TopicReader<M> {
-    pub fn open(topic: &TopicFactory<M>, buffer: usize) -> Result<TopicReader<M>, PortError> {
-        let builder = topic.subscriber_builder().buffer_size(buffer);
-        builder.create().map(TopicReader).map_err(|e| PortError::failed("reading", e))
+    /// `session` names the session in an error.
+    pub fn open(topic: &TopicFactory<M>, buffer: usize, session: &str) -> Result<TopicReader<M>, PortError> {
+        topic.subscriber_builder().buffer_size(buffer).create().map(TopicReader).map_err(|error| match error {
+            SubscriberCreateError::ExceedsMaxSupportedSubscribers => PortError::Crowded { session: session.into() },
+            error => PortError::failed("reading", error),
+        })
     }
 
     /// A copy of the next message. Its shared memory is free again at once.

@@ -39,8 +39,8 @@ impl RecorderPort {
     }
 
     fn new(node: SessionNode) -> Result<RecorderPort, PortError> {
-        let truth = TopicReader::open(&node.truth()?, TRUTH_BUFFER)?;
-        let served = TopicReader::open(&node.served()?, SERVED_BUFFER)?;
+        let truth = TopicReader::open(&node.truth()?, TRUTH_BUFFER, node.session())?;
+        let served = TopicReader::open(&node.served()?, SERVED_BUFFER, node.session())?;
         let notifier = node.notifier(TRUTH)?;
         Ok(RecorderPort { truth, served, notifier, run: None, _node: node })
     }

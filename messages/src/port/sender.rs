@@ -57,22 +57,22 @@ impl<M: Stamped> Sender<M> {
         Ok(Sender { loan: RefCell::new(None), writer, notifier, waiting: Waiting::default() })
     }
 
-    /// Seals and writes a message, and notifies the reader if it may be asleep. The reader is awake if it sent its own last message,
-    /// at `peer_sent_ns`, a short time ago. A notification is a system call and takes longer than the controller's computation.
+    /// Seals and writes a message, and notifies the reader if it may be asleep. The reader is awake if `peer_awake_ns`, at which it sent
+    /// its own last message, was a short time ago. A notification is a system call and takes longer than the controller's computation.
     #[inline]
-    pub fn send(&self, message: M, peer_sent_ns: u64) -> Result<(), PortError> {
-        self.write(message, M::seal, peer_sent_ns)
+    pub fn send(&self, message: M, peer_awake_ns: u64) -> Result<(), PortError> {
+        self.write(message, M::seal, peer_awake_ns)
     }
 
     /// Writes a message after `finish` has changed it in place, and notifies the reader as [`Sender::send`].
     #[inline]
-    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), peer_sent_ns: u64) -> Result<(), PortError> {
+    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), peer_awake_ns: u64) -> Result<(), PortError> {
         let mut sample = self.loan.take().map_or_else(|| self.loan_sample(), Ok)?;
         *sample.payload_mut() = message;
         finish(sample.payload_mut());
         sample.send().map_err(|e| PortError::failed("writing", e))?;
         // A damaged message may hold a time in the future. Then the reader is notified.
-        if self.waiting.may_sleep(|| now_ns().checked_sub(peer_sent_ns).unwrap_or(u64::MAX)) {
+        if self.waiting.may_sleep(|| now_ns().checked_sub(peer_awake_ns).unwrap_or(u64::MAX)) {
             self.notify()?;
         }
         Ok(())

@@ -16,7 +16,7 @@ pub enum Waiting {
     /// Polls without pause. It has the smallest latency but uses a whole processor. Never use it with a real-time scheduler, which
     /// it would block.
     Spin,
-    /// Polls for 50 µs, in lockstep for 1 ms if the processor is free, then sleeps until it is notified.
+    /// Polls for 50 µs, in lockstep for 1 ms, then sleeps until it is notified. In lockstep on a busy machine it sleeps at once.
     #[default]
     Hybrid,
     /// Sleeps until it is notified. It uses the least processor time.

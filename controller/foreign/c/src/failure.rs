@@ -54,7 +54,10 @@ impl From<PortError> for CallFailure {
     fn from(error: PortError) -> CallFailure {
         let code = match &error {
             PortError::SessionName { .. } => BIPED_MISUSE,
-            PortError::Incompatible { .. } | PortError::Foreign { .. } | PortError::Taken { .. } => BIPED_INCOMPATIBLE,
+            PortError::Incompatible { .. }
+            | PortError::Foreign { .. }
+            | PortError::Taken { .. }
+            | PortError::Crowded { .. } => BIPED_INCOMPATIBLE,
             PortError::NoSession { .. } | PortError::Absent { .. } => BIPED_NO_PLANT,
             PortError::SharedMemory(_) => BIPED_SHARED_MEMORY,
         };

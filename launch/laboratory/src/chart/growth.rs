@@ -71,6 +71,11 @@ pub fn run(args: &ChartArgs, watch: &ChartProgress) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Names of the drawings.
+pub fn drawings() -> Vec<String> {
+    GrowthCurve::ALL.iter().map(|curve| format!("growth-{}", curve.name)).collect()
+}
+
 fn times(points: &[Point]) -> String {
     let mut rows = vec![["what grows", "to", "ours µs", "MuJoCo µs", "its / ours"].map(String::from).to_vec()];
     for curve in GrowthCurve::ALL {

@@ -40,6 +40,14 @@ pub fn write(folder: &Path, chosen: &[ComparisonScene], rows: &[Measurement], re
     write_atomically(&folder.join("chart.html"), &page)
 }
 
+/// Names of all drawings of these scenes.
+pub fn drawings(chosen: &[ComparisonScene]) -> Vec<String> {
+    let precision = chosen.iter().map(|case| format!("precision-{}", case.name));
+    let steps = LOADS.iter().map(|(scene, ..)| format!("step-{scene}"));
+    let models = GROUPS.iter().map(|group| format!("model-{}", group.name));
+    precision.chain(steps).chain(["failures".into()]).chain(models).collect()
+}
+
 /// Names of files and drawings.
 type Drawings = Vec<(String, String)>;
 

@@ -16,7 +16,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 /// The first line of a table of other simulators.
-const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
+pub const HEAD: &str = "# Other simulators, measured by `biped chart --peers`.\n";
 
 /// A remark for the page.
 pub const REMARK: &str = "Siconos and Pinocchio solve contact and step nothing: the steppers around them are ours; Siconos has rows for single \

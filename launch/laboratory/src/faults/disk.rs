@@ -3,6 +3,7 @@
 use super::stage::{FaultTrial, LIMIT, TrialOutcome, is};
 use crate::subject::Subject;
 use shared::exit::Exit;
+use shared::output::temporary_folder;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -26,7 +27,7 @@ pub fn limited(megabytes: u64) -> FaultTrial {
 /// Runs commands and then a recorded walk in a new folder, and in new namespaces if any are named. A second of a walk takes a megabyte.
 fn trial(namespaces: &[&str], before: &str, seconds: u32, out: &str) -> FaultTrial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
-    let folder = std::env::temp_dir().join(format!("biped-disk-{}", fastrand::u64(..)));
+    let folder = temporary_folder("disk").map_err(|error| error.message)?;
     std::fs::create_dir_all(folder.join("disk")).map_err(|error| error.to_string())?;
     let script = format!(
         "biped='{}'; cd '{}' && mkdir out; {before}\n \"$biped\" run walk --quiet --set duration={seconds} --record disk/run.mcap --out {out}; code=$?; wait; rm -f disk/filler; \

@@ -8,6 +8,7 @@ use messages::scene::Scene;
 use messages::wire::{Command, Sensors, Stamp, Truth};
 use nix::sys::signal::Signal;
 use plant::Simulation;
+use shared::output::temporary_folder;
 use std::collections::HashMap;
 use std::time::{Duration, Instant};
 
@@ -35,14 +36,16 @@ pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial 
 /// The system calls of a role until it waits for the other one: name, and number of calls with this name so far.
 pub fn calls(role: SessionRole) -> Result<Vec<(String, u32)>, String> {
     let stage = Stage::empty();
-    let list = std::env::temp_dir().join(format!("biped-calls-{}", stage.session.name()));
+    let folder = temporary_folder("calls").map_err(|error| error.message)?;
+    let list = folder.join("calls");
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut strace = std::process::Command::new("strace");
     strace.arg("-qq").arg("-o").arg(&list).arg(program);
     strace.args([role.name(), "walk", "--patience", "0.1", "--session", stage.session.name()]);
     Subject::start(&mut strace)?.end(LIMIT * 10)?;
-    let text = std::fs::read_to_string(&list).map_err(|error| error.to_string())?;
-    let _ = std::fs::remove_file(&list);
+    let text = std::fs::read_to_string(&list).map_err(|error| error.to_string());
+    let _ = std::fs::remove_dir_all(&folder);
+    let text = text?;
     let names = text.lines().filter_map(|line| line.split_once('(')).map(|(name, _)| name.to_string());
     let mut counts = HashMap::new();
     let count = |name: String| {

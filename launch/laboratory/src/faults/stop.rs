@@ -5,6 +5,7 @@ use crate::subject::eventually;
 use messages::port::RecorderPort;
 use nix::sys::signal::Signal;
 use shared::exit::Exit;
+use shared::output::temporary_folder;
 use std::time::{Duration, Instant};
 
 /// A stopped recorder's buffer of 1024 periods is full after this long.
@@ -16,7 +17,7 @@ const WINDOW: Duration = Duration::from_secs(3);
 
 /// Stops one process of a lockstep run for a while. The run must end in the same state, bit for bit.
 pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand::Rng) -> FaultTrial {
-    let folder = std::env::temp_dir().join(format!("biped-stop-{}-{:x}", std::process::id(), random.u32(..)));
+    let folder = temporary_folder("stop").map_err(|error| error.message)?;
     let out = folder.to_string_lossy().into_owned();
     let mut stage = Stage::run(&["--set", LENGTH, "--out", &out])?;
     stage.is_set()?;
@@ -39,7 +40,7 @@ pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand:
 
 /// Hash of the trajectory of an undisturbed run, for [`and_continue`].
 pub fn reference() -> Result<String, String> {
-    let folder = std::env::temp_dir().join(format!("biped-reference-{}", std::process::id()));
+    let folder = temporary_folder("reference").map_err(|error| error.message)?;
     let out = folder.to_string_lossy().into_owned();
     let run = Stage::run(&["--set", LENGTH, "--out", &out])?;
     run.must_end_some_time(Instant::now())?;

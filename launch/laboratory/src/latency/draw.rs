@@ -69,6 +69,11 @@ fn drawings() -> Vec<Drawing> {
     ]
 }
 
+/// Names of all drawings.
+pub fn names() -> impl Iterator<Item = &'static str> {
+    drawings().into_iter().map(|drawing| drawing.name)
+}
+
 /// Each drawing with its file name.
 pub fn all(results: &Results) -> Vec<(&'static str, String)> {
     drawings().iter().filter_map(|drawing| Some((drawing.name, draw(drawing, results)?))).collect()

@@ -5,10 +5,21 @@ use super::results::{Results, micros};
 use records::report::plot::escaped;
 use records::report::themed_svg;
 use records::view::page::STYLE;
-use shared::output::write_atomically;
+use shared::exit::Failure;
+use shared::output::{MARK, prepare_folder, write_atomically};
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
+
+/// Creates the folder before the work, and checks that its files can be replaced.
+///
+/// # Errors
+/// A folder that cannot be created, or a file of another program.
+pub fn prepare(folder: &Path) -> Result<(), Failure> {
+    let drawings = draw::names().map(|name| (format!("{name}.svg"), MARK));
+    let others = [("latency.json".into(), "{\n"), ("latency.html".into(), MARK)];
+    prepare_folder(folder, &drawings.chain(others).collect::<Vec<_>>())
+}
 
 /// Draws everything and writes it into the folder, each drawing as SVG and all together as `latency.html`.
 ///

@@ -2,7 +2,7 @@
 
 use super::args::{Study, StudyArgs};
 use shared::exit::Failure;
-use shared::output::{print_text, write_atomically, write_failure};
+use shared::output::{prepare_folder, print_text, write_atomically, write_failure};
 use std::fmt::Write;
 use std::io;
 use std::path::Path;
@@ -33,6 +33,25 @@ pub fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> 
         None => Ok(()),
         Some(folder) => write(folder, args.study, markdown, tables).map_err(|error| write_failure(folder, &error)),
     }
+}
+
+/// Creates the folder before the work, and checks that the files of this study can be replaced.
+///
+/// # Errors
+/// A folder that cannot be created, or a file of another program.
+pub fn prepare(folder: &Path, study: Study) -> Result<(), Failure> {
+    let first = match study {
+        Study::Problems => "family",
+        Study::Pushes => "gait",
+        Study::Margins | Study::Laws | Study::Attraction | Study::Endurance => "case",
+    };
+    let name = format!("{study:?}").to_lowercase();
+    let (markdown, csv) = (format!("| {first} "), format!("{first},"));
+    let mut files = vec![(format!("{name}.md"), markdown.as_str()), (format!("{name}.csv"), &csv)];
+    if let Study::Pushes = study {
+        files.push((format!("{name}-walks.csv"), "walks,"));
+    }
+    prepare_folder(folder, &files)
 }
 
 fn write(folder: &Path, study: Study, markdown: &str, tables: &[(&str, String)]) -> io::Result<()> {

@@ -7,6 +7,7 @@ use crate::chart::watch::ChartProgress;
 use messages::scene::Scene;
 use sessions::export::mjcf;
 use shared::exit::{Exit, Failure};
+use shared::output::temporary_folder;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
@@ -18,9 +19,7 @@ pub const NAME: &str = "MuJoCo";
 /// # Errors
 /// No Python, or a file that cannot be written.
 pub fn points(curve: &GrowthCurve, scenes: &[(f64, Scene)], watch: &ChartProgress) -> Result<Vec<Point>, Failure> {
-    let fault = |error: String| Failure::new(Exit::Fault, format!("--peers: {error}"));
-    let folder = std::env::temp_dir().join(format!("biped-growth-{}-{}", std::process::id(), curve.name));
-    std::fs::create_dir(&folder).map_err(|error| fault(format!("{} cannot be made: {error}", folder.display())))?;
+    let folder = temporary_folder("growth")?;
     let ended = measured(curve, scenes, &folder, watch);
     let _ = std::fs::remove_dir_all(&folder);
     ended
