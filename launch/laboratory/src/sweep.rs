@@ -63,7 +63,7 @@ pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let failed: Vec<_> = rows.iter().enumerate().filter_map(|(k, row)| Some((k, figures::failure(row)?))).collect();
     if let Some((first, words)) = failed.first() {
         log(format_args!(
-            "{} runs failed, as the column `{}` says; run {first}: {words}",
+            "failed runs: {}, see the column `{}`; run {first}: {words}",
             failed.len(),
             figures::ERROR
         ));
