@@ -62,11 +62,7 @@ pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
     parquet::write(&path, &cells).map_err(|error| write_failure(&path, &error))?;
     let failed: Vec<_> = rows.iter().enumerate().filter_map(|(k, row)| Some((k, figures::failure(row)?))).collect();
     if let Some((first, words)) = failed.first() {
-        log(format_args!(
-            "{} runs failed, as the column `{}` says; run {first}: {words}",
-            failed.len(),
-            figures::ERROR
-        ));
+        log(format_args!("failed runs: {}, see the column `{}`; run {first}: {words}", failed.len(), figures::ERROR));
     }
     let survivors = rows.iter().filter(|row| survival.holds(&row.results)).count();
     if let Some(edges) = edges {
