@@ -2,6 +2,7 @@
 
 use crate::arrays::{OutputArray, message, record, torques, vector};
 use crate::error::{AbsentError, InputError, RefusedError, SessionError};
+use crate::interrupt::Interrupt;
 use crate::scene::Scene;
 use biped_c::end::ControllerHandle;
 use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
@@ -13,7 +14,6 @@ use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
 use send_wrapper::SendWrapper;
 use std::cell::{RefCell, RefMut};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time between two looks for a record of the truth.
@@ -278,25 +278,6 @@ impl Ports {
         let missing =
             "this process is not the controller of the session: open it with control=True, and do not close it before";
         self.controller.as_mut().ok_or_else(|| SessionError::new_err(missing))
-    }
-}
-
-/// Ctrl-C, or what another signal handler in Python raises, while a call waits.
-#[derive(Default)]
-struct Interrupt(Mutex<Option<PyErr>>);
-
-impl Interrupt {
-    /// Whether the call goes on waiting.
-    fn is_absent(&self) -> bool {
-        let raised = Python::attach(|py| py.check_signals()).err();
-        let goes_on = raised.is_none();
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = raised;
-        goes_on
-    }
-
-    /// Raises it.
-    fn check(self) -> PyResult<()> {
-        self.0.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 }
 
