@@ -52,6 +52,12 @@ pub fn counts(argument: &Bound<'_, PyAny>) -> PyResult<[i64; JOINTS]> {
     eight("counts", argument)
 }
 
+/// A vector in W.
+pub fn vector(what: &str, argument: &Bound<'_, PyAny>) -> PyResult<[f64; 3]> {
+    let numbers = converted(what, argument, &[3])?;
+    numbers.try_into().map_err(|_| InputError::new_err(format!("{what} must be 3 numbers")))
+}
+
 /// Eight numbers of an argument.
 fn eight<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>) -> PyResult<[T; JOINTS]> {
     if let Ok(array) = argument.cast::<PyArray1<T>>()
@@ -89,7 +95,7 @@ fn tuple(shape: &[usize]) -> String {
     }
 }
 
-/// The layout of every message: name, size, and fields with type, offset and meaning.
+/// The layout of every message: name, size [bytes], and fields with name, type, offset [bytes] and meaning.
 #[pyfunction]
 #[allow(clippy::type_complexity, reason = "a plain list for Python")]
 pub fn layout() -> Vec<(&'static str, usize, Vec<(&'static str, &'static str, usize, String)>)> {

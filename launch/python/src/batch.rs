@@ -10,7 +10,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use rayon::prelude::*;
 
-/// Plants that step together.
+/// Plants that step together on all cores, with the GIL released.
 #[pyclass(frozen, module = "biped")]
 pub struct PlantBatch {
     plants: Vec<Py<Plant>>,
@@ -29,6 +29,8 @@ impl PlantBatch {
         Ok(batch)
     }
 
+    /// As :meth:`Plant.step` for every plant, with torques of shape (plants, 8) [N·m]. Returns :attr:`counts`. If some plants fail, all
+    /// others have stepped, and the error names the first that failed.
     #[pyo3(signature = (torques = None, periods = 1))]
     fn step(&self, py: Python<'_>, torques: Option<&Bound<'_, PyAny>>, periods: u64) -> PyResult<Py<PyArray2<i64>>> {
         let torques = torques.map(|torques| self.torques(torques)).transpose()?;
@@ -53,11 +55,13 @@ impl PlantBatch {
         PyTuple::new(py, &self.plants)
     }
 
+    /// Encoder counts after the last ``step`` of the batch, shape (plants, 8). A read-only view.
     #[getter]
     fn counts(&self, py: Python<'_>) -> Py<PyArray2<i64>> {
         self.counts.view(py)
     }
 
+    /// Joint angles after the last ``step`` of the batch, shape (plants, 8) [rad]. A read-only view.
     #[getter]
     fn angles(&self, py: Python<'_>) -> Py<numpy::PyArray2<f64>> {
         self.angles.view(py)

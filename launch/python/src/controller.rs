@@ -8,7 +8,7 @@ use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// The walking controller of a scene.
+/// The walking controller of the paper. It must get every reading of a run exactly once.
 #[pyclass(frozen, module = "biped")]
 pub struct Controller {
     scene: Py<Scene>,
@@ -16,7 +16,7 @@ pub struct Controller {
     torques: OutputArray<f64, Ix1>,
 }
 
-/// The state of a controller, to return to.
+/// The state of a controller, from :meth:`Controller.snapshot`.
 #[pyclass(frozen, module = "biped")]
 pub struct ControllerSnapshot {
     scene: Py<Scene>,
@@ -35,11 +35,14 @@ impl Controller {
         Ok(Controller { torques: OutputArray::new(py, [JOINTS])?, controller: Mutex::new(controller), scene })
     }
 
+    /// Starts again, with the set-points of the scene.
     fn reset(&self) -> PyResult<()> {
         *self.lock()? = controller::Controller::new(&self.scene.get().scene).map_err(unfit)?;
         Ok(())
     }
 
+    /// One control period: encoder counts, shape (8,) int64, to torques, shape (8,) [N·m]. The result is a read-only view that the next
+    /// call overwrites.
     fn tick(&self, py: Python<'_>, counts: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let encoders = Encoders { counts: self::counts(counts)? };
         let torques = self.lock()?.tick(&encoders).map_err(unfit)?;
@@ -47,19 +50,25 @@ impl Controller {
         Ok(self.torques.view(py))
     }
 
+    /// Changes the set-points of the gait: walking speed [m/s] and period of two steps [s].
+    ///
+    /// :raises ControllerError: out of the range of this robot; then nothing changes
     #[pyo3(signature = (*, speed = None, period = None))]
     fn set(&self, speed: Option<f64>, period: Option<f64>) -> PyResult<()> {
         self.lock()?.set(period, speed).map_err(unfit)
     }
 
+    /// State of the gait in the last control period, as a NumPy record; docs/WIRE.md, Telemetry.
     fn telemetry<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         record(py, "Telemetry", &self.lock()?.telemetry())
     }
 
+    /// The present state, with the set-points.
     fn snapshot(&self, py: Python<'_>) -> PyResult<ControllerSnapshot> {
         Ok(ControllerSnapshot { scene: self.scene.clone_ref(py), controller: self.lock()?.clone() })
     }
 
+    /// Returns to a state of this controller, or of another controller of an equal scene.
     fn restore(&self, snapshot: &ControllerSnapshot) -> PyResult<()> {
         if snapshot.scene.get().scene != self.scene.get().scene {
             return Err(InputError::new_err("the snapshot is of a controller of another scene"));

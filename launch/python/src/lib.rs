@@ -10,13 +10,14 @@
 //! | `Plant`, and its run | `plant.rs`, `run.rs` |
 //! | `PlantBatch`: many plants on all cores | `batch.rs` |
 //! | `Controller` | `controller.rs` |
-//! | `Session`: a running session | `session.rs` |
+//! | `Session`: a running session | `session.rs`, `interrupt.rs` |
 //! | recordings | `recording.rs` |
 
 mod arrays;
 mod batch;
 mod controller;
 mod error;
+mod interrupt;
 mod plant;
 mod recording;
 mod run;

@@ -1,6 +1,6 @@
 //! `Plant`: robot, ground and drives, one control period at a time.
 
-use crate::arrays::{OutputArray, record, torques};
+use crate::arrays::{OutputArray, record, torques, vector};
 use crate::error::{Error, InputError, SceneError, SimulationError};
 use crate::run::Run;
 use crate::scene::Scene;
@@ -10,10 +10,16 @@ use plant::{PlantError, SimulationSnapshot};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Largest impulse [N·s] and longest duration [s] of a push, as for a running session.
-const MAX_PUSH: (f64, f64) = (1000.0, 60.0);
+/// Largest impulse of a push [N·s] and its longest duration [s], as the plant of a session accepts them.
+const MAX_PUSH_IMPULSE: f64 = 1000.0;
+const MAX_PUSH_DURATION: f64 = 60.0;
 
-/// The plant of a scene.
+/// Robot, ground and drives of a scene, one control period at a time.
+///
+/// It has the command pipeline of ``biped run``: a ``[link]`` table of the scene delays and loses commands, and torques beyond four
+/// times the limit are refused. The same torques give the same bits as in ``biped run``.
+///
+/// A plant serves one thread at a time. Different plants run in parallel, because a step releases the GIL.
 #[pyclass(frozen, module = "biped")]
 pub struct Plant {
     scene: Py<Scene>,
@@ -23,7 +29,7 @@ pub struct Plant {
     radians_per_count: f64,
 }
 
-/// The state of a plant, to return to.
+/// The state of a plant, from :meth:`Plant.snapshot`.
 #[pyclass(frozen, module = "biped")]
 pub struct Snapshot {
     scene: Py<Scene>,
@@ -51,6 +57,7 @@ impl Plant {
         Ok(plant)
     }
 
+    /// Starts again from time zero, with another seed of all random numbers if one is given. Returns :attr:`counts`.
     #[pyo3(signature = (*, seed = None))]
     fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<Py<PyArray1<i64>>> {
         let mut run = self.lock()?;
@@ -59,6 +66,13 @@ impl Plant {
         Ok(self.counts.view(py))
     }
 
+    /// Simulates control periods with these torques, shape (8,) [N·m]. Returns :attr:`counts`.
+    ///
+    /// Without torques the plant gets no command: it holds the last ones for 10 ms, then damps the joints. Stops at the end of the run.
+    ///
+    /// :raises InputError: wrong shape, not finite, or refused by the plant
+    /// :raises EndedError: the run had already ended
+    /// :raises SimulationError: the simulation failed; only ``reset`` and ``restore`` help then
     #[pyo3(signature = (torques = None, periods = 1))]
     fn step(&self, py: Python<'_>, torques: Option<&Bound<'_, PyAny>>, periods: u64) -> PyResult<Py<PyArray1<i64>>> {
         let torques = torques.map(self::torques).transpose()?;
@@ -72,13 +86,16 @@ impl Plant {
         Ok(self.counts.view(py))
     }
 
+    /// Pushes a body's centre of mass from now on: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. Without
+    /// a body it pushes the trunk.
     #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
-    fn push(&self, impulse: [f64; 3], body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<()> {
-        let body = self.scene.get().body_or_trunk(body)?;
-        let (greatest, longest) = MAX_PUSH;
-        if !impulse.iter().all(|part| part.abs() <= greatest) || !(0.0..=longest).contains(&duration) {
+    fn push(&self, impulse: &Bound<'_, PyAny>, body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<()> {
+        let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_trunk(body)?);
+        let in_range = impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE);
+        if !in_range || !(0.0..=MAX_PUSH_DURATION).contains(&duration) {
             return Err(InputError::new_err(format!(
-                "a push of {impulse:?} N·s over {duration} s is out of range: at most {greatest} N·s per axis, and 0 to {longest} s"
+                "a push of {impulse:?} N·s over {duration} s is out of range: at most {MAX_PUSH_IMPULSE} N·s per axis, \
+                 and 0 to {MAX_PUSH_DURATION} s"
             )));
         }
         let mut run = self.lock()?;
@@ -86,14 +103,18 @@ impl Plant {
         Ok(())
     }
 
+    /// What only the simulation knows, as a NumPy record: ``base_position`` [m], ``contact_force`` [N] and so on; docs/WIRE.md, Truth.
+    /// For evaluation. A real robot cannot measure it.
     fn truth<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
         record(py, "Truth", &self.lock()?.simulation.truth())
     }
 
+    /// The present state.
     fn snapshot(&self, py: Python<'_>) -> PyResult<Snapshot> {
         Ok(Snapshot { scene: self.scene.clone_ref(py), snapshot: self.lock()?.simulation.snapshot() })
     }
 
+    /// Returns to a state of this plant, or of another plant of an equal scene. What follows has the same bits. Returns :attr:`counts`.
     fn restore(&self, py: Python<'_>, snapshot: &Snapshot) -> PyResult<Py<PyArray1<i64>>> {
         let (ours, theirs) = (self.scene.get(), snapshot.scene.get());
         if ours.scene != theirs.scene {
@@ -113,44 +134,53 @@ impl Plant {
         self.scene.clone_ref(py)
     }
 
+    /// Encoder counts of the joints, shape (8,), as the wire carries them. A read-only view: it changes with each step of this plant, and
+    /// after a step of a batch when it is asked for again.
     #[getter]
     fn counts(&self, py: Python<'_>) -> PyResult<Py<PyArray1<i64>>> {
         self.publish(py, &*self.lock()?)?; // a batch may have stepped the plant
         Ok(self.counts.view(py))
     }
 
+    /// Joint angles from the encoder counts, shape (8,) [rad]. A read-only view that changes with each step.
     #[getter]
     fn angles(&self, py: Python<'_>) -> PyResult<Py<PyArray1<f64>>> {
         self.publish(py, &*self.lock()?)?;
         Ok(self.angles.view(py))
     }
 
+    /// Simulated time [s].
     #[getter]
     fn time(&self) -> PyResult<f64> {
         Ok(self.lock()?.time())
     }
 
+    /// Whether the run has reached its duration.
     #[getter]
     fn ended(&self) -> PyResult<bool> {
         Ok(self.lock()?.ended())
     }
 
+    /// What drove the robot in the last control period: one of ``STATES``.
     #[getter]
     fn state(&self) -> PyResult<&'static str> {
         Ok(STATES[self.lock()?.state() as usize])
     }
 
+    /// Kinetic energy, and potential energy of gravity [J].
     #[getter]
     fn energy(&self) -> PyResult<f64> {
         let totals = self.lock()?.totals();
         Ok(totals.kinetic + totals.potential)
     }
 
+    /// Whether the posture is that of a fallen robot, by the rule of ``biped run``.
     #[getter]
     fn fallen(&self) -> PyResult<bool> {
         Ok(self.lock()?.fallen())
     }
 
+    /// Hash of all states since time zero. Equal hashes mean equal bits.
     #[getter]
     fn hash(&self) -> PyResult<u64> {
         Ok(self.lock()?.simulation.truth().hash)

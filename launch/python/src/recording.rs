@@ -16,7 +16,7 @@ type Topic = (Vec<u64>, Vec<u8>);
 /// The same for Python.
 type TopicBytes<'py> = (Bound<'py, PyBytes>, Bound<'py, PyBytes>);
 
-/// Reads a recording: its scene, the messages of each topic, when it began, and why it is cut short, if it is.
+/// Reads a recording: scene, times [ns] and messages of each topic, when it began, and why it is cut short, if it is.
 #[pyfunction]
 #[allow(clippy::type_complexity, reason = "a plain tuple for Python")]
 pub fn read_recording<'py>(
@@ -34,7 +34,7 @@ pub fn read_recording<'py>(
     Ok((Scene { name: path.display().to_string(), scene }, topics, begun, truncated_by))
 }
 
-/// Reads a recording as one topic: the truth of each control period, completed by the latest messages of the other topics.
+/// Reads a recording as one topic: times [ns], and the truth of each control period, completed from the other topics.
 #[pyfunction]
 pub fn read_table<'py>(py: Python<'py>, path: PathBuf) -> PyResult<TopicBytes<'py>> {
     let read = || {

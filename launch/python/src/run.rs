@@ -141,8 +141,8 @@ fn derived(tree: &KinematicTree, truth: &Truth) -> DerivedState {
     DerivedState::new(tree, truth, &tree.body_states(truth))
 }
 
-/// Runs a scene without Python, with the torques of the rows of an array or those of its controller: (control periods, time [s], hash of all
-/// states). It is the reference for the speed of a loop in Python.
+/// Runs a scene without Python, with the torques of the rows of an array, shape (periods, 8) [N·m], or those of its controller: (control
+/// periods, time [s], hash of all states). It is the reference for the speed of a loop in Python.
 #[pyfunction]
 #[pyo3(signature = (scene, torques = None))]
 pub fn rust_loop(

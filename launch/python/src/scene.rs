@@ -10,6 +10,9 @@ use shared::list::SCENES;
 use std::f64::consts::TAU;
 
 /// A scene: robot, ground, controller settings and duration. It cannot be changed.
+///
+/// ``Scene("walk")`` is a built-in scene, ``Scene("my.toml")`` a file. Settings change values:
+/// ``Scene("walk", "plant.friction=0.3")`` or ``Scene("walk", {"plant.friction": 0.3, "robot": "my.urdf"})``.
 #[pyclass(frozen, module = "biped")]
 pub struct Scene {
     pub name: String,
@@ -41,7 +44,7 @@ impl Scene {
         Ok(Scene { name: name.into(), scene: load(name, &texts, SCENES).map_err(refused)? })
     }
 
-    /// A scene from its TOML text.
+    /// A scene from its TOML text. Errors call it by ``name``.
     #[staticmethod]
     #[pyo3(signature = (text, name = "scene"))]
     fn parse(text: &str, name: &str) -> PyResult<Scene> {
@@ -61,57 +64,67 @@ impl Scene {
         &self.name
     }
 
-    /// The scene as TOML, with every default.
+    /// The scene as TOML, with every default written out.
     #[getter]
     fn text(&self) -> String {
         load::text(&self.scene)
     }
 
+    /// Length of an integration step [s].
     #[getter]
     fn dt(&self) -> f64 {
         self.scene.plant.dt
     }
 
+    /// Control periods per second [Hz].
     #[getter]
     fn rate(&self) -> f64 {
         self.scene.rate
     }
 
+    /// Length of a run [s].
     #[getter]
     fn duration(&self) -> f64 {
         self.scene.duration
     }
 
+    /// Largest torque of a drive [N·m].
     #[getter]
     fn torque_limit(&self) -> f64 {
         self.scene.plant.torque_limit
     }
 
+    /// Angle of one encoder count [rad].
     #[getter]
     pub fn radians_per_count(&self) -> f64 {
         TAU / f64::from(self.scene.plant.encoder_bits).exp2()
     }
 
+    /// Names of the joints, in the order of all arrays.
     #[getter]
     fn joints(&self) -> Vec<String> {
         KinematicTree::new(&self.scene).joint_names().into_iter().map(Into::into).collect()
     }
 
+    /// Names of the bodies.
     #[getter]
     fn bodies(&self) -> Vec<&str> {
         self.scene.bodies.iter().map(|body| body.name.as_str()).collect()
     }
 
+    /// Joint angles at time zero [rad].
     #[getter]
     fn start(&self) -> Vec<f64> {
         self.scene.initial.joints.clone()
     }
 
+    /// Mass of the robot, with its payload [kg].
     #[getter]
     fn mass(&self) -> f64 {
         KinematicTree::new(&self.scene).mass
     }
 
+    /// Whether the scene has settings for the walking controller.
     #[getter]
     fn has_controller(&self) -> bool {
         self.scene.controller.is_some()

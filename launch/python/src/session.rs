@@ -1,7 +1,8 @@
 //! `Session`: a running session, as its controller or as an observer.
 
-use crate::arrays::{OutputArray, message, record, torques};
+use crate::arrays::{OutputArray, message, record, torques, vector};
 use crate::error::{AbsentError, InputError, RefusedError, SessionError};
+use crate::interrupt::Interrupt;
 use crate::scene::Scene;
 use biped_c::end::ControllerHandle;
 use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
@@ -13,13 +14,14 @@ use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
 use send_wrapper::SendWrapper;
 use std::cell::{RefCell, RefMut};
-use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 /// Time between two looks for a record of the truth.
 const POLL: Duration = Duration::from_millis(1);
 
-/// A session that this process has joined.
+/// A running session, from :func:`biped.attach`. It belongs to the thread that opened it.
+///
+/// As the controller, answer every reading once: ``for counts in session: session.write(torques)``. The loop ends with the run.
 #[pyclass(frozen, module = "biped")]
 pub struct Session {
     session: messages::session::Session,
@@ -65,6 +67,9 @@ impl Session {
         Ok(Session { session, scene, ports: Some(SendWrapper::new(ports)), counts, angles })
     }
 
+    /// Waits for the next reading of the encoders. Returns :attr:`counts`, or None after the plant's goodbye.
+    ///
+    /// :raises AbsentError: no plant sent sensors for the time of the patience
     fn read(&self, py: Python<'_>) -> PyResult<Option<Py<PyArray1<i64>>>> {
         let mut ports = self.ports()?;
         let controller = ports.controller()?;
@@ -86,6 +91,9 @@ impl Session {
         Ok(Some(self.counts.view(py)))
     }
 
+    /// Answers the reading with torques, shape (8,) [N·m]. Telemetry is a record or bytes of the message Telemetry, for recordings.
+    ///
+    /// :raises InputError: wrong shape, not finite, or no reading to answer
     #[pyo3(signature = (torques, telemetry = None))]
     fn write(&self, torques: &Bound<'_, PyAny>, telemetry: Option<&Bound<'_, PyAny>>) -> PyResult<()> {
         let torque = self::torques(torques)?;
@@ -93,6 +101,8 @@ impl Session {
         self.ports()?.controller()?.answer(Torques { torque }, telemetry).map_err(failed)
     }
 
+    /// The next record of what only the simulation knows, in order; None if none arrives within the timeout [s]. In lockstep the
+    /// plant waits for those who have begun to read, so go on reading.
     #[pyo3(signature = (timeout = 0.0))]
     fn truth<'py>(&self, py: Python<'py>, timeout: f64) -> PyResult<Option<Bound<'py, PyAny>>> {
         let (start, timeout) = (Instant::now(), seconds("timeout", timeout)?);
@@ -113,39 +123,57 @@ impl Session {
         }
     }
 
+    /// Pushes a body, by default the trunk: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. As all requests
+    /// it returns the simulated time at which it took effect [s].
+    ///
+    /// :raises RefusedError: no such body, or out of range
+    /// :raises AbsentError: the plant does not answer
     #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
-    fn push(&self, py: Python<'_>, impulse: [f64; 3], body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<f64> {
-        let body = self.scene.get().body_or_trunk(body)?;
+    fn push(
+        &self,
+        py: Python<'_>,
+        impulse: &Bound<'_, PyAny>,
+        body: Option<&Bound<'_, PyAny>>,
+        duration: f64,
+    ) -> PyResult<f64> {
+        let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_trunk(body)?);
         self.ask(py, Action::Push { body, impulse, duration })
     }
 
+    /// Asks the session's controller for another walking speed [m/s] or period of two steps [s].
     #[pyo3(signature = (*, speed = None, period = None))]
     fn set(&self, py: Python<'_>, speed: Option<f64>, period: Option<f64>) -> PyResult<f64> {
         self.ask(py, Action::Set { period, speed })
     }
 
+    /// Stops simulated time.
     fn pause(&self, py: Python<'_>) -> PyResult<f64> {
         self.ask(py, Action::Pause)
     }
 
+    /// Lets simulated time go on.
     fn resume(&self, py: Python<'_>) -> PyResult<f64> {
         self.ask(py, Action::Resume)
     }
 
+    /// Runs a paused session for some control periods.
     #[pyo3(signature = (periods = 1))]
     fn step(&self, py: Python<'_>, periods: u64) -> PyResult<f64> {
         self.ask(py, Action::Step { periods })
     }
 
+    /// Starts a new run from time zero.
     #[pyo3(signature = (*, seed = None))]
     fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<f64> {
         self.ask(py, Action::Reset { seed })
     }
 
+    /// Switches the drives on again after a fault.
     fn rearm(&self, py: Python<'_>) -> PyResult<f64> {
         self.ask(py, Action::Rearm)
     }
 
+    /// Leaves the session. The end of a ``with`` block does so.
     fn close(&self) -> PyResult<()> {
         *self.ports()? = Ports::default();
         Ok(())
@@ -161,21 +189,25 @@ impl Session {
         self.scene.clone_ref(py)
     }
 
+    /// Encoder counts of the last reading, shape (8,). A read-only view that the next reading changes.
     #[getter]
     fn counts(&self, py: Python<'_>) -> Py<PyArray1<i64>> {
         self.counts.view(py)
     }
 
+    /// Joint angles of the last reading, shape (8,) [rad]. A read-only view that the next reading changes.
     #[getter]
     fn angles(&self, py: Python<'_>) -> Py<PyArray1<f64>> {
         self.angles.view(py)
     }
 
+    /// Whether the last reading was the first one of a run. The controller must start from its initial state then.
     #[getter]
     fn begins(&self) -> PyResult<bool> {
         Ok(self.ports()?.begins)
     }
 
+    /// Simulated time of the last reading [s].
     #[getter]
     fn time(&self) -> PyResult<f64> {
         Ok(self.ports()?.controller()?.status().time)
@@ -246,25 +278,6 @@ impl Ports {
         let missing =
             "this process is not the controller of the session: open it with control=True, and do not close it before";
         self.controller.as_mut().ok_or_else(|| SessionError::new_err(missing))
-    }
-}
-
-/// Ctrl-C, or what another signal handler in Python raises, while a call waits.
-#[derive(Default)]
-struct Interrupt(Mutex<Option<PyErr>>);
-
-impl Interrupt {
-    /// Whether the call goes on waiting.
-    fn is_absent(&self) -> bool {
-        let raised = Python::attach(|py| py.check_signals()).err();
-        let goes_on = raised.is_none();
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = raised;
-        goes_on
-    }
-
-    /// Raises it.
-    fn check(self) -> PyResult<()> {
-        self.0.into_inner().unwrap_or_else(PoisonError::into_inner).map_or(Ok(()), Err)
     }
 }
 

@@ -189,6 +189,8 @@ class Words(unittest.TestCase):
         plant.push([0, 60, 0])
         run(plant, controller)
         self.assertTrue(plant.fallen)
+        with self.assertRaisesRegex(biped.InputError, r"impulse must be an array of float64 with the shape \(3,\)"):
+            plant.push([0, 1])
         for wrong, words in [({"body": "head"}, "head.*trunk"), ({"duration": -1}, "out of range")]:
             with self.assertRaisesRegex(biped.InputError, words):
                 plant.push([0, 1, 0], **wrong)
