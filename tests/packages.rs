@@ -78,7 +78,10 @@ fn every_package_holds_its_licences_and_what_it_embeds() {
             let code = std::fs::read_to_string(folder.join(file)).expect("a file that is listed");
             let program = code.split("#[cfg(test)]").next().expect("a part");
             let is_program = file.starts_with("src/") || file.starts_with("launch/");
-            assert!(!is_program || !program.contains("CARGO_MANIFEST_DIR"), "{file} looks for files where it was built");
+            assert!(
+                !is_program || !program.contains("CARGO_MANIFEST_DIR"),
+                "{file} looks for files where it was built"
+            );
             for path in included(&code) {
                 let held = normal(&Path::new(file).parent().expect("a folder").join(path));
                 assert!(files.contains(&held), "{}: {file} embeds {held}, which the package lacks", name(&package));
