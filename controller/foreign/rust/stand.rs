@@ -26,21 +26,21 @@ pub fn main() -> ExitCode {
         [] => None,
         [option, name] if option == "--session" => Some(name.as_str()),
         _ => {
-            eprintln!("error: only --session NAME is understood, not {}", arguments.join(" "));
-            return ExitCode::from(2);
+            return failure(2, format!("only --session NAME is understood, not {}", arguments.join(" ")));
         }
     };
     if let Err(error) = ctrlc::set_handler(|| STOP.store(true, Relaxed)) {
-        eprintln!("error: signals: {error}");
-        return ExitCode::from(4);
+        return failure(4, format!("signals: {error}"));
     }
     match control(session) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
-            eprintln!("error: {error}");
-            ExitCode::from(error.exit_code())
-        }
+        Err(error) => failure(error.exit_code(), error.to_string()),
     }
+}
+
+fn failure(code: u8, sentence: String) -> ExitCode {
+    messages::log(format!("error: {sentence}"));
+    ExitCode::from(code)
 }
 
 /// Answers every reading of the encoders until the plant's goodbye.
