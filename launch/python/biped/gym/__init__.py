@@ -43,14 +43,14 @@ All environments take ``settings``, changes of the scene: ``gymnasium.make("bipe
 
 import gymnasium
 
-from .environments import Environment, VectorEnvironment
+from .environments import TASKS, Environment, VectorEnvironment
 from .loop import Loop
 from .tasks import Push, Stand, Task, Walk
 
 
 def register() -> None:
     """Registers the environments. ``import biped.gym`` does so."""
-    for task in ["Stand", "Push", "Walk"]:
+    for task in TASKS:
         if f"biped/{task}-v0" not in gymnasium.registry:
             gymnasium.register(
                 f"biped/{task}-v0",
@@ -62,4 +62,4 @@ def register() -> None:
 
 register()
 
-__all__ = ["Environment", "Loop", "Push", "Stand", "Task", "VectorEnvironment", "Walk", "register"]
+__all__ = ["TASKS", "Environment", "Loop", "Push", "Stand", "Task", "VectorEnvironment", "Walk", "register"]
