@@ -35,8 +35,8 @@ The zero action in Push is the standing controller ``stand.py`` (1000 N·m/rad, 
 no torques; truncated at ``duration`` (5, 3 and 10 s).
 
 **Random**, all from the seed of ``reset``: an impulse of up to ``noise`` (0.2 N·s) on the trunk at time zero; the seed of the plant, which
-also draws the faults of a ``[link]`` table; in Push, a push on the trunk for 50 ms between 0.2 and 0.8 s, in any horizontal direction, of 0.5
-to 1 times ``impulse`` (8 N·s). ``reset(options={"push": [0, 6, 0], "time": 0.5})`` chooses it.
+also draws the faults of a ``[link]`` table; in Push, a push on the trunk for 50 ms between 0.2 and 0.8 s, in any horizontal direction, of
+0.5 to 1 times ``impulse`` (8 N·s). ``reset(options={"push": [0, 6, 0], "time": 0.5})`` chooses it.
 
 All environments take ``settings``, changes of the scene: ``gymnasium.make("biped/Push-v0", settings={"link.delay_ms": 2.0})``.
 """

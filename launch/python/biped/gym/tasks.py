@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import Controller, ControllerError, InputError, Plant, PlantBatch, Scene, SimulationError
+from .. import Controller, ControllerError, EndedError, InputError, Plant, PlantBatch, Scene, SimulationError
 from .loop import Array, Loop
 
 #: Fields of ``Plant.truth()`` that ``truth=True`` puts into ``info["truth"]``.
@@ -107,10 +107,13 @@ class Task:
 
 
 def _failed(plant: Plant) -> bool:
+    """Whether the simulation of this plant has failed: then even a step of no period is refused."""
     try:
         plant.step(periods=0)
     except SimulationError:
         return True
+    except EndedError:
+        pass
     return False
 
 
