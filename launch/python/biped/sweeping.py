@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterable
 from concurrent.futures import ThreadPoolExecutor
 from typing import Any, TypeVar
 
-Value, Result = TypeVar("Value"), TypeVar("Result")
+Value = TypeVar("Value")
+Result = TypeVar("Result")
 
 
 def sweep(function: Callable[[Value], Result], values: Iterable[Value], client: Any = None) -> list[Result]:
@@ -33,6 +34,6 @@ def sweep(function: Callable[[Value], Result], values: Iterable[Value], client: 
     if isinstance(client, str):
         from distributed import Client
 
-        with Client(client) as own:
+        with Client(client) as own:  # type: ignore[no-untyped-call]
             return sweep(function, values, own)
     return client.gather(client.map(function, values, pure=False))  # type: ignore[no-any-return]

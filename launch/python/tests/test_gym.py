@@ -101,6 +101,17 @@ class Ends(unittest.TestCase):
         self.assertEqual(results["feedback"], (1000, False))
         self.assertTrue(results["none"][1], results)
 
+    def test_a_simulation_that_fails_ends_the_episode(self):
+        stiff = {"plant.law": "SpringDamper", "plant.contact_stiffness": 1e12, "plant.contact_damping_ratio": 0.0}
+        env = gymnasium.make("biped/Push-v0", settings=stiff, duration=0.02)
+        env.reset(seed=1)
+        observation, reward, terminated, _, _ = env.step(np.zeros(8))
+        self.assertTrue(terminated and reward == 0.0 and np.isfinite(observation).all())
+        with self.assertRaisesRegex(biped.SimulationError, "has failed"):
+            env.unwrapped.task.plants[0].step()
+        env.reset(seed=1)
+        self.assertEqual(env.unwrapped.task.plants[0].time, 0.0)
+
     def test_wrong_arguments_are_named(self):
         for options, words in [
             ({"duration": 0.013}, "duration of 0.013 s is not a multiple of the 0.02 s"),

@@ -35,22 +35,22 @@ The zero action in Push is the standing controller ``stand.py`` (1000 N·m/rad, 
 no torques; truncated at ``duration`` (5, 3 and 10 s).
 
 **Random**, all from the seed of ``reset``: an impulse of up to ``noise`` (0.2 N·s) on the trunk at time zero; the seed of the plant, which
-also draws the faults of a ``[link]`` table; in Push, a push on the trunk for 50 ms between 0.2 and 0.8 s, in any horizontal direction, of 0.5
-to 1 times ``impulse`` (8 N·s). ``reset(options={"push": [0, 6, 0], "time": 0.5})`` chooses it.
+also draws the faults of a ``[link]`` table; in Push, a push on the trunk for 50 ms between 0.2 and 0.8 s, in any horizontal direction, of
+0.5 to 1 times ``impulse`` (8 N·s). ``reset(options={"push": [0, 6, 0], "time": 0.5})`` chooses it.
 
 All environments take ``settings``, changes of the scene: ``gymnasium.make("biped/Push-v0", settings={"link.delay_ms": 2.0})``.
 """
 
 import gymnasium
 
-from .environments import Environment, VectorEnvironment
+from .environments import TASKS, Environment, VectorEnvironment
 from .loop import Loop
 from .tasks import Push, Stand, Task, Walk
 
 
 def register() -> None:
     """Registers the environments. ``import biped.gym`` does so."""
-    for task in ["Stand", "Push", "Walk"]:
+    for task in TASKS:
         if f"biped/{task}-v0" not in gymnasium.registry:
             gymnasium.register(
                 f"biped/{task}-v0",
@@ -62,4 +62,4 @@ def register() -> None:
 
 register()
 
-__all__ = ["Environment", "Loop", "Push", "Stand", "Task", "VectorEnvironment", "Walk", "register"]
+__all__ = ["TASKS", "Environment", "Loop", "Push", "Stand", "Task", "VectorEnvironment", "Walk", "register"]

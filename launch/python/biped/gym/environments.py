@@ -16,7 +16,7 @@ from .tasks import Push, Stand, Task, Walk
 TASKS: dict[str, type[Task]] = {"Stand": Stand, "Push": Push, "Walk": Walk}
 
 
-def _spaces(task: Task) -> tuple[gymnasium.spaces.Box, gymnasium.spaces.Box]:
+def _spaces(task: Task) -> tuple[Any, Any]:
     bounds = task.bounds().astype(np.float32)
     return gymnasium.spaces.Box(-bounds, bounds), gymnasium.spaces.Box(-1.0, 1.0, task.actions.shape[1:])
 
@@ -32,7 +32,8 @@ class Environment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self.task, self.render_mode = TASKS[task](1, **options), render_mode
         self.observation_space, self.action_space = _spaces(self.task)
         self.metadata = {**self.metadata, "render_fps": round(1 / self.task.interval)}
-        self._running, self._picture = False, None
+        self._running = False
+        self._picture: Any = None
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[NDArray[np.float32], dict[str, Any]]:
         super().reset(seed=seed)
@@ -47,15 +48,15 @@ class Environment(gymnasium.Env[NDArray[np.float32], NDArray[np.float32]]):
         self._running = not (lost[0] or over[0])
         return self.task.observation()[0], float(rewards[0]), bool(lost[0]), bool(over[0]), self._information()
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         if self.render_mode is None:
             gymnasium.logger.warn("render_mode is None: make the environment with render_mode='rgb_array'")
             return None
-        if self._picture is None:
-            from .render import Picture
+        from .render import Picture
 
-            self._picture = Picture(self.task.scene)
-        return self._picture.draw(self.task.plants[0].truth())
+        self._picture = self._picture or Picture(self.task.scene)
+        picture: NDArray[np.uint8] = self._picture.draw(self.task.plants[0].truth())
+        return picture
 
     def _information(self) -> dict[str, Any]:
         return {key: {name: rows[0] for name, rows in fields.items()} for key, fields in self.task.information([0]).items()}

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from .. import Controller, ControllerError, InputError, Plant, PlantBatch, Scene, SimulationError
+from .. import Controller, ControllerError, EndedError, InputError, Plant, PlantBatch, Scene, SimulationError
 from .loop import Array, Loop
 
 #: Fields of ``Plant.truth()`` that ``truth=True`` puts into ``info["truth"]``.
@@ -101,15 +101,19 @@ class Task:
     def quiet(self) -> Array:
         """1 − 0.5 mean((q − q₀)²) / (0.2 rad)² − 0.05 mean((τ / τ_max)²), with the initial joint angles q₀."""
         loop = self.loop
-        posture = ((loop.angles - loop.start) ** 2).mean(axis=1) / 0.2**2
-        return 1.0 - 0.5 * np.minimum(posture, 1.0) - 0.05 * ((loop.torques / loop.limit) ** 2).mean(axis=1)
+        posture: Array = ((loop.angles - loop.start) ** 2).mean(axis=1) / 0.2**2
+        effort: Array = ((loop.torques / loop.limit) ** 2).mean(axis=1)
+        return 1.0 - 0.5 * np.minimum(posture, 1.0) - 0.05 * effort
 
 
 def _failed(plant: Plant) -> bool:
+    """Whether the simulation of this plant has failed: then even a step of no period is refused."""
     try:
         plant.step(periods=0)
     except SimulationError:
         return True
+    except EndedError:
+        pass
     return False
 
 
@@ -185,7 +189,8 @@ class Walk(Task):
 
     def rewards(self) -> Array:
         before, self.places = self.places, np.array([self._place(robot) for robot in range(len(self.plants))])
-        return (self.places - before) / self.interval - 0.1 * (self.actions**2).mean(axis=1)
+        effort: Array = (self.actions**2).mean(axis=1)
+        return (self.places - before) / self.interval - 0.1 * effort
 
     def given_up(self) -> NDArray[np.bool_]:
         return self.lost
