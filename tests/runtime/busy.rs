@@ -11,7 +11,8 @@ const ROUNDS: usize = 3;
 /// Wall-clock time of a walk, and the line of its summary that has the hash of all states.
 fn walk(kind: &[&str]) -> (Duration, String) {
     let start = Instant::now();
-    let output = biped(&[&["run", "walk", "--quiet"], kind].concat()).output().expect("the program starts");
+    let arguments = [&["run", "walk", "--quiet"], kind].concat();
+    let output = biped(&arguments).stdout(Stdio::piped()).output().expect("the program starts");
     let time = start.elapsed();
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let summary = String::from_utf8_lossy(&output.stdout);
