@@ -40,7 +40,7 @@ struct Cli {
     full: bool,
     /// Show no progress
     #[arg(long, global = true)]
-    quiet: bool,
+    quiet: bool, // commands that show progress read it by `from_global`
 }
 
 #[derive(Subcommand)]

@@ -51,8 +51,7 @@ pub struct FaultsArgs {
     /// Seed of the times and kinds of faults; default: random
     #[arg(long)]
     seed: Option<u64>,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     quiet: bool,
     /// Only the kinds of fault whose name contains this text
     #[arg(long, value_name = "WORDS")]

@@ -54,8 +54,7 @@ pub struct LatencyArgs {
     /// Few samples of each measurement: takes seconds instead of a minute
     #[arg(long)]
     quick: bool,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     quiet: bool,
     /// Real-time settings of the runs that the clock paces
     #[command(flatten)]

@@ -28,8 +28,7 @@ pub struct ViewArgs {
     /// Port to listen on; 0 selects a free port
     #[arg(long, default_value_t = 8642)]
     port: u16,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     quiet: bool,
     /// Write the page of the recording into this file instead of serving it
     #[arg(long, value_name = "FILE", requires = "file", conflicts_with = "session")]

@@ -24,7 +24,6 @@ pub struct ChartArgs {
     /// Only these comparison scenes, separated by commas
     #[arg(long, value_name = "NAMES", value_delimiter = ',')]
     pub(super) scenes: Vec<String>,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     pub(super) quiet: bool,
 }

@@ -37,7 +37,6 @@ pub struct RobustnessArgs {
     /// Write the table and the map into this folder; runs that its table already contains are not repeated
     #[arg(long, value_name = "DIR", default_value = "out/robustness")]
     pub(super) out: PathBuf,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     pub(super) quiet: bool,
 }

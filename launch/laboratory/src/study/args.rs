@@ -13,8 +13,7 @@ pub struct StudyArgs {
     /// Write the table into this folder, as Markdown and as CSV
     #[arg(long, value_name = "DIR")]
     pub(super) out: Option<PathBuf>,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     pub(super) quiet: bool,
     /// Number of contact problems of all families together [1000000]; for `problems`
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..=1 << 32))]

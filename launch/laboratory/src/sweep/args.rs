@@ -30,7 +30,6 @@ pub struct SweepArgs {
     /// Write tables and figures into this folder; runs that its table already contains are not repeated
     #[arg(long, value_name = "DIR", default_value = "out/sweep")]
     pub(super) out: PathBuf,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     pub(super) quiet: bool,
 }

@@ -39,8 +39,7 @@ pub struct RunArgs {
     /// controller` is the built-in one; repeatable
     #[arg(long, value_name = "SECONDS=COMMAND", conflicts_with = "in_process")]
     pub(super) swap: Vec<Swap>,
-    /// Show no progress
-    #[arg(long)]
+    #[arg(from_global)]
     pub(super) quiet: bool,
     /// Run plant and controller in one process, by function calls: the same results
     #[arg(long, conflicts_with_all = ["realtime", "cpu"])]
