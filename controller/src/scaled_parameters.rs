@@ -28,8 +28,8 @@ const LOADING: f64 = 0.04;
 const SHORTEST_CORRECTION: f64 = 0.03;
 /// Shortest and longest period of two steps that is accepted as a set-point: half of the default, and about three times [s].
 const PERIODS: [f64; 2] = [0.3, 2.0];
-/// Longest step that is accepted as a set-point: 2.5 times the default of .2 m/s · .3 s [m].
-const LONGEST_STEP: f64 = 0.15;
+/// Longest step that is accepted as a set-point: that of .6 m/s with a period of .8 s. A foot reaches [`FARTHEST`] [m].
+const LONGEST_STEP: f64 = 0.24;
 /// Largest change of the step length from one step to the next: a quarter of the default step [m].
 const STEP_SLEW: f64 = 0.015;
 /// Largest learned correction of the landing position and of the step length: a third of the default step [m].

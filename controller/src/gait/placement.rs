@@ -60,11 +60,17 @@ impl GaitModel {
         // The target must be within reach of the swing foot in the time left.
         let coasting = foot.x + 0.5 * foot.v * left;
         let high = (self.height_at(state.com[1]) / (CLEAR * self.swing_height.height)).min(1.0);
-        let steady = SPARE * MINIMUM_JERK_PEAK * 2.0 * step.abs() / (0.5 * self.scene.period).powi(2);
+        let steady = SPARE * self.steady_acceleration(step);
         let [near_ground, in_the_air] = self.parameters.swing_acceleration.map(|most| most.max(steady));
         let reach = (near_ground + (in_the_air - near_ground) * high) / MINIMUM_JERK_PEAK * left * left;
         let target = (state.landing - state.corrections.landing).clamp(coasting - reach, coasting + reach);
         state.foot = foot.advance_toward(target, left, self.h);
         zmp
+    }
+
+    /// Largest acceleration of the swing foot in a steady gait with steps of length `step` [m], each of which moves it by twice that
+    /// length [m/s²].
+    pub fn steady_acceleration(&self, step: f64) -> f64 {
+        MINIMUM_JERK_PEAK * 2.0 * step.abs() / (0.5 * self.scene.period).powi(2)
     }
 }
