@@ -46,13 +46,15 @@ fn repeats(name: &str, settings: &[&str], before: usize, after: usize) {
     let (snapshot, controller) = (run.0.snapshot(), run.1.clone());
     let straight = run.advance(after);
 
-    (run.1 = controller.clone(), run.0.restore(&snapshot));
+    run.1 = controller.clone();
+    run.0.restore(&snapshot);
     run.0.prepare(); // as the process does while it waits
     assert_eq!(run.advance(after), straight, "{name} {settings:?}: the same plant");
 
     let mut other = Run::new(&scene);
     other.advance(before / 3).expect("as above"); // a workspace with other contents
-    (other.1 = controller, other.0.restore(&snapshot));
+    other.1 = controller;
+    other.0.restore(&snapshot);
     assert_eq!(other.advance(after), straight, "{name} {settings:?}: another plant");
 }
 
