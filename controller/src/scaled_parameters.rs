@@ -15,17 +15,23 @@ const SWAY: f64 = 0.8;
 const LIFT: f64 = 0.3;
 /// Duration of phase *land*: as long as *stand* [s].
 const LAND: f64 = 0.5;
+/// First part of *lift*, in which the weight leaves the swing foot: a third of it [s].
+const UNLOAD: f64 = 0.1;
 /// Least time between two exchanges: a third of a step of the default gait. It prevents an exchange straight back [s].
 const LEAST_STEP: f64 = 0.1;
 /// Last part of a step, in which the landing position is fixed: 12 control periods of 1 ms. The coefficients of the quintic grow
 /// without bound as the time left goes to zero [s].
 const FREEZE: f64 = 0.012;
+/// Time in which the weight moves to the new stance foot after an exchange [s].
+const LOADING: f64 = 0.04;
 /// Shortest horizon of a correction by the ankle; below it the gain 1/(e^(ωt) − 1) grows without bound [s].
 const SHORTEST_CORRECTION: f64 = 0.03;
 /// Shortest and longest period of two steps that is accepted as a set-point: half of the default, and about three times [s].
 const PERIODS: [f64; 2] = [0.3, 2.0];
 /// Longest step that is accepted as a set-point: that of .6 m/s with a period of .8 s. A foot reaches [`FARTHEST`] [m].
 const LONGEST_STEP: f64 = 0.24;
+/// Largest change of the step length from one step to the next: a quarter of the default step [m].
+const STEP_SLEW: f64 = 0.015;
 /// Largest learned correction of the landing position and of the step length: a third of the default step [m].
 const MAX_LENGTH_CORRECTION: f64 = 0.02;
 /// Largest learned correction of the step duration: a sixth of the default step [s].
@@ -56,16 +62,22 @@ const RATE_LIMIT: f64 = 12.0;
 pub struct ScaledParameters {
     /// Duration of the phases *stand*, *sway*, *lift* and *land* [s].
     pub phases: [f64; 4],
+    /// First part of *lift*, in which the weight leaves the swing foot [s].
+    pub unload: f64,
     /// Least time between two exchanges [s].
     pub least_step: f64,
     /// Last part of a step, in which the landing position is fixed [s].
     pub freeze: f64,
+    /// Time in which the new stance foot is loaded [s].
+    pub loading: f64,
     /// Shortest horizon of a correction by the ankle [s].
     pub shortest_correction: f64,
     /// Shortest and longest period of two steps as a set-point [s].
     pub periods: [f64; 2],
     /// Longest step as a set-point [m].
     pub longest_step: f64,
+    /// Largest change of the step length from one step to the next [m].
+    pub step_slew: f64,
     /// Largest learned correction of the landing position and of the step length [m].
     pub max_length_correction: f64,
     /// Largest learned correction of the step duration [s].
@@ -101,11 +113,14 @@ impl ScaledParameters {
         let (t, l, v) = (scale.time(), scale.length, scale.speed());
         ScaledParameters {
             phases: [STAND, SWAY, LIFT, LAND].map(|duration| duration * t),
+            unload: UNLOAD * t,
             least_step: LEAST_STEP * t,
             freeze: FREEZE * t,
+            loading: LOADING * t,
             shortest_correction: SHORTEST_CORRECTION * t,
             periods: PERIODS.map(|period| period * t),
             longest_step: LONGEST_STEP * l,
+            step_slew: STEP_SLEW * l,
             max_length_correction: MAX_LENGTH_CORRECTION * l,
             max_time_correction: MAX_TIME_CORRECTION * t,
             farthest: FARTHEST * l,

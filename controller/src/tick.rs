@@ -4,7 +4,7 @@ use crate::ankle::Ankle;
 use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
-use crate::gait::{GaitModel, GaitState, Reference};
+use crate::gait::{GaitModel, GaitState, Phase, Reference};
 use crate::rate;
 use crate::resume;
 use crate::scaled_parameters::ScaledParameters;
@@ -229,8 +229,15 @@ impl ControllerModel {
     /// Torque limits in support order: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m].
     ///
     /// A foot that carries the whole weight tips when the zero-moment point reaches its edge. A foot that shares the load, and the
-    /// swing foot, get a share of that torque.
+    /// swing foot, get a share of that torque. After an exchange the load of the new stance foot rises from [`FIRST_LOAD`] to 1.
     fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
+        let loading = self.chain.parameters.loading;
+        let stepping = gait.phase == Phase::Walk;
+        let loaded = if stepping && gait.steps > 0 {
+            FIRST_LOAD + (1.0 - FIRST_LOAD) * (gait.since / loading).min(1.0)
+        } else {
+            1.0
+        };
         let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
         let mut narrow = |j: usize, [low, high]: [f64; 2]| {
             [limits[0][j], limits[1][j]] =
@@ -245,7 +252,7 @@ impl ControllerModel {
                 (at_rest(plan.load), at_rest(1.0 - plan.load))
             } else {
                 let swing = SWING_SHARE[k].max(SWING_SHARE_GROWTH[k] * self.gait.steady_acceleration(gait.step));
-                (self.chain.ankle_range(task, ankle, self.gravity, omega, edge), at_rest(swing))
+                (self.chain.ankle_range(task, ankle, self.gravity, omega, loaded * edge), at_rest(swing))
             };
             narrow(ankle.joint(), stance);
             narrow(JOINTS - 1 - ankle.joint(), swing);
@@ -276,3 +283,5 @@ const SWING_SHARE: [f64; 2] = [0.31, 0.8];
 /// The least torque limit of that ankle, in the same unit, per acceleration of the swing foot in the steady gait [s²/m]. A foot that
 /// moves faster needs more torque to stay level. With [`SWING_SHARE`] alone the robot falls at .4 m/s.
 const SWING_SHARE_GROWTH: [f64; 2] = [0.04, 0.0];
+/// Share of the weight on the new stance foot immediately after an exchange [-].
+const FIRST_LOAD: f64 = 0.15;

@@ -33,6 +33,7 @@ impl GaitModel {
     /// Transforms the plan to the other supporting foot. `task` is the task before the exchange, in the old support frame.
     pub fn exchange(&self, state: &mut GaitState, task: &Task) {
         let swing = task.swing();
+        let ScaledParameters { step_slew, .. } = self.parameters;
         self.learn(state, swing.x);
         let [sagittal, lateral] = &mut state.com;
         sagittal.x -= swing.x;
@@ -51,7 +52,8 @@ impl GaitModel {
             state.phase = Phase::Land;
             return;
         }
-        state.step = if stopping { 0.0 } else { self.step_length() };
+        let wanted = if stopping { 0.0 } else { self.step_length() };
+        state.step += (wanted - state.step).clamp(-step_slew, step_slew);
     }
 
     /// Updates the corrections by the errors of the step that has just landed at `landed` [m].

@@ -27,13 +27,14 @@ impl GaitModel {
         self.hold(state, task)
     }
 
-    /// The supporting foot carries the weight; the swing foot rises along a minimum-jerk path.
+    /// The weight leaves the swing foot; meanwhile the foot rises along a minimum-jerk path.
     pub(super) fn lift_foot(&self, state: &mut GaitState, task: &Task) -> Reference {
         let height = self.height_at(state.com[1]);
-        let ScaledParameters { phases: [_, _, lift, _], .. } = self.parameters;
+        let ScaledParameters { phases: [_, _, lift, _], unload, .. } = self.parameters;
         let r = (state.since / lift).min(1.0);
         let rise = r.powi(3) * (10.0 - 15.0 * r + 6.0 * r * r); // minimum jerk
         let rate = 30.0 * r * r * (1.0 - r).powi(2) / lift;
-        self.reference(state, task, [height * rise, height * rate], 1.0)
+        let load = 1.0 - state.com[1].x / self.width * (1.0 - state.since / unload).max(0.0);
+        self.reference(state, task, [height * rise, height * rate], load.clamp(0.0, 1.0))
     }
 }
