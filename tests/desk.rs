@@ -54,8 +54,13 @@ fn set_points_from_before_the_first_sensors_hold_in_the_run() {
         let arguments = ["walk", "--session", session.name(), "--set", "duration=6"];
         let mut controller = biped(&[&["controller"], &arguments[..]].concat()).spawn().expect("the program starts");
         eventually("an answer", || ask(&session, action).is_ok_and(|reply| reply.verdict == Verdict::Done as u64));
-        let mut port = RecorderPort::attach(&session).expect("listening");
         let mut plant = biped(&[&["plant"], &arguments[..]].concat()).spawn().expect("the program starts");
+        let mut port = None;
+        eventually("a plant to listen to", || {
+            port = RecorderPort::attach(&session).ok();
+            port.is_some()
+        });
+        let mut port = port.expect("listening");
         let mut x = 0.0;
         eventually("the end of the run", || {
             let has_ended = plant.try_wait().expect("our own child").is_some();

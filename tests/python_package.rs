@@ -9,7 +9,8 @@ use languages::{pip_install, python_with};
 use std::process::Command;
 
 /// What builds the package, and what its tests need. NumPy alone is a dependency of the package.
-const PACKAGES: [&str; 7] = ["maturin>=1.9.4,<2", "numpy", "pandas", "gymnasium", "cma", "distributed", "pillow"];
+const PACKAGES: [&str; 8] =
+    ["maturin>=1.9.4,<2", "numpy", "pandas", "gymnasium", "cma", "matplotlib", "distributed", "pillow"]; // cma warns without matplotlib
 
 #[test]
 fn the_package_builds_from_a_clone_and_its_tests_pass() {

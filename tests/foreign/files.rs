@@ -86,7 +86,7 @@ fn mujoco_and_pinocchio_compute_the_same_equations_of_motion_from_the_exported_r
     let [large, long] = files.each_ref().map(RobotFile::setting);
     let (large, long) = ([&*large, free[0]], [&*long, free[0]]);
     for (name, settings) in
-        [("walk", &free[..]), ("walk", &loaded), ("walk", &large), ("walk", &long), ("known/double-pendulum", &[])]
+        [("walk", &free[..]), ("walk", &loaded), ("walk", &large), ("walk", &long), ("double-pendulum", &[])]
     {
         let found = differences(name, settings, settings);
         println!("{name} {settings:?}: {found}");

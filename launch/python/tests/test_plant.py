@@ -7,7 +7,7 @@ from pathlib import Path
 import biped
 import numpy as np
 
-HASHES = Path(__file__).parents[2] / "scenes" / "hashes.txt"
+HASHES = Path(__file__).parents[3] / "messages" / "scenes" / "hashes.txt"
 
 
 def published(scene):
