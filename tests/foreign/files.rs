@@ -55,7 +55,7 @@ fn differences(name: &str, settings: &[&str], exported: &[&str]) -> Value {
     let mut files = vec![];
     for (format, file) in [("mjcf", "robot.xml"), ("urdf", "robot.urdf")] {
         let output = Command::new(env!("CARGO_BIN_EXE_biped"))
-            .args(["export", format, &format!("messages/scenes/{name}.toml")])
+            .args(["export", format, name])
             .args(exported.iter().flat_map(|setting| ["--set", setting]))
             .output()
             .expect("the program starts");
