@@ -11,6 +11,7 @@ mod request_handler;
 
 pub use control_loop::{ExchangeOutcome, PeriodTiming, drive};
 pub use error::{Options, PlantProcessError};
+pub use request_handler::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
 
 use crate::Simulation;
 use connection::ControllerConnection;

@@ -6,13 +6,10 @@ use crate::run::Run;
 use crate::scene::Scene;
 use messages::wire::{JOINTS, STATES};
 use numpy::{Ix1, PyArray1};
+use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
 use plant::{PlantError, SimulationSnapshot};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};
-
-/// Largest impulse of a push [N·s] and its longest duration [s], as the plant of a session accepts them.
-const MAX_PUSH_IMPULSE: f64 = 1000.0;
-const MAX_PUSH_DURATION: f64 = 60.0;
 
 /// Robot, ground and drives of a scene, one control period at a time.
 ///
@@ -91,8 +88,7 @@ impl Plant {
     #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
     fn push(&self, impulse: &Bound<'_, PyAny>, body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<()> {
         let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_trunk(body)?);
-        let in_range = impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE);
-        if !in_range || !(0.0..=MAX_PUSH_DURATION).contains(&duration) {
+        if !is_push_accepted(&impulse, duration) {
             return Err(InputError::new_err(format!(
                 "a push of {impulse:?} N·s over {duration} s is out of range: at most {MAX_PUSH_IMPULSE} N·s per axis, \
                  and 0 to {MAX_PUSH_DURATION} s"

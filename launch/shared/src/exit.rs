@@ -125,15 +125,7 @@ impl From<PeerEnvironmentError> for Failure {
 
 impl From<PortError> for Failure {
     fn from(error: PortError) -> Self {
-        let exit = match &error {
-            PortError::SessionName { .. } => Exit::Usage,
-            PortError::Incompatible { .. }
-            | PortError::Foreign { .. }
-            | PortError::Taken { .. }
-            | PortError::Crowded { .. } => Exit::Incompatible,
-            PortError::NoSession { .. } | PortError::Absent { .. } => Exit::PeerMissing,
-            PortError::SharedMemory(_) => Exit::SharedMemory,
-        };
+        let exit = Exit::of_child(Some(error.exit_code().into()));
         Failure::new(exit, error)
     }
 }

@@ -7,9 +7,9 @@ use messages::port::{Action, Verdict};
 use messages::wire::{PlantState, Reply, Request};
 
 /// Largest impulse of a push that is accepted [N·s].
-const MAX_PUSH_IMPULSE: f64 = 1000.0;
+pub const MAX_PUSH_IMPULSE: f64 = 1000.0;
 /// Longest duration of a push that is accepted [s].
-const MAX_PUSH_DURATION: f64 = 60.0;
+pub const MAX_PUSH_DURATION: f64 = 60.0;
 
 /// Whether simulated time is to stand still, and from which control period on.
 #[derive(Clone, Copy, Debug, Default)]
@@ -64,10 +64,13 @@ impl RequestHandler {
     }
 }
 
+/// Whether impulse [N·s] and duration [s] of a push are within [`MAX_PUSH_IMPULSE`] and [`MAX_PUSH_DURATION`].
+pub fn is_push_accepted(impulse: &[f64; 3], duration: f64) -> bool {
+    impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE) && (0.0..=MAX_PUSH_DURATION).contains(&duration)
+}
+
 fn push(simulation: &mut Simulation, body: usize, impulse: [f64; 3], duration: f64) -> Verdict {
-    let in_range =
-        impulse.iter().all(|part| part.abs() <= MAX_PUSH_IMPULSE) && (0.0..=MAX_PUSH_DURATION).contains(&duration);
-    match in_range {
+    match is_push_accepted(&impulse, duration) {
         false => Verdict::OutOfRange,
         true if simulation.push(body, impulse, duration) => Verdict::Done,
         true => Verdict::NoSuchBody,
