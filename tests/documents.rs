@@ -1,7 +1,8 @@
-//! Claims about the documents: they show exactly what the program prints.
+//! Claims about the documents: they show exactly what the program prints, and the files and identifiers that they name exist.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Standard output of the program.
@@ -42,5 +43,94 @@ fn the_paper_document_shows_the_tables_of_the_studies() {
         let (shown, printed) = (rows(shown), rows(&printed));
         shown.iter().zip(&printed).for_each(|(shown, printed)| assert_eq!(shown, printed, "study {study}"));
         assert_eq!(shown.len(), printed.len(), "rows of study {study}");
+    }
+}
+
+/// All files below a folder, except those of builds and hidden ones.
+fn files_below(folder: &Path, found: &mut Vec<PathBuf>) {
+    for entry in std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry")) {
+        let (path, name) = (entry.path(), entry.file_name());
+        let skipped = name == "target" || name == "out" || name.to_string_lossy().starts_with('.');
+        match path.is_dir() {
+            true if !skipped => files_below(&path, found),
+            true => {}
+            false => found.push(path),
+        }
+    }
+}
+
+fn files(folder: &str, extension: &str) -> Vec<PathBuf> {
+    let mut found = vec![];
+    files_below(&Path::new(env!("CARGO_MANIFEST_DIR")).join(folder), &mut found);
+    found.retain(|path| path.extension().is_some_and(|found| found == extension));
+    found
+}
+
+/// The parts of a text between backticks.
+fn code_spans(text: &str) -> impl Iterator<Item = &str> {
+    text.split("```").step_by(2).flat_map(|prose| prose.split('`').skip(1).step_by(2))
+}
+
+/// The source file that a document names, by the end of its path. `P` and `C` are the abbreviations of docs/PAPER.md.
+fn source<'a>(name: &str, sources: &'a [PathBuf]) -> Option<&'a PathBuf> {
+    let full = match name.split_once('/') {
+        Some(("P", rest)) => format!("plant/src/{rest}"),
+        Some(("C", rest)) => format!("controller/src/{rest}"),
+        _ => name.to_string(),
+    };
+    sources.iter().find(|path| path.ends_with(&full))
+}
+
+#[test]
+fn every_source_file_that_a_document_names_exists() {
+    let sources = files(".", "rs");
+    let mut named = 0;
+    for document in files("docs", "md").into_iter().chain(["README.md", "CONTRIBUTING.md"].map(PathBuf::from)) {
+        let text = std::fs::read_to_string(&document).expect("a document");
+        let present = text.split("## Files renamed").next().expect("a part"); // the glossary also has the former names
+        for name in code_spans(present).filter(|name| name.ends_with(".rs") && !name.contains(' ')) {
+            assert!(source(name, &sources).is_some(), "{}: there is no file `{name}`", document.display());
+            named += 1;
+        }
+    }
+    assert!(named > 150, "only {named} names were found");
+    assert!(source("P/step/euler_.rs", &sources).is_none() && source("uler.rs", &sources).is_none());
+}
+
+/// Whether a source defines a function, a type or a public field of this name, or methods of the type.
+fn defines(code: &str, name: &str) -> bool {
+    let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    ["fn ", "struct ", "enum ", "impl ", "pub "].iter().any(|keyword| {
+        code.split(&format!("{keyword}{name}")).skip(1).any(|rest| !rest.starts_with(is_name))
+    })
+}
+
+/// Each row of the table of equations names files and identifiers, which one of these files must define.
+#[test]
+fn every_identifier_of_the_table_of_equations_is_defined_in_a_file_of_its_row() {
+    let sources = files(".", "rs");
+    let table = between(include_str!("../docs/PAPER.md"), "## Where each equation is", "\n## ");
+    let is_name = |span: &&str| span.chars().all(|c| c.is_ascii_alphanumeric() || "_:".contains(c));
+    let mut checked = 0;
+    for row in table.lines().filter(|line| line.starts_with('|')) {
+        let named = code_spans(row).filter_map(|span| source(span, &sources));
+        let code: String = named.map(|path| std::fs::read_to_string(path).expect("a source")).collect();
+        for name in code_spans(row).filter(is_name).flat_map(|span| span.split("::")).filter(|name| !name.is_empty()) {
+            assert!(defines(&code, name), "no file of this row defines `{name}`:\n{row}");
+            checked += 1;
+        }
+    }
+    assert!(checked > 50, "only {checked} identifiers were found");
+    assert!(defines("pub fn energy(", "energy") && !defines("pub fn energy_gain(", "energy"));
+}
+
+#[test]
+fn every_test_that_the_paper_document_names_exists() {
+    let code: String = files(".", "rs").iter().map(|path| std::fs::read_to_string(path).expect("a source")).collect();
+    let is_test = |name: &&str| name.matches('_').count() > 4 && !name.contains(['/', '.', ' ']);
+    let names: Vec<&str> = code_spans(include_str!("../docs/PAPER.md")).filter(is_test).collect();
+    assert!(names.len() > 10, "{names:?}");
+    for name in names {
+        assert!(code.contains(&format!("fn {name}()")), "there is no test `{name}`");
     }
 }

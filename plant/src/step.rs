@@ -37,22 +37,20 @@ mod snapshot;
 mod stability;
 mod stages;
 mod step_size;
+mod step_state;
 mod touches;
 mod workspace;
 
-use event_contact::EventContact;
-use last_acceleration::LastAcceleration;
 use posed_state::PosedState;
-use settings::{Push, World};
+use settings::{Input, Push, World};
 pub use snapshot::PlantSnapshot;
+use step_state::StepState;
 use workspace::Workspace;
 
-use crate::contact::{Memory, Problem};
-use crate::drive::Drives;
+use crate::contact::Problem;
 use crate::error::PlantError;
 use crate::model::Model;
 use crate::state::State;
-use crate::truth::Record;
 use messages::scene::{Method, Scene};
 use messages::wire::{Encoders, Torques, Truth};
 use std::f64::consts::PI;
@@ -62,19 +60,11 @@ const NS_PER_S: f64 = 1e9;
 
 /// A robot, its ground and its drives.
 ///
-/// The world is constant during a step. The future depends only on the state and on the memories of contacts and drives. The workspace may
-/// be replaced without changing a result.
+/// The world is constant during a step. The future depends only on the world and on the state. The workspace may be replaced without
+/// changing a result.
 pub struct Plant {
     world: World,
-    drives: Drives,
-    now: PosedState,
-    memory: Memory,
-    last_acceleration: LastAcceleration,
-    /// Mode of every contact point between events.
-    event_contacts: Vec<EventContact>,
-    /// Length of the next step, as the step size control chose it [s].
-    next_step: f64,
-    record: Record,
+    state: StepState,
     /// As in [`Counts`].
     events: u64,
     rejected: u64,
@@ -108,19 +98,8 @@ impl Plant {
             (PosedState::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
         stability::check(&world, &now, &mut work.dynamics)?;
         work.dynamics.evaluations = 0;
-        Ok(Plant {
-            drives: Drives::new(&scene.plant),
-            now,
-            memory: Memory::of(model.contact_points.len()),
-            last_acceleration: LastAcceleration::new(model),
-            event_contacts: vec![EventContact::default(); model.contact_points.len()],
-            next_step: scene.plant.dt,
-            record: Record::default(),
-            events: 0,
-            rejected: 0,
-            work,
-            world,
-        })
+        let state = StepState::new(model, now, &scene.plant);
+        Ok(Plant { world, state, events: 0, rejected: 0, work })
     }
 
     /// One control period: the torques pass through the drives and act for all steps of the period.
@@ -129,8 +108,8 @@ impl Plant {
     /// [`PlantError::Unsolved`] if a contact problem misses `plant.tolerance`; it contains the problem. Other errors if the simulation has
     /// diverged: the state is not finite, or H is not positive definite.
     pub fn advance(&mut self, command: &Torques) -> Result<Encoders, PlantError> {
-        self.world.torques = self.drives.apply(command);
-        self.record.begin_period();
+        self.world.input.torques = self.state.drives.apply(command);
+        self.state.record.begin_period();
         for _ in 0..self.world.settings.steps_per_period {
             self.step()?;
         }
@@ -142,8 +121,8 @@ impl Plant {
     pub fn prepare(&mut self) {
         let h = self.world.settings.h;
         match self.world.settings.method {
-            Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.now, h, h),
-            Method::MidpointContact if self.last_acceleration.known => {
+            Method::SemiImplicitEuler => self.work.dynamics.prepare(&self.world.model, &self.state.now, h, h),
+            Method::MidpointContact if self.state.last_acceleration.known => {
                 let found = self.evaluate_midpoint(h).is_ok(); // the step reports the error again
                 self.work.dynamics.set_prepared(found);
             }
@@ -170,20 +149,20 @@ impl Plant {
             Method::StepDoubling => self.step_doubling(h),
             Method::EventDriven => self.event_driven(h),
         }?;
-        self.world.steps += 1;
-        self.record.fold(&self.now.state);
+        self.world.input.steps += 1;
+        self.state.record.fold(&self.state.now.state);
         self.check_rotation_rate()
     }
 
     /// Checks that nothing turns by more than half a turn per step. Faster rotation is aliased, so its result is meaningless and may have
     /// any energy. Methods that choose their own steps are exempt.
     fn check_rotation_rate(&self) -> Result<(), PlantError> {
-        let World { model, settings, steps, .. } = &self.world;
-        let (rate, dt) = (self.now.state.fastest_turn(model), settings.h);
+        let World { model, settings, input } = &self.world;
+        let (rate, dt) = (self.state.now.state.fastest_turn(model), settings.h);
         if rate * dt <= PI || settings.method.chooses_steps() {
             return Ok(());
         }
-        Err(PlantError::Spins { time: *steps as f64 * dt, rate, dt })
+        Err(PlantError::Spins { time: input.steps as f64 * dt, rate, dt })
     }
 
     /// Solves contact by contact even where whole feet stand: for comparisons, or for [`Plant::problem`].
@@ -195,7 +174,7 @@ impl Plant {
     /// Pushes the centre of mass of a body from now on, with an impulse in W [N·s] that is spread over a duration [s]. Returns whether the
     /// body exists.
     pub fn push(&mut self, body: usize, impulse: [f64; 3], duration: f64) -> bool {
-        let World { model, settings, pushes, steps, .. } = &mut self.world;
+        let World { model, settings, input: Input { pushes, steps, .. } } = &mut self.world;
         let Some(&link) = model.body_link.get(body) else { return false };
         pushes.retain(|push| push.steps.end > *steps);
         pushes.push(Push::new(link, impulse, *steps, duration, settings.h));
@@ -205,14 +184,14 @@ impl Plant {
     /// Present encoder counts of the joints.
     pub fn encoders(&self) -> Encoders {
         let (model, state) = (self.model(), self.state());
-        self.drives.read((0..model.joint_dof.len()).map(|k| state.joint(model, k)))
+        self.state.drives.read((0..model.joint_dof.len()).map(|k| state.joint(model, k)))
     }
 
     /// Ground truth of the present state and of the last control period. The caller sets stamp and timings.
     pub fn truth(&self) -> Truth {
-        let World { model, settings, torques, .. } = &self.world;
+        let World { model, settings, input } = &self.world;
         let period = settings.h * settings.steps_per_period as f64;
-        self.record.truth(model, &self.now.state, &self.now.pose, torques, period)
+        self.state.record.truth(model, &self.state.now.state, &self.state.now.pose, &input.torques, period)
     }
 
     /// Simulated time [ns].
@@ -244,6 +223,6 @@ impl Plant {
 
     /// The present state.
     pub fn state(&self) -> &State {
-        &self.now.state
+        &self.state.now.state
     }
 }

@@ -27,27 +27,27 @@ impl Plant {
     /// Hairer, Nørsett & Wanner, *Solving Ordinary Differential Equations I*, II.4.
     pub(super) fn step_doubling(&mut self, h: f64) -> Result<(), PlantError> {
         let (tolerance, shortest) = (self.world.settings.tolerance_step, h * MIN_STEP);
-        let (mut done, mut step) = (0.0, self.next_step.min(h));
+        let (mut done, mut step) = (0.0, self.state.next_step.min(h));
         while done < h {
             // a tiny last step would cost as much as a full one
             let last = done + LAST_STEP_STRETCH * step >= h;
             let part = if last { h - done } else { step };
-            let record = self.record;
-            self.work.start.copy(&self.now.state);
-            self.work.doubling.memory.copy(&self.memory);
-            self.work.doubling.last_acceleration.copy(&self.last_acceleration);
+            let record = self.state.record;
+            self.work.start.copy(&self.state.now.state);
+            self.work.doubling.memory.copy(&self.state.memory);
+            self.work.doubling.last_acceleration.copy(&self.state.last_acceleration);
             self.work.doubling.events = self.events;
             self.midpoint_contact(part)?;
-            self.work.doubling.coarse.copy(&self.now.state);
+            self.work.doubling.coarse.copy(&self.state.now.state);
             self.restore_start(record)?;
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
-            let error = distance(&self.work.doubling.coarse, &self.now.state) / RICHARDSON;
+            let error = distance(&self.work.doubling.coarse, &self.state.now.state) / RICHARDSON;
             let factor = (SAFETY * (tolerance / error).cbrt()).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);
-                self.next_step = step;
+                self.state.next_step = step;
             } else {
                 self.rejected += 1;
                 step = (part * factor).max(shortest);
@@ -60,11 +60,11 @@ impl Plant {
     /// Restores the beginning of the step.
     fn restore_start(&mut self, record: Record) -> Result<(), PlantError> {
         let Workspace { start, doubling, .. } = &self.work;
-        self.now.state.copy(start);
-        self.memory.copy(&doubling.memory);
-        self.last_acceleration.copy(&doubling.last_acceleration);
-        (self.record, self.events) = (record, doubling.events);
-        self.now.update_pose(&self.world)
+        self.state.now.state.copy(start);
+        self.state.memory.copy(&doubling.memory);
+        self.state.last_acceleration.copy(&doubling.last_acceleration);
+        (self.state.record, self.events) = (record, doubling.events);
+        self.state.now.update_pose(&self.world)
     }
 }
 

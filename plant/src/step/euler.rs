@@ -1,6 +1,7 @@
 //! Euler's methods: one evaluation per step, first order.
 
 use super::Plant;
+use super::step_state::StepState;
 use crate::error::PlantError;
 
 impl Plant {
@@ -9,7 +10,7 @@ impl Plant {
     /// # Source
     /// (12)-(22). Symplectic where H is constant: Hairer, Lubich & Wanner, *Geometric Numerical Integration*, I.1.
     pub(super) fn semi_implicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, h, h)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);
@@ -21,7 +22,7 @@ impl Plant {
 
     /// The same with x₊ = x + h ẋ₋. An oscillation grows by the factor √(1 + ω²h²) per step, and a landing is stopped one step late.
     pub(super) fn explicit_euler(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?; // (1)-(11)
         let free = work.free.motion(world, now, dynamics, h); // (12)
         let touches = work.touches.find(world, free.pose, free.rate, h);

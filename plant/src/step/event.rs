@@ -68,14 +68,14 @@ impl Plant {
         let (mut done, mut events, mut parts) = (0.0, 0, 0);
         while done < h {
             if events == MAX_EVENTS || parts == MAX_PARTS {
-                self.last_acceleration.forget();
-                self.record.flag(parts == MAX_PARTS);
+                self.state.last_acceleration.forget();
+                self.state.record.flag(parts == MAX_PARTS);
                 return self.midpoint_contact(h - done);
             }
             parts += 1;
             self.update_active_set()?;
-            self.work.start.copy(&self.now.state);
-            let (rest, record) = (h - done, self.record);
+            self.work.start.copy(&self.state.now.state);
+            let (rest, record) = (h - done, self.state.record);
             let part = if controlled { self.controlled(tableau, rest)? } else { self.uncontrolled(tableau, rest)? };
             let mut reached = part;
             if self.margin() < 0.0 {
@@ -98,8 +98,8 @@ impl Plant {
     /// One step with an error within the tolerance, of length `rest` or less; returns its length.
     fn controlled(&mut self, tableau: &Tableau, rest: f64) -> Result<f64, PlantError> {
         let Settings { h, tolerance_step: tolerance, .. } = self.world.settings;
-        let record = self.record;
-        let mut part = self.next_step.min(rest);
+        let record = self.state.record;
+        let mut part = self.state.next_step.min(rest);
         loop {
             self.integrate(tableau, part)?;
             let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
@@ -110,21 +110,21 @@ impl Plant {
             };
             let best = part * (SAFETY * (tolerance / error).powf(ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
             // a step that `rest` has shortened is no measure for the next one
-            let next = if part < self.next_step && best > part { self.next_step } else { best };
-            self.next_step = next.clamp(MIN_STEP * h, h);
+            let next = if part < self.state.next_step && best > part { self.state.next_step } else { best };
+            self.state.next_step = next.clamp(MIN_STEP * h, h);
             if error <= tolerance || part <= MIN_STEP * h {
                 return Ok(part);
             }
             self.rejected += 1;
-            self.record = record;
-            part = self.next_step;
+            self.state.record = record;
+            part = self.state.next_step;
         }
     }
 
     /// Distance to the next event: the least of all open gaps and slips, each relative to its value at the beginning of the step. Negative
     /// beyond the event.
     fn margin(&self) -> f64 {
-        let pose = &self.now.pose;
+        let pose = &self.state.now.pose;
         let margin = |(point, contact): (&ContactPoint, &EventContact)| match (contact.active, contact.sticking) {
             (true, true) => 1.0,
             (true, false) => slip(pose, point).dot(&contact.slip_direction) / contact.speed,
@@ -133,7 +133,7 @@ impl Plant {
                 if contact.gap.is_finite() && point.has_ground(at.x) { at.z / contact.gap } else { 1.0 }
             }
         };
-        self.world.model.contact_points.iter().zip(&self.event_contacts).map(margin).fold(1.0, f64::min)
+        self.world.model.contact_points.iter().zip(&self.state.event_contacts).map(margin).fold(1.0, f64::min)
     }
 
     /// Repeats the step up to its first event; returns the length. The margin after `part` must be negative.
@@ -145,7 +145,7 @@ impl Plant {
         let (mut time, mut late) = (part, None);
         for _ in 0..MAX_TRIALS {
             time = ahead.0 - (ahead.0 - before.0) * ahead.1 / (ahead.1 - before.1);
-            self.record = record;
+            self.state.record = record;
             self.integrate(tableau, time)?;
             let margin = self.margin();
             if margin.abs() <= LOCATED || ahead.0 - before.0 <= TIME_ROUNDING * part {

@@ -182,10 +182,10 @@ impl FreeMotion {
 /// u − b with the pushes: all efforts except those of contact.
 fn sum_efforts<'a>(world: &World, pose: &Pose, bias: &[f64], column: &mut [f64], efforts: &'a mut [f64]) -> &'a [f64] {
     efforts.iter_mut().zip(bias).for_each(|(effort, bias)| *effort = -bias);
-    for (&dof, torque) in world.model.joint_dof.iter().zip(world.torques.torque) {
+    for (&dof, torque) in world.model.joint_dof.iter().zip(world.input.torques.torque) {
         efforts[dof] += torque;
     }
-    for push in world.pushes.iter().filter(|push| push.steps.contains(&world.steps)) {
+    for push in world.input.pushes.iter().filter(|push| push.steps.contains(&world.input.steps)) {
         let arm = pose.links[push.link].com;
         contact_column(&world.model, pose, push.link, &arm, &push.force, column);
         for (k, &dof) in column.iter().zip(world.model.path(push.link)) {

@@ -1,6 +1,7 @@
 //! Midpoint methods: all forces at the middle of the step, second order.
 
 use super::Plant;
+use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
@@ -22,7 +23,7 @@ impl Plant {
     /// # Source
     /// Moreau (1988); Jean, *The non-smooth contact dynamics method* (1999), with θ = ½; Acary & Brogliato (2008), 10.1.
     pub(super) fn midpoint_moreau(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         now.integrate_position(world, 0.5 * h)?;
         let dynamics = work.dynamics.find(&world.model, now, 0.5 * h, 0.0)?;
         let mean = work.free.velocity(world, now, dynamics, 0.5 * h);
@@ -47,7 +48,7 @@ impl Plant {
     /// # Source
     /// Hairer, Lubich & Wanner, *Geometric Numerical Integration*, II.1 and VIII.6.
     pub(super) fn implicit_midpoint(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let Workspace { start, mean, dynamics, free, touches, contacts, .. } = work;
         start.copy(&now.state);
         mean.copy_from_slice(&start.xdot);

@@ -4,6 +4,7 @@ use super::Plant;
 use super::midpoint::update_mean;
 use super::posed_state::BaseCentre;
 use super::prediction::{Prediction, first_root};
+use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
 use crate::kinematics;
@@ -74,8 +75,7 @@ impl Plant {
     pub(super) fn evaluate_midpoint(&mut self, h: f64) -> Result<(), PlantError> {
         let Plant {
             world,
-            now,
-            last_acceleration,
+            state: StepState { now, last_acceleration, .. },
             work: Workspace { middle, mean, before, centres, dynamics, .. },
             ..
         } = self;
@@ -104,7 +104,7 @@ impl Plant {
         if !self.work.dynamics.take_prepared() {
             self.evaluate_midpoint(h)?;
         }
-        let Plant { world, now, memory, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
         let Workspace { middle, mean, dynamics, free, touches, .. } = work;
         let mut last = 0.0;
         for round in 0..MAX_ITERATIONS {
@@ -130,7 +130,7 @@ impl Plant {
 
     /// Solves the contact problem for the predicted motion.
     fn solve_contact(&mut self, part: Part) -> Result<(), PlantError> {
-        let Plant { world, now, memory, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
         let Workspace { middle, dynamics, free, touches, contacts, centres, .. } = work;
         let Part { h, whole, .. } = part;
         let free = free.found(middle, dynamics);
@@ -142,7 +142,7 @@ impl Plant {
 
     /// If the acceleration of the step before is unknown, repeats this step with the acceleration that it has just found.
     fn repeat_with_acceleration(&mut self, part: Part) -> Result<(), PlantError> {
-        let Plant { world, last_acceleration, work, memory, .. } = self;
+        let Plant { world, state: StepState { last_acceleration, memory, .. }, work, .. } = self;
         if last_acceleration.known
             || world.settings.law == Law::SpringDamper
             || work.contacts.contact.impulses.is_empty()
@@ -154,7 +154,7 @@ impl Plant {
         self.predict_free_motion(part)?;
         if self.world.settings.law == Law::Cone {
             // `Cone` starts from this solution; other laws, such as `Lagged`, need the memory of the step before
-            std::mem::swap(&mut self.memory, &mut self.work.remembered);
+            std::mem::swap(&mut self.state.memory, &mut self.work.remembered);
         }
         self.solve_contact(part)
     }
@@ -163,15 +163,15 @@ impl Plant {
     fn finish(&mut self, part: Part) {
         if part.h == part.whole {
             let Workspace { before, contacts, centres, .. } = &self.work;
-            self.last_acceleration.set(before, &contacts.contact.rate, *centres, part.h);
+            self.state.last_acceleration.set(before, &contacts.contact.rate, *centres, part.h);
         } else {
-            self.last_acceleration.forget(); // a part may be so short that its velocity change is rounding and gives no acceleration
+            self.state.last_acceleration.forget(); // a part may be so short that its velocity change is rounding and gives no acceleration
         }
         self.accept();
     }
 
     fn accept(&mut self) {
-        let Plant { now, record, work, .. } = self;
+        let Plant { state: StepState { now, record, .. }, work, .. } = self;
         record.take(&work.contacts.contact, 1.0);
         std::mem::swap(now, &mut work.middle);
     }
@@ -181,7 +181,11 @@ impl Plant {
     /// The gap is nearly a parabola in time. Its beginning is known, and each trial gives its curvature.
     fn advance_to_landing(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
         self.predict_free_motion(rest)?;
-        let Plant { memory, last_acceleration, work: Workspace { touches, landing, remembered, .. }, .. } = self;
+        let Plant {
+            state: StepState { memory, last_acceleration, .. },
+            work: Workspace { touches, landing, remembered, .. },
+            ..
+        } = self;
         landing.clear();
         landing.extend(touches.list.iter().filter(|touch| touch.lands()).map(|touch| touch.id));
         let h = rest.h;
@@ -194,17 +198,17 @@ impl Plant {
             if !self.work.lands() {
                 return self.repeat_with_acceleration(rest).map(|()| None);
             }
-            self.memory.copy(&self.work.remembered);
+            self.state.memory.copy(&self.work.remembered);
             time = h;
         }
-        let Plant { world, now, work: Workspace { landing, .. }, .. } = self;
+        let Plant { world, state: StepState { now, .. }, work: Workspace { landing, .. }, .. } = self;
         let height = |id: &usize| now.pose.height(&world.model.contact_points[*id]);
         if landing.iter().any(|id| height(id) <= LANDED * world.model.length) {
             return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
         }
         for trial in 1.. {
             self.find_end(Part { h: time, skips_landings: true, ..rest })?;
-            let Plant { world, now, work: Workspace { middle, landing, .. }, .. } = self;
+            let Plant { world, state: StepState { now, .. }, work: Workspace { middle, landing, .. }, .. } = self;
             let points = &world.model.contact_points;
             let end = |id: usize| middle.pose.height(&points[id]);
             let Some(&first) = landing.iter().min_by(|a, b| end(**a).total_cmp(&end(**b))) else { break };
@@ -219,19 +223,19 @@ impl Plant {
             }
             let start = now.pose.height(point);
             time = first_root(start, rate, (gap - start - rate * time) / (time * time)).min(h);
-            self.memory.copy(&self.work.remembered);
+            self.state.memory.copy(&self.work.remembered);
         }
         Ok(None)
     }
 
     /// Impact of all points on the ground.
     fn impact_at_landing(&mut self, landing: Landing) -> Result<(), PlantError> {
-        let Plant { world, now, memory, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, .. }, work, .. } = self;
         let landed = landing.gap.max(LANDED * world.model.length);
         work.touches.find_on_ground(world, &now.pose, landed, memory);
         self.events += 1;
         self.impact()?;
-        self.last_acceleration.forget();
+        self.state.last_acceleration.forget();
         Ok(())
     }
 }

@@ -1,6 +1,7 @@
 //! The method of Moreau and Jean with θ = ½: mean forces over the step, second order.
 
 use super::Plant;
+use super::step_state::StepState;
 use super::workspace::Means;
 use crate::delassus::Free;
 use crate::error::PlantError;
@@ -14,7 +15,7 @@ impl Plant {
     /// # Source
     /// Moreau (1988); Jean (1999); Acary & Brogliato, *Numerical Methods for Nonsmooth Dynamical Systems* (2008), 10.1.
     pub(super) fn moreau_jean(&mut self, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         work.start.copy(&now.state);
         let (start, Means { start_change, velocity }) = (&work.start, &mut work.means);
         let dynamics = work.dynamics.find(&world.model, now, 0.0, 0.0)?;

@@ -107,7 +107,7 @@ impl PosedState {
     /// If the state is not finite, or the virtual joints are singular.
     pub fn update_pose(&mut self, world: &World) -> Result<(), PlantError> {
         let PosedState { state, pose } = self;
-        let time = (world.steps + 1) as f64 * world.settings.h;
+        let time = (world.input.steps + 1) as f64 * world.settings.h;
         if !state.x.iter().chain(&state.xdot).all(|number| number.is_finite()) {
             return Err(PlantError::NotFinite { time });
         }

@@ -10,6 +10,7 @@
 
 use super::Plant;
 use super::stages::{RK4, Tableau};
+use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::delassus::Free;
 use crate::error::PlantError;
@@ -23,9 +24,9 @@ impl Plant {
     /// landing is stopped up to ½h|ẋ| too low or too high. Motion with lasting contact is first order, because the stages ignore the
     /// ground.
     pub(super) fn rk4(&mut self, h: f64) -> Result<(), PlantError> {
-        self.work.start.copy(&self.now.state);
+        self.work.start.copy(&self.state.now.state);
         self.integrate(&RK4, h)?; // without active contacts
-        let Plant { world, now, memory, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, record, .. }, work, .. } = self;
         let touches = work.touches.find_penetrating(world, &now.pose, &now.state.xdot, h);
         if touches.list.is_empty() {
             return Ok(());
@@ -41,7 +42,7 @@ impl Plant {
 
     /// Integrates from the start of the step to its end, with the forces of the active contacts.
     pub(super) fn integrate(&mut self, tableau: &Tableau, h: f64) -> Result<(), PlantError> {
-        let Plant { world, now, memory, event_contacts, record, work, .. } = self;
+        let Plant { world, state: StepState { now, memory, event_contacts, record, .. }, work, .. } = self;
         let Workspace { start, stages, dynamics, free, touches, contacts, .. } = work;
         if now.state != *start {
             now.state.copy(start);

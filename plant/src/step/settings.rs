@@ -15,6 +15,12 @@ const ENERGY_GAIN: f64 = 1e-8;
 pub(super) struct World {
     pub model: Model,
     pub settings: Settings,
+    pub input: Input,
+}
+
+/// Forces that act on the robot from outside, and the time.
+#[derive(Clone, Debug)]
+pub(super) struct Input {
     /// Torques of the drives.
     pub torques: Torques,
     /// Pushes of the scene, and those requested during the run.
@@ -67,12 +73,13 @@ impl World {
         let push = Push::new(link, plant.push_impulse, from, plant.push_duration, plant.dt);
         let pushes = if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] };
         let settings = Settings::new(plant, scene.rate)?;
-        Ok(World { model, settings, torques: Torques::default(), pushes, steps: 0 })
+        let input = Input { torques: Torques::default(), pushes, steps: 0 };
+        Ok(World { model, settings, input })
     }
 
     /// Simulated time at the beginning of the step [s].
     pub fn time(&self) -> f64 {
-        self.steps as f64 * self.settings.h
+        self.input.steps as f64 * self.settings.h
     }
 
     /// Checks that contact has not raised the energy: f·v − f·A f/2 is never positive, for sliding and landing contacts alike. Rounding is
@@ -98,7 +105,7 @@ impl World {
         if report.own <= tolerance || !has_basis(law) || problem.check().is_err() {
             return Ok(());
         }
-        let (step, time, problem) = (self.steps, self.time(), Box::new(problem.clone()));
+        let (step, time, problem) = (self.input.steps, self.time(), Box::new(problem.clone()));
         Err(PlantError::Unsolved { step, time, law, residual: report.own, tolerance, problem })
     }
 }

@@ -1,60 +1,26 @@
 //! Snapshots: everything on which the future of a plant depends, apart from its scene.
 
-use super::event_contact::EventContact;
-use super::last_acceleration::LastAcceleration;
-use super::posed_state::PosedState;
-use super::settings::Push;
-use super::{Plant, World};
-use crate::contact::Memory;
-use crate::drive::Drives;
-use crate::truth::Record;
-use messages::wire::Torques;
+use super::Plant;
+use super::settings::Input;
+use super::step_state::StepState;
 
-/// The state of a plant, with the memories of its contacts and drives. The workspace and the [`Counts`](super::Counts) of evaluations are
-/// not part of it.
+/// The input and the state of a plant. The workspace and the [`Counts`](super::Counts) of evaluations are not part of it.
 #[derive(Clone, Debug)]
 pub struct PlantSnapshot {
-    torques: Torques,
-    pushes: Vec<Push>,
-    steps: u64,
-    drives: Drives,
-    now: PosedState,
-    memory: Memory,
-    last_acceleration: LastAcceleration,
-    event_contacts: Vec<EventContact>,
-    next_step: f64,
-    record: Record,
+    input: Input,
+    state: StepState,
 }
 
 impl Plant {
     /// The present state, to continue from it later.
     pub fn snapshot(&self) -> PlantSnapshot {
-        let World { torques, pushes, steps, .. } = &self.world;
-        PlantSnapshot {
-            torques: *torques,
-            pushes: pushes.clone(),
-            steps: *steps,
-            drives: self.drives.clone(),
-            now: self.now.clone(),
-            memory: self.memory.clone(),
-            last_acceleration: self.last_acceleration.clone(),
-            event_contacts: self.event_contacts.clone(),
-            next_step: self.next_step,
-            record: self.record,
-        }
+        PlantSnapshot { input: self.world.input.clone(), state: self.state.clone() }
     }
 
     /// Returns to a state of this plant, or of another plant of the same scene. What follows has the same bits as it had then.
     pub fn restore(&mut self, snapshot: &PlantSnapshot) {
-        let World { torques, pushes, steps, .. } = &mut self.world;
-        (*torques, *steps) = (snapshot.torques, snapshot.steps);
-        pushes.clone_from(&snapshot.pushes);
-        self.drives.clone_from(&snapshot.drives);
-        self.now.clone_from(&snapshot.now);
-        self.memory.clone_from(&snapshot.memory);
-        self.last_acceleration.clone_from(&snapshot.last_acceleration);
-        self.event_contacts.clone_from(&snapshot.event_contacts);
-        (self.next_step, self.record) = (snapshot.next_step, snapshot.record);
+        self.world.input.clone_from(&snapshot.input);
+        self.state.clone_from(&snapshot.state);
         self.work.dynamics.set_prepared(false);
     }
 }

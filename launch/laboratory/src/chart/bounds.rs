@@ -25,7 +25,7 @@ pub fn table(chosen: &[ComparisonScene], rows: &[Measurement]) -> Vec<Vec<String
         "MuJoCo's fastest",
         "error",
         "cost",
-        "its nearest",
+        "most accurate",
         "error",
         "cost",
     ];

@@ -13,6 +13,7 @@ use crate::step::contact::{Contact, Contacts};
 use crate::step::event_contact::EventContact;
 use crate::step::posed_state::PosedState;
 use crate::step::settings::World;
+use crate::step::step_state::StepState;
 use crate::step::touches::Touches;
 use messages::scene::Law;
 use nalgebra::Vector3;
@@ -34,7 +35,7 @@ const MIN_SLIP: f64 = 1e-6;
 impl Plant {
     /// Determines active and sticking contacts, after the impact of landing points.
     pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
-        let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
+        let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         let (length, mut impacts) = (world.model.length, false);
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             let arm = pose.lowest(point);
@@ -45,10 +46,10 @@ impl Plant {
             impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
         }
         if impacts {
-            self.work.touches.find_active(&self.world, &self.now.pose, &self.event_contacts);
+            self.work.touches.find_active(&self.world, &self.state.now.pose, &self.state.event_contacts);
             self.impact()?;
         }
-        let Plant { world, now: PosedState { pose, .. }, event_contacts, .. } = self;
+        let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
             // an impact can open a contact that still has no gap; a drift alone cannot
             let rises = pose.links[point.link].velocity.at(&pose.lowest(point)).z > IMPACT_SPEED * length;
