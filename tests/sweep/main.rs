@@ -3,15 +3,16 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+#[path = "../common/mod.rs"]
 mod common;
+mod parts;
+mod refusals;
+mod thresholds;
 
 use common::fresh_path;
-use nix::sys::signal::{Signal, kill};
-use nix::unistd::Pid;
 use serde_json::Value;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Command, Output, Stdio};
-use std::time::{Duration, Instant};
 
 fn biped(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
@@ -92,148 +93,6 @@ fn every_run_of_a_sweep_is_that_of_a_single_run_with_the_same_digits() {
 }
 
 #[test]
-fn sharded_and_interrupted_sweeps_write_the_same_files_as_one_sweep() {
-    let folder = fresh_path("sweep");
-    let ranges = ["drop", "plant.friction=0:0.8:3", "plant.restitution=0,0.5", "--set", "duration=0.4"];
-    let files = |folder: &Path| {
-        ["sweep.csv", "sweep.svg", "sweep.parquet"].map(|name| std::fs::read(folder.join(name)).expect(name))
-    };
-    let printed = sweep(&ranges, &folder.join("whole"));
-    assert!(printed.contains("6 of 6 runs survive"), "{printed}");
-    let whole = files(&folder.join("whole"));
-    let table = String::from_utf8(whole[0].clone()).expect("text");
-    assert_eq!(column(&table, "plant.friction"), ["0", "0", "0.4", "0.4", "0.8", "0.8"]);
-    assert_eq!(column(&table, "plant.restitution"), ["0", "0.5", "0", "0.5", "0", "0.5"]);
-
-    let mut shards: Vec<PathBuf> = Vec::new();
-    for shard in ["2/2", "1/2"] {
-        sweep(&[&ranges[..], &["--shard", shard]].concat(), &folder);
-        shards.push(folder.join(format!("sweep-{}.csv", shard.replace('/', "-of-"))));
-    }
-    let shards: Vec<&str> = shards.iter().map(|file| file.to_str().expect("a name")).collect();
-    sweep(&[&ranges[..], &["--merge"], &shards].concat(), &folder.join("merged"));
-    assert!(files(&folder.join("merged")) == whole, "merged shards differ");
-
-    // One shard alone is not the whole, and another sweep's table is refused.
-    for (more, word) in [(&["--merge", shards[0]][..], "3 of 6 runs are in none"), (&["duration=1,2"], "given twice")] {
-        let refused = output(&[&ranges[..], more].concat(), &folder.join("refused"));
-        let words = String::from_utf8_lossy(&refused.stderr);
-        assert!(refused.status.code() == Some(2) && words.contains(word), "{words}");
-    }
-    let other = output(&["drop", "plant.friction=0:0.8:3"], &folder.join("whole"));
-    let words = String::from_utf8_lossy(&other.stderr);
-    assert_eq!(other.status.code(), Some(2), "{words}");
-    assert!(words.contains("is the table of another sweep") && words.contains("--out"), "{words}");
-    assert!(words.lines().count() == 1 && files(&folder.join("whole")) == whole, "{words}");
-
-    // A table that was cut in the middle of a row. A finished run is not repeated, so its false figure stays.
-    let cut = folder.join("cut");
-    std::fs::create_dir_all(&cut).expect("a folder");
-    let lines: Vec<&str> = table.lines().collect();
-    let false_row = lines[3].replacen("completed,,0.4,", "completed,,0.7,", 1);
-    assert_ne!(false_row, lines[3]);
-    let rest = [lines[0], lines[1], &false_row, &lines[6][..40]].join("\n");
-    std::fs::write(cut.join("sweep.csv"), rest).expect("a table");
-    sweep(&ranges, &cut);
-    assert_eq!(read(&cut.join("sweep.csv")), table.replacen(lines[3], &false_row, 1));
-    std::fs::remove_dir_all(folder).expect("our own folder");
-}
-
-#[test]
-fn a_killed_sweep_goes_on_where_it_stopped() {
-    let folder = fresh_path("sweep");
-    let ranges = ["sweep", "walk", "controller.speed=0.1:0.2:8", "--set", "duration=4"];
-    let path = folder.join("killed/sweep.csv");
-    let mut child = biped(&ranges).arg("--out").arg(folder.join("killed")).spawn().expect("the program starts");
-    let start = Instant::now();
-    while read(&path).lines().count() < 4 && start.elapsed() < Duration::from_secs(60) {
-        std::thread::sleep(Duration::from_millis(2));
-    }
-    kill(Pid::from_raw(child.id() as i32), Signal::SIGKILL).expect("our own child");
-    child.wait().expect("an end");
-    let begun = read(&path);
-    let finished: Vec<&str> = begun.split_inclusive('\n').filter(|line| line.ends_with('\n')).skip(2).collect();
-    assert!((1..8).contains(&finished.len()), "killed too early or too late to tell anything: {begun}");
-    sweep(&ranges[1..], &folder.join("killed"));
-    sweep(&ranges[1..], &folder.join("whole"));
-    let table = read(&path);
-    assert!(finished.iter().all(|row| table.contains(row)), "{begun}\n{table}");
-    assert_eq!(table, read(&folder.join("whole/sweep.csv")));
-    std::fs::remove_dir_all(folder).expect("our own folder");
-}
-
-#[test]
-fn the_edge_of_a_block_on_a_slope_is_the_tangent_of_its_angle() {
-    let folder = fresh_path("sweep");
-    let arguments = ["stick", "plant.incline_deg=20,26", "--edge", "plant.friction=0.2:0.8:7", "--set", "duration=0.5"];
-    let survival = ["--survival", "distance_m<1e-6", "--tolerance", "1e-5"];
-    let printed = sweep(&[&arguments[..], &survival].concat(), &folder);
-    let edges = read(&folder.join("edges.csv"));
-    assert_eq!(column(&edges, "survives"), ["above", "above"]);
-    let exact = [20f64, 26.0].map(|degrees| degrees.to_radians().tan());
-    for (found, exact) in numbers(&edges, "plant.friction").iter().zip(exact) {
-        assert!((found - exact).abs() <= 1.1e-5, "{found} is not {exact}");
-    }
-    assert!(numbers(&edges, "half_width").iter().all(|half| *half <= 1e-5), "{edges}");
-    assert!(
-        printed.contains("plant.incline_deg=20: plant.friction = 0.36") && printed.contains("survives above"),
-        "{printed}"
-    );
-    // On the rough side alone nothing changes.
-    let rough = ["stick", "--edge", "plant.friction=0.6:0.8", "--survival", "distance_m<1e-6", "--set", "duration=0.1"];
-    let printed = sweep(&rough, &folder.join("rough"));
-    assert!(printed.contains("survival does not change with plant.friction from 0.6 to 0.8"), "{printed}");
-    assert!(column(&read(&folder.join("rough/edges.csv")), "survives").is_empty());
-    std::fs::remove_dir_all(folder).expect("our own folder");
-}
-
-#[test]
-fn a_rigid_robot_tips_over_where_its_weight_leaves_the_sole() {
-    // Two feet on a stiff hip each: the soles end 0.1 m downhill, and the centre of mass is 0.25 m above them.
-    let foot = |name: &str, y: f64| {
-        format!(
-            "[[bodies]]\nname = \"{name} foot\"\nmass = 1.0\nsize = [0.2, 0.1, 0.1]\n\
-             joint = {{ parent = \"trunk\", axis = [1.0, 0.0, 0.0], at = [0.0, {y}, -0.25], stiffness = 1e5, damping = 1e3, rest = 0.0 }}\n\
-             contacts = [[0.1, 0.05, -0.05], [0.1, -0.05, -0.05], [-0.1, 0.05, -0.05], [-0.1, -0.05, -0.05]]\n"
-        )
-    };
-    let text = format!(
-        "duration = 6.0\n[plant]\ndt = 0.001\nfriction = 1.5\nincline_deg = 10.0\n[initial]\nclearance = 0.0\n\
-         [[bodies]]\nname = \"trunk\"\nmass = 8.0\nsize = [0.1, 0.1, 0.3]\n{}{}",
-        foot("left", 0.1),
-        foot("right", -0.1)
-    );
-    let folder = fresh_path("sweep");
-    std::fs::create_dir_all(&folder).expect("a folder");
-    let scene = folder.join("tips.toml");
-    std::fs::write(&scene, text).expect("a scene");
-    let scene = scene.to_str().expect("a name");
-    sweep(&[scene, "--edge", "plant.incline_deg=5:40:8", "--tolerance", "0.01"], &folder);
-    let edges = read(&folder.join("edges.csv"));
-    // Feet: 2 kg at 0.05 m; trunk: 8 kg at 0.3 m.
-    let exact = (0.1_f64 / ((2.0 * 0.05 + 8.0 * 0.3) / 10.0)).atan().to_degrees();
-    let found = numbers(&edges, "plant.incline_deg");
-    assert!(found.len() == 1 && (found[0] - exact).abs() < 0.1, "{found:?} is not {exact}");
-    assert_eq!(column(&edges, "survives"), ["below"]);
-    std::fs::remove_dir_all(folder).expect("our own folder");
-}
-
-#[test]
-fn every_change_of_survival_is_found_even_if_it_is_not_monotonic() {
-    // A cube that slides at up to μgt = 0.981 m/s in either direction has come to rest after t = 0.2 s.
-    let folder = fresh_path("sweep");
-    let arguments = ["slide", "--edge", "initial.velocity.0=-2:2:9", "--tolerance", "0.001", "--set", "duration=0.2"];
-    let printed = sweep(&[&arguments[..], &["--survival", "com_speed_end_mps<1e-6"]].concat(), &folder);
-    let edges = read(&folder.join("edges.csv"));
-    assert_eq!(column(&edges, "survives"), ["above", "below"]);
-    let found = numbers(&edges, "initial.velocity.0");
-    let exact = [-0.5 * 9.81 * 0.2, 0.5 * 9.81 * 0.2];
-    assert!(found.iter().zip(exact).all(|(found, exact)| (found - exact).abs() < 0.007), "{found:?}");
-    assert!(printed.contains("need not be monotonic"), "{printed}");
-    std::fs::remove_dir_all(folder).expect("our own folder");
-}
-
-#[test]
 fn seeds_change_what_is_random_and_nothing_else() {
     let folder = fresh_path("sweep");
     let table = |arguments: &[&str], name: &str| {
@@ -247,59 +106,4 @@ fn seeds_change_what_is_random_and_nothing_else() {
     let single = common::run("walk", &["duration=1", "link.loss=0.2", "link.seed=2", "plant.seed=2"]);
     assert_eq!(single.hash(), hashes[3]);
     std::fs::remove_dir_all(folder).expect("our own folder");
-}
-
-#[test]
-fn a_bad_argument_is_refused_in_one_sentence() {
-    let folder = fresh_path("sweep");
-    let refused: [(&[&str], &[&str]); 27] = [
-        (&["drop", "plant.fricton=0,1"], &["plant.fricton=0: ", "did you mean `friction`"]),
-        (&["drop", "plant.friction"], &["plant.friction: ", "plant.friction=0.1:0.9:5"]),
-        (&["drop", "plant.friction="], &["plant.friction=: ", "plant.friction=0.1:0.9:5"]),
-        (&["drop", "plant.friction=1,,2"], &["two commas"]),
-        (&["drop", "plant.friction=0:1"], &["0:1 is no range", "a:b:n"]),
-        (&["drop", "plant.friction=0:1:1"], &["`1` values", "from 2 to 100000"]),
-        (&["drop", "plant.friction=1:1:5"], &["1:1:5 is empty"]),
-        (&["drop", "plant.friction=log:0:1:5"], &["logarithmic", "greater than 0"]),
-        (&["drop", "plant.friction=0:-1:3"], &["plant.friction", "negative"]),
-        (&["drop", "plant.friction=0,0"], &["plant.friction", "0 is given twice"]),
-        (&["drop", "plant.friction=0,1", "plant.friction=2"], &["plant.friction", "given twice"]),
-        (&["drop", "plant.friction=0,1", "--set", "plant.friction=2"], &["plant.friction", "given twice"]),
-        (&["drop", "plant.friction=0,1", "--edge", "plant.friction=0:1"], &["plant.friction", "given twice"]),
-        (
-            &["drop", "plant.friction=0:1:1000", "plant.restitution=0:1:1000"],
-            &["1000000 runs", " h on", "at most 100000"],
-        ),
-        (&["drop", "plant.encoder_bits=8:16:4"], &["plant.encoder_bits=", "u32"]),
-        (&["drop", "seeds=3"], &["seeds", "nothing in drop is random"]),
-        (&["walk", "seeds=0"], &["seeds=0", "from 1 to 1000"]),
-        (&["walk", "seeds=2", "link.seed=1,2", "link.loss=0.1"], &["link.seed", "given twice"]),
-        (&["walk", "seed=1,2"], &["seed", "seeds=N"]),
-        (&["wlak", "duration=1,2"], &["wlak", "did you mean `walk`"]),
-        (&["drop", "--edge", "plant.friction=0:1"], &["--edge", "no feet", "--survival"]),
-        (&["walk", "--edge", "plant.friction=0,1"], &["--edge plant.friction=0,1", "one range"]),
-        (&["walk", "--edge", "plant.encoder_bits=8:16:9"], &["plant.encoder_bits=8.5", "u32"]),
-        (&["walk", "--edge", "plant.friction=0.1:1", "--tolerance", "-1"], &["--tolerance -1", "greater than 0"]),
-        (&["drop", "duration=1,2", "--survival", "distnce_m<1"], &["`distnce_m`", "did you mean `distance_m`"]),
-        (&["drop", "duration=1,2", "--survival", "distance_m<x"], &["--survival distance_m<x", "finite number"]),
-        (&["drop", "duration=1,2", "--merge", "README.md"], &["README.md is the table of another sweep"]),
-    ];
-    for (arguments, expected) in refused {
-        let output = output(arguments, &folder);
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {words}");
-        assert!(words.lines().count() == 1, "{arguments:?}: {words}");
-        assert!(expected.iter().all(|word| words.contains(word)), "{arguments:?}: {words}");
-        assert!(!folder.exists(), "{arguments:?} left a folder");
-    }
-    // The argument parser refuses these, and adds a line about help.
-    for (arguments, word) in [
-        (&["drop"][..], "KEY=RANGE"),
-        (&["drop", "duration=1,2", "--shard", "3/2"], "i from 1 to n"),
-        (&["drop", "duration=1,2", "--tolerance", "1"], "--edge"),
-    ] {
-        let output = output(arguments, &folder);
-        let words = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(2) && words.contains(word), "{arguments:?}: {words}");
-    }
 }
