@@ -15,7 +15,7 @@ plant = { dt = 0.001, method = "SemiImplicitEuler", drive_inertia = 0.1 } # the 
 initial = { clearance = 0.0, velocity = [0.5, 0.0, 0.0], joints = [0.0, 0.5, -1.5, 1.0, -1.0, 1.5, -0.5, 0.0] }
 "#;
 
-/// Prints what each stage makes, and compares the velocity at the end.
+/// Prints results of the stages, and compares the velocity at the end with that of `Plant::step`.
 pub fn main() -> Result<(), Box<dyn Error>> {
     let scene = load::parse(SCENE, "one step")?;
     let mut plant = Plant::new(&scene)?.without_standing_feet();

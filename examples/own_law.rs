@@ -1,7 +1,7 @@
-//! A contact law of your own: projected Gauss-Seidel, tried on the problems of two scenes and on a recorded one, and judged by the natural map.
+//! A contact law of your own: projected Gauss-Seidel on the problems of two scenes and on a recorded one, with its natural map.
 //!
 //! A hundred sweeps solve a brick that slides and turns. A thousand do not solve a robot on straight legs: its feet act on each other
-//! through the trunk, and the sweeps pass that on one contact at a time. The default law solves both.
+//! through the trunk, and a sweep changes one contact at a time. The default law solves both.
 //!
 //!     cargo run --release --example own_law
 
@@ -24,8 +24,8 @@ plant = { method = "SemiImplicitEuler", drive_inertia = 0.0 }
 initial = { clearance = 0.0 }
 "#;
 
-/// A problem as a run records it that ends with an unsolved one: `biped run walk --set plant.law=Aligned --set plant.tolerance=1e-15`
-/// names the file. `biped contact FILE` solves it by every law of this project.
+/// An unsolved problem, as a run saves it when it ends with one. `biped run walk --set plant.law=Aligned --set plant.tolerance=1e-15` writes
+/// such a file. `biped contact FILE` solves it by every law of this project.
 const RECORDED: &str = include_str!("recorded.json");
 
 /// The impulse f after `sweeps` sweeps over the contacts, v = A f + b. The rows of a contact are normal, tangent, tangent.
@@ -48,7 +48,7 @@ fn gauss_seidel(problem: &Problem, sweeps: usize) -> Vec<f64> {
     f
 }
 
-/// Prints the residual of the law after more and more sweeps, beside that of the default law. Returns the default's and the last one.
+/// Prints the residual of the default law, and that of this law after 1 to 1000 sweeps. Returns the first and the last.
 fn compare(name: &str, problem: &Problem) -> [f64; 2] {
     let mut solver = Solver::default();
     let default = solver.solve(problem, Law::Cone, &mut Memory::default()).natural_map;

@@ -100,9 +100,9 @@ fn every_source_file_that_a_document_names_exists() {
 /// Whether a source defines a function, a type or a public field of this name, or methods of the type.
 fn defines(code: &str, name: &str) -> bool {
     let is_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    ["fn ", "struct ", "enum ", "impl ", "pub "].iter().any(|keyword| {
-        code.split(&format!("{keyword}{name}")).skip(1).any(|rest| !rest.starts_with(is_name))
-    })
+    ["fn ", "struct ", "enum ", "impl ", "pub "]
+        .iter()
+        .any(|keyword| code.split(&format!("{keyword}{name}")).skip(1).any(|rest| !rest.starts_with(is_name)))
 }
 
 /// Each row of the table of equations names files and identifiers, which one of these files must define.

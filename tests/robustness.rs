@@ -5,7 +5,7 @@
 
 mod common;
 
-use common::fresh_path;
+use common::{assert_refused, fresh_path};
 use nix::sys::signal::{Signal, kill};
 use nix::unistd::Pid;
 use std::path::{Path, PathBuf};
@@ -50,9 +50,7 @@ fn sharded_and_interrupted_sweeps_write_the_same_file_as_one_sweep() {
     let merged = sweep(&[&["--merge"], &names[..]].concat(), &folder.join("merged"));
     assert_eq!(merged, whole);
     let lacking = output(&["--merge", names[0], names[2]], &folder.join("lacking"));
-    let printed = String::from_utf8_lossy(&lacking.stderr);
-    assert_eq!(lacking.status.code(), Some(2), "{printed}");
-    assert!(printed.contains("of 16 runs are in none of the files") && printed.lines().count() == 1, "{printed}");
+    assert_refused(&lacking, 2, &["of 16 runs are in none of the files"]);
 
     // A table that was cut in the middle of a row, with rows in order of completion. Finished runs are not repeated, so a falsified speed stays.
     let cut = folder.join("cut");
@@ -81,13 +79,7 @@ fn two_sweeps_never_write_one_table() {
     while !read(&folder.join("robustness.csv")).contains("case,") && start.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(2));
     }
-    let second = output(&long, &folder);
-    let printed = String::from_utf8_lossy(&second.stderr);
-    assert_eq!(second.status.code(), Some(2), "{printed}");
-    assert!(
-        printed.contains("another sweep is writing") && printed.contains("--out") && printed.lines().count() == 1,
-        "{printed}"
-    );
+    assert_refused(&output(&long, &folder), 2, &["another sweep is writing", "--out"]);
     kill(Pid::from_raw(first.id() as i32), Signal::SIGTERM).expect("our own child");
     assert_eq!(first.wait().expect("an end").code(), Some(130));
     // Another shard writes another table.
@@ -171,10 +163,7 @@ fn an_interrupted_sweep_keeps_its_finished_runs() {
     }
     kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).expect("it is there");
     let output = child.wait_with_output();
-    let output = output.expect("it ends");
-    let printed = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(130), "{printed}");
-    assert!(printed.contains("of 8000 runs are in") && printed.lines().count() == 1, "{printed}");
+    assert_refused(&output.expect("it ends"), 130, &["of 8000 runs are in"]);
     let table = read(&path);
     assert!(table.ends_with('\n') && table.lines().count() >= 5);
     let numbers: Vec<usize> = table.lines().skip(2).filter_map(|row| row.split(',').next()?.parse().ok()).collect();
@@ -201,24 +190,11 @@ fn a_bad_argument_is_refused_in_one_sentence() {
         (&["--merge", "/dev/null/none.csv"], &["/dev/null/none.csv cannot be read"]),
         (&["--merge", "README.md"], &["README.md is the table of another sweep"]),
     ];
-    for (arguments, expected) in refused {
-        let output = output(arguments, &folder);
-        let printed = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {printed}");
-        assert!(printed.lines().count() == 1, "{arguments:?}: {printed}");
-        assert!(expected.iter().all(|word| printed.contains(word)), "{arguments:?}: {printed}");
-    }
-    // The argument parser refuses these, and adds a line about help.
-    for (arguments, word) in
-        [(["--shard", "5/4"], "i from 1 to n"), (["--seeds", "0"], "1..=1000"), (["--loss", "x"], "x")]
-    {
-        let output = output(&arguments, &folder);
-        let printed = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(2) && printed.contains(word), "{arguments:?}: {printed}");
-    }
-    let output = output(&[], Path::new("/dev/null/robustness"));
-    let printed = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(4), "{printed}");
-    assert!(printed.contains("/dev/null/robustness cannot be written") && printed.lines().count() == 1, "{printed}");
+    common::assert_all_refused(|arguments| output(arguments, &folder), &refused);
+    let misused: [(&[&str], &str); 3] =
+        [(&["--shard", "5/4"], "i from 1 to n"), (&["--seeds", "0"], "1..=1000"), (&["--loss", "x"], "x")];
+    common::assert_all_misused(|arguments| output(arguments, &folder), &misused);
+    let unwritable = output(&[], Path::new("/dev/null/robustness"));
+    assert_refused(&unwritable, 4, &["/dev/null/robustness cannot be written"]);
     let _ = std::fs::remove_dir_all(folder);
 }

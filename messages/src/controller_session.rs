@@ -37,15 +37,17 @@ pub struct ControllerSession {
 }
 
 /// A reading of the encoders that needs an answer.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Reading {
+    /// Stamp of the sensors, with run, number and simulated time.
+    pub stamp: Stamp,
     /// Encoder counts of all joints.
     pub encoders: Encoders,
     /// Whether this is the first reading of a run. The controller must then start from its initial state.
     pub begins: bool,
 }
 
-/// What [`ControllerSession::poll`] has found.
+/// Result of [`ControllerSession::poll`].
 #[derive(Clone, Copy, Debug)]
 pub enum Event {
     /// No new reading for some milliseconds.
@@ -56,7 +58,7 @@ pub enum Event {
     Goodbye,
 }
 
-/// Why a controller left its session before the plant's goodbye.
+/// Reason why a controller left its session before the plant's goodbye.
 #[derive(Debug, thiserror::Error)]
 pub enum ControllerSessionError {
     /// The environment does not describe a session, or there is no such session.
@@ -108,6 +110,18 @@ impl ControllerSession {
             Some(name) => PeerEnvironment::attach(name, PATIENCE, keeps_waiting)?,
             None => PeerEnvironment::from_env(keeps_waiting)?,
         };
+        Ok(ControllerSession::enter(environment, keeps_waiting)?)
+    }
+
+    /// Joins the session of an environment, and returns its scene. A successor waits for the end of its predecessor while
+    /// `keeps_waiting` returns true.
+    ///
+    /// # Errors
+    /// If the session has another contract or another controller, or shared memory fails.
+    pub fn enter(
+        environment: PeerEnvironment,
+        keeps_waiting: impl Fn() -> bool,
+    ) -> Result<(ControllerSession, Scene), PortError> {
         let PeerEnvironment { session, contract, patience, scene, takes_over } = environment;
         let port = ControllerPort::open_when_free(&session, &contract, || takes_over && keeps_waiting())?;
         Ok((ControllerSession::over(port, patience), scene))
@@ -124,6 +138,7 @@ impl ControllerSession {
     /// # Errors
     /// No plant, `stop`, or a connection that failed.
     pub fn wait(&mut self, stop: &AtomicBool) -> Result<Option<Reading>, ControllerSessionError> {
+        self.begin_wait();
         while !stop.load(Relaxed) {
             match self.poll()? {
                 Event::Idle => {}
@@ -132,6 +147,11 @@ impl ControllerSession {
             }
         }
         Err(ControllerSessionError::Interrupted)
+    }
+
+    /// Restarts the time in which the plant must send a reading. A program that may have paused calls this before [`ControllerSession::poll`].
+    pub fn begin_wait(&mut self) {
+        self.waiting.restart();
     }
 
     /// Waits for some milliseconds for the next reading. A reading that the plant repeats gets the same answer again.
@@ -156,7 +176,7 @@ impl ControllerSession {
             return Ok(Event::Idle);
         }
         self.asked = sensors.stamp;
-        Ok(Event::Reading(Reading { encoders: sensors.encoders, begins }))
+        Ok(Event::Reading(Reading { stamp: sensors.stamp, encoders: sensors.encoders, begins }))
     }
 
     /// Answers the last reading.

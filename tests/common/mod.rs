@@ -8,7 +8,7 @@ use messages::scene::Scene;
 use serde_json::Value;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
-use std::process::{Command, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// The summary of one run.
@@ -167,4 +167,29 @@ pub fn shanks(length: f64) -> Robot {
         bodies[ankle].joint.as_mut().expect("an ankle").at[2] *= length;
     }
     Robot { name: format!("shanks times {length}"), drives: DriveParameters::default(), bodies }
+}
+
+/// Checks that the program ended with this exit code and one sentence, which contains all of these words.
+pub fn assert_refused(output: &Output, code: i32, words: &[&str]) {
+    let sentence = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{sentence}");
+    assert_eq!(sentence.lines().count(), 1, "{sentence}");
+    words.iter().for_each(|word| assert!(sentence.contains(word), "`{word}` is not in: {sentence}"));
+}
+
+/// Checks that a command refuses each of these arguments with exit code 2 and one sentence, which contains the words beside them.
+pub fn assert_all_refused(run: impl Fn(&[&str]) -> Output, refused: &[(&[&str], &[&str])]) {
+    for (arguments, words) in refused {
+        println!("{}", arguments.join(" "));
+        assert_refused(&run(arguments), 2, words);
+    }
+}
+
+/// As [`assert_all_refused`], for arguments that the argument parser refuses. It adds a line about help.
+pub fn assert_all_misused(run: impl Fn(&[&str]) -> Output, misused: &[(&[&str], &str)]) {
+    for (arguments, word) in misused {
+        let output = run(arguments);
+        let sentence = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && sentence.contains(word), "{arguments:?}: {sentence}");
+    }
 }

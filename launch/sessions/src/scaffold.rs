@@ -31,7 +31,7 @@ pub enum NewArgs {
 pub struct ControllerArgs {
     /// Folder to make
     folder: PathBuf,
-    /// Controller to begin from; `walk` is there in Python and in C
+    /// Controller to begin from; `walk` exists in Python and in C
     #[arg(long, value_enum, default_value = "stand")]
     from: Template,
     #[command(flatten)]

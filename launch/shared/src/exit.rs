@@ -162,14 +162,8 @@ impl From<controller::process::ProcessError> for Failure {
 
 impl From<ControllerSessionError> for Failure {
     fn from(error: ControllerSessionError) -> Self {
-        use ControllerSessionError as E;
-        match error {
-            E::Environment(error) => error.into(),
-            E::Port(error) => error.into(),
-            E::NoPlant(_) => Failure::new(Exit::PeerMissing, error),
-            E::Torque { .. } => Failure::new(Exit::Fault, error),
-            E::Interrupted => Failure::new(Exit::Interrupted, error),
-        }
+        let exit = Exit::of_child(Some(error.exit_code().into()));
+        Failure::new(exit, error)
     }
 }
 

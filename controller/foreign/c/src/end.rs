@@ -1,13 +1,12 @@
-//! The controller's end of a session in safe Rust: the protocol of docs/WIRE.md around a [`ControllerPort`].
+//! The controller's end of a session in safe Rust: a [`ControllerSession`] whose calls are checked for their order.
 
-use crate::failure::{BIPED_DEFECT, BIPED_NO_PLANT, BIPED_STOPPED, CallFailure};
+use crate::failure::{BIPED_DEFECT, CallFailure};
 use crate::status::{BIPED_BEGIN, BIPED_GOODBYE, BIPED_TICK, ControllerStatus};
 use controller::{Controller as Planner, ControllerError};
-use messages::clock::{Timeout, now_ns, random};
+use messages::controller_session::{ControllerSession, ControllerSessionError, Event, Reading};
 use messages::peer_environment::PeerEnvironment;
-use messages::port::{ControllerPort, PortError};
 use messages::scene::Scene;
-use messages::wire::{Command, Encoders, Sensors, Stamp, Stamped, Telemetry, Torques};
+use messages::wire::{Encoders, Stamp, Telemetry, Torques};
 use std::f64::consts::TAU;
 use std::ffi::c_int;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -22,12 +21,10 @@ type Walker = (u64, u64, Box<Planner>);
 
 /// A controller in a session.
 pub struct ControllerHandle {
-    port: ControllerPort,
-    /// The last sensors; their number is 0 before the first ones.
-    sensors: Sensors,
-    answer: Command,
+    session: ControllerSession,
+    /// The last reading; its number is 0 before the first one.
+    reading: Reading,
     is_answered: bool,
-    patience: Duration,
     /// The constant part of the status.
     robot: ControllerStatus,
     scene: Scene,
@@ -56,14 +53,11 @@ impl ControllerHandle {
         environment: PeerEnvironment,
         keeps_waiting: impl Fn() -> bool,
     ) -> Result<ControllerHandle, CallFailure> {
-        let PeerEnvironment { session, contract, patience, scene, takes_over } = environment;
-        let keep_waiting = || takes_over && keeps_waiting();
+        let (session, scene) = ControllerSession::enter(environment, keeps_waiting)?;
         Ok(ControllerHandle {
-            port: ControllerPort::open_when_free(&session, &contract, keep_waiting)?,
-            sensors: Sensors::default(),
-            answer: Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() },
+            session,
+            reading: Reading::default(),
             is_answered: true,
-            patience,
             robot: robot(&scene),
             scene,
             walker: None,
@@ -78,41 +72,29 @@ impl ControllerHandle {
 
     /// As [`ControllerHandle::wait`], until `biped_stop` is called.
     pub(crate) fn wait_until_stopped(&mut self) -> Result<c_int, CallFailure> {
-        match STOP.load(Relaxed) {
-            true => Err(stopped()),
-            false => self.wait(|| !STOP.load(Relaxed)),
-        }
+        self.wait(|| !STOP.load(Relaxed))
     }
 
-    /// Waits for the next sensors while `keeps_waiting` returns true, and returns their kind. It asks every 10 ms.
+    /// Waits for the next sensors while `keeps_waiting` returns true, and returns their kind. It is asked every 10 ms.
     ///
     /// # Errors
     /// If no plant sends sensors in time, or the wait is stopped.
     pub fn wait(&mut self, mut keeps_waiting: impl FnMut() -> bool) -> Result<c_int, CallFailure> {
-        let mut waiting = Timeout::new("plant", self.patience);
-        loop {
-            let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
-                match (waiting.has_expired(), keeps_waiting()) {
-                    (true, _) => return Err(self.no_plant()),
-                    (false, true) => continue,
-                    (false, false) => return Err(stopped()),
+        self.session.begin_wait();
+        while keeps_waiting() {
+            match self.session.poll()? {
+                Event::Idle => {}
+                Event::Reading(reading) => {
+                    (self.reading, self.is_answered) = (reading, false);
+                    return Ok(if reading.begins { BIPED_BEGIN } else { BIPED_TICK });
                 }
-            };
-            if sensors.last != 0 {
-                self.is_answered = true;
-                return Ok(BIPED_GOODBYE);
+                Event::Goodbye => {
+                    self.is_answered = true;
+                    return Ok(BIPED_GOODBYE);
+                }
             }
-            let asked = sensors.stamp;
-            let begins = self.answer.stamp.run != asked.run;
-            if begins {
-                self.answer.stamp = Stamp { run: asked.run, seq: 0, ack: 0, ..self.answer.stamp };
-            } else if self.answer.stamp.ack == asked.seq {
-                self.send()?; // repeated sensors get the same answer
-                continue;
-            }
-            (self.sensors, self.is_answered) = (sensors, false);
-            return Ok(if begins { BIPED_BEGIN } else { BIPED_TICK });
         }
+        Err(ControllerSessionError::Interrupted.into())
     }
 
     /// Torques and telemetry of this project's own controller. It must get every reading of a run exactly once.
@@ -123,7 +105,7 @@ impl ControllerHandle {
         let fault = |error: ControllerError| {
             CallFailure::new(BIPED_DEFECT, format!("biped_plan has no torques for this robot: {error}"))
         };
-        let Stamp { run, seq, .. } = self.sensors.stamp;
+        let Stamp { run, seq, .. } = self.reading.stamp;
         let walker = match self.walker.take().filter(|(of, ..)| *of == run) {
             Some(walker) => self.walker.insert(walker),
             None => self.walker.insert((run, 0, Box::new(Planner::new(&self.scene).map_err(fault)?))),
@@ -133,12 +115,8 @@ impl ControllerHandle {
                 "biped_plan was already called for this reading: call it once for each biped_wait",
             ));
         }
-        let torques = walker.2.tick(&self.sensors.encoders).map_err(fault)?;
+        let torques = walker.2.tick(&self.reading.encoders).map_err(fault)?;
         Ok((torques, walker.2.telemetry()))
-    }
-
-    fn no_plant(&self) -> CallFailure {
-        CallFailure::new(BIPED_NO_PLANT, format!("no plant sent sensors within {:?}", self.patience))
     }
 
     /// The reading of the encoders.
@@ -146,9 +124,9 @@ impl ControllerHandle {
     /// # Errors
     /// If there is none yet.
     pub fn encoders(&self) -> Result<Encoders, CallFailure> {
-        match self.sensors.stamp.seq {
+        match self.reading.stamp.seq {
             0 => Err(CallFailure::misuse("there is no reading of the encoders yet: call biped_wait first")),
-            _ => Ok(self.sensors.encoders),
+            _ => Ok(self.reading.encoders),
         }
     }
 
@@ -160,30 +138,16 @@ impl ControllerHandle {
         if self.is_answered {
             return Err(CallFailure::misuse("there is no reading to answer: call biped_wait, then biped_write once"));
         }
-        if let Some(joint) = torques.torque.iter().position(|torque| !torque.is_finite()) {
-            return Err(CallFailure::misuse(format!("torque[{joint}] is {}", torques.torque[joint])));
-        }
-        (self.answer.torques, self.answer.telemetry) = (torques, telemetry);
-        self.send()?;
+        self.session.answer(torques, telemetry)?;
         self.is_answered = true;
         Ok(())
     }
 
-    fn send(&mut self) -> Result<(), PortError> {
-        let (asked, seq) = (self.sensors.stamp, self.answer.stamp.seq + 1);
-        self.answer.stamp = Stamp { seq, ack: asked.seq, sim_ns: asked.sim_ns, mono_ns: now_ns(), ..self.answer.stamp };
-        self.port.send(self.answer)
-    }
-
     /// State of the session.
     pub fn status(&self) -> ControllerStatus {
-        let Stamp { run, seq, sim_ns, .. } = self.sensors.stamp;
+        let Stamp { run, seq, sim_ns, .. } = self.reading.stamp;
         ControllerStatus { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
     }
-}
-
-fn stopped() -> CallFailure {
-    CallFailure::new(BIPED_STOPPED, "stopped by biped_stop")
 }
 
 /// The data of the robot that a controller needs.

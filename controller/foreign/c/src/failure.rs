@@ -1,5 +1,6 @@
 //! Failures: a negative code and a sentence. The code is minus the exit code of `biped` for the same failure.
 
+use messages::controller_session::ControllerSessionError;
 use messages::peer_environment::PeerEnvironmentError;
 use messages::port::PortError;
 use std::cell::RefCell;
@@ -70,6 +71,18 @@ impl From<PeerEnvironmentError> for CallFailure {
         match error {
             PeerEnvironmentError::Malformed(sentence) => CallFailure::misuse(sentence),
             PeerEnvironmentError::Port(error) => error.into(),
+        }
+    }
+}
+
+impl From<ControllerSessionError> for CallFailure {
+    fn from(error: ControllerSessionError) -> CallFailure {
+        match error {
+            ControllerSessionError::Environment(error) => error.into(),
+            ControllerSessionError::Port(error) => error.into(),
+            ControllerSessionError::NoPlant(_) => CallFailure::new(BIPED_NO_PLANT, error),
+            ControllerSessionError::Torque { .. } => CallFailure::misuse(error),
+            ControllerSessionError::Interrupted => CallFailure::new(BIPED_STOPPED, "stopped by biped_stop"),
         }
     }
 }

@@ -21,7 +21,7 @@ pub struct SweepArgs {
     /// Bisect until a threshold is known up to this, in the unit of its key; a thousandth of the range by default
     #[arg(long, value_name = "VALUE", requires = "edge", allow_negative_numbers = true)]
     pub(super) tolerance: Option<f64>,
-    /// What counts as survival besides not falling: a figure of summary.json below or above a limit, for example
+    /// Condition of survival in addition to not falling: a figure of summary.json below or above a limit, for example
     /// 'distance_m<0.001'
     #[arg(long, value_name = "FIGURE<LIMIT")]
     pub(super) survival: Option<String>,

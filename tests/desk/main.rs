@@ -1,18 +1,18 @@
 //! Claims about the control services: a request to a running session has its documented effect, and no other.
 
-#![expect(clippy::expect_used, clippy::unwrap_used, reason = "a test may panic")]
+#![expect(clippy::expect_used, reason = "a test may panic")]
 
-#[path = "common/live.rs"]
+mod commands;
+#[path = "../common/live.rs"]
 mod live;
+mod memory;
 
 use live::{LONG, Running, biped, eventually};
-use messages::port::{Action, Contract, Pace, PortError, RecorderPort, Verdict, ask};
-use messages::scene::Scene;
+use messages::port::{Action, RecorderPort, Verdict, ask};
 use messages::session::Session;
 use messages::wire::{STATES, Truth};
 use nix::sys::signal::Signal;
 use serde_json::Value;
-use std::process::Output;
 use std::time::{Duration, Instant};
 
 fn walking(name: &str, extra: &[&str]) -> Running {
@@ -180,136 +180,4 @@ fn drives_that_a_silent_controller_switched_off_stay_off_until_rearmed() {
     assert_eq!(stand.ask(Action::Rearm).verdict, Verdict::Done as u64);
     stand.until("drives on", |truth| states(truth) == "run" && truth.torque != [0.0; 8]);
     stand.end();
-}
-
-#[test]
-fn every_request_command_is_accepted_as_documented() {
-    // ten times slower than real time, so that no scheduler delays the controller by a whole period, after which the drives would be in state hold
-    let walk = walking("commands", &["--speed", "0.1"]);
-    for (command, answer) in [
-        ("pause", "paused"),
-        ("step 3", "paused"),
-        ("resume", "run"),
-        ("rearm", "run"),
-        ("push 0,0.1,-0.1 --body 4 --duration 0.1", "run; trunk is pushed by 0,0.1,-0.1 N·s within 0.1 s"),
-        ("push 0.1,0,0 --body trunk", "run; trunk is pushed by 0.1,0,0 N·s"),
-        ("set --speed 0.1", "set"),
-        ("set --period 0.65", "set"),
-        ("set --speed -0.1 --period 0.6", "set"),
-        ("reset 5", "t 0.000 s"),
-    ] {
-        let mut arguments: Vec<&str> = command.split(' ').collect();
-        arguments.extend(["--session", walk.session.name()]);
-        let Output { status, stdout, stderr } = biped(&arguments).output().expect("the program runs");
-        let said = [stdout, stderr].concat();
-        let said = String::from_utf8_lossy(&said);
-        assert!(status.success() && said.contains(answer), "{command}: {status}, {said}");
-    }
-    walk.end();
-}
-
-#[test]
-fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_code() {
-    let session = Session::unique();
-    assert!(matches!(ask(&session, Action::Pause), Err(PortError::NoSession { .. })));
-    assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
-    let Output { status, stderr, .. } =
-        biped(&["pause", "--session", session.name()]).output().expect("the program runs");
-    let errors = String::from_utf8_lossy(&stderr);
-    assert_eq!(status.code(), Some(3), "{errors}");
-    assert!(errors.contains("no session") && errors.contains(session.name()), "{errors}");
-    for bad in [&["push", "1,2"][..], &["set"], &["step", "many"], &["set", "--speed", "fast"]] {
-        assert_eq!(biped(bad).output().expect("the program runs").status.code(), Some(2), "{bad:?}");
-    }
-}
-
-#[test]
-fn a_refused_request_names_what_is_possible() {
-    let walk = walking("refuses", &[]);
-    for (command, words) in [
-        (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
-        (&["push", "0,1,0", "--body", "99"], "no such body"),
-        (&["set", "--speed", "99"], "m"),
-    ] {
-        let output =
-            biped(&[command, &["--session", walk.session.name()]].concat()).output().expect("the program runs");
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.code() == Some(2) && errors.contains(words), "{command:?}: {errors}");
-    }
-    walk.end();
-}
-
-#[test]
-fn requests_to_a_run_are_in_its_summary() {
-    let folder = std::env::temp_dir().join(format!("biped-test-asked-{}", std::process::id()));
-    let out = folder.to_string_lossy().into_owned();
-    // ten times slower than real time, so that no scheduler delays the controller by a whole period
-    let walk = walking("asked", &["--speed", "0.1", "--set", "duration=0.4", "--out", &out]);
-    let push = Action::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
-    let refused = Action::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
-    let set = Action::Set { period: None, speed: Some(0.1) };
-    let replies = [push, refused, set].map(|what| walk.ask(what));
-    let (code, table, errors) = walk.wait();
-    assert_eq!(code, Some(0), "{errors}");
-    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
-    std::fs::remove_dir_all(folder).expect("our own folder");
-    let summary: Value = serde_json::from_str(&summary).expect("JSON");
-    let asked = summary["requests"].as_array().expect("a list");
-    // the helper made earlier requests to wait for the control services
-    let last = &asked[asked.len() - 3..];
-    let of = |key: &str| last.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
-    assert_eq!(of("kind"), ["push", "push", "set"]);
-    assert_eq!(of("answer"), ["done", "no such body", "done"]);
-    assert_eq!(
-        (&last[0]["body"], &last[0]["impulse_ns"][1], &last[2]["speed_mps"]),
-        (&4.into(), &0.5.into(), &0.1.into())
-    );
-    for (one, reply) in last.iter().zip(&replies) {
-        let time = reply.stamp.sim_ns as f64 * 1e-9;
-        assert!((one["time_s"].as_f64().expect("a time") - time).abs() < 1e-9, "{one} at {time}");
-    }
-    assert!(table.contains("requests "), "{table}");
-}
-
-#[test]
-fn a_plant_without_a_controller_serves_requests_and_refuses_set_points() {
-    let session = Session::named(&format!("test-{}-alone", std::process::id())).expect("a good name");
-    let scene = Scene { duration: 1.0, ..Scene::default() };
-    let port = messages::port::PlantPort::open(&session, &Contract::of(&scene, Pace::Lockstep)).expect("plant");
-    let set = Action::Set { period: None, speed: Some(0.1) };
-    assert!(matches!(ask(&session, set), Err(PortError::Absent { role: "controller", .. })));
-    drop(port);
-}
-
-/// Resident memory of a process, private and shared [kB].
-fn memory(number: i32) -> [i64; 2] {
-    let status = std::fs::read_to_string(format!("/proc/{number}/status")).unwrap();
-    let line = |key| status.lines().find_map(|line| line.strip_prefix(key)).unwrap().trim_end_matches("kB").trim();
-    ["RssAnon:", "RssShmem:"].map(|key| line(key).parse().unwrap())
-}
-
-/// Shared memory is allocated at the start but becomes resident only on first use, which is when a recorder lags further behind than
-/// before.
-#[test]
-fn memory_does_not_grow_by_resets_and_at_most_once_by_a_slow_recorder() {
-    let mut walk = Running::start("memory", &["--set", "duration=100000"]);
-    let plant = walk.pid("plant");
-    let mut resets = |count| {
-        for _ in 0..count {
-            let run = walk.ask(Action::Reset { seed: None }).stamp.run;
-            walk.until("another walk", |truth| truth.stamp.run == run && truth.stamp.seq > 100);
-        }
-        let fresh = memory(plant);
-        std::thread::sleep(Duration::from_millis(500)); // the plant waits for this recorder
-        let lagging = memory(plant);
-        walk.drain();
-        (fresh, lagging)
-    };
-    let ((fresh, _), (settled, lagged), (_, again)) = (resets(10), resets(10), resets(60));
-    println!(
-        "private and shared [kB]: {fresh:?}, after a lag {settled:?}, after a second one {lagged:?}, after 60 resets {again:?}"
-    );
-    assert!(settled[1] > 1000, "negative control: the buffer of 1024 truths is not visible in {settled:?}");
-    assert!((0..2).all(|kind| again[kind] - lagged[kind] < 150), "{lagged:?}, {again:?}");
-    walk.end();
 }

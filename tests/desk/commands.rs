@@ -1,0 +1,109 @@
+//! Claims about the commands that send requests, their refusals, and the requests in the results of a run.
+
+use crate::live::biped;
+use crate::walking;
+use messages::port::{Action, Contract, Pace, PlantPort, PortError, ask};
+use messages::scene::Scene;
+use messages::session::Session;
+use serde_json::Value;
+use std::path::PathBuf;
+use std::process::Output;
+
+#[test]
+fn every_request_command_is_accepted_as_documented() {
+    // ten times slower than real time, so that no scheduler delays the controller by a whole period, after which the drives would be in state hold
+    let walk = walking("commands", &["--speed", "0.1"]);
+    for (command, answer) in [
+        ("pause", "paused"),
+        ("step 3", "paused"),
+        ("resume", "run"),
+        ("rearm", "run"),
+        ("push 0,0.1,-0.1 --body 4 --duration 0.1", "run; trunk is pushed by 0,0.1,-0.1 N·s within 0.1 s"),
+        ("push 0.1,0,0 --body trunk", "run; trunk is pushed by 0.1,0,0 N·s"),
+        ("set --speed 0.1", "set"),
+        ("set --period 0.65", "set"),
+        ("set --speed -0.1 --period 0.6", "set"),
+        ("reset 5", "t 0.000 s"),
+    ] {
+        let mut arguments: Vec<&str> = command.split(' ').collect();
+        arguments.extend(["--session", walk.session.name()]);
+        let Output { status, stdout, stderr } = biped(&arguments).output().expect("the program runs");
+        let said = [stdout, stderr].concat();
+        let said = String::from_utf8_lossy(&said);
+        assert!(status.success() && said.contains(answer), "{command}: {status}, {said}");
+    }
+    walk.end();
+}
+
+#[test]
+fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_code() {
+    let session = Session::unique();
+    assert!(matches!(ask(&session, Action::Pause), Err(PortError::NoSession { .. })));
+    assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
+    let Output { status, stderr, .. } =
+        biped(&["pause", "--session", session.name()]).output().expect("the program runs");
+    let errors = String::from_utf8_lossy(&stderr);
+    assert_eq!(status.code(), Some(3), "{errors}");
+    assert!(errors.contains("no session") && errors.contains(session.name()), "{errors}");
+    for bad in [&["push", "1,2"][..], &["set"], &["step", "many"], &["set", "--speed", "fast"]] {
+        assert_eq!(biped(bad).output().expect("the program runs").status.code(), Some(2), "{bad:?}");
+    }
+}
+
+#[test]
+fn a_refused_request_names_what_is_possible() {
+    let walk = walking("refuses", &[]);
+    for (command, words) in [
+        (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
+        (&["push", "0,1,0", "--body", "99"], "no such body"),
+        (&["set", "--speed", "99"], "m"),
+    ] {
+        let output =
+            biped(&[command, &["--session", walk.session.name()]].concat()).output().expect("the program runs");
+        let errors = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.code() == Some(2) && errors.contains(words), "{command:?}: {errors}");
+    }
+    walk.end();
+}
+
+#[test]
+fn requests_to_a_run_are_in_its_summary() {
+    let folder = std::env::temp_dir().join(format!("biped-test-asked-{}", std::process::id()));
+    let out = folder.to_string_lossy().into_owned();
+    // ten times slower than real time, so that no scheduler delays the controller by a whole period
+    let walk = walking("asked", &["--speed", "0.1", "--set", "duration=0.4", "--out", &out]);
+    let push = Action::Push { body: 4, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
+    let refused = Action::Push { body: 99, impulse: [0.0, 0.5, 0.0], duration: 0.05 };
+    let set = Action::Set { period: None, speed: Some(0.1) };
+    let replies = [push, refused, set].map(|what| walk.ask(what));
+    let (code, table, errors) = walk.wait();
+    assert_eq!(code, Some(0), "{errors}");
+    let summary = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+    let summary: Value = serde_json::from_str(&summary).expect("JSON");
+    let asked = summary["requests"].as_array().expect("a list");
+    // the helper made earlier requests to wait for the control services
+    let last = &asked[asked.len() - 3..];
+    let of = |key: &str| last.iter().map(|one| one[key].clone()).collect::<Vec<_>>();
+    assert_eq!(of("kind"), ["push", "push", "set"]);
+    assert_eq!(of("answer"), ["done", "no such body", "done"]);
+    assert_eq!(
+        (&last[0]["body"], &last[0]["impulse_ns"][1], &last[2]["speed_mps"]),
+        (&4.into(), &0.5.into(), &0.1.into())
+    );
+    for (one, reply) in last.iter().zip(&replies) {
+        let time = reply.stamp.sim_ns as f64 * 1e-9;
+        assert!((one["time_s"].as_f64().expect("a time") - time).abs() < 1e-9, "{one} at {time}");
+    }
+    assert!(table.contains("requests "), "{table}");
+}
+
+#[test]
+fn a_plant_without_a_controller_serves_requests_and_refuses_set_points() {
+    let session = Session::named(&format!("test-{}-alone", std::process::id())).expect("a good name");
+    let scene = Scene { duration: 1.0, ..Scene::default() };
+    let port = PlantPort::open(&session, &Contract::of(&scene, Pace::Lockstep)).expect("plant");
+    let set = Action::Set { period: None, speed: Some(0.1) };
+    assert!(matches!(ask(&session, set), Err(PortError::Absent { role: "controller", .. })));
+    drop(port);
+}
