@@ -8,7 +8,7 @@
 //! | arrays in and out, layout of messages | `arrays.rs` |
 //! | `Scene` | `scene.rs` |
 //! | `Plant`, and its run | `plant.rs`, `run.rs` |
-//! | `PlantBatch`: many plants on all cores | `batch.rs` |
+//! | `PlantBatch`: many plants on all cores | `batch.rs`, `crew.rs` |
 //! | `Controller` | `controller.rs` |
 //! | `Session`: a running session | `session.rs`, `interrupt.rs` |
 //! | recordings | `recording.rs` |
@@ -16,6 +16,7 @@
 mod arrays;
 mod batch;
 mod controller;
+mod crew;
 mod error;
 mod interrupt;
 mod plant;

@@ -1,7 +1,11 @@
 """Claims about plant and controller in process: bits, snapshots, refusals."""
 
+import os
 import pickle
+import signal
+import time
 import unittest
+import warnings
 from pathlib import Path
 
 import biped
@@ -84,6 +88,46 @@ class Bits(unittest.TestCase):
             batch.step(np.where(np.arange(40).reshape(5, 8) == 26, np.nan, 0.0))
         with self.assertRaisesRegex(biped.Error, "twice in one call"):
             biped.PlantBatch([single, single])
+
+    def test_plants_that_fail_are_named_and_all_others_step(self):
+        scene = biped.Scene("stand", "duration=0.4")
+        batch = biped.PlantBatch([biped.Plant(scene) for _ in range(6)])
+        wrong = np.zeros((6, 8))
+        wrong[[2, 4], 0] = 5 * scene.torque_limit
+        with self.assertRaisesRegex(biped.InputError, "plant 2: the plant refuses these torques"):
+            batch.step(wrong)
+        self.assertEqual([round(plant.time, 6) for plant in batch.plants], [0.001, 0.001, 0.0, 0.001, 0.0, 0.001])
+
+    def test_batches_in_threads_and_after_a_fork_have_the_same_bits(self):
+        scene = biped.Scene("stand", "duration=0.2")
+
+        def hashes(_=None):
+            batch = biped.PlantBatch([biped.Plant(scene) for _ in range(12)])
+            for _ in range(100):
+                batch.step(np.outer(np.linspace(0, 5, 12), np.ones(8)))
+            return [plant.hash for plant in batch.plants]
+
+        alone = hashes()
+        self.assertEqual(biped.sweep(hashes, range(8)), [alone] * 8)
+        reader, writer = os.pipe()
+        with warnings.catch_warnings():  # of Python, that threads and fork do not mix well
+            warnings.simplefilter("ignore")
+            child = os.fork()
+        if child == 0:
+            signal.alarm(60)  # a child that waits for helpers which it does not have would hang
+            os.write(writer, b"same" if hashes() == alone else b"else")
+            os._exit(0)
+        os.waitpid(child, 0)
+        os.close(writer)
+        self.assertEqual(os.read(reader, 4), b"same")
+        os.close(reader)
+
+    def test_a_batch_that_is_not_stepped_uses_no_processor(self):
+        batch = biped.PlantBatch([biped.Plant(biped.Scene("stand")) for _ in range(4)])
+        batch.step(np.zeros((4, 8)))
+        before, start = time.process_time(), time.monotonic()
+        time.sleep(0.3)
+        self.assertLess(time.process_time() - before, 0.2 * (time.monotonic() - start))
 
 
 class Arrays(unittest.TestCase):
