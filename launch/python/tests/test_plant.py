@@ -1,8 +1,11 @@
 """Claims about plant and controller in process: bits, snapshots, refusals."""
 
+import copy
 import os
 import pickle
 import signal
+import subprocess
+import sys
 import time
 import unittest
 import warnings
@@ -18,6 +21,14 @@ def published(scene):
     """The published hashes of the first second and of the whole run."""
     rows = (line.split() for line in HASHES.read_text().splitlines()[1:])
     return next([int(hash, 16) for hash in row[1:3]] for row in rows if row[0] == scene)
+
+
+def springs(plant, periods):
+    """Springs hold the robot for some periods. Returns the hash."""
+    start = np.array(plant.scene.start)
+    for _ in range(periods):
+        plant.step(np.clip(800 * (start - plant.angles), -40, 40))
+    return plant.hash
 
 
 def run(plant, controller, periods=None):
@@ -70,6 +81,52 @@ class Bits(unittest.TestCase):
             self.assertEqual(run(plant, controller), straight)
         with self.assertRaisesRegex(biped.InputError, "another scene"):
             biped.Plant(biped.Scene("stand")).restore(snapshots[0])
+
+    def test_a_snapshot_goes_on_with_the_same_bits_in_another_process(self):
+        settings = {"duration": 2, "link.delay_ms": 3, "link.jitter_ms": 2, "link.loss": 0.1, "plant.stale_probability": 0.1}
+        plant = biped.Plant(biped.Scene("stand", settings))
+        springs(plant, 300)
+        plant.push([0, 2, 0], duration=0.5)  # still acts
+        springs(plant, 100)
+        snapshot = plant.snapshot()
+        for same in [copy.deepcopy(snapshot), copy.copy(snapshot), pickle.loads(pickle.dumps(snapshot))]:
+            plant.restore(same)
+            self.assertEqual(plant.time, 0.4)
+        sent = pickle.dumps((plant.scene, snapshot))
+        there = subprocess.run([sys.executable, __file__, "go on"], input=sent, capture_output=True, check=True)
+        self.assertEqual(int(there.stdout), springs(plant, 1000))
+        plant.reset()
+        self.assertNotEqual(int(there.stdout), springs(plant, 1400), "the push and the state count")
+
+    def test_the_bytes_of_a_snapshot_hold_the_state_of_every_scene_and_method(self):
+        methods = ["ExplicitEuler", "SemiImplicitEuler", "MoreauJean", "MidpointContact", "MidpointMoreau", "ImplicitMidpoint"]
+        methods += ["StepDoubling", "Rk4", "Rk4Impact", "EventDriven"]
+        cases = [(name, []) for name in biped.Scene.built_in()] + [("stand", [f"plant.method={method}"]) for method in methods]
+        for name, settings in cases:
+            scene = biped.Scene(name, "duration=1000", *settings)
+            plant, other = biped.Plant(scene), biped.Plant(scene)
+            plant.step(periods=150)
+            other.restore(biped.Snapshot.from_bytes(scene, plant.snapshot().to_bytes()))
+            for subject in [plant, other]:
+                subject.step(periods=150)
+            self.assertEqual(plant.hash, other.hash, f"{name} {settings}")
+            np.testing.assert_array_equal(plant.truth().contact_force, other.truth().contact_force)
+
+    def test_a_snapshot_of_another_scene_or_version_or_a_damaged_one_is_refused(self):
+        scene = biped.Scene("stand")
+        data = biped.Plant(scene).snapshot().to_bytes()
+        biped.Plant(scene).restore(biped.Snapshot.from_bytes(scene, data))
+        other = biped.Scene("stand", "plant.friction=0.3")
+        version = data.replace(b"0.", b"9.", 1)
+        for of, wrong, words in [
+            (other, data, "is of another scene than stand: use a scene with equal settings"),
+            (scene, version, r"is of biped 9\..*, but this is biped 0\."),
+            (scene, data[:-1], "no snapshot of a plant, or they are damaged"),
+            (scene, data[:200] + bytes([data[200] ^ 1]) + data[201:], "damaged"),
+            (scene, b"", "no snapshot"),
+        ]:
+            with self.assertRaisesRegex(biped.InputError, words):
+                biped.Snapshot.from_bytes(of, wrong)
 
     def test_a_batch_has_the_bits_of_single_plants(self):
         scene = biped.Scene("stand", "duration=0.4")
@@ -243,4 +300,10 @@ class Words(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    if sys.argv[1:] == ["go on"]:
+        scene, snapshot = pickle.loads(sys.stdin.buffer.read())
+        plant = biped.Plant(scene)
+        plant.restore(snapshot)
+        print(springs(plant, 1000))
+    else:
+        unittest.main()

@@ -40,9 +40,10 @@ pub(super) struct Settings {
 }
 
 /// A force on a body's centre of mass for some steps.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Push {
     pub link: usize,
+    #[serde(with = "crate::serial::vector")]
     pub force: Vector3<f64>,
     pub steps: std::ops::Range<u64>,
 }

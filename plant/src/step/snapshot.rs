@@ -2,23 +2,25 @@
 
 use super::event_contact::EventContact;
 use super::last_acceleration::LastAcceleration;
-use super::posed_state::PosedState;
 use super::settings::Push;
 use super::{Plant, World};
 use crate::contact::Memory;
 use crate::drive::Drives;
+use crate::kinematics;
+use crate::state::State;
 use crate::truth::Record;
 use messages::wire::Torques;
+use serde::{Deserialize, Serialize};
 
 /// The state of a plant, with the memories of its contacts and drives. The workspace and the [`Counts`](super::Counts) of evaluations are
 /// not part of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PlantSnapshot {
     torques: Torques,
     pushes: Vec<Push>,
     steps: u64,
     drives: Drives,
-    now: PosedState,
+    state: State,
     memory: Memory,
     last_acceleration: LastAcceleration,
     event_contacts: Vec<EventContact>,
@@ -35,7 +37,7 @@ impl Plant {
             pushes: pushes.clone(),
             steps: *steps,
             drives: self.drives.clone(),
-            now: self.now.clone(),
+            state: self.now.state.clone(),
             memory: self.memory.clone(),
             last_acceleration: self.last_acceleration.clone(),
             event_contacts: self.event_contacts.clone(),
@@ -50,7 +52,8 @@ impl Plant {
         (*torques, *steps) = (snapshot.torques, snapshot.steps);
         pushes.clone_from(&snapshot.pushes);
         self.drives.clone_from(&snapshot.drives);
-        self.now.clone_from(&snapshot.now);
+        self.now.state.clone_from(&snapshot.state);
+        kinematics::pose(&self.world.model, &self.now.state, &mut self.now.pose);
         self.memory.clone_from(&snapshot.memory);
         self.last_acceleration.clone_from(&snapshot.last_acceleration);
         self.event_contacts.clone_from(&snapshot.event_contacts);
