@@ -91,7 +91,8 @@ fn a_session_spans_two_containers_that_share_only_memory() {
 /// Hides the repository, in which the program was built, under an empty folder.
 #[test]
 fn the_program_needs_nothing_of_the_repository() {
-    let hide = format!("cp $BIPED biped; mount -t tmpfs tmpfs {0} && test -z \"$(ls {0})\"", env!("CARGO_MANIFEST_DIR"));
+    let hide =
+        format!("cp $BIPED biped; mount -t tmpfs tmpfs {0} && test -z \"$(ls {0})\"", env!("CARGO_MANIFEST_DIR"));
     let commands = [
         "run walk --quiet --set duration=1 --record walk.mcap",
         "replay walk.mcap",
@@ -101,7 +102,9 @@ fn the_program_needs_nothing_of_the_repository() {
         "chart --scenes slide --quick --quiet",
     ];
     let commands: String = commands.iter().map(|command| format!(" && ./biped {command} >printed")).collect();
-    let script = format!("mount -t tmpfs tmpfs /dev/shm; mkdir /dev/shm/own; cd /dev/shm/own; {hide}{commands}; code=$?; ls; exit $code");
+    let script = format!(
+        "mount -t tmpfs tmpfs /dev/shm; mkdir /dev/shm/own; cd /dev/shm/own; {hide}{commands}; code=$?; ls; exit $code"
+    );
     let Some((code, printed, errors)) = within(&[], &script) else { return };
     assert_eq!(code, Some(0), "{printed}{errors}");
 }

@@ -43,6 +43,7 @@ fn failure(code: u8, sentence: String) -> ExitCode {
 
 /// Why the controller ended before the plant's goodbye.
 pub enum Failed {
+    /// The session failed, or the program was stopped.
     Session(ControllerSessionError),
     /// No torques for this robot or posture.
     Controller(ControllerError),
