@@ -152,7 +152,7 @@ fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(
         Some(CliCommand::Contact(args)) => contact::run(&args),
         Some(CliCommand::Plant(args)) => roles::plant(&args, stop),
         Some(CliCommand::Controller(args)) => roles::controller(&args, stop),
-        Some(CliCommand::New(args)) => scaffold::run(&args),
+        Some(CliCommand::New(args)) => scaffold::run(&args, chart::peer_files),
         Some(CliCommand::Session(args)) => environment::run(&args, stop),
         Some(CliCommand::Control(command)) => control::run(command),
         Some(CliCommand::View(args)) => view::run(&args, stop),

@@ -1,5 +1,5 @@
 //! Claims about other environments, which namespaces imitate: `biped doctor` with an unusable /dev/shm, remedies where no capability can be
-//! granted, and a session across two containers.
+//! granted, a session across two containers, and a program without the repository in which it was built.
 //!
 //! On a host that does not allow namespaces, these tests print that and check nothing.
 
@@ -83,6 +83,27 @@ fn a_session_spans_two_containers_that_share_only_memory() {
     let walk = "walk --session places --set duration=1";
     let script = format!(
         "mount -t tmpfs tmpfs /dev/shm; $BIPED plant {walk} & unshare --pid --fork --mount-proc $BIPED controller {walk} && wait $!"
+    );
+    let Some((code, printed, errors)) = within(&[], &script) else { return };
+    assert_eq!(code, Some(0), "{printed}{errors}");
+}
+
+/// Hides the repository, in which the program was built, under an empty folder.
+#[test]
+fn the_program_needs_nothing_of_the_repository() {
+    let hide =
+        format!("cp $BIPED biped; mount -t tmpfs tmpfs {0} && test -z \"$(ls {0})\"", env!("CARGO_MANIFEST_DIR"));
+    let commands = [
+        "run walk --quiet --set duration=1 --record walk.mcap",
+        "replay walk.mcap",
+        "new controller mine",
+        "new plant plant",
+        "new peers peers",
+        "chart --scenes slide --quick --quiet",
+    ];
+    let commands: String = commands.iter().map(|command| format!(" && ./biped {command} >printed")).collect();
+    let script = format!(
+        "mount -t tmpfs tmpfs /dev/shm; mkdir /dev/shm/own; cd /dev/shm/own; {hide}{commands}; code=$?; ls; exit $code"
     );
     let Some((code, printed, errors)) = within(&[], &script) else { return };
     assert_eq!(code, Some(0), "{printed}{errors}");

@@ -5,19 +5,13 @@ mod common;
 #[path = "common/languages.rs"]
 mod languages;
 
-use languages::{pip_install, python_with};
+use languages::python_with_package;
 use std::process::Command;
-
-/// What builds the package, and what its tests need. NumPy alone is a dependency of the package.
-const PACKAGES: [&str; 8] =
-    ["maturin>=1.9.4,<2", "numpy", "pandas", "gymnasium", "cma", "matplotlib", "distributed", "pillow"]; // cma warns without matplotlib
 
 #[test]
 fn the_package_builds_from_a_clone_and_its_tests_pass() {
-    let python = python_with("python-package", &PACKAGES);
-    // with the maturin of the environment, so that pip downloads nothing else
-    pip_install(&python, &["--no-build-isolation", "--no-deps", "--force-reinstall", env!("CARGO_MANIFEST_DIR")]);
-    let output = Command::new(&python)
+    let python = python_with_package();
+    let output = Command::new(python)
         .args(["-W", "error", "-m", "unittest", "discover", "--start-directory", "launch/python/tests"])
         .env("BIPED", env!("CARGO_BIN_EXE_biped"))
         .env("PYTHONDONTWRITEBYTECODE", "1")

@@ -7,7 +7,7 @@ mod common;
 mod languages;
 
 use common::fresh_path;
-use languages::{libraries, python};
+use languages::{libraries, python, python_with_package};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -42,22 +42,27 @@ fn a_new_controller_runs_conforms_and_passes_its_own_test_away_from_this_reposit
 }
 
 #[test]
-fn a_new_controller_in_rust_builds_by_path_runs_conforms_and_passes_its_own_test() {
+fn new_controllers_in_rust_build_by_path_run_conform_and_pass_their_own_tests() {
     // within the target folder, so that it is built with the options of this repository
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("scaffold-rust");
-    let _ = std::fs::remove_dir_all(folder.join("mine"));
     std::fs::create_dir_all(&folder).expect("a folder");
     let here = env!("CARGO_MANIFEST_DIR");
-    succeeds(&biped(&folder, &["new", "controller", "mine", "--rust", "--tree", here]), "new");
-    std::fs::copy(Path::new(here).join("Cargo.lock"), folder.join("mine/Cargo.lock")).expect("a file");
-    for what in ["test", "build"] {
-        let mut cargo = Command::new(env!("CARGO"));
-        cargo.args([what, "--release", "--quiet"]).current_dir(folder.join("mine"));
-        let built = cargo.env("CARGO_TARGET_DIR", folder.join("target")).output().expect("cargo");
-        succeeds(&built, what);
+    for name in ["stands", "walks"] {
+        let (mine, from) = (folder.join(name), name.trim_end_matches('s'));
+        let _ = std::fs::remove_dir_all(&mine);
+        succeeds(&biped(&folder, &["new", "controller", name, "--rust", "--from", from, "--tree", here]), "new");
+        std::fs::copy(Path::new(here).join("Cargo.lock"), mine.join("Cargo.lock")).expect("a file");
+        for what in ["test", "build"] {
+            let mut cargo = Command::new(env!("CARGO"));
+            cargo.args([what, "--release", "--quiet"]).current_dir(&mine);
+            let built = cargo.env("CARGO_TARGET_DIR", folder.join("target")).output().expect("cargo");
+            succeeds(&built, what);
+        }
+        std::fs::remove_dir_all(mine).expect("our own folder");
     }
-    stands_and_conforms(&folder, "target/release/mine");
-    std::fs::remove_dir_all(folder.join("mine")).expect("our own folder");
+    stands_and_conforms(&folder, "target/release/stands");
+    let walk = ["run", "walk", "--quiet", "--set", "duration=2", "--controller", "target/release/walks"];
+    succeeds(&biped(&folder, &walk), "walk");
 }
 
 /// A standing controller keeps the robot up, and keeps the rules.
@@ -111,8 +116,7 @@ fn a_missing_library_compiler_or_clone_is_named_in_one_sentence() {
         (&["mine", "--c", "--tree", "no-such-folder"], "no clone of biped"),
         (&["mine", "--tree", "."], "Python needs nothing from there"),
         (&["Mine", "--rust"], "\"Mine\" cannot name a Rust package"),
-        (&["mine", "--cpp", "--from", "walk"], "in Python and in C"),
-        (&["mine", "--rust", "--from", "walk"], "in Python and in C"),
+        (&["mine", "--cpp", "--from", "walk"], "in Python, Rust and C"),
     ] {
         let refused = biped(&folder, &[&["new", "controller"], arguments].concat());
         let sentence = String::from_utf8_lossy(&refused.stderr).into_owned();
@@ -127,12 +131,12 @@ fn mujoco_as_a_new_plant_is_walked_away_from_this_repository() {
     let folder = fresh_path("scaffold");
     std::fs::create_dir(&folder).expect("a folder");
     succeeds(&biped(&folder, &["new", "plant", "mine", "--mujoco"]), "new");
-    let command = format!("{} mine/plant.py", python().display());
+    let command = format!("{} mine/plant.py", python_with_package().display());
     let run = ["run", "walk", "--quiet", "--set", "duration=2", "--out", "out", "--plant", &command];
     succeeds(&biped(&folder, &run), "the plant");
     let summary = std::fs::read_to_string(folder.join("out/summary.json")).expect("a file");
     assert!(summary.contains("\"fell\": false"), "{summary}");
-    let own = Command::new(python()).arg(folder.join("mine/test_plant.py")).output().expect("Python");
+    let own = Command::new(python_with_package()).arg(folder.join("mine/test_plant.py")).output().expect("Python");
     succeeds(&own, "its own test");
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
@@ -146,6 +150,21 @@ fn a_new_scene_and_a_new_robot_are_files_that_run() {
     succeeds(&biped(&folder, &["new", "robot", "robot.toml"]), "new robot");
     let walk = ["run", "walk", "--quiet", "--in-process", "--robot", "robot.toml", "--set", "duration=2"];
     succeeds(&biped(&folder, &walk), "the robot");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn the_scripts_of_the_peers_come_with_their_scenes_and_packages() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    succeeds(&biped(&folder, &["new", "peers", "peers"]), "new peers");
+    let listed = std::fs::read_to_string(folder.join("peers/requirements.txt")).expect("a file");
+    assert!(listed.contains("mujoco-core=="), "{listed}");
+    let mut script = Command::new("python3");
+    let ran = script.args(["peers/run.py", "peers", "--help"]).current_dir(&folder).output().expect("Python");
+    succeeds(&ran, "its script");
+    let scenes = std::fs::read_to_string(folder.join("peers/scenes.toml")).expect("a file");
+    assert_eq!(scenes.matches("[[scenes]]").count(), 12);
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 

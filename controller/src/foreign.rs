@@ -19,7 +19,9 @@ pub const PYTHON_WALK: File = python!("walk.py");
 pub const PYTHON_GAIT: [File; 2] = [python!("robot.py"), python!("gait.py")];
 /// A controller in Rust: a spring and a damper in each joint.
 pub const RUST_STAND: &str = include_str!("../foreign/rust/stand.rs");
-/// The same in C. It is a link, because `foreign/c` is another package.
+/// The controller of the paper in Rust.
+pub const RUST_WALK: &str = include_str!("../foreign/rust/walk.rs");
+/// A spring and a damper in each joint, in C. It is a link, because `foreign/c` is another package.
 pub const C_STAND: &str = include_str!("foreign/stand.c");
 /// In C, with the torques of this crate's controller.
 pub const C_WALK: &str = include_str!("foreign/walk.c");

@@ -3,9 +3,8 @@
 use crate::error::ControllerError;
 use crate::tick::Controller;
 use messages::controller_session::{ControllerSession, ControllerSessionError, Event};
-use messages::port::{Action, ControllerPort, Verdict};
+use messages::port::{ControllerPort, Verdict};
 use messages::scene::Scene;
-use messages::wire::Request;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -29,10 +28,8 @@ pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &Atomi
     let mut session = ControllerSession::over(port, patience);
     let mut has_run = false;
     while !stop.load(Relaxed) {
-        while let Some(pending) = session.next_request().map_err(ControllerSessionError::from)? {
-            let verdict = serve_request(&mut controller, &pending.request);
-            session.reply(pending, verdict).map_err(ControllerSessionError::from)?;
-        }
+        let set = |period, speed| controller.set(period, speed).map_or(Verdict::OutOfRange, |()| Verdict::Done);
+        session.serve(set).map_err(ControllerSessionError::from)?;
         match session.poll()? {
             Event::Idle => {}
             Event::Goodbye => return Ok(()),
@@ -46,14 +43,4 @@ pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &Atomi
         }
     }
     Err(ControllerSessionError::Interrupted.into())
-}
-
-/// Carries out a request. The controller accepts one kind: new set-points of the gait.
-fn serve_request(controller: &mut Controller, request: &Request) -> Verdict {
-    match Action::decode(request) {
-        Ok(Action::Set { period, speed }) if controller.set(period, speed).is_ok() => Verdict::Done,
-        Ok(Action::Set { .. }) => Verdict::OutOfRange,
-        Ok(_) => Verdict::WrongProcess,
-        Err(verdict) => verdict,
-    }
 }

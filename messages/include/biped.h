@@ -47,6 +47,7 @@
 /* 2: no such body */
 /* 3: a number is out of range */
 /* 4: damaged request */
+/* 5: this program does not serve the request */
 
 /* Tally.refused */
 /* 0: of another version */

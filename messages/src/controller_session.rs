@@ -16,9 +16,9 @@
 
 use crate::clock::{Timeout, now_ns, random};
 use crate::peer_environment::{PeerEnvironment, PeerEnvironmentError};
-use crate::port::{ControllerPort, PendingRequest, PortError, Verdict};
+use crate::port::{ControllerPort, PortError, Verdict};
 use crate::scene::Scene;
-use crate::wire::{Command, Encoders, Reply, Sensors, Stamp, Stamped, Telemetry, Torques};
+use crate::wire::{Command, Encoders, Sensors, Stamp, Stamped, Telemetry, Torques};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -34,6 +34,8 @@ pub struct ControllerSession {
     answer: Command,
     waiting: Timeout,
     patience: Duration,
+    /// Whether the program answers requests.
+    serves: bool,
 }
 
 /// A reading of the encoders that needs an answer.
@@ -130,7 +132,8 @@ impl ControllerSession {
     /// A controller at an open port that waits at most for `patience` for the plant.
     pub fn over(port: ControllerPort, patience: Duration) -> ControllerSession {
         let answer = Command { stamp: Stamp { epoch: random(), ..Stamp::default() }, ..Command::default() };
-        ControllerSession { port, asked: Stamp::default(), answer, waiting: Timeout::new("plant", patience), patience }
+        let waiting = Timeout::new("plant", patience);
+        ControllerSession { port, asked: Stamp::default(), answer, waiting, patience, serves: false }
     }
 
     /// Waits for the next reading. `None` is the plant's goodbye.
@@ -159,6 +162,9 @@ impl ControllerSession {
     /// # Errors
     /// No plant, or a connection that failed.
     pub fn poll(&mut self) -> Result<Event, ControllerSessionError> {
+        if !self.serves {
+            self.port.serve(self.answer.stamp, |_, _| Verdict::NotServed)?;
+        }
         let Some(sensors) = self.port.wait()?.filter(Sensors::is_sound) else {
             return match self.waiting.has_expired() {
                 true => Err(ControllerSessionError::NoPlant(self.patience)),
@@ -198,19 +204,13 @@ impl ControllerSession {
         self.port.send(self.answer)
     }
 
-    /// The next request of `biped set` and the like. A controller need not serve them.
+    /// Answers requests of `biped set` by the verdict of `set`, which gets period [s] and speed [m/s] if they are to change. Call this
+    /// before each [`ControllerSession::poll`]. Requests to a controller that never calls it are refused.
     ///
     /// # Errors
     /// [`PortError::SharedMemory`].
-    pub fn next_request(&self) -> Result<Option<PendingRequest>, PortError> {
-        self.port.next_request()
-    }
-
-    /// Replies to a request.
-    ///
-    /// # Errors
-    /// [`PortError::SharedMemory`].
-    pub fn reply(&self, pending: PendingRequest, verdict: Verdict) -> Result<(), PortError> {
-        self.port.answer(pending, Reply { stamp: self.answer.stamp, verdict: verdict as u64, state: 0 })
+    pub fn serve(&mut self, set: impl FnMut(Option<f64>, Option<f64>) -> Verdict) -> Result<(), PortError> {
+        self.serves = true;
+        self.port.serve(self.answer.stamp, set)
     }
 }

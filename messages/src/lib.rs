@@ -1,9 +1,5 @@
 //! Parts that plant and controller share: the messages between them, and the scene that both read.
 //!
-//! Everything that both processes must agree on is here: the messages with their layout, check sum and schema hash; scenes and robots as data,
-//! read from TOML and URDF and checked; sessions, which are sets of files in shared memory; and ports, the ends of the topics of a session. The
-//! crate computes nothing about the robot. A foreign program needs no Rust: [`describe`] prints the same messages for C and Python.
-//!
 //! A scene is plain data. Keys that a text omits have default values. The error for a wrong key names its place and the valid keys:
 //!
 //! ```
@@ -18,6 +14,10 @@
 //! assert!(error.starts_with("my scene: ") && error.contains("unknown field `fricton`"));
 //! # Ok::<(), load::SceneError>(())
 //! ```
+//!
+//! Everything that both processes must agree on is here: the messages with their layout, check sum and schema hash; scenes and robots as data,
+//! read from TOML and URDF and checked; sessions, which are sets of files in shared memory; and ports, the ends of the topics of a session. The
+//! crate computes nothing about the robot. A foreign program needs no Rust: [`describe`] prints the same messages for C and Python.
 //!
 //! | what | where |
 //! |---|---|

@@ -11,13 +11,14 @@ use crate::validation::{Acceptance, CommandValidator};
 use crate::watchdog::Watchdog;
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, JOINTS, PlantState, Sensors, Stamp, Tally, Torques};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Damping of a joint without a recent command, D [N·m·s/rad].
 const DAMPING: f64 = 2.0;
 
 /// The command pipeline of one run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct CommandPipeline {
     injector: Option<Injector>,
     validator: CommandValidator,

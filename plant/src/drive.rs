@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
 /// Drives and encoders of a robot.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Drives {
     /// Greatest torque [N·m].
     limit: f64,
@@ -16,6 +16,7 @@ pub struct Drives {
     latency: usize,
     /// Probability that a period keeps the torques of the one before.
     stale: f64,
+    #[serde(with = "crate::serial::random")]
     random: fastrand::Rng,
     queue: VecDeque<Torques>,
     applied: Torques,

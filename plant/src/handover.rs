@@ -12,7 +12,7 @@ use messages::wire::Torques;
 const DURATION: f64 = 0.005;
 
 /// A hand-over in progress, or none.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Handover {
     /// Number of control periods of a hand-over, n.
     periods: u32,

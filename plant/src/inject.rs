@@ -12,6 +12,7 @@
 
 use messages::scene::{Jitter, LinkScene};
 use messages::wire::Command;
+use serde::{Deserialize, Serialize};
 use std::collections::VecDeque;
 use std::f64::consts::TAU;
 
@@ -27,7 +28,7 @@ const SPARE_CAPACITY: usize = 64;
 const ROUNDING: f64 = 1e-9;
 
 /// The disturbed connection from controller to plant.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Injector {
     link: LinkScene,
     /// Control period [ms].
@@ -35,6 +36,7 @@ pub struct Injector {
     /// Probabilities that a burst begins, and that one ends, in a control period [-].
     change: [f64; 2],
     in_burst: bool,
+    #[serde(with = "crate::serial::random")]
     random: fastrand::Rng,
     /// Commands in order of arrival, at most `capacity`.
     in_transit: VecDeque<DelayedCommand>,
@@ -105,7 +107,7 @@ fn normal([u, v]: [f64; 2]) -> f64 {
 }
 
 /// A command in transit.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct DelayedCommand {
     /// Key of the order of arrival: first period in which the command may act; whether it comes after all others of that period; instant
     /// of arrival [control periods].

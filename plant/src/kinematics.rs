@@ -27,7 +27,7 @@ pub struct LinkPose {
 /// Pose and velocity of every link in one state.
 ///
 /// Positions are relative to O, the origin of the base body. So they lose no digits far from the world's origin.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Pose {
     /// Reference point O in W [m].
     pub reference: Vector3<f64>,

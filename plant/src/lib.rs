@@ -45,6 +45,7 @@
 //! | drives and encoders | [`drive`] |
 //! | from commands to torques of the drives | [`command_pipeline`], [`validation`], [`watchdog`], [`handover`] |
 //! | truth of a control period | [`truth`] |
+//! | parts of a snapshot as bytes | `serial` |
 //! | delay, jitter and loss of commands | [`inject`] |
 //! | a run of a scene: plant, command pipeline, control periods | [`simulation`] |
 //! | the plant as a process | [`process`] |
@@ -68,6 +69,7 @@ pub mod inject;
 pub mod kinematics;
 pub mod model;
 pub mod process;
+mod serial;
 pub mod simulation;
 pub mod smallest;
 pub mod spatial;

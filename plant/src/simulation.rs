@@ -5,6 +5,7 @@ use crate::error::PlantError;
 use crate::step::{Plant, PlantSnapshot};
 use messages::scene::Scene;
 use messages::wire::{Command, Encoders, PlantState, Sensors, Stamp, Truth};
+use serde::{Deserialize, Serialize};
 
 /// A run of a scene. It uses no clock: the process fills in the times of its messages.
 pub struct Simulation {
@@ -19,7 +20,7 @@ pub struct Simulation {
 }
 
 /// The state of a run, to continue from it later.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SimulationSnapshot {
     plant: PlantSnapshot,
     commands: CommandPipeline,

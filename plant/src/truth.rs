@@ -8,9 +8,9 @@ use messages::wire::{CONTACTS, FNV_START, JOINTS, Torques, Truth};
 use nalgebra::Vector3;
 
 /// Extremes and sums over the steps of one control period, and the hash of the whole run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Record {
-    impulse: [f64; 3 * CONTACTS],
+    impulse: [[f64; 3]; CONTACTS],
     worst: Report,
     fallbacks: u64,
     hash: u64,
@@ -18,7 +18,7 @@ pub struct Record {
 
 impl Default for Record {
     fn default() -> Self {
-        Record { impulse: [0.0; 3 * CONTACTS], worst: Report::default(), fallbacks: 0, hash: FNV_START }
+        Record { impulse: [[0.0; 3]; CONTACTS], worst: Report::default(), fallbacks: 0, hash: FNV_START }
     }
 }
 
@@ -46,7 +46,7 @@ impl Record {
 
     /// Adds an impulse on contact point `id` [N·s]. Points beyond the capacity of a message are not recorded.
     pub fn push(&mut self, id: usize, impulse: [f64; 3]) {
-        if let Some(sum) = self.impulse.get_mut(3 * id..3 * id + 3) {
+        if let Some(sum) = self.impulse.get_mut(id) {
             sum.iter_mut().zip(impulse).for_each(|(sum, part)| *sum += part);
         }
     }
@@ -71,7 +71,7 @@ impl Record {
             base_velocity: base.velocity.at(&base.origin).into(),
             base_spin: base.velocity.angular.into(),
             torque: torques.torque,
-            contact_force: self.impulse.map(|impulse| impulse / period),
+            contact_force: std::array::from_fn(|k| self.impulse[k / 3][k % 3] / period),
             natural_map: self.worst.natural_map,
             signorini: self.worst.signorini,
             slip_misalignment: self.worst.slip_misalignment,

@@ -22,7 +22,7 @@ pub struct Acceptance {
 }
 
 /// Validates the commands of one run.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub struct CommandValidator {
     run: u64,
     /// Torque limit of the drives [N·m].

@@ -17,7 +17,7 @@ const HOLD: f64 = 0.01;
 const DAMP: f64 = 0.1;
 
 /// The watchdog of one run.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Watchdog {
     /// Largest age at which the torques are used [control periods].
     hold: u64,

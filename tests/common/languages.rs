@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::sync::OnceLock;
 
-/// The packages that controllers, plant and comparisons need.
+/// The packages that controllers without the package `biped`, and comparisons, need.
 const PACKAGES: [&str; 10] = [
     "iceoryx2==0.10.0",
     "numpy",
@@ -25,7 +25,31 @@ const PACKAGES: [&str; 10] = [
     "pandas",
 ];
 
-/// The Python interpreter of that environment.
+/// What builds the Python package `biped`, what its tests need, and MuJoCo for the plant. NumPy alone is a dependency of the package.
+const BESIDE_PACKAGE: [&str; 9] = [
+    "maturin>=1.9.4,<2",
+    "numpy",
+    "pandas",
+    "gymnasium",
+    "cma",
+    "matplotlib", // cma warns without it
+    "distributed",
+    "pillow",
+    "mujoco==4.0.0",
+];
+
+/// The Python interpreter of an environment with the package `biped` of this repository, and without the wheel of iceoryx2.
+pub fn python_with_package() -> &'static PathBuf {
+    static PYTHON: OnceLock<PathBuf> = OnceLock::new();
+    PYTHON.get_or_init(|| {
+        let python = python_with("python-package", &BESIDE_PACKAGE);
+        // with the maturin of the environment, so that pip downloads nothing else
+        pip_install(&python, &["--no-build-isolation", "--no-deps", "--force-reinstall", env!("CARGO_MANIFEST_DIR")]);
+        python
+    })
+}
+
+/// The Python interpreter of an environment with these packages.
 pub fn python() -> &'static PathBuf {
     static PYTHON: OnceLock<PathBuf> = OnceLock::new();
     PYTHON.get_or_init(|| python_with("python", &PACKAGES))

@@ -1,13 +1,14 @@
 //! `biped conform` accepts the Python programs, and names the rule that a changed program breaks.
 
 use crate::common::fresh_path;
-use crate::languages::python;
+use crate::languages::{python, python_with_package};
+use std::path::Path;
 use std::process::Command;
 
 /// Runs `biped conform` on a Python program. Returns its exit code and output.
-fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
+fn conform(python: &Path, role: &str, arguments: &str) -> (Option<i32>, String) {
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
-        .args(["conform", role, &format!("{} {arguments}", python().display())])
+        .args(["conform", role, &format!("{} {arguments}", python.display())])
         .env("PYTHONDONTWRITEBYTECODE", "1")
         .env("OPENBLAS_NUM_THREADS", "1")
         .output()
@@ -19,10 +20,10 @@ fn conform(role: &str, arguments: &str) -> (Option<i32>, String) {
 #[test]
 fn the_python_programs_obey_the_rules_of_the_wire_format() {
     for controller in ["stand.py", "walk.py"] {
-        let (code, printed) = conform("--controller", &format!("controller/foreign/python/{controller}"));
+        let (code, printed) = conform(python(), "--controller", &format!("controller/foreign/python/{controller}"));
         assert!(code == Some(0) && printed.contains("32 rules kept"), "{controller}: {printed}");
     }
-    let (code, printed) = conform("--plant", "plant/foreign/mujoco/plant.py");
+    let (code, printed) = conform(python_with_package(), "--plant", "plant/foreign/mujoco/plant.py");
     assert!(code == Some(0) && printed.contains("37 rules kept") && printed.contains("lockstep alone"), "{printed}");
 }
 
@@ -59,7 +60,7 @@ fn a_broken_rule_is_named() {
             ["fail(PEER_MISSING, f\"no plant", "print(PEER_MISSING, f\"no plant", "gives up without a plant"],
         ],
     ];
-    let ours = std::path::Path::new("controller/foreign/python");
+    let ours = Path::new("controller/foreign/python");
     let try_one = move |flaws: &[Flaw]| {
         let folder = fresh_path("flawed");
         std::fs::create_dir_all(&folder).expect("a folder");
@@ -72,7 +73,7 @@ fn a_broken_rule_is_named() {
             text = text.replacen(good, bad, 1);
         }
         std::fs::write(folder.join("session.py"), text).expect("a file");
-        let (code, printed) = conform("--controller", &folder.join("stand.py").display().to_string());
+        let (code, printed) = conform(python(), "--controller", &folder.join("stand.py").display().to_string());
         let broken = printed.lines().filter(|line| line.starts_with("FAILED")).collect::<Vec<_>>().join("\n");
         for [_, bad, rule] in flaws {
             assert!(code == Some(10) && broken.contains(rule), "{bad}: {rule}: {printed}");

@@ -2,7 +2,7 @@
 
 use super::{number, run};
 use crate::common::{RobotFile, fresh_path, shanks};
-use crate::languages::python;
+use crate::languages::{python, python_with_package};
 use messages::session::Session;
 use serde_json::Value;
 
@@ -57,7 +57,7 @@ fn the_controller_in_numpy_continues_within_the_step_after_a_restart() {
 #[test]
 fn the_controller_walks_as_far_in_mujoco_as_in_the_plant() {
     let session = format!("mujoco-{}", std::process::id());
-    let command = format!("{} plant/foreign/mujoco/plant.py", python().display());
+    let command = format!("{} plant/foreign/mujoco/plant.py", python_with_package().display());
     let (output, theirs) = run("walk", &["--plant", &command, "--set", "duration=4", "--session", &session]);
     let errors = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success() && theirs["fell"] == false, "{}: {errors}", output.status);
@@ -84,7 +84,7 @@ fn another_robot_walks_alike_with_numpy_as_controller_and_with_mujoco_as_plant()
     let settings = ["duration=4", &setting];
     let (_, ours) = run("walk", &["--robot", robot.path(), "--set", settings[0]]);
     let numpy = run_python("walk", "walk.py", &settings);
-    let mujoco = format!("{} plant/foreign/mujoco/plant.py", python().display());
+    let mujoco = format!("{} plant/foreign/mujoco/plant.py", python_with_package().display());
     let (output, mujoco) = run("walk", &["--plant", &mujoco, "--set", settings[0], "--set", settings[1]]);
     assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
     let ours = number(&ours, "distance_m");
@@ -97,13 +97,14 @@ fn another_robot_walks_alike_with_numpy_as_controller_and_with_mujoco_as_plant()
 #[test]
 fn a_missing_python_package_is_reported_with_its_install_command() {
     // -S hides all installed packages
-    for (role, script) in
-        [("--controller", "controller/foreign/python/walk.py"), ("--plant", "plant/foreign/mujoco/plant.py")]
-    {
+    for (role, script, packages) in [
+        ("--controller", "controller/foreign/python/walk.py", "iceoryx2==0.10.0 numpy"),
+        ("--plant", "plant/foreign/mujoco/plant.py", "CLONE numpy mujoco"),
+    ] {
         let (output, _) = run("walk", &[role, &format!("{} -S {script}", python().display())]);
         let errors = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{errors}");
-        assert!(errors.contains("pip install iceoryx2==0.10.0 numpy") && !errors.contains("Traceback"), "{errors}");
+        assert!(errors.contains(&format!("pip install {packages}")) && !errors.contains("Traceback"), "{errors}");
     }
 }
 

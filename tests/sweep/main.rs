@@ -5,9 +5,9 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod edges;
 mod parts;
 mod refusals;
-mod thresholds;
 
 use common::fresh_path;
 use serde_json::Value;

@@ -115,8 +115,7 @@ class Plan:
 
 class Gait:
     def __init__(self, scene, chain, constants, h, task):
-        self.scene, self.h, self.omega, self.width = scene, h, constants.omega, chain.width
-        T = self.T = scene["period"]
+        self.h, self.omega, self.width = h, constants.omega, chain.width
         self.L, self.t = chain.length, chain.time
         self.duration = {phase: time * self.t for phase, time in DURATION.items()}
         self.freeze, self.airborne, self.fading = FREEZE * self.t, AIRBORNE * self.L, 0.01 * self.L / self.t
@@ -129,17 +128,22 @@ class Gait:
         # lead the observer would hold the plan back
         late = 1 / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
         self.servo_lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
-        inner = turning_point(self.omega[1], self.width, T)
-        self.slowest = turning_point(self.omega[1], self.width, SLOWEST * T) ** 2  # ξ ζ
-        self.quickest = lateral_energy(self.omega[1], self.width, QUICKEST * T)
-        self.release = scene.get("release_x2") or inner
-        self.reach = 0.5 * self.width - inner  # h_d of (43)
+        self.set_points(scene)
         self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0
         x_1, x_2, self.height, self.landing = task.x[:4].tolist()
         self.com, self.foot = [MinimumJerkState(x_1), MinimumJerkState(x_2)], MinimumJerkState(self.landing)
         self.W_1, self.corrections = 0.0, dict.fromkeys(LEARNING, 0.0)
         length = MAX_LENGTH_CORRECTION * self.L
         self.most = {"landing": length, "step": length, "time": MAX_TIME_CORRECTION * self.t}
+
+    def set_points(self, scene):
+        """Takes period and speed from the scene's controller, and what follows from them."""
+        self.scene, self.T = scene, scene["period"]
+        inner = turning_point(self.omega[1], self.width, self.T)
+        self.slowest = turning_point(self.omega[1], self.width, SLOWEST * self.T) ** 2  # ξ ζ
+        self.quickest = lateral_energy(self.omega[1], self.width, QUICKEST * self.T)
+        self.release = scene.get("release_x2") or inner
+        self.reach = 0.5 * self.width - inner  # h_d of (43)
 
     def resume(self, task, speed):
         """Starts in the middle of a step, from the task and its rates: the gait has no clock, so its state can be measured. Returns

@@ -1,6 +1,5 @@
 """The controller's end of a biped session. If the Python package `biped` is installed, it carries the messages. Otherwise this
-module does: the protocol of docs/WIRE.md over iceoryx2, to read and to port. The part that a plant also needs is here too; the
-rest of the plant's end is plant/foreign/mujoco/link.py.
+module does: the protocol of docs/WIRE.md over iceoryx2, to read and to port, without requests: `biped set` says that nobody answers.
 
     python3 -m pip install .                               # in a clone: the package, for every Linux and any Python from 3.10 on
     python3 -m pip install iceoryx2==0.10.0 numpy xxhash   # or without it
@@ -42,6 +41,7 @@ except ModuleNotFoundError as missing:
 import wire
 
 PEER_MISSING, INCOMPATIBLE, INTERRUPTED = 3, 5, 130
+NO_SESSION = 'start this program by: biped run SCENE --controller "python3 …", or with --session NAME of a running session'
 SPIN_NS = 50_000  # a reader polls for this long before it sleeps
 SLICE = iox2 and iox2.Duration.from_millis(10)  # longest sleep
 
@@ -131,11 +131,11 @@ def environment():
 
 
 class Session:
-    """Two topics, the one that is read and the one that is written, of the session that an environment describes."""
+    """The two topics of a controller in the session that an environment describes: sensors to read, commands to write."""
 
-    def __init__(self, role="controller", environment=os.environ):
+    def __init__(self, environment):
         if "BIPED_SESSION" not in environment:
-            fail(2, f'start this program by: biped run SCENE --{role} "python3 …", or with --session NAME of a running session')
+            fail(2, NO_SESSION)
         env = {key[6:].lower(): value for key, value in environment.items() if key.startswith("BIPED_")}
         self.contract_text = env["contract"]
         self.name, self.succeeds = env["session"], "succeeds" in env
@@ -154,29 +154,26 @@ class Session:
         self.contract = iox2.AttributeVerifier.new()
         for key, value in contract.items():
             self.contract = self.contract.require(iox2.AttributeKey.new(key), iox2.AttributeValue.new(value))
-        topics = [("biped/sensors", wire.Sensors), ("biped/command", wire.Command)]
-        (reads, self.message), (writes, written) = topics if role == "controller" else topics[::-1]
-        self.reader = self.topic(reads, self.message).subscriber_builder().buffer_size(1).create()
-        self.notifier = self.event(writes).notifier_builder().create()
-        self.listener = self.event(reads).listener_builder().create()
-        self.writer = self.only_writer(self.topic(writes, written).publisher_builder().max_loaned_samples(1), role)
+        self.reader = self.topic("biped/sensors", wire.Sensors).subscriber_builder().buffer_size(1).create()
+        self.notifier = self.event("biped/command").notifier_builder().create()
+        self.listener = self.event("biped/sensors").listener_builder().create()
+        self.writer = self.only_writer(self.topic("biped/command", wire.Command).publisher_builder().max_loaned_samples(1))
 
-    def topic(self, name, message, readers=4, buffer=1, history=1, overflow=True):
+    def topic(self, name, message):
         """Opens or creates a topic as docs/WIRE.md specifies, with the contract as its attributes."""
         builder = self.node.service_builder(iox2.ServiceName.new(name)).publish_subscribe(message)
-        builder = builder.max_publishers(1).max_subscribers(readers).history_size(history)
-        builder = builder.subscriber_max_buffer_size(buffer).subscriber_max_borrowed_samples(1)
-        builder = builder.enable_safe_overflow(overflow)
+        builder = builder.max_publishers(1).max_subscribers(4).history_size(1)
+        builder = builder.subscriber_max_buffer_size(1).subscriber_max_borrowed_samples(1).enable_safe_overflow(True)
         return with_retries(lambda: builder.open_or_create_with_attributes(self.contract), name, self.contract_text)
 
-    def only_writer(self, builder, role):
+    def only_writer(self, builder):
         """Becomes the only writer of a topic. A successor waits until the present writer has left."""
         while True:
             try:
                 return builder.create()
             except iox2.PublisherCreateError:
                 if not self.succeeds:
-                    fail(INCOMPATIBLE, f"session `{self.name}` already has a {role}")
+                    fail(INCOMPATIBLE, f"session `{self.name}` already has a controller")
                 time.sleep(0.0005)
 
     def event(self, name):
@@ -200,7 +197,7 @@ class Session:
         sample = self.reader.receive()
         if sample is None:
             return None
-        message = self.message.from_buffer_copy(sample.payload().contents)
+        message = wire.Sensors.from_buffer_copy(sample.payload().contents)
         sample.delete()
         return message
 
@@ -236,7 +233,7 @@ def serve(make):
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(INTERRUPTED))
     if biped:
         return serve_by_package(make, environment())
-    session = Session(environment=environment())
+    session = Session(environment())
     try:
         answer = wire.Command()
         answer.stamp.epoch = secrets.randbits(64)
@@ -264,17 +261,20 @@ def serve(make):
 
 
 def serve_by_package(make, environment):
-    """The same, with the package `biped`."""
+    """The same, with the package `biped`. A controller with a method `set(speed, period)` gets the requests of `biped set`. An argument that
+    is None stays as it is. ValueError refuses the request."""
     if "BIPED_SESSION" not in environment:
-        fail(2, 'start this program by: biped run SCENE --controller "python3 …", or with --session NAME of a running session')
+        fail(2, NO_SESSION)
     os.environ.update(environment)
     try:
         with biped.attach() as session:
             scene, telemetry = json.loads(environment["BIPED_SCENE"]), wire.Telemetry()
             controller, runs = make(scene, scene["rate"]), 0
+            session.on_set = getattr(controller, "set", None)
             for counts in session:
                 if session.begins:
                     controller, runs = controller if runs == 0 else make(scene, scene["rate"]), runs + 1
+                    session.on_set = getattr(controller, "set", None)
                 session.write(controller.tick(counts.tolist(), telemetry), telemetry)
     except biped.AbsentError as error:
         fail(PEER_MISSING, error)

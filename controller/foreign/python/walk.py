@@ -17,6 +17,7 @@ from robot import Chain, Constants, level, mirror, resolve
 # for the robot of Table 1; scaled for another robot, see Chain
 RATE_LIMIT = 12.0  # largest joint rate reference [rad/s]
 RELAY, SATURATION = 60.0, 180.0  # acceleration toward the sliding surface, by relay or boundary layer [rad/s²]
+PERIODS, LONGEST_STEP = (0.3, 2.0), 0.24  # set-points that are accepted: period of two steps [s], step [m]
 LOADING = 0.04  # time in which the new stance foot is loaded [s]
 # these are not scaled
 FIRST_LOAD = 0.15  # share of the weight on the new stance foot immediately after an exchange
@@ -88,6 +89,18 @@ class Walk:
             self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
         else:
             self.right = before
+
+    def set(self, speed, period):
+        """Changes walking speed [m/s] and period of two steps [s]; None leaves them. ValueError if the robot cannot walk like that."""
+        changes = {"speed": speed, "period": period}
+        scene = self.scene | {key: value for key, value in changes.items() if value is not None}
+        shortest, longest = (period * self.chain.time for period in PERIODS)
+        step = 0.5 * scene["period"] * scene["speed"]
+        if not (shortest <= scene["period"] <= longest and abs(step) <= LONGEST_STEP * self.chain.length):
+            raise ValueError(f"a period of {scene['period']} s with {scene['speed']} m/s")
+        self.scene = scene
+        if self.gait:
+            self.gait.set_points(scene)
 
     def tick(self, counts, telemetry):
         angle = np.array(counts, dtype=float) * self.count

@@ -14,7 +14,7 @@ STATE = ["wait", "run", "paused", "hold", "damp", "fault"]
 # Request.kind
 REQUEST = ["pause", "resume", "step", "reset", "push", "rearm", "set"]
 # Reply.verdict
-VERDICT = ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request"]
+VERDICT = ["done", "this request is for the other process", "no such body", "a number is out of range", "damaged request", "this program does not serve the request"]
 # Tally.refused
 REFUSED = ["of another version", "for another run", "of a controller that has been replaced", "damaged", "not newer than the last", "ahead of the sensors", "not finite", "beyond four times the torque limit", "a jump beyond twice the torque limit"]
 

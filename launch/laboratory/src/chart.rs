@@ -34,6 +34,7 @@ mod watch;
 
 use self::core::Core;
 pub use args::ChartArgs;
+pub use peers::files as peer_files;
 use shared::exit::Failure;
 use shared::output::{MARK, prepare_folder, print_text, write_atomically, write_failure};
 use std::sync::atomic::AtomicBool;

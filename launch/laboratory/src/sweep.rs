@@ -45,11 +45,12 @@ pub fn run(args: &SweepArgs, stop: &AtomicBool) -> Result<(), Failure> {
         Ok(figures::cells(&study::observe(&args.scene.scene, &scene, stop)?))
     };
     let Some(rows) = batch.rows(work)? else { return Ok(()) };
-    let edges =
-        tolerance.map(|tolerance| edge::find(&grid, &survival, &rows, tolerance, args.quiet, stop)).transpose()?;
+    let edges = tolerance
+        .map(|tolerance| edge::find(&grid, &survival, &rows, tolerance, &args.out, args.quiet, stop))
+        .transpose()?;
     let figure = match grid.drawn().0.len() {
         1 => curve::draw(&grid, &survival, &rows, edges.as_deref().unwrap_or_default()),
-        _ => map::draw(&grid, &survival, &rows),
+        _ => map::draw(&grid, &survival, &rows, edges.as_deref().unwrap_or_default()),
     };
     let mut files = vec![("sweep.csv", grid.form.text(&rows)), ("sweep.svg", figure)];
     files.extend(edges.as_ref().map(|edges| ("edges.csv", edge::table(&grid, edges))));

@@ -22,6 +22,7 @@ from ._biped import (
     InputError,
     Plant,
     PlantBatch,
+    PlantSession,
     RecordingError,
     RefusedError,
     Scene,
@@ -32,7 +33,7 @@ from ._biped import (
     Snapshot,
 )
 from .recording import Recording, read_recording
-from .records import PHASES, STATES
+from .records import PHASES, STATES, empty
 from .sweeping import sweep
 
 
@@ -43,6 +44,7 @@ def attach(name: str | None = None, *, patience: float = 10.0, control: bool = T
 
         with biped.attach("lab") as session:
             controller = biped.Controller(session.scene)
+            session.on_set = controller.set  # serves `biped set`
             for counts in session:
                 if session.begins:
                     controller.reset()
@@ -68,6 +70,7 @@ __all__ = [
     "InputError",
     "Plant",
     "PlantBatch",
+    "PlantSession",
     "Recording",
     "RecordingError",
     "RefusedError",
@@ -78,6 +81,7 @@ __all__ = [
     "SimulationError",
     "Snapshot",
     "attach",
+    "empty",
     "read_recording",
     "sweep",
 ]

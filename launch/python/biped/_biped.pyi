@@ -1,4 +1,4 @@
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, final
 
 import numpy as np
@@ -115,7 +115,17 @@ class Scene:
 
 @final
 class Snapshot:
-    """The state of a plant, from :meth:`Plant.snapshot`."""
+    """The state of a plant, from :meth:`Plant.snapshot`. It cannot be changed. It can be copied, pickled and sent to another process."""
+
+    @staticmethod
+    def from_bytes(scene: Scene, data: bytes) -> Snapshot:
+        """The snapshot of a plant of this scene, from :meth:`to_bytes`.
+
+        :raises InputError: of another scene, from another version, or damaged
+        """
+
+    def to_bytes(self) -> bytes:
+        """The state as bytes, with the version of this package and a hash of the scene."""
 
 @final
 class Plant:
@@ -311,6 +321,14 @@ class Session:
         """Joint angles of the last reading, shape (8,) [rad]. A read-only view that the next reading changes."""
 
     @property
+    def on_set(self) -> Callable[..., object] | None:
+        """The function that ``read`` calls for a request of other set-points, with the keywords ``speed`` [m/s] and ``period`` [s], each a number
+        or None, such as :meth:`Controller.set`. If it raises a :class:`Error` or ``ValueError``, the request is refused as out of range.
+        Without a function, every request is refused."""
+
+    @on_set.setter
+    def on_set(self, function: Callable[..., object] | None) -> None: ...
+    @property
     def begins(self) -> bool:
         """Whether the last reading was the first one of a run. The controller must start from its initial state then."""
 
@@ -321,4 +339,40 @@ class Session:
     def __iter__(self) -> Session: ...
     def __next__(self) -> NDArray[np.int64]: ...
     def __enter__(self) -> Session: ...
+    def __exit__(self, *reason: object) -> None: ...
+
+@final
+class PlantSession:
+    """The session of ``biped run SCENE --plant COMMAND``, for the program COMMAND: a simulator, or the driver of a robot, in lockstep.
+
+    It does what docs/WIRE.md asks of a plant: it numbers and sends sensors and truth, checks commands, delays and loses those of a
+    ``[link]`` table, and announces the end, also after an exception in a ``with`` block. It belongs to the thread that opened it.
+    """
+
+    def __init__(self) -> None: ...
+    def exchange(self, counts: ArrayLike, truth: Any = None) -> NDArray[np.float64] | None:
+        """Sends encoder counts, shape (8,), and waits for the answer. Returns the torques for the control period that begins now, shape (8,)
+        [N·m], or None at the end of the scene. The torques are a read-only view that the next call overwrites; the drives limit them.
+
+        Truth is a record or bytes of the message Truth, for recordings and figures. Stamps, counters, times and the command need not be
+        filled in. Counts and truth hold for the same instant.
+
+        :raises AbsentError: no controller answered for the time of the session's patience
+        :raises InputError: wrong shape or type, or a call after the end
+        """
+
+    def close(self) -> None:
+        """Announces the end of the run, if that has not happened, and leaves the session. The end of a ``with`` block does so."""
+
+    @property
+    def scene(self) -> Scene: ...
+    @property
+    def time(self) -> float:
+        """Simulated time of the last exchange [s]."""
+
+    @property
+    def state(self) -> str:
+        """What drives the robot: one of ``STATES``."""
+
+    def __enter__(self) -> PlantSession: ...
     def __exit__(self, *reason: object) -> None: ...

@@ -43,6 +43,11 @@ def records(message: str, data: bytes) -> Any:
     return np.frombuffer(data, _TYPES[message]).view(np.recarray)
 
 
+def empty(message: str) -> Any:
+    """A message of zeros to fill in, such as ``Truth`` for :meth:`PlantSession.exchange`: ``truth.angle[:] = ...``, ``truth.penetration = ...``."""
+    return np.zeros(1, _TYPES[message])[0]
+
+
 def record(message: str, data: bytes) -> Any:
     """A message as a record: ``truth.base_position`` or ``truth["base_position"]``."""
     return np.frombuffer(data, _TYPES[message])[0]

@@ -2,7 +2,7 @@
 
 use crate::error::InputError;
 use messages::wire::{JOINTS, LAYOUT, PHASES, STATES};
-use numpy::{Element, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyUntypedArrayMethods, dtype};
+use numpy::{Element, PyArray, PyArray1, PyArrayDyn, PyArrayMethods, PyReadwriteArray, PyUntypedArrayMethods, dtype};
 use pyo3::PyTypeInfo;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -22,10 +22,14 @@ impl<T: Element, D: numpy::ndarray::Dimension> OutputArray<T, D> {
         Ok(OutputArray { view: view.cast_into()?.unbind(), written: written.unbind() })
     }
 
+    /// The content, to be changed.
+    pub fn written<'py>(&self, py: Python<'py>) -> PyReadwriteArray<'py, T, D> {
+        self.written.bind(py).readwrite()
+    }
+
     /// Replaces the content, row by row.
     pub fn write(&self, py: Python<'_>, values: impl Iterator<Item = T>) -> PyResult<()> {
-        let mut array = self.written.bind(py).readwrite();
-        array.as_slice_mut()?.iter_mut().zip(values).for_each(|(place, value)| *place = value);
+        self.written(py).as_slice_mut()?.iter_mut().zip(values).for_each(|(place, value)| *place = value);
         Ok(())
     }
 
@@ -71,6 +75,12 @@ fn eight<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>) -> PyResult
 
 /// The numbers of an argument that need not be an array, row by row.
 pub fn converted<T: Element + Copy>(what: &str, argument: &Bound<'_, PyAny>, shape: &[usize]) -> PyResult<Vec<T>> {
+    if let Ok(array) = argument.cast::<PyArrayDyn<T>>()
+        && array.shape() == shape
+        && let Ok(numbers) = array.readonly().as_slice()
+    {
+        return Ok(numbers.to_vec());
+    }
     let py = argument.py();
     let needed = format!("{what} must be an array of {} with the shape {}", dtype::<T>(py), tuple(shape));
     let convert = || {

@@ -1,19 +1,21 @@
 //! `PlantBatch`: many plants that step together, on all cores.
 
 use crate::arrays::{OutputArray, converted};
+use crate::crew::for_each;
 use crate::error::InputError;
 use crate::plant::Plant;
-use crate::run::Run;
+use crate::run::{Run, Stopped};
 use messages::wire::JOINTS;
 use numpy::{Ix2, PyArray2};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use rayon::prelude::*;
+use std::sync::{Mutex, PoisonError};
 
 /// Plants that step together on all cores, with the GIL released.
 #[pyclass(frozen, module = "biped")]
 pub struct PlantBatch {
     plants: Vec<Py<Plant>>,
+    radians_per_count: Vec<f64>,
     counts: OutputArray<i64, Ix2>,
     angles: OutputArray<f64, Ix2>,
 }
@@ -24,8 +26,9 @@ impl PlantBatch {
     fn new(py: Python<'_>, plants: Vec<Py<Plant>>) -> PyResult<PlantBatch> {
         let shape = [plants.len(), JOINTS];
         let (counts, angles) = (OutputArray::new(py, shape)?, OutputArray::new(py, shape)?);
-        let batch = PlantBatch { plants, counts, angles };
-        batch.publish(py)?;
+        let radians_per_count = plants.iter().map(|plant| plant.get().radians_per_count()).collect();
+        let batch = PlantBatch { plants, radians_per_count, counts, angles };
+        batch.each(py, |_, _| Ok(()))?;
         Ok(batch)
     }
 
@@ -34,18 +37,9 @@ impl PlantBatch {
     #[pyo3(signature = (torques = None, periods = 1))]
     fn step(&self, py: Python<'_>, torques: Option<&Bound<'_, PyAny>>, periods: u64) -> PyResult<Py<PyArray2<i64>>> {
         let torques = torques.map(|torques| self.torques(torques)).transpose()?;
-        let mut locks = self.plants.iter().map(|plant| plant.get().lock()).collect::<PyResult<Vec<_>>>()?;
-        let mut runs: Vec<&mut Run> = locks.iter_mut().map(|lock| &mut **lock).collect();
-        let outcomes: Vec<_> = py.detach(|| {
-            let torques_of = |plant: usize| torques.as_ref().map(|torques| torques[plant]);
-            let runs = runs.par_iter_mut().enumerate();
-            runs.map(|(plant, run)| run.advance(torques_of(plant), periods)).collect()
-        });
-        drop(runs);
-        drop(locks);
-        self.publish(py)?;
-        for (plant, outcome) in outcomes.into_iter().enumerate() {
-            outcome.map_err(|stopped| named(py, plant, stopped.into()))?;
+        let torques_of = |plant: usize| torques.as_ref().map(|torques| torques[plant]);
+        if let Some((plant, stopped)) = self.each(py, |plant, run| run.advance(torques_of(plant), periods))? {
+            return Err(named(py, plant, stopped.into()));
         }
         Ok(self.counts.view(py))
     }
@@ -86,13 +80,47 @@ impl PlantBatch {
         Ok(numbers.as_chunks::<JOINTS>().0.to_vec())
     }
 
-    /// Writes the sensors of all plants into the arrays.
-    fn publish(&self, py: Python<'_>) -> PyResult<()> {
-        let locks = self.plants.iter().map(|plant| plant.get().lock()).collect::<PyResult<Vec<_>>>()?;
-        let counts = || locks.iter().flat_map(|run| run.simulation.sensors().encoders.counts);
-        self.counts.write(py, counts())?;
-        let angle = self.plants.iter().flat_map(|plant| [plant.get().radians_per_count(); JOINTS]);
-        self.angles.write(py, counts().zip(angle).map(|(count, angle)| count as f64 * angle))
+    /// Does this with every plant, on all cores and with the GIL released, and writes its sensors into the arrays. Returns the first failure.
+    fn each(
+        &self,
+        py: Python<'_>,
+        work: impl Fn(usize, &mut Run) -> Result<(), Stopped> + Sync,
+    ) -> PyResult<Option<(usize, Stopped)>> {
+        let mut locks = self.plants.iter().map(|plant| plant.get().lock()).collect::<PyResult<Vec<_>>>()?;
+        let (mut counts, mut angles) = (self.counts.written(py), self.angles.written(py));
+        let rows = counts.as_slice_mut()?.as_chunks_mut().0.iter_mut().zip(angles.as_slice_mut()?.as_chunks_mut().0);
+        let parts = locks.iter_mut().map(|lock| &mut **lock).zip(&self.radians_per_count).zip(rows);
+        let parts =
+            parts.map(|((run, &radians_per_count), (counts, angles))| Part { run, radians_per_count, counts, angles });
+        let parts: Vec<Mutex<Part>> = parts.map(Mutex::new).collect();
+        let failures = Mutex::new(vec![]);
+        py.detach(|| {
+            for_each(parts.len(), &|plant| {
+                let mut part = parts[plant].lock().unwrap_or_else(PoisonError::into_inner);
+                if let Err(stopped) = work(plant, part.run) {
+                    failures.lock().unwrap_or_else(PoisonError::into_inner).push((plant, stopped));
+                }
+                part.publish();
+            });
+        });
+        let failures = failures.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(failures.into_iter().min_by_key(|(plant, _)| *plant))
+    }
+}
+
+/// What a thread needs of one plant.
+struct Part<'a> {
+    run: &'a mut Run,
+    radians_per_count: f64,
+    counts: &'a mut [i64; JOINTS],
+    angles: &'a mut [f64; JOINTS],
+}
+
+impl Part<'_> {
+    /// Writes the sensors into the arrays.
+    fn publish(&mut self) {
+        *self.counts = self.run.simulation.sensors().encoders.counts;
+        *self.angles = self.counts.map(|count| count as f64 * self.radians_per_count);
     }
 }
 

@@ -23,6 +23,17 @@ pub struct ControllerSnapshot {
     controller: controller::Controller,
 }
 
+#[pymethods]
+impl ControllerSnapshot {
+    fn __copy__(this: Py<Self>) -> Py<Self> {
+        this
+    }
+
+    fn __deepcopy__(this: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        this
+    }
+}
+
 fn unfit(error: controller::ControllerError) -> PyErr {
     ControllerError::new_err(error.to_string())
 }

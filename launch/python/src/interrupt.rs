@@ -1,19 +1,29 @@
-//! Ctrl-C while a call waits without the GIL.
+//! Ctrl-C while a call waits without the GIL, and exceptions of functions that it calls meanwhile.
 
+use messages::port::Verdict;
 use pyo3::prelude::*;
 use std::sync::{Mutex, PoisonError};
 
-/// Ctrl-C, or what another signal handler in Python raises, while a call waits.
+/// Ctrl-C, or what another signal handler or function in Python raises, while a call waits.
 #[derive(Default)]
 pub struct Interrupt(Mutex<Option<PyErr>>);
 
 impl Interrupt {
     /// Whether the call goes on waiting.
     pub fn is_absent(&self) -> bool {
-        let raised = Python::attach(|py| py.check_signals()).err();
-        let goes_on = raised.is_none();
-        *self.0.lock().unwrap_or_else(PoisonError::into_inner) = raised;
-        goes_on
+        let mut raised = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        if raised.is_none() {
+            *raised = Python::attach(|py| py.check_signals()).err();
+        }
+        raised.is_none()
+    }
+
+    /// The verdict of a function in Python. An exception ends the wait.
+    pub fn keep(&self, function: impl FnOnce(Python<'_>) -> PyResult<Verdict>) -> Verdict {
+        Python::attach(function).unwrap_or_else(|error| {
+            *self.0.lock().unwrap_or_else(PoisonError::into_inner) = Some(error);
+            Verdict::NotServed
+        })
     }
 
     /// Raises it.

@@ -7,22 +7,28 @@
 //! | exceptions | `error.rs` |
 //! | arrays in and out, layout of messages | `arrays.rs` |
 //! | `Scene` | `scene.rs` |
-//! | `Plant`, and its run | `plant.rs`, `run.rs` |
-//! | `PlantBatch`: many plants on all cores | `batch.rs` |
+//! | `Plant`, its run, and its state | `plant.rs`, `run.rs`, `snapshot.rs` |
+//! | `PlantBatch`: many plants on all cores | `batch.rs`, `crew.rs` |
 //! | `Controller` | `controller.rs` |
-//! | `Session`: a running session | `session.rs`, `interrupt.rs` |
+//! | `Session`: a running session | `session.rs`, `ports.rs`, `interrupt.rs` |
+//! | `PlantSession`: a plant of one's own in a session | `plant_session.rs`, `robot.rs` |
 //! | recordings | `recording.rs` |
 
 mod arrays;
 mod batch;
 mod controller;
+mod crew;
 mod error;
 mod interrupt;
 mod plant;
+mod plant_session;
+mod ports;
 mod recording;
+mod robot;
 mod run;
 mod scene;
 mod session;
+mod snapshot;
 
 use pyo3::prelude::*;
 
@@ -41,7 +47,9 @@ mod _biped {
         SessionError, SimulationError,
     };
     #[pymodule_export]
-    use crate::plant::{Plant, Snapshot};
+    use crate::plant::Plant;
+    #[pymodule_export]
+    use crate::plant_session::PlantSession;
     #[pymodule_export]
     use crate::recording::{read_recording, read_table};
     #[pymodule_export]
@@ -50,4 +58,6 @@ mod _biped {
     use crate::scene::Scene;
     #[pymodule_export]
     use crate::session::Session;
+    #[pymodule_export]
+    use crate::snapshot::Snapshot;
 }

@@ -4,10 +4,11 @@ use crate::arrays::{OutputArray, record, torques, vector};
 use crate::error::{Error, InputError, SceneError, SimulationError};
 use crate::run::Run;
 use crate::scene::Scene;
+use crate::snapshot::Snapshot;
 use messages::wire::{JOINTS, STATES};
 use numpy::{Ix1, PyArray1};
+use plant::PlantError;
 use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
-use plant::{PlantError, SimulationSnapshot};
 use pyo3::prelude::*;
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
@@ -24,13 +25,6 @@ pub struct Plant {
     counts: OutputArray<i64, Ix1>,
     angles: OutputArray<f64, Ix1>,
     radians_per_count: f64,
-}
-
-/// The state of a plant, from :meth:`Plant.snapshot`.
-#[pyclass(frozen, module = "biped")]
-pub struct Snapshot {
-    scene: Py<Scene>,
-    snapshot: SimulationSnapshot,
 }
 
 fn failed(error: PlantError) -> PyErr {
@@ -107,7 +101,7 @@ impl Plant {
 
     /// The present state.
     fn snapshot(&self, py: Python<'_>) -> PyResult<Snapshot> {
-        Ok(Snapshot { scene: self.scene.clone_ref(py), snapshot: self.lock()?.simulation.snapshot() })
+        Ok(Snapshot { scene: self.scene.clone_ref(py), state: self.lock()?.simulation.snapshot() })
     }
 
     /// Returns to a state of this plant, or of another plant of an equal scene. What follows has the same bits. Returns :attr:`counts`.
@@ -120,7 +114,7 @@ impl Plant {
             )));
         }
         let mut run = self.lock()?;
-        run.restore(&snapshot.snapshot);
+        run.restore(&snapshot.state);
         self.publish(py, &run)?;
         Ok(self.counts.view(py))
     }

@@ -1,11 +1,12 @@
 //! `Session`: a running session, as its controller or as an observer.
 
 use crate::arrays::{OutputArray, message, record, torques, vector};
-use crate::error::{AbsentError, InputError, RefusedError, SessionError};
+use crate::error::{RefusedError, SessionError};
 use crate::interrupt::Interrupt;
+use crate::ports::{Ports, failed, seconds, set_points};
 use crate::scene::Scene;
 use biped_c::end::ControllerHandle;
-use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
+use biped_c::failure::CallFailure;
 use biped_c::status::{BIPED_BEGIN, BIPED_GOODBYE};
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Action, RecorderPort, Verdict, ask};
@@ -30,15 +31,6 @@ pub struct Session {
     ports: Option<SendWrapper<RefCell<Ports>>>,
     counts: OutputArray<i64, Ix1>,
     angles: OutputArray<f64, Ix1>,
-}
-
-/// The ports of a session. They stay in the thread that opened them.
-#[derive(Default)]
-struct Ports {
-    controller: Option<ControllerHandle>,
-    recorder: Option<RecorderPort>,
-    /// Whether the last reading was the first one of a run.
-    begins: bool,
 }
 
 #[pymethods]
@@ -72,11 +64,13 @@ impl Session {
     /// :raises AbsentError: no plant sent sensors for the time of the patience
     fn read(&self, py: Python<'_>) -> PyResult<Option<Py<PyArray1<i64>>>> {
         let mut ports = self.ports()?;
+        let on_set = ports.on_set.as_ref().map(|on_set| on_set.clone_ref(py));
         let controller = ports.controller()?;
         let interrupt = Interrupt::default();
+        let set = |period, speed| interrupt.keep(|py| set_points(py, on_set.as_ref(), period, speed));
         let outcome = {
             let mut controller = SendWrapper::new(&mut *controller);
-            py.detach(|| controller.wait(|| interrupt.is_absent()))
+            py.detach(|| controller.wait(|| interrupt.is_absent(), set))
         };
         interrupt.check()?;
         let kind = outcome.map_err(failed)?;
@@ -207,6 +201,20 @@ impl Session {
         Ok(self.ports()?.begins)
     }
 
+    /// The function that ``read`` calls for a request of other set-points, with the keywords ``speed`` [m/s] and ``period`` [s], each a number
+    /// or None, such as :meth:`Controller.set`. If it raises a :class:`Error` or ``ValueError``, the request is refused as out of range.
+    /// Without a function, every request is refused.
+    #[getter]
+    fn on_set(&self, py: Python<'_>) -> PyResult<Option<Py<PyAny>>> {
+        Ok(self.ports()?.on_set.as_ref().map(|on_set| on_set.clone_ref(py)))
+    }
+
+    #[setter]
+    fn set_on_set(&self, function: Option<Py<PyAny>>) -> PyResult<()> {
+        self.ports()?.on_set = function;
+        Ok(())
+    }
+
     /// Simulated time of the last reading [s].
     #[getter]
     fn time(&self) -> PyResult<f64> {
@@ -270,28 +278,5 @@ impl Drop for Session {
         {
             std::mem::forget(ports);
         }
-    }
-}
-
-impl Ports {
-    fn controller(&mut self) -> PyResult<&mut ControllerHandle> {
-        let missing =
-            "this process is not the controller of the session: open it with control=True, and do not close it before";
-        self.controller.as_mut().ok_or_else(|| SessionError::new_err(missing))
-    }
-}
-
-fn seconds(what: &str, value: f64) -> PyResult<Duration> {
-    Duration::try_from_secs_f64(value).map_err(|error| InputError::new_err(format!("{what} is {value} s: {error}")))
-}
-
-/// A failure of the session as an exception.
-fn failed(failure: CallFailure) -> PyErr {
-    let sentence = failure.to_string();
-    match failure.code() {
-        BIPED_MISUSE => InputError::new_err(sentence),
-        BIPED_NO_PLANT => AbsentError::new_err(sentence),
-        BIPED_INCOMPATIBLE => RefusedError::new_err(sentence),
-        _ => SessionError::new_err(sentence),
     }
 }

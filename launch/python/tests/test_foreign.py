@@ -6,9 +6,11 @@ import os
 import subprocess
 import sys
 import tempfile
+import tomllib
 import unittest
 from pathlib import Path
 
+import biped
 import program
 
 ROOT = Path(__file__).parents[3]
@@ -26,6 +28,44 @@ class Foreign(unittest.TestCase):
                 self.assertEqual((summary["fell"], summary["duration_s"]), (False, duration))
                 if scene == "walk":
                     self.assertGreater(summary["distance_m"], 0.1)
+
+    def test_walk_serves_requests_and_stand_refuses_them(self):
+        for scene, code, words in [("walk", 0, "set at t"), ("stand", 2, "this program does not serve the request")]:
+            with program.plant(scene, "--set", "duration=1000") as (name, _):
+                controller = subprocess.Popen([sys.executable, CONTROLLERS / f"{scene}.py", "--session", name])
+                try:
+                    request = [program.BIPED, "set", "--session", name, "--speed", "0.1", "--period", "0.5"]
+                    for _ in range(100):
+                        ended = subprocess.run(request, capture_output=True, text=True)
+                        if ended.returncode != 3:  # until the controller is there
+                            break
+                    self.assertEqual(ended.returncode, code, ended.stderr)
+                    self.assertIn(words, ended.stdout + ended.stderr)
+                    too_fast = subprocess.run([*request[:-3], "9"], capture_output=True, text=True)
+                    self.assertEqual(too_fast.returncode, 2)
+                finally:
+                    controller.terminate()
+                    controller.wait()
+
+    def test_walk_takes_other_set_points_within_its_range(self):
+        sys.path.insert(0, str(CONTROLLERS))
+        import walk
+        import wire
+
+        scene, telemetry = tomllib.loads(biped.Scene("walk").text), wire.Telemetry()
+        plant, controller = biped.Plant(biped.Scene("walk", "duration=8")), walk.Walk(scene, scene["rate"])
+        speeds = []
+        for speed, period in [(0.2, None), (0.1, 0.5)]:
+            controller.set(speed, period)
+            before = plant.truth().base_position[0]
+            for _ in range(4000):
+                plant.step(controller.tick(plant.counts.tolist(), telemetry))
+            speeds.append((plant.truth().base_position[0] - before) / 4)
+        self.assertFalse(plant.fallen)
+        self.assertAlmostEqual(speeds[1], 0.1, delta=0.03)
+        for speed, period in [(9.0, None), (None, 0.1), (None, 3.0), (0.6, 1.0), (float("nan"), None)]:
+            with self.assertRaises(ValueError):
+                controller.set(speed, period)
 
     def test_they_obey_the_rules_of_the_wire(self):
         program.run("conform", "--controller", f"{sys.executable} {CONTROLLERS / 'stand.py'}")

@@ -1,7 +1,14 @@
 """Claims about plant and controller in process: bits, snapshots, refusals."""
 
+import copy
+import os
 import pickle
+import signal
+import subprocess
+import sys
+import time
 import unittest
+import warnings
 from pathlib import Path
 
 import biped
@@ -14,6 +21,14 @@ def published(scene):
     """The published hashes of the first second and of the whole run."""
     rows = (line.split() for line in HASHES.read_text().splitlines()[1:])
     return next([int(hash, 16) for hash in row[1:3]] for row in rows if row[0] == scene)
+
+
+def springs(plant, periods):
+    """Springs hold the robot for some periods. Returns the hash."""
+    start = np.array(plant.scene.start)
+    for _ in range(periods):
+        plant.step(np.clip(800 * (start - plant.angles), -40, 40))
+    return plant.hash
 
 
 def run(plant, controller, periods=None):
@@ -67,6 +82,52 @@ class Bits(unittest.TestCase):
         with self.assertRaisesRegex(biped.InputError, "another scene"):
             biped.Plant(biped.Scene("stand")).restore(snapshots[0])
 
+    def test_a_snapshot_goes_on_with_the_same_bits_in_another_process(self):
+        settings = {"duration": 2, "link.delay_ms": 3, "link.jitter_ms": 2, "link.loss": 0.1, "plant.stale_probability": 0.1}
+        plant = biped.Plant(biped.Scene("stand", settings))
+        springs(plant, 300)
+        plant.push([0, 2, 0], duration=0.5)  # still acts
+        springs(plant, 100)
+        snapshot = plant.snapshot()
+        for same in [copy.deepcopy(snapshot), copy.copy(snapshot), pickle.loads(pickle.dumps(snapshot))]:
+            plant.restore(same)
+            self.assertEqual(plant.time, 0.4)
+        sent = pickle.dumps((plant.scene, snapshot))
+        there = subprocess.run([sys.executable, __file__, "go on"], input=sent, capture_output=True, check=True)
+        self.assertEqual(int(there.stdout), springs(plant, 1000))
+        plant.reset()
+        self.assertNotEqual(int(there.stdout), springs(plant, 1400), "the push and the state count")
+
+    def test_the_bytes_of_a_snapshot_hold_the_state_of_every_scene_and_method(self):
+        methods = ["ExplicitEuler", "SemiImplicitEuler", "MoreauJean", "MidpointContact", "MidpointMoreau", "ImplicitMidpoint"]
+        methods += ["StepDoubling", "Rk4", "Rk4Impact", "EventDriven"]
+        cases = [(name, []) for name in biped.Scene.built_in()] + [("stand", [f"plant.method={method}"]) for method in methods]
+        for name, settings in cases:
+            scene = biped.Scene(name, "duration=1000", *settings)
+            plant, other = biped.Plant(scene), biped.Plant(scene)
+            plant.step(periods=150)
+            other.restore(biped.Snapshot.from_bytes(scene, plant.snapshot().to_bytes()))
+            for subject in [plant, other]:
+                subject.step(periods=150)
+            self.assertEqual(plant.hash, other.hash, f"{name} {settings}")
+            np.testing.assert_array_equal(plant.truth().contact_force, other.truth().contact_force)
+
+    def test_a_snapshot_of_another_scene_or_version_or_a_damaged_one_is_refused(self):
+        scene = biped.Scene("stand")
+        data = biped.Plant(scene).snapshot().to_bytes()
+        biped.Plant(scene).restore(biped.Snapshot.from_bytes(scene, data))
+        other = biped.Scene("stand", "plant.friction=0.3")
+        version = data.replace(b"0.", b"9.", 1)
+        for of, wrong, words in [
+            (other, data, "is of another scene than stand: use a scene with equal settings"),
+            (scene, version, r"is of biped 9\..*, but this is biped 0\."),
+            (scene, data[:-1], "no snapshot of a plant, or they are damaged"),
+            (scene, data[:200] + bytes([data[200] ^ 1]) + data[201:], "damaged"),
+            (scene, b"", "no snapshot"),
+        ]:
+            with self.assertRaisesRegex(biped.InputError, words):
+                biped.Snapshot.from_bytes(of, wrong)
+
     def test_a_batch_has_the_bits_of_single_plants(self):
         scene = biped.Scene("stand", "duration=0.4")
         batch = biped.PlantBatch([biped.Plant(scene) for _ in range(5)])
@@ -84,6 +145,46 @@ class Bits(unittest.TestCase):
             batch.step(np.where(np.arange(40).reshape(5, 8) == 26, np.nan, 0.0))
         with self.assertRaisesRegex(biped.Error, "twice in one call"):
             biped.PlantBatch([single, single])
+
+    def test_plants_that_fail_are_named_and_all_others_step(self):
+        scene = biped.Scene("stand", "duration=0.4")
+        batch = biped.PlantBatch([biped.Plant(scene) for _ in range(6)])
+        wrong = np.zeros((6, 8))
+        wrong[[2, 4], 0] = 5 * scene.torque_limit
+        with self.assertRaisesRegex(biped.InputError, "plant 2: the plant refuses these torques"):
+            batch.step(wrong)
+        self.assertEqual([round(plant.time, 6) for plant in batch.plants], [0.001, 0.001, 0.0, 0.001, 0.0, 0.001])
+
+    def test_batches_in_threads_and_after_a_fork_have_the_same_bits(self):
+        scene = biped.Scene("stand", "duration=0.2")
+
+        def hashes(_=None):
+            batch = biped.PlantBatch([biped.Plant(scene) for _ in range(12)])
+            for _ in range(100):
+                batch.step(np.outer(np.linspace(0, 5, 12), np.ones(8)))
+            return [plant.hash for plant in batch.plants]
+
+        alone = hashes()
+        self.assertEqual(biped.sweep(hashes, range(8)), [alone] * 8)
+        reader, writer = os.pipe()
+        with warnings.catch_warnings():  # of Python, that threads and fork do not mix well
+            warnings.simplefilter("ignore")
+            child = os.fork()
+        if child == 0:
+            signal.alarm(60)  # a child that waits for helpers which it does not have would hang
+            os.write(writer, b"same" if hashes() == alone else b"else")
+            os._exit(0)
+        os.waitpid(child, 0)
+        os.close(writer)
+        self.assertEqual(os.read(reader, 4), b"same")
+        os.close(reader)
+
+    def test_a_batch_that_is_not_stepped_uses_no_processor(self):
+        batch = biped.PlantBatch([biped.Plant(biped.Scene("stand")) for _ in range(4)])
+        batch.step(np.zeros((4, 8)))
+        before, start = time.process_time(), time.monotonic()
+        time.sleep(0.3)
+        self.assertLess(time.process_time() - before, 0.2 * (time.monotonic() - start))
 
 
 class Arrays(unittest.TestCase):
@@ -199,4 +300,10 @@ class Words(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    unittest.main()
+    if sys.argv[1:] == ["go on"]:
+        scene, snapshot = pickle.loads(sys.stdin.buffer.read())
+        plant = biped.Plant(scene)
+        plant.restore(snapshot)
+        print(springs(plant, 1000))
+    else:
+        unittest.main()

@@ -57,6 +57,44 @@ class Sessions(unittest.TestCase):
             self.assertEqual(self.results[4:], ["refused"] * 3)
             self.assertEqual(sorted(self.results[:4]), self.results[:4], "times in order")
 
+    def test_set_points_are_served_by_a_function_or_refused(self):
+        with program.plant("walk", "--set", "duration=1000") as (name, _), biped.attach(name) as session:
+            controller = biped.Controller(session.scene)
+
+            def asked(**points):
+                """The answer to a request, while this thread controls."""
+                answers = []
+
+                def ask():
+                    try:
+                        with biped.attach(name, control=False) as other:
+                            answers.append(other.set(**points))
+                    except biped.Error as error:
+                        answers.append(str(error))
+
+                thread = threading.Thread(target=ask)
+                thread.start()
+                while thread.is_alive():
+                    session.write(controller.tick(session.read()))
+                thread.join()
+                return answers[0]
+
+            self.assertRegex(asked(speed=0.1), "controller of session .* refuses: this program does not serve the request")
+            session.on_set = controller.set
+            self.assertGreater(asked(speed=0.1, period=0.7), 0.0)
+            self.assertRegex(asked(speed=9.0), "refuses: a number is out of range")
+            seen = []
+            session.on_set = lambda **points: seen.append(points)
+            asked(period=0.5)
+            self.assertEqual(seen, [{"speed": None, "period": 0.5}])
+
+            def broken(**_):
+                raise RuntimeError("a defect of the program")
+
+            session.on_set = broken
+            with self.assertRaisesRegex(RuntimeError, "a defect"):
+                asked(speed=0.1)
+
     def test_one_session_has_one_controller(self):
         with program.plant("stand") as (name, _), biped.attach(name):
             with self.assertRaisesRegex(biped.RefusedError, "already has a controller"):

@@ -1,4 +1,4 @@
-//! `biped new`: a controller, plant, scene or robot of one's own to begin from. All files come out of this program.
+//! `biped new`: a controller, plant, comparison, scene or robot of one's own to begin from. All files come out of this program.
 
 mod native;
 mod python;
@@ -20,6 +20,8 @@ pub enum NewArgs {
     Controller(ControllerArgs),
     /// Make a folder with MuJoCo as the plant, in Python
     Plant(PlantArgs),
+    /// Make a folder with the scripts that run other simulators on the comparison scenes
+    Peers(PeersArgs),
     /// Make a file with a scene to edit
     Scene(FileArgs),
     /// Make a file with a robot to edit
@@ -31,7 +33,7 @@ pub enum NewArgs {
 pub struct ControllerArgs {
     /// Folder to make
     folder: PathBuf,
-    /// Controller to begin from; `walk` exists in Python and in C
+    /// Controller to begin from; `walk` is there in Python, Rust and C
     #[arg(long, value_enum, default_value = "stand")]
     from: Template,
     #[command(flatten)]
@@ -70,6 +72,13 @@ pub struct PlantArgs {
     mujoco: bool,
 }
 
+/// Arguments of `biped new peers`.
+#[derive(Args)]
+pub struct PeersArgs {
+    /// Folder to make
+    folder: PathBuf,
+}
+
 /// Arguments of `biped new scene` and `biped new robot`.
 #[derive(Args)]
 pub struct FileArgs {
@@ -90,13 +99,13 @@ enum Template {
 }
 
 /// A file of a new folder: its name and its text.
-type NewFile = (&'static str, String);
+pub type NewFile = (&'static str, String);
 
-/// Makes it.
+/// Makes it. `peers` are the files of `biped new peers`, for a folder with the name that it gets.
 ///
 /// # Errors
 /// Something that is there already, a scene that is refused, or a place that cannot be written.
-pub fn run(args: &NewArgs) -> Result<(), Failure> {
+pub fn run(args: &NewArgs, peers: impl Fn(&Path) -> Result<Vec<NewFile>, Failure>) -> Result<(), Failure> {
     match args {
         NewArgs::Controller(args) => {
             let (from, tree) = (args.from, args.tree.as_deref());
@@ -112,6 +121,7 @@ pub fn run(args: &NewArgs) -> Result<(), Failure> {
             write(&args.folder, &files)
         }
         NewArgs::Plant(args) => write(&args.folder, &python::plant(&args.folder)?),
+        NewArgs::Peers(args) => write(&args.folder, &peers(&args.folder)?),
         NewArgs::Scene(args) => {
             let scene = load(&args.from, &[], SCENES)?;
             let path = file(&args.file, &messages::load::text(&scene))?;

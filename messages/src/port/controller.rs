@@ -7,9 +7,10 @@ use super::receiver::Receiver;
 use super::sender::Sender;
 use super::service::{self, ControlService, PendingRequest};
 use super::waiting::Waiting;
+use crate::action::Action;
 use crate::error::PortError;
 use crate::session::Session;
-use crate::wire::{Command, Reply, Sensors};
+use crate::wire::{Command, Reply, Sensors, Stamp, Verdict};
 
 /// The controller's end of the connection.
 #[derive(Debug)]
@@ -93,6 +94,27 @@ impl ControllerPort {
     /// [`PortError::SharedMemory`].
     pub fn next_request(&self) -> Result<Option<PendingRequest>, PortError> {
         self.service.next()
+    }
+
+    /// Answers all requests that have arrived: requests for other set-points by the verdict of `set`, which gets period [s] and speed
+    /// [m/s] if they are to change, and all others by a refusal. `stamp` is that of the controller's last command.
+    ///
+    /// # Errors
+    /// [`PortError::SharedMemory`].
+    pub fn serve(
+        &self,
+        stamp: Stamp,
+        mut set: impl FnMut(Option<f64>, Option<f64>) -> Verdict,
+    ) -> Result<(), PortError> {
+        while let Some(pending) = self.next_request()? {
+            let verdict = match Action::decode(&pending.request) {
+                Ok(Action::Set { period, speed }) => set(period, speed),
+                Ok(_) => Verdict::WrongProcess,
+                Err(verdict) => verdict,
+            };
+            self.answer(pending, Reply { stamp, verdict: verdict as u64, state: 0 })?;
+        }
+        Ok(())
     }
 
     /// As [`PlantPort::answer`](super::PlantPort::answer).

@@ -1,7 +1,7 @@
 //! How a message is declared: once, inside the macro `wire!`.
 //!
 //! The macro lays the struct out as C does, checks its size, lets `bytemuck` prove that it has no padding, and adds its text to
-//! `SCHEMA`. Plant and controller compare the hash of that text before they exchange anything. Messages hold fixed-width
+//! `SCHEMA`. `serde` writes a message as its bytes. Plant and controller compare the hash of that text before they exchange anything. Messages hold fixed-width
 //! integers and `f64` only, in SI units.
 
 macro_rules! wire {
@@ -16,6 +16,19 @@ macro_rules! wire {
 
             impl Default for $name {
                 fn default() -> Self { Zeroable::zeroed() }
+            }
+
+            impl serde::Serialize for $name {
+                fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                    serializer.serialize_bytes(bytemuck::bytes_of(self))
+                }
+            }
+
+            impl<'de> serde::Deserialize<'de> for $name {
+                fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                    let bytes = <&[u8]>::deserialize(deserializer)?;
+                    bytemuck::try_pod_read_unaligned(bytes).map_err(serde::de::Error::custom)
+                }
             }
 
             const _: () = assert!(size_of::<$name>() == $size, "the layout of a message changed");

@@ -43,7 +43,7 @@ named! {
 
 named! {
     /// What the plant is doing.
-    #[derive(Default)]
+    #[derive(Default, serde::Serialize, serde::Deserialize)]
     PlantState,
     /// Names of [`PlantState`], the number in [`Truth::state`](super::Truth).
     STATES:
@@ -123,6 +123,8 @@ named! {
     OutOfRange "a number is out of range",
     /// The request cannot be decoded.
     Damaged "damaged request",
+    /// The process carries out no requests of this kind.
+    NotServed "this program does not serve the request",
 }
 
 impl Verdict {

@@ -1,6 +1,6 @@
 """MuJoCo as the plant: the robot of `biped export mjcf`, walked by whatever controller is at the other end.
 
-    python3 -m pip install iceoryx2==0.10.0 numpy mujoco xxhash
+    python3 -m pip install . mujoco   # in a clone of biped: its Python package
     biped run walk --plant "python3 plant/foreign/mujoco/plant.py"
 
 MuJoCo's contacts give way and its friction creeps; STEP, TIME_CONSTANT, IMPEDANCE and IMPRATIO make them as hard as they
@@ -15,12 +15,11 @@ try:
     import mujoco
     import numpy as np
 except ModuleNotFoundError as missing:
-    print(f"error: Python has no {missing.name}: pip install iceoryx2==0.10.0 numpy mujoco xxhash", file=sys.stderr)
+    sentence = f"Python has no {missing.name}: pip install CLONE numpy mujoco, with a clone of the repository of biped"
+    print(f"error: {sentence}", file=sys.stderr)
     sys.exit(2)
 
-import session
-import wire
-
+JOINTS, CONTACTS = 8, 16  # of the messages
 STEP = 0.5e-3  # at most [s]
 TIME_CONSTANT = 2.0  # of a contact, the least that MuJoCo calls stable [steps]
 IMPEDANCE = [0.99, 0.999, 1e-4, 0.5, 2.0]  # d_0, d_width, width [m], midpoint, power
@@ -33,7 +32,7 @@ class Plant:
         plant = scene["plant"]
         for key in LACKING:
             if np.any(plant[key]):
-                session.fail(2, f"this plant has no plant.{key}: leave it at zero")
+                link.fail(2, f"this plant has no plant.{key}: leave it at zero")
         self.model = mujoco.MjModel.from_xml_string(mjcf)
         option, self.period = self.model.opt, 1.0 / scene["rate"]
         self.steps = int(np.ceil(self.period / STEP - 1e-9))
@@ -58,13 +57,13 @@ class Plant:
         self.point = {int(geom): k for k, geom in enumerate(self.points)}
 
         self.counts_per_radian = 2 ** plant["encoder_bits"] / tau
-        self.torque = np.zeros(wire.JOINTS)
-        self.force = np.zeros((wire.CONTACTS, 3))
+        self.torque = np.zeros(JOINTS)
+        self.force = np.zeros((CONTACTS, 3))
         mujoco.mj_step1(self.model, self.data)
 
     def counts(self):
         counts = [round(angle * self.counts_per_radian) for angle in self.data.qpos[self.angles].tolist()]
-        return counts + [0] * (wire.JOINTS - len(counts))
+        return counts + [0] * (JOINTS - len(counts))
 
     def report(self, truth):
         data, joints = self.data, len(self.angles)
@@ -87,12 +86,12 @@ class Plant:
             mujoco.mj_step2(self.model, self.data)
             for k, contact in enumerate(self.data.contact):
                 at = self.point[max(contact.geom)]  # the ground is geom 0; its force on the point is along the normal
-                if at < wire.CONTACTS:
+                if at < CONTACTS:
                     mujoco.mj_contactForce(self.model, self.data, k, wrench)
                     self.force[at] += contact.frame.reshape(3, 3).T @ wrench[:3] / self.steps
             mujoco.mj_step1(self.model, self.data)
         if not np.isfinite(self.data.qpos).all():
-            session.fail(link.FAULT, f"MuJoCo's state is not finite after {self.data.time:.3f} s")
+            link.fail(4, f"MuJoCo's state is not finite after {self.data.time:.3f} s")
 
 
 if __name__ == "__main__":

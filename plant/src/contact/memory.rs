@@ -3,10 +3,11 @@
 use super::mode::ContactMode;
 use super::problem::Problem;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Mode, slip and impulse of each contact in the last step, by identity. It is part of the state of a simulation: where A is singular, f
 /// depends on it, but v does not.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Memory {
     contacts: Vec<LastContact>,
     /// No contact with an impulse moved in the last solution.
@@ -14,7 +15,7 @@ pub struct Memory {
 }
 
 /// One contact in the last step, in the axes of the problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct LastContact {
     /// Contact mode. Laws other than `Cone` only store whether there was an impulse.
     pub mode: ContactMode,

@@ -1,7 +1,7 @@
 //! Contact modes.
 
 /// Contact mode: what a contact does.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum ContactMode {
     /// No impulse.
     #[default]

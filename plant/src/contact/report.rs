@@ -1,7 +1,7 @@
 //! Report on the solution of a contact problem.
 
 /// Quality and cost of the solution of one contact problem.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Report {
     /// Natural map of (17)-(22), ||f - P_K(f - v^)||, relative to the step's scale max(||f||, ||b||). All quantities are scaled by the
     /// diagonal of A to sqrt(J). It is the same measure for every law. `EnergyQp` violates it by design when a contact slides.

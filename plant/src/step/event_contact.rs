@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 ///
 /// Gap and slip of an active or sticking contact drift by the method's error. So it stays active or sticking while its force does, however
 /// far it has drifted.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(super) struct EventContact {
     /// The contact is active: it carries load, or would carry load if it were pressed.
     pub active: bool,
@@ -15,6 +15,7 @@ pub(super) struct EventContact {
     /// Height above the ground; infinite where there is no ground [m].
     pub gap: f64,
     /// Direction of slip.
+    #[serde(with = "crate::serial::vector")]
     pub slip_direction: Vector3<f64>,
     /// Speed of slip [m/s].
     pub speed: f64,

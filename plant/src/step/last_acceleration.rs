@@ -3,13 +3,16 @@
 use super::posed_state::BaseCentre;
 use crate::model::Model;
 use nalgebra::Vector3;
+use serde::{Deserialize, Serialize};
 
 /// Acceleration of the step before, including contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct LastAcceleration {
     rate: Vec<f64>,
     /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
+    #[serde(with = "crate::serial::vector")]
     turn: Vector3<f64>,
+    #[serde(with = "crate::serial::vector")]
     arm: Vector3<f64>,
     /// False at the start and after an impact.
     pub known: bool,

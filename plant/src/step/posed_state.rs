@@ -40,9 +40,11 @@ impl BaseCentre {
 }
 
 /// A state and its pose.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct PosedState {
     pub state: State,
+    /// Follows from the state, so it is not stored.
+    #[serde(skip)]
     pub pose: Pose,
 }
 

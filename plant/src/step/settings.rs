@@ -19,7 +19,7 @@ pub(super) struct World {
 }
 
 /// Forces that act on the robot from outside, and the time.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Input {
     /// Torques of the drives.
     pub torques: Torques,
@@ -46,9 +46,10 @@ pub(super) struct Settings {
 }
 
 /// A force on a body's centre of mass for some steps.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Push {
     pub link: usize,
+    #[serde(with = "crate::serial::vector")]
     pub force: Vector3<f64>,
     pub steps: std::ops::Range<u64>,
 }

@@ -1,11 +1,13 @@
 //! Snapshots: everything on which the future of a plant depends, apart from its scene.
 
 use super::Plant;
+use super::posed_state::PosedState;
 use super::settings::Input;
 use super::step_state::StepState;
+use serde::{Deserialize, Serialize};
 
 /// The input and the state of a plant. The workspace and the [`Counts`](super::Counts) of evaluations are not part of it.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PlantSnapshot {
     input: Input,
     state: StepState,
@@ -21,6 +23,7 @@ impl Plant {
     pub fn restore(&mut self, snapshot: &PlantSnapshot) {
         self.world.input.clone_from(&snapshot.input);
         self.state.clone_from(&snapshot.state);
+        self.state.now = PosedState::new(&self.world.model, snapshot.state.now.state.clone());
         self.work.dynamics.set_prepared(false);
     }
 }

@@ -10,7 +10,7 @@ use crate::truth::Record;
 use messages::scene::PlantScene;
 
 /// State of the robot, with the memories of its contacts and drives.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct StepState {
     pub now: PosedState,
     pub drives: Drives,

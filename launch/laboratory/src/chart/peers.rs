@@ -4,10 +4,11 @@ mod resolved;
 mod runs;
 pub mod scripts;
 
-use super::cases::ComparisonScene;
+use super::cases::{CASES, ComparisonScene};
 use super::csv::{Measurement, parse, table};
 use super::watch::ChartProgress;
 use sessions::process::Process;
+use sessions::scaffold::NewFile;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::{create_folder as make, write_atomically};
 use std::io::{BufRead, BufReader};
@@ -62,6 +63,25 @@ pub fn measure(
     let text = format!("{HEAD}{origin}{}", table(&rows));
     write_atomically(&folder.join("peers.csv"), &text).map_err(|error| fault(error.to_string()))?;
     Ok((rows, left_out))
+}
+
+/// The scripts with their scenes, for a folder of one's own.
+///
+/// # Errors
+/// A scene that is refused.
+pub fn files(folder: &Path) -> Result<Vec<NewFile>, Failure> {
+    let (own, scenes) = (folder.display(), resolved::text(&CASES, false)?);
+    let head = format!(
+        "    python3 {own}/run.py {own} --engines mujoco    # installs the engine into a virtual environment and runs it\n    \
+         biped chart --peers={own}                      # errors and drawings from the runs in this folder\n\n\
+         `requirements.txt` lists the Python packages of all engines with their versions. `run.py` installs them by itself.\n\n"
+    );
+    let text = |(name, text): (&'static str, &str)| match name {
+        "README.md" => (name, format!("{head}{text}")),
+        _ => (name, text.to_string()),
+    };
+    let more = [("scenes.toml", scenes), ("requirements.txt", scripts::requirements())];
+    Ok(scripts::SCRIPTS.into_iter().map(text).chain(more).collect())
 }
 
 /// The rows of a table that was measured before, or of a folder in which the script ran.

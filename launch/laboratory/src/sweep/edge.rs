@@ -5,21 +5,25 @@
 
 use super::figures::{Survival, cells};
 use super::grid::Grid;
-use crate::batch::table::Row;
+use crate::batch::table::{Form, Row, Table};
 use crate::study;
+use messages::wire::{FNV_START, fnv1a};
 use rayon::prelude::*;
 use shared::csv;
 use shared::exit::{Exit, Failure};
 use shared::progress::BatchProgress;
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
+/// The table of the edges that an unfinished search has found.
+const FOUND: &str = "edges-found.csv";
 /// The default tolerance, relative to the range.
 const TOLERANCE: f64 = 1e-3;
 
 /// A change of survival.
 pub struct Edge {
     /// Number of the run before the change; its other values hold for the edge too.
-    run: usize,
+    pub run: usize,
     /// Value of the key [its unit].
     pub value: f64,
     /// The change is within this distance of the value [its unit].
@@ -43,15 +47,16 @@ pub fn tolerance(given: Option<f64>, grid: &Grid) -> Result<f64, Failure> {
     }
 }
 
-/// Finds every edge of the first axis.
+/// Finds every edge of the first axis. The edges found so far are in a table in `out`, with which an interrupted search goes on.
 ///
 /// # Errors
-/// Ctrl-C, or a bad scene.
+/// Ctrl-C, a bad scene, or a table that cannot be written.
 pub fn find(
     grid: &Grid,
     survival: &Survival,
     rows: &[Row],
     tolerance: f64,
+    out: &Path,
     quiet: bool,
     stop: &AtomicBool,
 ) -> Result<Vec<Edge>, Failure> {
@@ -59,8 +64,12 @@ pub fn find(
     let holds = |run: usize| survival.holds(&rows[run].results);
     let mut brackets: Vec<usize> = (0..rows.len() - stride).filter(|run| holds(*run) != holds(run + stride)).collect();
     brackets.sort_by_key(|run| (run % stride, run / stride));
-    let counter = BatchProgress::new(quiet, brackets.len(), 0, "thresholds");
-    let bisect = |&run: &usize| {
+    let (path, form) = (out.join(FOUND), form(grid, survival, tolerance, &brackets));
+    let table = Table::resume(&path, &form)?;
+    let missing: Vec<usize> = (0..brackets.len()).filter(|edge| !table.has(*edge)).collect();
+    let counter = BatchProgress::new(quiet, brackets.len(), brackets.len() - missing.len(), "thresholds");
+    let bisect = |&edge: &usize| {
+        let run = brackets[edge];
         let [low, high] = [run, run + stride].map(|run| number(grid.axes[0].values.get(grid.runs[run][0])));
         let others = grid.settings(&grid.runs[run]).split_off(1);
         let survives = |value: f64| {
@@ -69,12 +78,39 @@ pub fn find(
             Ok(survival.holds(&cells(&study::observe(&grid.axes[0].key, &scene, stop)?)))
         };
         let (value, half_width) = bisected(low, high, holds(run), tolerance, survives)?;
+        let above = holds(run) == (low > high);
+        table.append(edge, &[value.to_string(), half_width.to_string(), above.to_string()])?;
         counter.add_done(1);
-        Ok(Edge { run, value, half_width, above: holds(run) == (low > high) })
+        Ok(())
     };
-    let edges = brackets.par_iter().map(bisect).collect();
+    let done = missing.par_iter().try_for_each(bisect);
     counter.finish();
-    edges
+    let found: Vec<_> = table.finish()?;
+    done.map_err(|failure: Failure| match failure.exit {
+        Exit::Interrupted => {
+            let (count, all) = (found.iter().flatten().count(), brackets.len());
+            let words = format!("interrupted: {count} of {all} thresholds are in {}", path.display());
+            Failure::new(Exit::Interrupted, format!("{words}; run the same command again to go on"))
+        }
+        _ => failure,
+    })?;
+    let _ = std::fs::remove_file(&path); // edges.csv has them all
+    let edge = |(&run, row): (&usize, &Row)| Edge {
+        run,
+        value: number(row.results.first()),
+        half_width: number(row.results.get(1)),
+        above: row.results[2] == "true",
+    };
+    Ok(brackets.iter().zip(found.iter().flatten()).map(edge).collect())
+}
+
+/// The form of the table of edges found so far: a row for each pair of neighbours that differ in survival.
+fn form(grid: &Grid, survival: &Survival, tolerance: f64, brackets: &[usize]) -> Form {
+    let condition = format!("{}{}{tolerance:e}", grid.form.begin, grid.title(survival));
+    let hash =
+        brackets.iter().fold(fnv1a(FNV_START, condition.as_bytes()), |hash, run| fnv1a(hash, &run.to_le_bytes()));
+    let names = ["edge", "run", "value", "half_width", "above"];
+    Form::new("edge", hash, brackets.iter().map(|run| vec![run.to_string()]).collect(), names, 3)
 }
 
 /// The middle and half the width of an interval with a change, at most `tolerance` wide if numbers are close enough.

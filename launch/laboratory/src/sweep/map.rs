@@ -1,12 +1,13 @@
 //! The drawing of a sweep of two or more keys: a map of survival over the first two, and a panel for each combination of the others.
 
+use super::edge::Edge;
 use super::figures::Survival;
 use super::grid::Grid;
-use crate::batch::axis::{combinations, settings};
+use crate::batch::axis::{Axis, combinations, settings};
 use crate::batch::panel::{Layout, MOST, Panel, STRENGTH, mixed};
 use crate::batch::table::Row;
-use records::report::draw::plot;
-use records::report::plot::{Axis, Frame, GREEN, INK, Mark, ZMP};
+use records::report::draw;
+use records::report::plot::{self, Frame, GREEN, INK, Mark, RIGHT, ZMP};
 
 /// Most columns of a panel that shares its row with another one.
 const NARROW: usize = 8;
@@ -14,8 +15,8 @@ const NARROW: usize = 8;
 const WIDTH: f64 = 560.0;
 const CHARACTER: f64 = 8.0;
 
-/// The map of survival.
-pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row]) -> String {
+/// The map of survival. Edges are the thresholds of the first key: vertical lines in the rows of their cells.
+pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> String {
     let (axes, seeds) = grid.drawn();
     let [along, up] = [&axes[0], &axes[1]];
     let panels = combinations(&axes[2..]);
@@ -31,18 +32,35 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row]) -> String {
     let (wide, tall) = layout.extent();
     marks.push(Mark::text((0.5 * wide, -tall), format!("to the right: {}, upward: {}", along.key, up.key)));
     for (panel, combination) in panels.iter().enumerate() {
-        Panel {
+        let drawn = Panel {
             title: &settings(&axes[2..], combination).join(" "),
             names: ["", ""],
             values: [&labels, &up.values],
             corner: layout.corner(panel),
             colour: &|i, j| mixed([(GREEN, share(i, j, panel)), (ZMP, 1.0 - share(i, j, panel))]),
             up: &|i, j| share(i, j, panel),
+        };
+        drawn.draw(&mut marks);
+        for edge in edges {
+            let run = &grid.runs[edge.run];
+            if run[2..axes.len()] == combination[..] {
+                let (x, y) = (place(along, run[0], edge.value), run[1] as f64);
+                marks.push(Mark::dashes(vec![drawn.at(x, y), drawn.at(x, y + 1.0)], RIGHT));
+            }
         }
-        .draw(&mut marks);
+    }
+    if !edges.is_empty() {
+        marks.push(Mark::dashes(vec![(0.0, 0.0); 2], RIGHT).label("survival changes"));
     }
     let (title, height) = (grid.title(survival), layout.height());
-    plot(&Frame { title, height, x: Axis::hidden(0.0..wide), y: Axis::hidden(-tall..0.0) }, &marks)
+    draw::plot(&Frame { title, height, x: plot::Axis::hidden(0.0..wide), y: plot::Axis::hidden(-tall..0.0) }, &marks)
+}
+
+/// The place of a value between those of two columns, the first of which is `column` [cells].
+fn place(axis: &Axis, column: usize, value: f64) -> f64 {
+    let at = |column: usize| axis.values.get(column).and_then(|text| text.parse().ok()).unwrap_or(f64::NAN);
+    let [low, high]: [f64; 2] = [at(column), at(column + 1)];
+    column as f64 + 0.5 + (value - low) / (high - low)
 }
 
 /// Invisible marks that make the entries of the legend.

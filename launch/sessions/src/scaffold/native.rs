@@ -48,7 +48,7 @@ pub fn c(folder: &Path, from: Template, tree: Option<&Path>) -> Result<Vec<NewFi
 /// A controller in C++.
 pub fn cpp(folder: &Path, from: Template, tree: Option<&Path>) -> Result<Vec<NewFile>, Failure> {
     if matches!(from, Template::Walk) {
-        return Err(usage("--from walk is there in Python and in C: in C++, call biped_plan as the walk in C does"));
+        return Err(usage("--from walk is there in Python, Rust and C: in C++, call biped_plan as the walk in C does"));
     }
     let head = "// A controller for biped. README.md says how to build and run it.\n";
     CPP.files(folder, "stand", format!("{head}{}", code(foreign::CPP_STAND, "#include")), tree)

@@ -85,24 +85,23 @@ if __name__ == "__main__":
 pub fn plant(folder: &Path) -> Result<Vec<NewFile>, Failure> {
     let program = folder.join("plant.py").display().to_string();
     let scene = built_in("walk")?;
-    let link = plant::foreign::MUJOCO_LINK.lines().filter(|line| !line.starts_with("sys.path.insert"));
     let texts = [
         ("plant.py", plant::foreign::MUJOCO_PLANT.replace("plant/foreign/mujoco/plant.py", &program)),
-        ("link.py", link.map(|line| format!("{line}\n")).collect()), // its modules are beside it
-        ("requirements.txt", format!("{REQUIREMENTS}mujoco\n")),
+        ("link.py", plant::foreign::MUJOCO_LINK.into()),
+        ("requirements.txt", "numpy\nmujoco\n".into()),
         ("README.md", plant_readme(&program, folder)),
         ("test_plant.py", PLANT_TEST.into()),
         ("scene.json", serde_json::to_string_pretty(&scene).unwrap_or_default() + "\n"),
         ("robot.xml", mjcf(&scene)?),
     ];
-    Ok(texts.into_iter().chain(copies(&foreign::PYTHON)).collect())
+    Ok(texts.into())
 }
 
 fn plant_readme(program: &str, folder: &Path) -> String {
     let folder = folder.display();
     format!(
         "# MuJoCo as the plant for biped\n\n\
-         pip install -r {folder}/requirements.txt                 # once\n\
+         pip install CLONE -r {folder}/requirements.txt           # once; CLONE is a clone of biped, whose Python package this is\n\
          biped run walk --plant \"python3 {program}\"       # the robot of `biped export mjcf`, walked by the controller of biped\n\
          biped conform --plant \"python3 {program}\"        # checks it against the rules of the wire\n\
          python3 {folder}/test_plant.py                           # reads scene.json and robot.xml, which are for this test only\n"

@@ -12,7 +12,7 @@ macro_rules! script {
 }
 
 /// All scripts. cargo would leave a folder with a `Cargo.toml` out of a package, so that file has another name there.
-const SCRIPTS: [(&str, &str); 16] = [
+pub const SCRIPTS: [(&str, &str); 16] = [
     script!("README.md"),
     script!("dart_scenes.py"),
     script!("drake_scenes.py"),
@@ -31,6 +31,13 @@ const SCRIPTS: [(&str, &str); 16] = [
     script!("rapier/src/main.rs"),
 ];
 
+/// The Python packages that `run.py` installs, as a requirements.txt.
+pub fn requirements() -> String {
+    let run = SCRIPTS.iter().find(|(name, _)| *name == "run.py").map_or("", |(_, text)| text);
+    let pinned = run.split('"').filter(|word| word.contains("==") && !word.contains(char::is_whitespace));
+    pinned.map(|package| format!("{package}\n")).collect()
+}
+
 /// Copies all scripts into a folder of that name within `folder`. Returns the path of the script `name`.
 ///
 /// # Errors
@@ -48,6 +55,13 @@ pub fn copy(folder: &Path, name: &str) -> Result<PathBuf, Failure> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_requirements_are_the_packages_that_the_script_installs() {
+        let listed = requirements();
+        assert!(listed.contains("mujoco-core==4.0.0\n") && listed.contains("numpy=="), "{listed}");
+        assert!(listed.lines().all(|line| line.split("==").count() == 2), "{listed}");
+    }
 
     #[test]
     fn every_script_is_copied() {

@@ -1,7 +1,10 @@
-//! Thresholds of survival, where analysis gives them.
+//! Thresholds of survival.
 
+use super::{biped, column, numbers, output, read, sweep};
 use crate::common::fresh_path;
-use crate::{column, numbers, read, sweep};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::time::{Duration, Instant};
 
 #[test]
 fn the_edge_of_a_block_on_a_slope_is_the_tangent_of_its_angle() {
@@ -25,6 +28,47 @@ fn the_edge_of_a_block_on_a_slope_is_the_tangent_of_its_angle() {
     let printed = sweep(&rough, &folder.join("rough"));
     assert!(printed.contains("survival does not change with plant.friction from 0.6 to 0.8"), "{printed}");
     assert!(column(&read(&folder.join("rough/edges.csv")), "survives").is_empty());
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
+fn a_killed_search_for_thresholds_goes_on_where_it_stopped() {
+    let folder = fresh_path("sweep");
+    let inclines = "plant.incline_deg=20,21,22,23,24,25,26,27";
+    let ranges = ["sweep", "stick", inclines, "--edge", "plant.friction=0.2:0.8:3", "--set", "duration=0.5"];
+    let ranges = [&ranges[..], &["--survival", "distance_m<1e-6", "--tolerance", "1e-9"]].concat();
+    let (killed, found) = (folder.join("killed"), folder.join("killed/edges-found.csv"));
+    let mut child = biped(&ranges).arg("--out").arg(&killed).spawn().expect("the program starts");
+    let start = Instant::now();
+    while read(&found).lines().count() < 4 && start.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    kill(Pid::from_raw(child.id() as i32), Signal::SIGKILL).expect("our own child");
+    child.wait().expect("an end");
+    let lines: Vec<String> = read(&found).split_inclusive('\n').map(String::from).collect();
+    assert!((4..10).contains(&lines.len()), "killed too early or too late to tell anything: {lines:?}");
+    // A threshold that was found is not searched for again, so its false value stays.
+    let cells: Vec<&str> = lines[2].split(',').collect();
+    let false_row = [&cells[..2], &["0.75"], &cells[3..]].concat().join(",");
+    std::fs::write(&found, [&lines[..2], &[false_row], &lines[3..]].concat().concat()).expect("a table");
+    sweep(&ranges[1..], &killed);
+    sweep(&ranges[1..], &folder.join("whole"));
+    let [resumed, whole] =
+        [&killed, &folder.join("whole")].map(|folder| numbers(&read(&folder.join("edges.csv")), "plant.friction"));
+    assert_eq!((resumed.len(), whole.len()), (8, 8));
+    assert_eq!(
+        resumed.iter().zip(&whole).filter(|(resumed, whole)| resumed != whole).count(),
+        1,
+        "{resumed:?} {whole:?}"
+    );
+    assert!(resumed.contains(&0.75) && !found.exists());
+    let map = read(&folder.join("whole/sweep.svg"));
+    assert!(map.contains("survival changes"), "a map of two keys shows the thresholds");
+    // Another tolerance is another search.
+    std::fs::write(&found, lines.concat()).expect("a table");
+    let other = output(&[&ranges[1..8], &["distance_m<1e-5"]].concat(), &killed);
+    let words = String::from_utf8_lossy(&other.stderr);
+    assert!(other.status.code() == Some(2) && words.contains("is the table of another sweep"), "{words}");
     std::fs::remove_dir_all(folder).expect("our own folder");
 }
 

@@ -1,0 +1,66 @@
+//! The ports of a session, and what both kinds of sessions share: durations, failures, functions that serve requests.
+
+use crate::error::{AbsentError, Error, InputError, RefusedError, SessionError};
+use biped_c::end::ControllerHandle;
+use biped_c::failure::{BIPED_INCOMPATIBLE, BIPED_MISUSE, BIPED_NO_PLANT, CallFailure};
+use messages::port::{RecorderPort, Verdict};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use std::time::Duration;
+
+/// The ports of a session. They stay in the thread that opened them.
+#[derive(Default)]
+pub struct Ports {
+    pub controller: Option<ControllerHandle>,
+    pub recorder: Option<RecorderPort>,
+    /// The function of `on_set`.
+    pub on_set: Option<Py<PyAny>>,
+    /// Whether the last reading was the first one of a run.
+    pub begins: bool,
+}
+
+impl Ports {
+    /// The controller's end.
+    pub fn controller(&mut self) -> PyResult<&mut ControllerHandle> {
+        let missing =
+            "this process is not the controller of the session: open it with control=True, and do not close it before";
+        self.controller.as_mut().ok_or_else(|| SessionError::new_err(missing))
+    }
+}
+
+/// Asks the function of `on_set` for other set-points.
+pub fn set_points(
+    py: Python<'_>,
+    on_set: Option<&Py<PyAny>>,
+    period: Option<f64>,
+    speed: Option<f64>,
+) -> PyResult<Verdict> {
+    let Some(on_set) = on_set else { return Ok(Verdict::NotServed) };
+    let words = PyDict::new(py);
+    words.set_item("period", period)?;
+    words.set_item("speed", speed)?;
+    match on_set.call(py, (), Some(&words)) {
+        Ok(_) => Ok(Verdict::Done),
+        Err(error) if error.is_instance_of::<Error>(py) || error.is_instance_of::<PyValueError>(py) => {
+            Ok(Verdict::OutOfRange)
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// A number of seconds.
+pub fn seconds(what: &str, value: f64) -> PyResult<Duration> {
+    Duration::try_from_secs_f64(value).map_err(|error| InputError::new_err(format!("{what} is {value} s: {error}")))
+}
+
+/// A failure of the session as an exception.
+pub fn failed(failure: CallFailure) -> PyErr {
+    let sentence = failure.to_string();
+    match failure.code() {
+        BIPED_MISUSE => InputError::new_err(sentence),
+        BIPED_NO_PLANT => AbsentError::new_err(sentence),
+        BIPED_INCOMPATIBLE => RefusedError::new_err(sentence),
+        _ => SessionError::new_err(sentence),
+    }
+}

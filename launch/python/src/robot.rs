@@ -1,0 +1,175 @@
+//! A plant of one's own in a session, in lockstep: the protocol of docs/WIRE.md around a [`PlantPort`] and a [`CommandPipeline`].
+
+use biped_c::failure::{BIPED_NO_PLANT, BIPED_STOPPED, CallFailure};
+use messages::clock::{Timeout, now_ns, random};
+use messages::peer_environment::PeerEnvironment;
+use messages::port::{Action, Pace, PlantPort, Verdict};
+use messages::wire::{Encoders, PlantState, Reply, Sensors, Stamp, Stamped, Torques, Truth};
+use plant::command_pipeline::CommandPipeline;
+use std::time::Duration;
+
+/// The plant sends its sensors again this often while it waits [ns].
+const HEARTBEAT_NS: u64 = 100_000_000;
+
+/// A plant's end of a session.
+pub struct Robot {
+    port: PlantPort,
+    commands: CommandPipeline,
+    /// The last sensors; their number is 0 before the first ones.
+    sensors: Sensors,
+    /// Control rate [Hz], and number of control periods.
+    rate: f64,
+    periods: u64,
+    has_controller: bool,
+    patience: Duration,
+    /// When the last command was taken [ns], and how long the plant had waited for it [ns].
+    answered_ns: u64,
+    wait_ns: u64,
+}
+
+impl Robot {
+    /// Joins the session of an environment as its plant.
+    pub fn join(environment: PeerEnvironment) -> Result<Robot, CallFailure> {
+        let PeerEnvironment { session, contract, patience, scene, .. } = environment;
+        if contract.pace != Pace::Lockstep {
+            return Err(CallFailure::misuse("this plant goes in lockstep alone: leave out --realtime"));
+        }
+        let stamp = Stamp { run: random().max(1), epoch: random(), ..Stamp::default() };
+        Ok(Robot {
+            port: PlantPort::open(&session, &contract)?,
+            commands: CommandPipeline::new(&scene, stamp.run),
+            sensors: Sensors { stamp, ..Sensors::default() },
+            rate: scene.rate,
+            periods: (scene.duration * scene.rate).round() as u64,
+            has_controller: scene.controller.is_some(),
+            patience,
+            answered_ns: 0,
+            wait_ns: 0,
+        })
+    }
+
+    /// Sends these encoder counts and the truth that belongs to them, and waits for the answer while `keeps_waiting` returns true. Returns
+    /// the torques of the drives for the control period that begins; none at the end of the scene.
+    pub fn exchange(
+        &mut self,
+        counts: [i64; 8],
+        truth: Truth,
+        keeps_waiting: impl FnMut() -> bool,
+    ) -> Result<Option<Torques>, CallFailure> {
+        if self.has_ended() {
+            return Err(CallFailure::misuse("the run has ended: its last exchange returned no torques"));
+        }
+        let sent = now_ns();
+        let Stamp { seq, .. } = self.sensors.stamp;
+        let truth = self.completed(truth, sent);
+        let stamp = Stamp { seq: seq + 1, sim_ns: (seq as f64 * 1e9 / self.rate).round() as u64, ..self.sensors.stamp };
+        let stamp = Stamp { mono_ns: sent, ..stamp };
+        self.sensors = Sensors { stamp, encoders: Encoders { counts }, last: u64::from(stamp.seq > self.periods) };
+        self.port.send(self.sensors)?;
+        self.port.record(Truth { stamp, encoders: self.sensors.encoders, ..truth })?;
+        if self.has_ended() {
+            self.port.finish();
+            return Ok(None);
+        }
+        self.refuse_requests()?;
+        if self.has_controller {
+            self.wait(keeps_waiting)?;
+        }
+        (self.answered_ns, self.wait_ns) = (now_ns(), now_ns() - sent);
+        Ok(Some(self.commands.torques(&self.sensors)))
+    }
+
+    /// Whether the last sensors have been sent.
+    pub fn has_ended(&self) -> bool {
+        self.sensors.last != 0
+    }
+
+    /// Simulated time of the last sensors [s].
+    pub fn time(&self) -> f64 {
+        self.sensors.stamp.sim_ns as f64 * 1e-9
+    }
+
+    /// State of the drives.
+    pub fn state(&self) -> PlantState {
+        self.commands.state()
+    }
+
+    /// Tells the controller that the run ends before its time.
+    pub fn leave(&mut self) -> Result<(), CallFailure> {
+        if !self.has_ended() {
+            (self.sensors.last, self.sensors.stamp.seq) = (1, self.sensors.stamp.seq + 1);
+            self.sensors.stamp.mono_ns = now_ns();
+            self.port.send(self.sensors)?;
+            self.port.wait_for_tunnel();
+        }
+        Ok(())
+    }
+
+    /// The truth with what the session knows of the period that ends with it: commands, counters and times.
+    fn completed(&mut self, truth: Truth, now: u64) -> Truth {
+        self.commands.tally_mut().unrecorded = self.port.unrecorded();
+        let (commands, newest) = (&self.commands, self.commands.newest());
+        Truth {
+            state: commands.state() as u32,
+            age: commands.age() as u32,
+            tally: *commands.tally(),
+            telemetry: newest.telemetry,
+            command: newest.stamp,
+            asked: newest.torques,
+            plant_ns: if self.answered_ns == 0 { 0 } else { now - self.answered_ns },
+            wait_ns: self.wait_ns,
+            reply_ns: commands.reply_ns(&self.sensors.stamp),
+            ..truth
+        }
+    }
+
+    /// Waits for the answer to the last sensors; at first, for one that is accepted.
+    fn wait(&mut self, mut keeps_waiting: impl FnMut() -> bool) -> Result<(), CallFailure> {
+        let mut timeout = Timeout::new("controller", self.patience);
+        loop {
+            let asked = self.sensors.stamp;
+            match self.port.wait()? {
+                Some(command) => {
+                    self.commands.receive(&command, asked.seq);
+                    let answers = (command.stamp.run, command.stamp.ack) == (asked.run, asked.seq);
+                    if command.is_sound() && answers && self.commands.has_command() {
+                        return Ok(());
+                    }
+                }
+                None => {
+                    self.refuse_requests()?;
+                    if now_ns() - asked.mono_ns > HEARTBEAT_NS {
+                        self.sensors.stamp.mono_ns = now_ns();
+                        self.port.send(self.sensors)?;
+                    }
+                    if !keeps_waiting() {
+                        return Err(CallFailure::new(BIPED_STOPPED, "interrupted"));
+                    }
+                }
+            }
+            if timeout.has_expired() {
+                let (limit, tally) = (self.patience, self.commands.tally().to_string());
+                let refused = if tally.is_empty() { tally } else { format!("; {tally}") };
+                return Err(CallFailure::new(
+                    BIPED_NO_PLANT,
+                    format!("no controller answered within {limit:?}{refused}"),
+                ));
+            }
+        }
+    }
+
+    /// A plant of one's own serves no requests.
+    fn refuse_requests(&mut self) -> Result<(), CallFailure> {
+        while let Some(pending) = self.port.next_request()? {
+            let verdict = match Action::decode(&pending.request) {
+                Ok(action) if action.is_for_controller() => Verdict::WrongProcess,
+                Ok(_) => Verdict::NotServed,
+                Err(verdict) => verdict,
+            };
+            self.commands.tally_mut().requests += 1;
+            let (stamp, state) = (self.sensors.stamp, self.commands.state() as u64);
+            self.port.answer(pending, Reply { stamp, verdict: verdict as u64, state })?;
+        }
+        Ok(())
+    }
+}
