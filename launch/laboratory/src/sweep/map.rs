@@ -6,7 +6,7 @@ use crate::batch::axis::{combinations, settings};
 use crate::batch::panel::{Layout, MOST, Panel, STRENGTH, mixed};
 use crate::batch::table::Row;
 use records::report::draw::plot;
-use records::report::plot::{Axis, Frame, GREEN, INK, Mark, ZMP};
+use records::report::plot::{Frame, GREEN, INK, Mark, PlotAxis, ZMP};
 
 /// Most columns of a panel that shares its row with another one.
 const NARROW: usize = 8;
@@ -42,7 +42,7 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row]) -> String {
         .draw(&mut marks);
     }
     let (title, height) = (grid.title(survival), layout.height());
-    plot(&Frame { title, height, x: Axis::hidden(0.0..wide), y: Axis::hidden(-tall..0.0) }, &marks)
+    plot(&Frame { title, height, x: PlotAxis::hidden(0.0..wide), y: PlotAxis::hidden(-tall..0.0) }, &marks)
 }
 
 /// Invisible marks that make the entries of the legend.
