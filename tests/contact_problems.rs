@@ -60,7 +60,7 @@ fn contact_problems_of_all_families_are_solved_in_few_iterations() {
         assert!(number("problems") >= 0.8 * PER_FAMILY, "{row:?}");
         let limits = limits(&row["law"], &row["family"]);
         assert!(number("unsolved") <= limits.unsolved * number("problems"), "{row:?}");
-        // With the largest friction, μ|v_F| of the diamond has rounding errors above the tolerance; the result then depends on the method.
+        // With the largest friction, μ|v_F| of the square cone has rounding errors above the tolerance; the result then depends on the method.
         let rounds = row["law"] == "Aligned" && row["family"] == "rough";
         assert!(rounds || number("fallbacks") == number("unsolved"), "every unsolved problem is flagged: {row:?}");
         assert!(number("natural map") <= limits.natural_map, "{row:?}");

@@ -12,19 +12,19 @@ use plant::model::Model;
 use plant::state::State;
 
 /// The plant's model, evaluated for the quantities of the controller.
-struct World {
+struct PlantModel {
     scene: Scene,
     model: Model,
     state: State,
     pose: Pose,
 }
 
-impl World {
-    fn new() -> World {
+impl PlantModel {
+    fn new() -> PlantModel {
         let mut scene = Scene::default();
         scene.plant.base = Base::Virtual; // its six coordinates can be set freely
         let model = Model::new(&scene).expect("Table 1");
-        World { state: State::zero(&model), pose: Pose::new(&model), model, scene }
+        PlantModel { state: State::zero(&model), pose: Pose::new(&model), model, scene }
     }
 
     /// Sets the joint angles to `q`, in wire order.
@@ -63,12 +63,12 @@ impl World {
 }
 
 /// Random postures at random base poses. The quantities relative to the foot must not depend on the base pose.
-fn postures(count: usize, mut visit: impl FnMut(&mut World, Joints, bool)) {
+fn postures(count: usize, mut visit: impl FnMut(&mut PlantModel, Joints, bool)) {
     let seed = fastrand::u64(..);
     println!("seed {seed}");
     let mut random = fastrand::Rng::with_seed(seed);
     let mut within = move |bound: f64| bound * (2.0 * random.f64() - 1.0);
-    let mut world = World::new();
+    let mut world = PlantModel::new();
     for i in 0..count {
         for x in &mut world.state.x[..6] {
             *x = within(1.0);

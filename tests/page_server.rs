@@ -15,21 +15,21 @@ use std::net::{IpAddr, SocketAddr, TcpListener, TcpStream};
 use std::process::{Child, Output};
 
 /// A running `biped view`, with its address and token.
-struct View {
+struct ViewServer {
     process: Child,
     address: SocketAddr,
     token: String,
 }
 
-impl View {
-    fn open(walk: &Running, extra: &[&str]) -> View {
+impl ViewServer {
+    fn open(walk: &Running, extra: &[&str]) -> ViewServer {
         let arguments = ["view", "--session", walk.session.name(), "--port", "0"];
         let mut process = biped(&[&arguments[..], extra].concat()).spawn().expect("the program starts");
         let mut line = String::new();
         BufReader::new(process.stdout.as_mut().expect("a pipe")).read_line(&mut line).expect("a line");
         let address = line.split_once("http://").and_then(|(_, rest)| rest.trim().split_once("/?token="));
         let (address, token) = address.unwrap_or_else(|| panic!("no address: {line}"));
-        View { process, address: address.parse().expect("an address"), token: token.into() }
+        ViewServer { process, address: address.parse().expect("an address"), token: token.into() }
     }
 
     fn connect(&self) -> TcpStream {
@@ -78,7 +78,7 @@ fn read_to_end(stream: &mut TcpStream) -> String {
 fn requests_without_the_token_or_for_another_host_are_refused() {
     let walk = Running::unobserved("token");
     walk.ask(Action::Pause);
-    let view = View::open(&walk, &[]);
+    let view = ViewServer::open(&walk, &[]);
     let (token, here) = (&view.token, &view.address.to_string());
     assert!(token.len() == 32 && view.serves());
     let refused = ["/", "/?token=", "/ask", "/frames", "/nowhere", &format!("/frames?token={}0", &token[1..])];
@@ -124,7 +124,7 @@ fn requests_without_the_token_or_for_another_host_are_refused() {
 fn endless_requests_and_silent_clients_use_no_memory_and_block_nobody() {
     let walk = Running::unobserved("onlooker");
     walk.ask(Action::Pause);
-    let view = View::open(&walk, &[]);
+    let view = ViewServer::open(&walk, &[]);
     assert!(view.serves());
     let (files, memory, address, token) = (view.open_files(), view.peak_memory(), view.address, &view.token);
 
@@ -178,7 +178,7 @@ fn endless_requests_and_silent_clients_use_no_memory_and_block_nobody() {
 #[test]
 fn a_stalled_reader_blocks_nobody() {
     let walk = Running::unobserved("stall");
-    let view = View::open(&walk, &[]);
+    let view = ViewServer::open(&walk, &[]);
     // Clients that request the page repeatedly and never read it, each for more bytes than the socket buffers hold.
     let before = view.open_files();
     let stalled: Vec<TcpStream> = (0..8)
@@ -212,7 +212,7 @@ fn listening_on_other_addresses_needs_an_option_and_prints_a_warning() {
             println!("this machine has no IPv6: {listen} is not tested");
             continue;
         }
-        let view = View::open(&walk, &["--listen", listen]);
+        let view = ViewServer::open(&walk, &["--listen", listen]);
         assert!(view.address.is_ipv6() == listening.is_ipv6() && view.serves(), "{listen}");
         let path = format!("/frames?token={}", view.token);
         assert!(view.get(&path, host).starts_with("HTTP/1.1 200"), "{listen}: {host}");

@@ -5,7 +5,7 @@
 //! the ratio of the heights of the centres of gravity. Accelerations are not scaled, because gravity is the same. The scene's
 //! own numbers are scaled when a robot is put into the scene (`messages/src/load/robot.rs`).
 
-use messages::robot::{Body, Scale, table_1};
+use messages::robot::{Body, SimilarityScale, table_1};
 
 /// Duration of phase *stand*: time for the robot to settle [s].
 const STAND: f64 = 0.5;
@@ -109,7 +109,7 @@ pub struct ScaledParameters {
 impl ScaledParameters {
     /// Parameters for the robot of these bodies.
     pub fn of(bodies: &[Body]) -> ScaledParameters {
-        let scale = Scale::between(&table_1(), bodies);
+        let scale = SimilarityScale::between(&table_1(), bodies);
         let (t, l, v) = (scale.time(), scale.length, scale.speed());
         ScaledParameters {
             phases: [STAND, SWAY, LIFT, LAND].map(|duration| duration * t),

@@ -7,7 +7,7 @@ mod biped;
 mod similarity;
 
 pub use biped::canonical_biped;
-pub use similarity::{Scale, stance};
+pub use similarity::{SimilarityScale, stance};
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

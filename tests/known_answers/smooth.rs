@@ -91,9 +91,9 @@ fn errors_decrease_with_the_order_of_each_method() {
     }
 }
 
-/// `Aligned` has a corner of each contact's diamond along its own slip, so it converges with smaller steps. Facets that are fixed in the world brake
-/// all three legs along the same facet while their slip directions differ by less than the facets do. Nothing then brakes the rotation, at any
-/// step.
+/// `Aligned` has a corner of each contact's square cone along its own slip, so it converges with smaller steps. Facets that are fixed in the
+/// world brake all three legs along the same facet while their slip directions differ by less than the facets do. Nothing then brakes the
+/// rotation, at any step.
 #[test]
 fn a_sliding_puck_turns_freely_under_fixed_facets_but_not_under_a_diamond_along_the_slip() {
     let error = |law: &str, dt: &str| {

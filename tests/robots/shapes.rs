@@ -2,7 +2,7 @@
 
 use crate::common::{RobotFile, run, run_two, scene, shanks, similar};
 use controller::Controller;
-use messages::robot::{Body, DriveParameters, Robot, Scale, table_1};
+use messages::robot::{Body, DriveParameters, Robot, SimilarityScale, table_1};
 use messages::scene::Scene;
 use plant::Plant;
 
@@ -41,7 +41,7 @@ fn angles(scene: &Scene) -> Vec<[f64; 8]> {
 /// 2.5 s, which have four steps, and over the whole walk [rad].
 fn difference(robot: &Robot, settings: &[&str]) -> [f64; 2] {
     let file = RobotFile::new(robot);
-    let time = Scale::between(&table_1(), &robot.bodies).time();
+    let time = SimilarityScale::between(&table_1(), &robot.bodies).time();
     let clocks =
         [format!("rate={}", 1000.0 / time), format!("plant.dt={}", time / 1000.0), format!("duration={}", 14.0 * time)];
     let own = [&[file.setting()], &clocks[..]].concat();
@@ -70,7 +70,7 @@ fn a_similar_robot_moves_like_the_small_one_in_scaled_time() {
 fn a_robot_with_shanks_a_fifth_longer_walks() {
     let robot = shanks(1.2);
     let file = RobotFile::new(&robot);
-    let time = Scale::between(&table_1(), &robot.bodies).time();
+    let time = SimilarityScale::between(&table_1(), &robot.bodies).time();
     run("walk", &[&file.setting()]).assert_ranges(&[
         ("speed_mps", 0.2 * time..=0.21 * time),
         ("period_s", 0.599 * time..=0.601 * time),

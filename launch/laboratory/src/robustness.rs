@@ -19,7 +19,7 @@ use crate::batch::table::{Form, Row};
 use crate::study;
 pub use args::RobustnessArgs;
 use cells::Cells;
-use grid::{Grid, SweepRun};
+use grid::{LinkGrid, SweepRun};
 use shared::exit::Failure;
 use shared::output::{print_text, write_atomically, write_failure};
 use std::sync::atomic::AtomicBool;
@@ -29,7 +29,7 @@ use std::sync::atomic::AtomicBool;
 /// # Errors
 /// Ctrl-C, a bad argument, tables that do not belong together, or a folder that cannot be written.
 pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let grid = Grid::new(args)?;
+    let grid = LinkGrid::new(args)?;
     let (cases, form) = (grid.cases(), grid.form());
     let batch = Batch { command: "robustness", args: &args.batch, out: &args.out, quiet: args.quiet, form: &form };
     let work = |number: usize| Ok(results::cells(&study::observe(&args.scene, &cases[number].scene(), stop)?));
@@ -37,7 +37,7 @@ pub fn run(args: &RobustnessArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Writes the whole table and the map, and prints a summary.
-fn draw(args: &RobustnessArgs, grid: &Grid, cases: &[SweepRun], form: &Form, rows: &[Row]) -> Result<(), Failure> {
+fn draw(args: &RobustnessArgs, grid: &LinkGrid, cases: &[SweepRun], form: &Form, rows: &[Row]) -> Result<(), Failure> {
     let cells = Cells::new(grid, cases, rows)?;
     let files = [("robustness.csv", form.text(rows)), ("robustness.svg", map::survival(grid, &cells))];
     for (name, text) in files {

@@ -9,12 +9,12 @@ use shared::output::print_text;
 pub struct WireArgs {
     /// Output format
     #[arg(value_enum)]
-    language: Language,
+    language: WireFormat,
 }
 
 /// Output format of `biped wire`.
 #[derive(Clone, Copy, ValueEnum)]
-enum Language {
+enum WireFormat {
     /// Header for C and C++
     C,
     /// Python module of ctypes structures
@@ -26,8 +26,8 @@ enum Language {
 /// Prints the wire format.
 pub fn run(args: &WireArgs) {
     print_text(match args.language {
-        Language::C => describe::c_header(),
-        Language::Python => describe::python_module(),
-        Language::Markdown => describe::markdown(),
+        WireFormat::C => describe::c_header(),
+        WireFormat::Python => describe::python_module(),
+        WireFormat::Markdown => describe::markdown(),
     });
 }

@@ -1,6 +1,6 @@
 //! Replacing the robot of a scene: reading the new robot from a file, and scaling the numbers of the scene to it.
 //!
-//! | scaled by dynamic similarity, see [`Scale`] | unchanged |
+//! | scaled by dynamic similarity, see [`SimilarityScale`] | unchanged |
 //! |---|---|
 //! | gait: period √L, speed √L, heights L | duration, rates, steps, ground, gravity |
 //! | gains and bandwidths of planner and servos 1/√L | dimensionless gains |
@@ -9,7 +9,7 @@
 
 use super::error::SceneError;
 use super::{check, urdf};
-use crate::robot::{CROUCH, Robot, Scale, canonical_biped, stance};
+use crate::robot::{CROUCH, Robot, SimilarityScale, canonical_biped, stance};
 use crate::scene::{ControllerScene, Initial, PlantScene, Scene};
 use serde::Deserialize;
 use std::path::Path;
@@ -87,7 +87,7 @@ pub fn with_robot(scene: &Scene, robot: &Robot) -> Result<Scene, String> {
     let springs = scene.bodies.iter().flat_map(|body| &body.joint).any(|joint| joint.stiffness != 0.0);
     let own = canonical_biped(&scene.bodies).ok().filter(|own| *own == scene.bodies && !springs);
     let own = own.ok_or("only a biped without springs, such as that of `walk`, can be replaced by another robot")?;
-    let scale = Scale::between(&own, &robot.bodies);
+    let scale = SimilarityScale::between(&own, &robot.bodies);
     if scale.length.is_nan() || scale.length <= 0.0 {
         return Err("its centre of gravity is not above its soles at zero angles".into());
     }
@@ -101,7 +101,7 @@ pub fn with_robot(scene: &Scene, robot: &Robot) -> Result<Scene, String> {
     })
 }
 
-fn plant(plant: &PlantScene, robot: &Robot, scale: Scale) -> PlantScene {
+fn plant(plant: &PlantScene, robot: &Robot, scale: SimilarityScale) -> PlantScene {
     let drives = robot.drives;
     PlantScene {
         drive_inertia: drives.inertia.unwrap_or(plant.drive_inertia * scale.inertia()),
@@ -112,8 +112,8 @@ fn plant(plant: &PlantScene, robot: &Robot, scale: Scale) -> PlantScene {
     }
 }
 
-fn scaled(from: &ControllerScene, scale: Scale) -> ControllerScene {
-    let Scale { length, .. } = scale;
+fn scaled(from: &ControllerScene, scale: SimilarityScale) -> ControllerScene {
+    let SimilarityScale { length, .. } = scale;
     let (time, speed) = (scale.time(), scale.speed());
     ControllerScene {
         period: from.period * time,

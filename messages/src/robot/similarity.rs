@@ -17,19 +17,19 @@ const MAX_STEP: f64 = 0.5;
 
 /// Ratios of one biped's length and mass to another's. They are exactly 1 for equal robots.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Scale {
+pub struct SimilarityScale {
     /// Ratio of the heights of the centres of gravity with straight legs [-].
     pub length: f64,
     /// Ratio of the masses [-].
     pub mass: f64,
 }
 
-impl Scale {
+impl SimilarityScale {
     /// The scale from one biped to another, both in the order of [`BIPED`].
-    pub fn between(from: &[Body], to: &[Body]) -> Scale {
+    pub fn between(from: &[Body], to: &[Body]) -> SimilarityScale {
         let height = |bodies: &[Body]| Stance::of(bodies).com([0.0; 2]).y;
         let mass = |bodies: &[Body]| bodies.iter().map(|body| body.mass).sum::<f64>();
-        Scale { length: height(to) / height(from), mass: mass(to) / mass(from) }
+        SimilarityScale { length: height(to) / height(from), mass: mass(to) / mass(from) }
     }
 
     /// Ratio of times, √L [-].
@@ -65,7 +65,7 @@ pub fn stance(from: &[Body], joints: &[f64], to: &[Body]) -> Result<Vec<f64>, St
         return Ok(joints.to_vec());
     }
     let before = [-hip, -hip - knee];
-    let scale = Scale::between(from, to).length;
+    let scale = SimilarityScale::between(from, to).length;
     let target = scale * Stance::of(from).com(before);
     let lean = Stance::of(to)
         .lean(target, before, COM_TOLERANCE * scale)
@@ -154,7 +154,7 @@ mod tests {
     #[test]
     fn the_scale_of_equal_robots_is_exactly_1_and_a_similar_robot_stands_at_the_same_angles() {
         let (robot, mut big) = (table_1(), table_1());
-        assert_eq!(Scale::between(&robot, &robot), Scale { length: 1.0, mass: 1.0 });
+        assert_eq!(SimilarityScale::between(&robot, &robot), SimilarityScale { length: 1.0, mass: 1.0 });
         assert_eq!(stance(&robot, &CROUCH, &robot), Ok(CROUCH.to_vec()));
         for body in &mut big {
             body.mass *= 3.375;
@@ -164,7 +164,7 @@ mod tests {
                 joint.at = joint.at.map(|x| 1.5 * x);
             }
         }
-        let scale = Scale::between(&robot, &big);
+        let scale = SimilarityScale::between(&robot, &big);
         assert!((scale.length - 1.5).abs() < 1e-14 && (scale.mass - 3.375).abs() < 1e-14);
         assert_eq!(stance(&robot, &CROUCH, &big), Ok(CROUCH.to_vec()));
     }
@@ -178,7 +178,7 @@ mod tests {
         }
         let joints = stance(&robot, &CROUCH, &other).expect("a stance");
         let there = Stance::of(&other).com([-joints[3], -joints[3] - joints[2]]);
-        let height = 0.27 * Scale::between(&robot, &other).length;
+        let height = 0.27 * SimilarityScale::between(&robot, &other).length;
         assert!((there - Vector2::new(0.0, height)).amax() < 1e-4, "{there} for {height}");
         assert!((joints[1] + joints[2] + joints[3]).abs() < 1e-15 && joints[2] < -0.5, "{joints:?}");
     }

@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 
 /// The signs and terms in question.
 #[derive(Clone, Copy)]
-struct Reading {
+struct Interpretation {
     /// Sign of the moment arm's cross product in (10).
     arm: f64,
     /// Sign of u_j f_EXTj in (9).
@@ -20,10 +20,11 @@ struct Reading {
     late_index: bool,
 }
 
-const CORRECTED: Reading = Reading { arm: -1.0, external: -1.0, external_moment: -1.0, late_index: false };
+const CORRECTED: Interpretation =
+    Interpretation { arm: -1.0, external: -1.0, external_moment: -1.0, late_index: false };
 
 /// The recursion (2)-(11) on a tree with revolute joints, under one external force on `link` at `arm`.
-fn recursion(case: &Case, given: &Given, reading: Reading) -> Vec<f64> {
+fn recursion(case: &Case, given: &Given, reading: Interpretation) -> Vec<f64> {
     let (model, links) = (&case.model, case.model.links.len());
     let zero = vec![Vector3::zeros(); links];
     let (mut w, mut wd, mut pdd, mut f, mut n) = (zero.clone(), zero.clone(), zero.clone(), zero.clone(), zero);
@@ -65,7 +66,7 @@ fn recursion(case: &Case, given: &Given, reading: Reading) -> Vec<f64> {
 }
 
 /// Greatest relative error over the reference data of inverse dynamics, for one reading of the equations.
-fn worst(reading: Reading) -> f64 {
+fn worst(reading: Interpretation) -> f64 {
     let model = model(&bare_table_1(Base::Quaternion));
     let error_of = |data: &serde_json::Value| {
         let case = Case::new(&model, &state_of(&model, data));
@@ -79,8 +80,8 @@ fn worst(reading: Reading) -> f64 {
 #[test]
 fn equation_8_needs_the_links_own_index_and_10_the_other_sign() {
     assert!(worst(CORRECTED) < 1e-11);
-    assert!(worst(Reading { late_index: true, ..CORRECTED }) > 1e-3);
-    assert!(worst(Reading { arm: 1.0, ..CORRECTED }) > 1e-1);
+    assert!(worst(Interpretation { late_index: true, ..CORRECTED }) > 1e-3);
+    assert!(worst(Interpretation { arm: 1.0, ..CORRECTED }) > 1e-1);
 }
 
 #[test]
@@ -97,9 +98,9 @@ fn equations_9_and_10_need_the_force_of_the_ground_on_the_link_and_its_moment() 
             let k: Vec<f64> = case.jacobian(point.link, &point.at).row(2).iter().copied().collect();
             let map = |reading| recursion(&case, &given, reading).iter().map(|u| -u).collect::<Vec<_>>();
             close("K", &map(CORRECTED), &k, 1e-11);
-            let printed = map(Reading { external: 1.0, external_moment: 1.0, ..CORRECTED });
+            let printed = map(Interpretation { external: 1.0, external_moment: 1.0, ..CORRECTED });
             close("-K", &printed.iter().map(|k| -k).collect::<Vec<_>>(), &k, 1e-11);
-            assert!(error(&map(Reading { external_moment: 0.0, ..CORRECTED }), &k) > 1e-3);
+            assert!(error(&map(Interpretation { external_moment: 0.0, ..CORRECTED }), &k) > 1e-3);
         }
     }
 }

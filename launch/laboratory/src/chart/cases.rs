@@ -110,7 +110,7 @@ const PATIENCE: f64 = 1e4;
 
 /// A combination of contact law and integrator.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Way {
+pub struct Combination {
     /// The law.
     pub law: Law,
     /// The integrator.
@@ -122,7 +122,7 @@ pub const LAW: Law = Law::DEFAULT;
 /// The integrator with which laws are compared.
 pub const METHOD: Method = Method::MoreauJean;
 
-impl Way {
+impl Combination {
     /// Name in tables: `Cone/MoreauJean`.
     pub fn name(self) -> String {
         format!("{}/{}", word(&self.law), word(&self.method))
@@ -150,18 +150,18 @@ pub fn word(value: &impl Serialize) -> String {
 ///
 /// In flight laws make no difference. Step doubling is left out where contacts open and close, or where eight points share a load: it
 /// would take its shortest step throughout. The page says so.
-pub fn ways(case: &ComparisonScene) -> Vec<Way> {
+pub fn ways(case: &ComparisonScene) -> Vec<Combination> {
     let steady = !matches!(case.question, Question::Rock | Question::Wheel | Question::Stand);
     let methods = Method::ALL.iter().filter(|&&method| steady || method != Method::StepDoubling);
-    let mut ways: Vec<_> = methods.map(|&method| Way { law: LAW, method }).collect();
+    let mut ways: Vec<_> = methods.map(|&method| Combination { law: LAW, method }).collect();
     if case.question != Question::Flight {
-        ways.extend(Law::ALL.iter().filter(|&&law| law != LAW).map(|&law| Way { law, method: METHOD }));
+        ways.extend(Law::ALL.iter().filter(|&&law| law != LAW).map(|&law| Combination { law, method: METHOD }));
     }
     ways
 }
 
 /// Steps h of a case, coarse to fine [s]. The coarsest step is always included.
-pub fn steps(case: &ComparisonScene, way: Way, duration: f64, quick: bool) -> Vec<f64> {
+pub fn steps(case: &ComparisonScene, way: Combination, duration: f64, quick: bool) -> Vec<f64> {
     let fits = |h: &f64| duration / h <= 1.001 * way.share() * PATIENCE;
     let grid = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
     match quick {
@@ -188,7 +188,7 @@ pub fn chosen(names: &[String]) -> Result<Vec<ComparisonScene>, Failure> {
 ///
 /// # Errors
 /// A scene that is refused.
-pub fn scene(name: &str, way: Way, h: f64, settings: &[String]) -> Result<Scene, Failure> {
+pub fn scene(name: &str, way: Combination, h: f64, settings: &[String]) -> Result<Scene, Failure> {
     let mut scene = load(name, settings, SCENES)?;
     (scene.plant.law, scene.plant.method) = (way.law, way.method);
     (scene.plant.dt, scene.rate) = (h, 1.0 / h);

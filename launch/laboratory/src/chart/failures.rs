@@ -1,6 +1,6 @@
 //! View (iii): which method fails in which scene at 1 ms, and why.
 
-use super::cases::{ComparisonScene, HOP, PENETRATION, Question, Way, scene};
+use super::cases::{Combination, ComparisonScene, HOP, PENETRATION, Question, scene};
 use super::csv::{Measurement, OURS, View};
 
 use super::precision::{Fate, MethodTrial};
@@ -93,7 +93,7 @@ pub const REFUSED: &str = "refused";
 /// # Errors
 /// Ctrl-C, or a scene that is refused for a reason other than its law or method.
 pub fn measure(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
-    let mut ways: Vec<Way> = Vec::new();
+    let mut ways: Vec<Combination> = Vec::new();
     let mut at_h: Vec<&MethodTrial> = Vec::new();
     for trial in trials {
         if !ways.contains(&trial.way) {
@@ -122,7 +122,7 @@ pub fn measure(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<M
 
 type Causes = Option<Vec<(Cause, f64)>>;
 
-fn row(scene: &str, way: Way, h: f64, causes: &Causes) -> Vec<Measurement> {
+fn row(scene: &str, way: Combination, h: f64, causes: &Causes) -> Vec<Measurement> {
     let row = |metric: &str, error: f64| Measurement {
         view: View::Failures,
         scene: scene.into(),
@@ -191,7 +191,7 @@ fn disorder(trial: &MethodTrial) -> f64 {
 }
 
 /// Failures with the bouncing ball, which should come to rest within 1.355 s and stay at rest.
-fn bouncing(way: Way) -> Result<Causes, Failure> {
+fn bouncing(way: Combination) -> Result<Causes, Failure> {
     let scene = scene(ZENO, way, H, &[])?;
     let log = match watch(&scene, &[]) {
         RunEnd::Refused => return Ok(None),

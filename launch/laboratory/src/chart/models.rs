@@ -1,6 +1,6 @@
 //! View (iv): the same scene on models of growing size: difference of the answer, and cost.
 
-use super::cases::{self, LAW, METHOD, Way};
+use super::cases::{self, Combination, LAW, METHOD};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::trial::{RunEnd, RunLog, periods, time, watch};
@@ -85,7 +85,7 @@ fn difference(answer: [f64; 4], full: [f64; 4]) -> f64 {
 
 /// A comparison scene with a duration in which the bodies do not come to rest.
 fn scene(name: &str, duration: f64) -> Result<Scene, Failure> {
-    let mut scene = cases::scene(name, Way { law: LAW, method: METHOD }, H, &[])?;
+    let mut scene = cases::scene(name, Combination { law: LAW, method: METHOD }, H, &[])?;
     scene.duration = duration;
     Ok(scene)
 }

@@ -1,6 +1,6 @@
 //! View (i): error against CPU time per simulated second, for steps from coarse to fine.
 
-use super::cases::{self, ComparisonScene, HOP, PENETRATION, Way, steps, ways};
+use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, steps, ways};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::metrics::{Metric, SIGNORINI, metrics};
@@ -27,7 +27,7 @@ pub struct MethodTrial {
     /// The scene.
     pub case: ComparisonScene,
     /// Law and integrator.
-    pub way: Way,
+    pub way: Combination,
     /// Step [s].
     pub h: f64,
     /// The scene as it ran.
@@ -73,7 +73,7 @@ pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) ->
     Ok(trials)
 }
 
-fn run((case, way, h): (ComparisonScene, Way, f64), progress: &ChartProgress) -> Result<MethodTrial, Failure> {
+fn run((case, way, h): (ComparisonScene, Combination, f64), progress: &ChartProgress) -> Result<MethodTrial, Failure> {
     progress.step(Job::Watching)?;
     let scene = cases::scene(case.name, way, h, &[])?;
     let mut trial = MethodTrial {

@@ -1,6 +1,6 @@
 //! View (ii): CPU time per step of 1 ms, for scenes with more and more contacts.
 
-use super::cases::{self, LAW, METHOD, Way};
+use super::cases::{self, Combination, LAW, METHOD};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::trial::{RunEnd, periods, quantile, times, watch};
@@ -59,9 +59,10 @@ pub fn measure(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>
 }
 
 /// Every integrator, then every law. Laws make no difference in flight. Methods that take milliseconds per step are not used for walking.
-fn ways(name: &str, quick: bool) -> Vec<Way> {
-    let methods = Method::ALL.iter().map(|&method| Way { law: LAW, method });
-    let laws = Law::ALL.iter().filter(|&&law| law != LAW && name != "free").map(|&law| Way { law, method: METHOD });
+fn ways(name: &str, quick: bool) -> Vec<Combination> {
+    let methods = Method::ALL.iter().map(|&method| Combination { law: LAW, method });
+    let laws =
+        Law::ALL.iter().filter(|&&law| law != LAW && name != "free").map(|&law| Combination { law, method: METHOD });
     let ways = methods.chain(laws).filter(|way| way.share() == 1.0 || name != "walk");
     if quick { ways.skip(1).take(3).collect() } else { ways.collect() }
 }

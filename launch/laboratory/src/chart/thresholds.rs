@@ -1,7 +1,7 @@
 //! View (iii), thresholds: the step, friction, stiffness or mass ratio from which on a method fails, found by bisection and compared
 //! with the exact value.
 
-use super::cases::{LAW, METHOD, Way, scene, word};
+use super::cases::{Combination, LAW, METHOD, scene, word};
 use super::csv::{Measurement, OURS, View};
 use super::failures::{EXACT, MEASURED};
 use super::trial::{RunEnd, RunLog, Sight, watch};
@@ -130,7 +130,7 @@ fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
 
 /// μ* of the block that rests at 26°, and of the one that rocks without slipping.
 fn sticking() -> ThresholdResult {
-    let way = Way { law: LAW, method: METHOD };
+    let way = Combination { law: LAW, method: METHOD };
     let run = |name: &str, h: f64, friction: f64, duration: f64| -> Result<Option<(Scene, RunLog)>, Failure> {
         let settings = [format!("plant.friction={friction}"), format!("duration={duration:?}")];
         let scene = scene(name, way, h, &settings)?;
@@ -171,7 +171,7 @@ fn painleve() -> ThresholdResult {
             Ok(log.sights.last().is_some_and(|sight| sight.load > 0.1))
         };
         let measured = bisect(0.5, 3.0, |friction| Ok(!jams(friction)?))?;
-        let method = Way { law, method: Method::SemiImplicitEuler }.name();
+        let method = Combination { law, method: Method::SemiImplicitEuler }.name();
         found.push(Threshold { scene: "Painlevé's rod", method, quantity: "μ* [-]", exact: 4.0 / 3.0, measured });
     }
     Ok(found)

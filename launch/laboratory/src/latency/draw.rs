@@ -9,7 +9,7 @@ use super::walk;
 use messages::port::Waiting;
 use plotters::style::RGBColor;
 use records::report::draw::plot;
-use records::report::plot::{Axis, COM, Frame, GREEN, GREY, LEFT, Mark, RIGHT, ZMP};
+use records::report::plot::{COM, Frame, GREEN, GREY, LEFT, Mark, PlotAxis, RIGHT, ZMP};
 
 /// Bins per power of ten.
 const BINS: f64 = 20.0;
@@ -105,8 +105,8 @@ fn draw(drawing: &Drawing, results: &Results) -> Option<String> {
     let frame = Frame {
         title,
         height: 340,
-        x: Axis::powers("time [µs]", (decade(low) - 0.1).floor()..(decade(high) + 0.1).ceil()),
-        y: Axis::powers("share of samples", LEAST..0.3),
+        x: PlotAxis::powers("time [µs]", (decade(low) - 0.1).floor()..(decade(high) + 0.1).ceil()),
+        y: PlotAxis::powers("share of samples", LEAST..0.3),
     };
     Some(plot(&frame, &marks))
 }

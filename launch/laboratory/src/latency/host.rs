@@ -19,12 +19,12 @@ pub struct Host {
     /// Share taken by other programs on this machine.
     pub others: f64,
     #[serde(skip)]
-    begin: Times,
+    begin: ProcessorTimes,
 }
 
 /// Processor time since boot [ticks].
 #[derive(Clone, Copy, Debug, Default)]
-struct Times {
+struct ProcessorTimes {
     all: f64,
     idle: f64,
     steal: f64,
@@ -46,13 +46,13 @@ impl Host {
             kernel: read("/proc/sys/kernel/osrelease").trim().into(),
             steal: 0.0,
             others: 0.0,
-            begin: Times::now(),
+            begin: ProcessorTimes::now(),
         }
     }
 
     /// Ends the measurement of load, after every process of ours has been reaped.
     pub fn finish(&mut self) {
-        let (begin, end) = (self.begin, Times::now());
+        let (begin, end) = (self.begin, ProcessorTimes::now());
         let all = (end.all - begin.all).max(1.0);
         self.steal = (end.steal - begin.steal) / all;
         let busy = all - (end.idle - begin.idle) - (end.steal - begin.steal);
@@ -81,15 +81,15 @@ impl fmt::Display for Host {
     }
 }
 
-impl Times {
-    fn now() -> Times {
+impl ProcessorTimes {
+    fn now() -> ProcessorTimes {
         // cpu user nice system idle iowait irq softirq steal …, man proc_stat
         let stat = std::fs::read_to_string("/proc/stat").unwrap_or_default();
         let first = stat.lines().next().unwrap_or_default();
         let ticks: Vec<f64> =
             first.split_whitespace().skip(1).take(8).map(|word| word.parse().unwrap_or(0.0)).collect();
         let at = |i: usize| ticks.get(i).copied().unwrap_or(0.0);
-        Times { all: ticks.iter().sum(), idle: at(3) + at(4), steal: at(7), ours: Usage::of("self").ticks }
+        ProcessorTimes { all: ticks.iter().sum(), idle: at(3) + at(4), steal: at(7), ours: Usage::of("self").ticks }
     }
 }
 

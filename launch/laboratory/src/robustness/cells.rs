@@ -1,6 +1,6 @@
 //! Results by cell. A cell contains all runs that differ only in their seed.
 
-use super::grid::{Grid, SweepRun};
+use super::grid::{LinkGrid, SweepRun};
 use super::results::{PERIOD_STD, UP};
 use crate::batch::table::Row;
 use crate::study;
@@ -37,7 +37,7 @@ impl Cells {
     ///
     /// # Errors
     /// A scene whose servos cannot be analysed.
-    pub fn new(grid: &Grid, cases: &[SweepRun], rows: &[Row]) -> Result<Cells, Failure> {
+    pub fn new(grid: &LinkGrid, cases: &[SweepRun], rows: &[Row]) -> Result<Cells, Failure> {
         let critical = grid.variations.iter().map(|variation| {
             let loops = stability::loops(&variation.scene).map_err(controller::process::ProcessError::from)?;
             Ok(loops.iter().map(stability::ServoLoop::critical_delay).fold(f64::INFINITY, f64::min))
@@ -59,13 +59,13 @@ impl Cells {
     }
 
     /// The cell with these indices of variation, loss, jitter and delay.
-    pub fn at(&self, grid: &Grid, variation: usize, loss: usize, jitter: usize, delay: usize) -> &Cell {
+    pub fn at(&self, grid: &LinkGrid, variation: usize, loss: usize, jitter: usize, delay: usize) -> &Cell {
         let row = (variation * grid.losses.len() + loss) * grid.jitters.len() + jitter;
         &self.cells[row * grid.delays.len() + delay]
     }
 
     /// The map as a Markdown table with a row for each loss.
-    pub fn summary(&self, grid: &Grid) -> String {
+    pub fn summary(&self, grid: &LinkGrid) -> String {
         let heads = ["with", "loss", "up", "evenly", "evenly at delays to", "evenly at jitters to", "servo bears"];
         let mut rows = vec![heads.map(String::from).to_vec()];
         for (v, variation) in grid.variations.iter().enumerate() {

@@ -11,7 +11,7 @@ use shared::exit::{Exit, Failure};
 use shared::list::SCENES;
 
 /// Axes of a sweep, each ascending.
-pub struct Grid {
+pub struct LinkGrid {
     /// Delays [ms].
     pub delays: Vec<f64>,
     /// Jitters [ms].
@@ -50,17 +50,17 @@ const SEEDS: u64 = 3;
 const QUICK: ([f64; 4], [f64; 2], [f64; 2], u64) = ([0.0, 2.0, 4.0, 8.0], [0.0, 6.0], [0.0, 0.8], 1);
 const QUICK_DURATION: &str = "duration=6";
 
-impl Grid {
+impl LinkGrid {
     /// The grid of the arguments.
     ///
     /// # Errors
     /// A bad argument.
-    pub fn new(args: &RobustnessArgs) -> Result<Grid, Failure> {
+    pub fn new(args: &RobustnessArgs) -> Result<LinkGrid, Failure> {
         let (delays, jitters, losses, seeds) = match args.quick {
             true => (&QUICK.0[..], &QUICK.1[..], &QUICK.2[..], QUICK.3),
             false => (&DELAYS[..], &JITTERS[..], &LOSSES[..], SEEDS),
         };
-        let grid = Grid {
+        let grid = LinkGrid {
             delays: axis("--delay", &args.delay, delays)?,
             jitters: axis("--jitter", &args.jitter, jitters)?,
             losses: axis("--loss", &args.loss, losses)?,

@@ -2,17 +2,17 @@
 //! and the stability limit of the servo alone.
 
 use super::cells::{Cell, Cells};
-use super::grid::Grid;
+use super::grid::LinkGrid;
 use crate::batch::panel::{Layout, Panel, STRENGTH, mixed};
 use plotters::style::RGBColor;
 use records::report::draw::plot;
-use records::report::plot::{Axis, COM, Frame, GREEN, INK, Mark, RIGHT, ZMP};
+use records::report::plot::{COM, Frame, GREEN, INK, Mark, PlotAxis, RIGHT, ZMP};
 
 /// Panels in a row.
 const ACROSS: usize = 2;
 
 /// The map of survival.
-pub fn survival(grid: &Grid, cells: &Cells) -> String {
+pub fn survival(grid: &LinkGrid, cells: &Cells) -> String {
     let mut marks: Vec<Mark> = legend().into();
     let values = [&grid.delays, &grid.jitters].map(|axis| axis.iter().map(f64::to_string).collect::<Vec<_>>());
     let panels: Vec<_> = (0..grid.variations.len()).flat_map(|v| (0..grid.losses.len()).map(move |l| (v, l))).collect();
@@ -36,8 +36,8 @@ pub fn survival(grid: &Grid, cells: &Cells) -> String {
     let frame = Frame {
         title: "How much delay, jitter and loss of commands the walk tolerates".into(),
         height: layout.height(),
-        x: Axis::hidden(0.0..wide),
-        y: Axis::hidden(-tall..0.0),
+        x: PlotAxis::hidden(0.0..wide),
+        y: PlotAxis::hidden(-tall..0.0),
     };
     plot(&frame, &marks)
 }
@@ -56,7 +56,7 @@ fn legend() -> [Mark; 5] {
 }
 
 /// The line on which the mean age of the applied command equals the critical delay of the servo, through the middle of each row.
-fn critical<'a>(grid: &Grid, cell: impl Fn(usize, usize) -> &'a Cell, critical: f64) -> Vec<(f64, f64)> {
+fn critical<'a>(grid: &LinkGrid, cell: impl Fn(usize, usize) -> &'a Cell, critical: f64) -> Vec<(f64, f64)> {
     let place = |jitter: usize| {
         let ages: Vec<_> = (0..grid.delays.len()).map(|delay| cell(delay, jitter).age).collect();
         let after = ages.iter().position(|age| *age >= critical)?;

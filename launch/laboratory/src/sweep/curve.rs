@@ -6,7 +6,7 @@ use super::grid::Grid;
 use crate::batch::panel::MOST;
 use crate::batch::table::Row;
 use records::report::draw::plot;
-use records::report::plot::{Axis, Frame, GREEN, GREY, INK, Mark, RIGHT, ZMP, padded_range};
+use records::report::plot::{Frame, GREEN, GREY, INK, Mark, PlotAxis, RIGHT, ZMP, padded_range};
 use std::ops::Range;
 
 /// Height of the figure [px].
@@ -79,7 +79,7 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
         marks.push(Mark::note((x.start, top), format!("to the right: {}", axis.key), INK));
     }
     let x = scale.axis(&axis.key, x);
-    plot(&Frame { title: grid.title(survival), height: HEIGHT, x, y: Axis::new(survival.name(), y) }, &marks)
+    plot(&Frame { title: grid.title(survival), height: HEIGHT, x, y: PlotAxis::new(survival.name(), y) }, &marks)
 }
 
 /// The middles between neighbouring values of which half of the runs survive on one side only.
@@ -107,11 +107,11 @@ impl Scale {
         if let Scale::Logarithmic = self { value.log10() } else { value }
     }
 
-    fn axis(&self, name: &str, range: Range<f64>) -> Axis {
+    fn axis(&self, name: &str, range: Range<f64>) -> PlotAxis {
         match self {
-            Scale::Linear => Axis::new(name, range),
-            Scale::Logarithmic => Axis::powers(name, range),
-            Scale::Words => Axis::hidden(range),
+            Scale::Linear => PlotAxis::new(name, range),
+            Scale::Logarithmic => PlotAxis::powers(name, range),
+            Scale::Words => PlotAxis::hidden(range),
         }
     }
 }

@@ -7,7 +7,7 @@ use crate::batch::axis::{Axis, combinations, settings};
 use crate::batch::panel::{Layout, MOST, Panel, STRENGTH, mixed};
 use crate::batch::table::Row;
 use records::report::draw;
-use records::report::plot::{self, Frame, GREEN, INK, Mark, RIGHT, ZMP};
+use records::report::plot::{Frame, GREEN, INK, Mark, PlotAxis, RIGHT, ZMP};
 
 /// Most columns of a panel that shares its row with another one.
 const NARROW: usize = 8;
@@ -53,7 +53,7 @@ pub fn draw(grid: &Grid, survival: &Survival, rows: &[Row], edges: &[Edge]) -> S
         marks.push(Mark::dashes(vec![(0.0, 0.0); 2], RIGHT).label("survival changes"));
     }
     let (title, height) = (grid.title(survival), layout.height());
-    draw::plot(&Frame { title, height, x: plot::Axis::hidden(0.0..wide), y: plot::Axis::hidden(-tall..0.0) }, &marks)
+    draw::plot(&Frame { title, height, x: PlotAxis::hidden(0.0..wide), y: PlotAxis::hidden(-tall..0.0) }, &marks)
 }
 
 /// The place of a value between those of two columns, the first of which is `column` [cells].

@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel};
-use super::plot::{Axis, COM, Frame, GREEN, GREY, LEFT, Mark, RIGHT};
+use super::plot::{COM, Frame, GREEN, GREY, LEFT, Mark, PlotAxis, RIGHT};
 use crate::analysis::{Histogram, RunAnalysis};
 use plotters::style::RGBColor;
 
@@ -52,7 +52,7 @@ fn powers(title: &str, label: &'static str, histogram: &Histogram, colour: RGBCo
     let frame = Frame {
         title: format!("{title}: {} periods, {zeros:.0} % zero", histogram.total()),
         height: 300,
-        x: Axis::powers(label, low..high),
+        x: PlotAxis::powers(label, low..high),
         y: count_axis(greatest_count),
     };
     plot(&frame, &marks)
@@ -67,7 +67,7 @@ fn pivots(counts: &[u64]) -> String {
     let frame = Frame {
         title: "Pivots of the longest solution in a period".into(),
         height: 300,
-        x: Axis::new("pivots", -0.6..last.max(5) as f64 + 0.6),
+        x: PlotAxis::new("pivots", -0.6..last.max(5) as f64 + 0.6),
         y: count_axis(counts.iter().copied().max().unwrap_or(1)),
     };
     plot(&frame, &marks)
@@ -77,8 +77,8 @@ fn pivots(counts: &[u64]) -> String {
 const FLOOR: f64 = -0.3;
 
 /// A logarithmic axis of counts.
-pub fn count_axis(greatest_count: u64) -> Axis {
-    Axis::powers("control periods", FLOOR..(greatest_count.max(1) as f64).log10().max(1.0) + 0.25)
+pub fn count_axis(greatest_count: u64) -> PlotAxis {
+    PlotAxis::powers("control periods", FLOOR..(greatest_count.max(1) as f64).log10().max(1.0) + 0.25)
 }
 
 /// A bar on [`count_axis`].

@@ -1,6 +1,6 @@
 //! Renders axes, marks and legend as SVG with plotters, in one style for all figures.
 
-use super::plot::{Axis, Frame, GREY, GRID, INK, Mark, MarkShape, Ticks, escaped};
+use super::plot::{Frame, GREY, GRID, INK, Mark, MarkShape, PlotAxis, Ticks, escaped};
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::element::DashedPathElement;
@@ -182,7 +182,7 @@ fn drawable_range(range: &Range<f64>) -> Range<f64> {
     if finite && range.end > range.start { range.clone() } else { 0.0..1.0 }
 }
 
-fn write_ticks(axis: &Axis, labels: usize) -> impl Fn(&f64) -> String + use<> {
+fn write_ticks(axis: &PlotAxis, labels: usize) -> impl Fn(&f64) -> String + use<> {
     let (ticks, step) =
         (axis.ticks, (drawable_range(&axis.range).end - drawable_range(&axis.range).start) / labels as f64);
     let decimals = (0.7 - step.log10()).floor().clamp(0.0, 9.0) as usize;

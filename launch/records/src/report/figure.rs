@@ -1,6 +1,6 @@
 //! Figures, their panels, and the selection of rows for them.
 
-use super::plot::{Axis, padded_range};
+use super::plot::{PlotAxis, padded_range};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// A figure: panels with a common title and caption.
@@ -37,8 +37,8 @@ pub fn series(rows: &[TrajectoryRow], value: impl Fn(&TrajectoryRow) -> f64) -> 
 const MIN_TIME_RANGE: f64 = 1e-3;
 
 /// The axis of these times, without margins.
-pub fn time_axis(times: impl IntoIterator<Item = f64>) -> Axis {
-    Axis::new("time [s]", padded_range(times, 0.0, MIN_TIME_RANGE))
+pub fn time_axis(times: impl IntoIterator<Item = f64>) -> PlotAxis {
+    PlotAxis::new("time [s]", padded_range(times, 0.0, MIN_TIME_RANGE))
 }
 
 /// The rows of the last `seconds`.

@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, last_seconds, series, time_axis};
-use super::plot::{Axis, COM, FAINT, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
+use super::plot::{COM, FAINT, Frame, GREEN, LEFT, Mark, PlotAxis, RIGHT, padded_range};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// Longest time that the figure shows [s]: the length of the built-in walk. Of a longer run it shows the end.
@@ -53,6 +53,6 @@ fn over_time(
         mark.name(["left foot supports", "right foot supports"][step.support]);
     }
     marks.push(Mark::line(points, if label.starts_with('y') { COM } else { GREEN }));
-    let frame = Frame { title: title.into(), height: 330, x: time, y: Axis::new(label, reach) };
+    let frame = Frame { title: title.into(), height: 330, x: time, y: PlotAxis::new(label, reach) };
     plot(&frame, &marks)
 }

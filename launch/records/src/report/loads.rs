@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
-use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT, ZMP};
+use super::plot::{Frame, GREY, LEFT, Mark, PlotAxis, RIGHT, ZMP};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 
 /// Percentile of the load that the axis is scaled by [-]: above it are the peaks at touchdown.
@@ -43,7 +43,7 @@ fn loads(analysis: &RunAnalysis) -> String {
         title: "Vertical load".into(),
         height: 330,
         x: time_axis(rows.iter().map(|row| row.derived.time)),
-        y: Axis::new("force [N]", 0.0..top),
+        y: PlotAxis::new("force [N]", 0.0..top),
     };
     plot(&frame, &marks)
 }
@@ -66,8 +66,8 @@ fn zmp(analysis: &RunAnalysis) -> String {
     let frame = Frame {
         title: "Zero-moment point in single support".into(),
         height: 330,
-        x: Axis::new("forward of the sole's centre [m]", -1.2 * reach[0]..1.2 * reach[0]),
-        y: Axis::new("left of it [m]", -1.2 * reach[1]..1.2 * reach[1]),
+        x: PlotAxis::new("forward of the sole's centre [m]", -1.2 * reach[0]..1.2 * reach[0]),
+        y: PlotAxis::new("left of it [m]", -1.2 * reach[1]..1.2 * reach[1]),
     };
     plot(&frame, &marks)
 }

@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, LAST_STEPS, series, time_axis};
-use super::plot::{Axis, COM, Frame, GREEN, GREY, INK, Mark, padded_range};
+use super::plot::{COM, Frame, GREEN, GREY, INK, Mark, PlotAxis, padded_range};
 use crate::analysis::{LateralState, RunAnalysis, TrajectoryRow};
 use messages::wire::{PHASES, Telemetry};
 
@@ -38,8 +38,8 @@ fn portrait(analysis: &RunAnalysis) -> String {
     let frame = Frame {
         title: "Support frame, axis 2 from the support to the swing foot".into(),
         height: 380,
-        x: Axis::new("x_c2 [m]", x),
-        y: Axis::new("dx_c2/dt [m/s]", y),
+        x: PlotAxis::new("x_c2 [m]", x),
+        y: PlotAxis::new("dx_c2/dt [m/s]", y),
     };
     plot(&frame, &marks)
 }
@@ -103,7 +103,7 @@ fn energy(analysis: &RunAnalysis) -> String {
         title: "Energy of the lateral pendulum".into(),
         height: 380,
         x: time_axis(all().map(|point| point.0)),
-        y: Axis::new("E_2 [m²/s²]", padded_range(all().map(|point| point.1), 0.08, 2e-3)),
+        y: PlotAxis::new("E_2 [m²/s²]", padded_range(all().map(|point| point.1), 0.08, 2e-3)),
     };
     let marks = [
         Mark::thin(robot, COM).faint(0.7).label("of the robot"),

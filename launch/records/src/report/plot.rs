@@ -35,7 +35,7 @@ pub enum Ticks {
 }
 
 /// One axis.
-pub struct Axis {
+pub struct PlotAxis {
     /// Quantity and unit.
     pub label: String,
     /// Limits.
@@ -51,9 +51,9 @@ pub struct Frame {
     /// Height [px]. The width is always 560 px.
     pub height: u32,
     /// Horizontal axis.
-    pub x: Axis,
+    pub x: PlotAxis,
     /// Vertical axis.
-    pub y: Axis,
+    pub y: PlotAxis,
 }
 
 /// A graphical element in the coordinates of the axes.
@@ -75,20 +75,20 @@ pub(super) enum MarkShape {
     Note((f64, f64), String),
 }
 
-impl Axis {
+impl PlotAxis {
     /// An axis with decimal numbers.
     pub fn new(label: impl Into<String>, range: Range<f64>) -> Self {
-        Axis { label: label.into(), range, ticks: Ticks::Plain }
+        PlotAxis { label: label.into(), range, ticks: Ticks::Plain }
     }
 
     /// An axis of decimal logarithms.
     pub fn powers(label: impl Into<String>, range: Range<f64>) -> Self {
-        Axis { label: label.into(), range, ticks: Ticks::Powers }
+        PlotAxis { label: label.into(), range, ticks: Ticks::Powers }
     }
 
     /// An axis that is not drawn.
     pub fn hidden(range: Range<f64>) -> Self {
-        Axis { label: String::new(), range, ticks: Ticks::None }
+        PlotAxis { label: String::new(), range, ticks: Ticks::None }
     }
 }
 

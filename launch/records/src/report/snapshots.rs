@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel};
-use super::plot::{Axis, Frame, GREY, LEFT, Mark, RIGHT};
+use super::plot::{Frame, GREY, LEFT, Mark, PlotAxis, RIGHT};
 use crate::analysis::{RunAnalysis, TrajectoryRow};
 use messages::robot::Body;
 use nalgebra::{IsometryMatrix3, Point3};
@@ -102,8 +102,8 @@ fn strip(analysis: &RunAnalysis, rows: &[&TrajectoryRow], title: &str, view: Pro
     let frame = Frame {
         title: title.into(),
         height: height as u32,
-        x: Axis::hidden(0.0..width),
-        y: Axis::hidden(bottom - 0.04..ceiling),
+        x: PlotAxis::hidden(0.0..width),
+        y: PlotAxis::hidden(bottom - 0.04..ceiling),
     };
     plot(&frame, &marks)
 }

@@ -3,7 +3,7 @@
 use super::contact::{bar, count_axis};
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel};
-use super::plot::{Axis, Frame, GREEN, INK, LEFT, Mark};
+use super::plot::{Frame, GREEN, INK, LEFT, Mark, PlotAxis};
 use crate::analysis::{Histogram, RunAnalysis};
 use plotters::style::RGBColor;
 
@@ -43,7 +43,7 @@ fn panel(title: &str, histogram: &Histogram, colour: RGBColor) -> String {
     let frame = Frame {
         title: format!("{title}: median {median:.1} us, 99 % {tail:.1} us"),
         height: 300,
-        x: Axis::powers("time per control period [us]", low..high),
+        x: PlotAxis::powers("time per control period [us]", low..high),
         y: axis,
     };
     plot(&frame, &marks)

@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, last_cycles, series, time_axis};
-use super::plot::{Axis, COM, Frame, GREEN, LEFT, Mark, RIGHT, padded_range};
+use super::plot::{COM, Frame, GREEN, LEFT, Mark, PlotAxis, RIGHT, padded_range};
 use crate::analysis::RunAnalysis;
 use messages::wire::JOINTS;
 
@@ -46,7 +46,7 @@ fn panel(analysis: &RunAnalysis, title: &str, joints: [usize; 4], names: [&'stat
         title: title.into(),
         height: 330,
         x: time_axis(rows.iter().map(|row| row.derived.time)),
-        y: Axis::new("torque [N·m]", padded_range(all(), 0.06, 0.1)),
+        y: PlotAxis::new("torque [N·m]", padded_range(all(), 0.06, 0.1)),
     };
     plot(&frame, &marks)
 }

@@ -2,7 +2,7 @@
 
 use super::draw::plot;
 use super::figure::{Figure, FigurePanel, series, time_axis};
-use super::plot::{Axis, COM, FAINT, Frame, GREEN, LEFT, Mark, RIGHT, ZMP, padded_range};
+use super::plot::{COM, FAINT, Frame, GREEN, LEFT, Mark, PlotAxis, RIGHT, ZMP, padded_range};
 use crate::analysis::{FootGeometry, RunAnalysis};
 
 /// Top view with footprints, and the three coordinates over time.
@@ -51,8 +51,8 @@ fn top_view(analysis: &RunAnalysis) -> String {
     let frame = Frame {
         title: "Top view, lateral axis stretched".into(),
         height: 330,
-        x: Axis::new("x, forward [m]", padded_range(along, 0.03, 0.1)),
-        y: Axis::new("y, left [m]", padded_range(across, 0.06, 0.1)),
+        x: PlotAxis::new("x, forward [m]", padded_range(along, 0.03, 0.1)),
+        y: PlotAxis::new("y, left [m]", padded_range(across, 0.06, 0.1)),
     };
     plot(&frame, &marks)
 }
@@ -74,7 +74,7 @@ fn over_time(analysis: &RunAnalysis, axis: usize) -> String {
         title: title.into(),
         height: 330,
         x: time_axis(points.iter().map(|point| point.0)),
-        y: Axis::new(label, padded_range(points.iter().map(|point| point.1), 0.08, 0.02)),
+        y: PlotAxis::new(label, padded_range(points.iter().map(|point| point.1), 0.08, 0.02)),
     };
     plot(&frame, &[Mark::line(points, [COM, GREEN, ZMP][axis])])
 }

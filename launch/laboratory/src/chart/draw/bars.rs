@@ -6,7 +6,7 @@ use crate::chart::models::Group;
 use crate::chart::steps::{MEDIAN, P99};
 use plotters::style::RGBColor;
 use records::report::draw::plot;
-use records::report::plot::{Axis, Frame, LEFT, Mark};
+use records::report::plot::{Frame, LEFT, Mark, PlotAxis};
 
 /// Height of a bar with its space, and of the surroundings of all bars [px].
 const ROW: [f64; 2] = [17.0, 96.0];
@@ -68,8 +68,8 @@ fn draw(title: &str, what: &'static str, mut bars: Vec<Bar>, sort: bool) -> Opti
     let frame = Frame {
         title: title.into(),
         height: (ROW[0] * bars.len() as f64 + ROW[1]) as u32,
-        x: Axis::powers(what, from - 0.03 * longest..from + longest / REACH),
-        y: Axis::hidden(-(bars.len() as f64)..0.0),
+        x: PlotAxis::powers(what, from - 0.03 * longest..from + longest / REACH),
+        y: PlotAxis::hidden(-(bars.len() as f64)..0.0),
     };
     Some(plot(&frame, &marks))
 }

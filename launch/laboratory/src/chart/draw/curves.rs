@@ -5,7 +5,7 @@ use crate::chart::cases::ComparisonScene;
 use crate::chart::csv::{Measurement, View};
 use crate::chart::precision::is_hollow;
 use records::report::draw::plot;
-use records::report::plot::{Axis, Frame, Mark};
+use records::report::plot::{Frame, Mark, PlotAxis};
 
 /// An error of this size is rounding of a double.
 const NOTHING: f64 = 1e-16;
@@ -66,8 +66,8 @@ pub fn precision(case: &ComparisonScene, rows: &[Measurement]) -> Option<String>
     let frame = Frame {
         title: case.title.into(),
         height: HEIGHT[0] as u32,
-        x: Axis::powers("CPU time per simulated time", left - 0.1..left - 0.1 + width),
-        y: Axis::powers(case.words, y),
+        x: PlotAxis::powers("CPU time per simulated time", left - 0.1..left - 0.1 + width),
+        y: PlotAxis::powers(case.words, y),
     };
     Some(plot(&frame, &marks))
 }

@@ -5,7 +5,7 @@ use crate::chart::csv::{Measurement, View};
 use crate::chart::failures::{Cause, REFUSED, SOUND};
 use plotters::style::RGBColor;
 use records::report::draw::plot;
-use records::report::plot::{Axis, COM, Frame, GREEN, GREY, Mark, RIGHT, ZMP};
+use records::report::plot::{COM, Frame, GREEN, GREY, Mark, PlotAxis, RIGHT, ZMP};
 use strum::VariantArray;
 
 /// Width of the names, in columns of the map.
@@ -46,8 +46,8 @@ pub fn failures(columns: &[&str], rows: &[Measurement]) -> Option<String> {
     let frame = Frame {
         title: "Where methods fail at 1 ms".into(),
         height: (ROW[0] * (methods.len() as f64 + 1.5) + ROW[1]) as u32,
-        x: Axis::hidden(-NAMES..columns.len() as f64),
-        y: Axis::hidden(-(methods.len() as f64)..1.5),
+        x: PlotAxis::hidden(-NAMES..columns.len() as f64),
+        y: PlotAxis::hidden(-(methods.len() as f64)..1.5),
     };
     (!methods.is_empty()).then(|| plot(&frame, &marks))
 }

@@ -5,7 +5,7 @@ use super::points::{Point, exponent, of};
 use super::scenes::GrowthCurve;
 use crate::chart::csv::OURS;
 use records::report::draw::plot;
-use records::report::plot::{Axis, Frame, GREY, LEFT, Mark};
+use records::report::plot::{Frame, GREY, LEFT, Mark, PlotAxis};
 
 /// Share of the axis that is kept free for names.
 const MARGIN: f64 = 0.45;
@@ -41,8 +41,8 @@ pub fn draw(curve: &GrowthCurve, points: &[Point]) -> String {
     let frame = Frame {
         title: curve.title.into(),
         height: 300,
-        x: if linear { Axis::new(curve.axis, x) } else { Axis::powers(curve.axis, x) },
-        y: Axis::powers("time of a step [µs]", low - EDGE..high + EDGE),
+        x: if linear { PlotAxis::new(curve.axis, x) } else { PlotAxis::powers(curve.axis, x) },
+        y: PlotAxis::powers("time of a step [µs]", low - EDGE..high + EDGE),
     };
     plot(&frame, &marks)
 }

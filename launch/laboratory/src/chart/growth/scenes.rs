@@ -1,6 +1,6 @@
 //! Growing problems: contact points of a table on four sprung feet, links of a chain, step length of a standing biped.
 
-use crate::chart::cases::{LAW, Way, scene};
+use crate::chart::cases::{Combination, LAW, scene};
 use messages::robot::{Body, Joint};
 use messages::scene::{Base, Method, Scene};
 use shared::exit::Failure;
@@ -8,7 +8,7 @@ use shared::exit::Failure;
 /// Steps of a run.
 const STEPS: f64 = 100.0;
 /// Law and integrator: the one that corresponds to MuJoCo's Euler.
-const WAY: Way = Way { law: LAW, method: Method::SemiImplicitEuler };
+const WAY: Combination = Combination { law: LAW, method: Method::SemiImplicitEuler };
 
 /// A growing quantity. The exponent is fitted for values from `from` on.
 pub struct GrowthCurve {

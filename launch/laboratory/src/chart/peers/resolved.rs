@@ -3,7 +3,7 @@
 //! Every default is written out. The pose of the base is explicit instead of `clearance`, its origin is its centre of mass, every body
 //! has its `inertia`, and joint axes that point along a negative axis are turned round together with their angles.
 
-use crate::chart::cases::{self, CASES, ComparisonScene, LAW, METHOD, Question, Way};
+use crate::chart::cases::{self, CASES, Combination, ComparisonScene, LAW, METHOD, Question};
 use crate::chart::steps::{H, LOADS};
 use messages::scene::Scene;
 use nalgebra::Vector3;
@@ -17,7 +17,7 @@ pub const HEAD: &str = "# Scenes for other simulators, written by `biped chart -
 
 /// The whole file.
 #[derive(Serialize)]
-struct File {
+struct ScenesFile {
     scenes: Vec<Entry>,
 }
 
@@ -45,7 +45,7 @@ pub fn text(chosen: &[ComparisonScene], quick: bool) -> Result<String, Failure> 
         let errors = chosen.iter().any(|chosen| chosen.name == case.name) && (timed_steps > 0 || !quick);
         Ok(Entry { name: case.name, samples: samples(case.question), timed_steps, errors, scene: scene(case.name)? })
     };
-    let file = File { scenes: CASES.iter().map(entry).collect::<Result<_, Failure>>()? };
+    let file = ScenesFile { scenes: CASES.iter().map(entry).collect::<Result<_, Failure>>()? };
     let text = toml::to_string(&file).map_err(|error| Failure::new(Exit::Fault, error.to_string()))?;
     Ok(format!("{HEAD}{text}"))
 }
@@ -65,7 +65,7 @@ fn samples(question: Question) -> usize {
 /// # Errors
 /// A scene that is refused.
 pub fn scene(name: &str) -> Result<Scene, Failure> {
-    let mut scene = cases::scene(name, Way { law: LAW, method: METHOD }, H, &[])?;
+    let mut scene = cases::scene(name, Combination { law: LAW, method: METHOD }, H, &[])?;
     let plant = Plant::new(&scene)?;
     let mut pose = Pose::new(plant.model());
     kinematics::pose(plant.model(), plant.state(), &mut pose);
@@ -125,7 +125,7 @@ mod tests {
     #[test]
     fn a_resolved_scene_is_the_same_robot_in_the_same_state() {
         for case in CASES {
-            let given = cases::scene(case.name, Way { law: LAW, method: METHOD }, H, &[]).expect("a scene");
+            let given = cases::scene(case.name, Combination { law: LAW, method: METHOD }, H, &[]).expect("a scene");
             let [given, resolved] = [given, scene(case.name).expect("resolved")].map(|scene| {
                 let plant = Plant::new(&scene).expect("a plant");
                 let mut pose = Pose::new(plant.model());

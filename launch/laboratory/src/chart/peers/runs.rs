@@ -1,7 +1,7 @@
 //! Runs of other simulators, as traces of poses. Their errors are computed in the same way as the errors of our own runs.
 
 use super::resolved;
-use crate::chart::cases::{self, ComparisonScene, LAW, METHOD, Question, Way};
+use crate::chart::cases::{self, Combination, ComparisonScene, LAW, METHOD, Question};
 use crate::chart::csv::{Measurement, View};
 use crate::chart::metrics::{self, Metric};
 use crate::chart::trial::{RunLog, Sight};
@@ -87,7 +87,7 @@ fn errors(case: ComparisonScene, file: &Path, period: f64) -> Result<Vec<Metric>
     if trace.iter().any(|value| !value.is_finite()) {
         return Ok(case.question.metrics().iter().map(|&metric| (metric, f64::INFINITY)).collect());
     }
-    let scene = cases::scene(case.name, Way { law: LAW, method: METHOD }, 1e-3, &[]).map_err(refused)?;
+    let scene = cases::scene(case.name, Combination { law: LAW, method: METHOD }, 1e-3, &[]).map_err(refused)?;
     let errors =
         metrics::errors(case.question, &scene, &log(case.question, &resolved, trace.chunks_exact(width), period));
     let finite = |error: f64| if error < BLOWN_UP { error } else { f64::INFINITY };
@@ -183,7 +183,7 @@ mod tests {
             std::fs::write(&file, bytes).expect("a file");
         };
         for case in CASES {
-            let scene = cases::scene(case.name, Way { law: LAW, method: METHOD }, 1e-3, &[]).expect("a scene");
+            let scene = cases::scene(case.name, Combination { law: LAW, method: METHOD }, 1e-3, &[]).expect("a scene");
             let RunEnd::Done(log) = watch(&scene, &[]) else { panic!("{} breaks off", case.name) };
             let mut plant = Plant::new(&scene).expect("a plant");
             let mut trace = row(&plant, &scene, case.question);
