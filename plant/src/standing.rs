@@ -1,8 +1,8 @@
 //! Standing feet: if no active contact moved in the last step, every link on the ground is held fixed for the step.
 //!
-//! Two kinds of links are not held. An airborne foot, just lifted or about to land, has no contact impulse. The step only checks that
-//! it stays above the ground. And if a link stood on less than a face before, and stands on more points now, it lands or turns. Then no
-//! link is held, and the contacts are solved one by one.
+//! Not every contact is held. An airborne foot, just lifted or about to land, has no contact impulse. A foot that stood on an edge or a
+//! point stands there again. The step only checks that the airborne foot, and the other points of the tilted one, stay above the ground.
+//! If they do not, the foot lands or turns. Then no link is held, and the contacts are solved one by one.
 //!
 //! The contacts of a rigid link move with its six velocities. So its equations, three per contact, reduce to six. On an edge, about which
 //! the link may turn, they reduce to five; on a point, to three. With the velocities t of the links about a point c amid their contacts,
@@ -93,7 +93,8 @@ impl StandingFeet {
             foot.sole.distribute(&foot.wrench, disc, &mut impulses[foot.first..][..foot.sole.arms.len()])?;
         }
         let change = respond(model, free.factor, feet, change);
-        let clear = airborne.iter().all(|foot| foot.stays_above_after(model, touches, change));
+        let clear = airborne.iter().all(|foot| foot.stays_above_after(model, touches, change))
+            && feet.iter().all(|foot| foot.others_stay_above_after(model, free, touches, change));
         let report = report(feet, touches, friction, speed);
         (clear && report.natural_map <= STANDING_BOUND).then_some((Response { change, impulses }, report))
     }
@@ -112,15 +113,20 @@ fn select_feet<'a>(
     let (mut count, mut airborne_count, mut first) = (0, 0, 0);
     for own in touches.chunk_by(|a, b| a.link == b.link) {
         let foot = feet.get_mut(count)?;
-        foot.set(model, free, first, own);
+        foot.set(model, free, first, own, own.len());
         first += own.len();
         if foot.stays_above(&foot.free, touches) {
             std::mem::swap(foot, airborne.get_mut(airborne_count)?);
             airborne_count += 1;
             continue;
         }
-        if own.iter().filter(|touch| was_active(touch.id)).count() < own.len().min(MIN_ACTIVE) {
-            return None;
+        let active = own.iter().take_while(|touch| was_active(touch.id)).count();
+        let elsewhere = own[active..].iter().filter(|touch| was_active(touch.id)).count();
+        if active + elsewhere < own.len().min(MIN_ACTIVE) {
+            if active == 0 || elsewhere > 0 {
+                return None;
+            }
+            foot.set(model, free, foot.first, own, active);
         }
         count += 1;
     }

@@ -3,8 +3,9 @@
 //! ```text
 //!   solve(problem, memory):
 //!     recall             mode, impulse and slip of each contact in the last step
-//!     Newton             from there; patches that do not hold are released, then Newton again    (newton, patch)
-//!     interior points    aggressive, then cautious steps, each followed by Newton                (interior)
+//!     Newton             from there, releasing patches that do not hold; then from the best
+//!                        impulse so far, with balanced weights                                   (newton, patch)
+//!     interior points    and Newton from the modes that they indicate                            (interior)
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
 //!                        equals mu times the slip speed                                          (held_shift)
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
@@ -33,13 +34,15 @@ use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{PROMISED, SOLVED};
 use held_shift::HeldShift;
-use interior::{Interior, StepRule};
-use iterate::{Guess, Iterate};
+use interior::Interior;
+use iterate::{Guess, Iterate, Start, Weight};
 use messages::scene::Law;
 use newton::PatchNewton;
 
-/// Choices of patches that Newton's method tries from the memory: first all possible patches, then none for links whose patch did not hold.
-const MAX_PATCH_CHOICES: usize = 2;
+/// Steps of Newton's method at most; from a good guess it takes one to four.
+const MAX_STEPS: u32 = 12;
+/// The same from modes that interior points have indicated before they end.
+const MAX_EARLY_STEPS: u32 = 4;
 /// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten.
 const MAX_MINIMA: u32 = 50;
 
@@ -51,6 +54,8 @@ pub(super) struct Coulomb {
     interior: Interior,
     shift: HeldShift,
     guess: Guess,
+    /// Modes of the last early attempt.
+    tried: Vec<ContactMode>,
     iterate: Iterate,
     /// Impulse from which Newton's method starts.
     initial: Vec<f64>,
@@ -94,36 +99,26 @@ impl Coulomb {
         modes.clone_from(&guess.modes);
     }
 
-    /// Newton's method from the memory, or from zero impulse if that is empty. It first allows all patches, then releases the patches that
-    /// did not hold.
+    /// Newton's method from the memory, or from zero impulse if that is empty; then from the best impulse that it met, with balanced weights.
     fn newton_from_memory(&mut self) -> bool {
         let has_memory = self.initial.iter().any(|f| *f != 0.0);
-        let mut released = 0;
-        for _ in 0..MAX_PATCH_CHOICES {
-            if self.newton_from(has_memory, released) {
-                return true;
-            }
-            let sticking = self.newton.groups.iter().enumerate().filter(|(_, group)| group.sticks);
-            let next = sticking.fold(released, |bits, (g, _)| bits | 1 << g.min(31));
-            if next == released {
-                return false;
-            }
-            released = next;
+        if self.newton_from(has_memory, true, Weight::Mass, MAX_STEPS) {
+            return true;
         }
-        false
+        self.initial.clone_from(&self.best.f);
+        self.newton_from(false, true, Weight::Balanced, MAX_STEPS)
     }
 
     /// Interior points with the shift mu |v_F| as an unknown.
     fn interior_points(&mut self) -> bool {
-        [StepRule::AGGRESSIVE, StepRule::CAUTIOUS].into_iter().any(|rule| self.interior_then_newton(rule, false))
-            || self.best.error <= PROMISED
+        self.interior_then_newton(false) || self.best.error <= PROMISED
     }
 
     /// Energy minima with a held shift, until the shift equals mu |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
         for _ in 0..MAX_MINIMA {
-            if self.interior_then_newton(StepRule::AGGRESSIVE, true) {
+            if self.interior_then_newton(true) {
                 return true;
             }
             self.cones.velocity(&self.initial, &mut self.iterate.v);
@@ -132,22 +127,37 @@ impl Coulomb {
         self.best.error <= PROMISED
     }
 
-    /// Interior points, then Newton's method from the modes found there: first with patches, then without.
-    fn interior_then_newton(&mut self, rule: StepRule, holds_shift: bool) -> bool {
-        let held = holds_shift.then_some(&*self.shift.held);
-        self.interior.run(&self.cones, rule, held, &mut self.iterate);
-        let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
-        self.interior.guess(&self.cones, groups, &mut self.guess);
-        self.initial.clone_from(&self.iterate.f);
-        self.keep_best(true);
-        self.newton_from(true, 0) || self.newton_from(false, u32::MAX) || self.best.error <= SOLVED
+    /// Interior points, and Newton's method from modes that they indicate; at their end with patches, then without.
+    fn interior_then_newton(&mut self, holds_shift: bool) -> bool {
+        self.interior.start(&self.cones);
+        self.tried.clear();
+        loop {
+            let held = holds_shift.then_some(&*self.shift.held);
+            let ended = self.interior.advance(&self.cones, held, &mut self.iterate);
+            let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
+            self.interior.guess(&self.cones, groups, &mut self.guess);
+            self.initial.clone_from(&self.iterate.f);
+            self.keep_best(true);
+            if ended {
+                let solved = self.newton_from(true, true, Weight::Balanced, MAX_STEPS) || self.best.error <= SOLVED;
+                return solved
+                    || self.newton_from(false, false, Weight::Balanced, MAX_STEPS)
+                    || self.best.error <= SOLVED;
+            }
+            if self.tried != self.guess.modes {
+                self.tried.clone_from(&self.guess.modes);
+                if self.newton_from(true, true, Weight::Balanced, MAX_EARLY_STEPS) {
+                    return true;
+                }
+            }
+        }
     }
 
-    /// Newton's method from the initial impulse. The links in the bit set `released` form no patch.
-    fn newton_from(&mut self, uses_guess: bool, released: u32) -> bool {
+    /// Newton's method from the initial impulse.
+    fn newton_from(&mut self, uses_guess: bool, patches: bool, weight: Weight, max_steps: u32) -> bool {
         self.iterate.f.clone_from(&self.initial);
         let guess = uses_guess.then_some(&self.guess);
-        let solved = self.newton.run(&self.cones, released, guess, &mut self.iterate);
+        let solved = self.newton.run(&self.cones, Start { guess, patches, weight, max_steps }, &mut self.iterate);
         self.keep_best(!solved);
         if solved {
             self.modes.clear();

@@ -45,6 +45,10 @@ impl Lu {
         match width {
             1 => (0..size).all(|k| self.eliminate(1, size, k, min_pivot)),
             2 => (0..size).all(|k| self.eliminate(2, size, k, min_pivot)),
+            3 => (0..size).all(|k| self.eliminate(3, size, k, min_pivot)),
+            4 => (0..size).all(|k| self.eliminate(4, size, k, min_pivot)),
+            5 => (0..size).all(|k| self.eliminate(5, size, k, min_pivot)),
+            6 => (0..size).all(|k| self.eliminate(6, size, k, min_pivot)),
             _ => (0..size).all(|k| self.eliminate(width, size, k, min_pivot)),
         }
     }

@@ -116,6 +116,9 @@ pub(crate) const OVERREDUCTION: f64 = 1.5;
 /// A fixed-point iteration progresses if its change falls below this part of the least change before.
 pub(super) const FIXED_POINT_PROGRESS: f64 = 0.9;
 
+/// Newton's method over patches progresses if its residual falls below this part of the least before.
+pub(super) const NEWTON_PROGRESS: f64 = 0.5;
+
 /// Factor on the relaxation of a fixed-point iteration that creeps in one direction without progress.
 pub(super) const ACCELERATION: f64 = 2.0;
 

@@ -11,8 +11,9 @@ use nalgebra::Vector3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Foot {
     pub link: usize,
-    /// First contact.
+    /// First contact, and number of contacts of the link. Those of the sole come first, the others do not hold it.
     pub first: usize,
+    contacts: usize,
     pub sole: Sole,
     /// J of its six velocities without free axes, one row for each degree of freedom of its path. Once prepared: Y = √D⁻¹ L⁻ᵀJᵀ.
     pub rows: Vec<PaddedRow>,
@@ -33,10 +34,11 @@ impl Foot {
         Foot { sole: Sole::new(model.contact_points.len()), rows: Vec::with_capacity(model.dofs()), ..Foot::default() }
     }
 
-    /// Sets the foot on these contacts; `first` is the index of the first of them. Computes its free motion, except rotation about its free
-    /// axes.
-    pub fn set(&mut self, model: &Model, free: &Free, first: usize, touches: &[Touch]) {
-        (self.link, self.first) = (touches[0].link, first);
+    /// Sets the foot on the first `held` of the contacts of its link; `first` is the index of the first of them. Computes its free motion,
+    /// except rotation about its free axes.
+    pub fn set(&mut self, model: &Model, free: &Free, first: usize, link: &[Touch], held: usize) {
+        let touches = &link[..held];
+        (self.link, self.first, self.contacts) = (touches[0].link, first, link.len());
         self.sole.set(touches);
         let mut t = PaddedRow::default();
         self.rows.clear();
@@ -77,6 +79,15 @@ impl Foot {
         let t = paired
             .fold(padded(&self.free), |t, (row, &dof)| std::array::from_fn(|k| row[k].mul_add(change[dof], t[k])));
         self.stays_above(&unpadded(&t), touches)
+    }
+
+    /// Whether the contacts that do not hold it stay above the ground, after a change of the robot's velocity.
+    pub fn others_stay_above_after(&self, model: &Model, free: &Free, touches: &[Touch], change: &[f64]) -> bool {
+        touches[self.first..][..self.contacts].iter().skip(self.sole.arms.len()).all(|touch| {
+            let rise = |dof: usize| free.pose.links[dof + 1].column.at(&touch.arm).z * (free.rate[dof] + change[dof]);
+            let v = model.path(self.link).iter().map(|&dof| rise(dof)).sum::<f64>();
+            v + touch.velocity_gain.z + touch.approach > 0.0
+        })
     }
 
     /// Prepares the foot to be held; `None` if [`Sole::prepare`] fails.

@@ -4,6 +4,7 @@
 
 mod airborne;
 mod edge;
+mod tilted;
 
 use biped_plant::Plant;
 use controller::Controller;

@@ -2,15 +2,15 @@
 
 use super::super::Solver;
 use super::super::round_cones::apply_delassus;
-use super::{Coulomb, Law, Memory, PROMISED, Problem, StepRule};
+use super::{Coulomb, Law, Memory, PROMISED, Problem};
 use crate::Plant;
 use messages::scene::Scene;
 use messages::wire::Torques;
 
-/// Seeds of problems, one in three thousand, that Newton's method and energy minima do not solve.
-const POINTS: [u64; 8] = [463, 2640, 2758, 9231, 15146, 19279, 25103, 25995];
-/// Seeds of problems, one in four thousand, that Newton's method and interior points do not solve.
-const MINIMA: [u64; 8] = [1378, 1963, 10790, 12067, 13219, 14114, 18296, 19439];
+/// Seeds of problems, one in fifty thousand, that Newton's method and energy minima do not solve.
+const POINTS: [u64; 4] = [55710, 125620, 156218, 170201];
+/// Seeds of problems, one in eight thousand, that Newton's method and interior points do not solve.
+const MINIMA: [u64; 8] = [8541, 10790, 14114, 16369, 53497, 57084, 57127, 69360];
 
 /// The robot of Table 1 on both feet with bent knees. Pose, friction and the contact impulses that cause the velocities are random.
 fn problem(seed: u64) -> Problem {
@@ -47,23 +47,17 @@ fn missed(problems: &[Problem], solver: impl Fn(&mut Coulomb) -> bool) -> usize 
 #[test]
 fn every_stage_solves_problems_that_the_others_leave() {
     let any: Vec<_> = (0..1000).map(problem).collect();
-    let [points, minima] = [POINTS, MINIMA].map(|seeds| seeds.map(problem));
-    for (name, problems) in [("any", &any[..]), ("need points", &points), ("need minima", &minima)] {
+    let [points, minima] = [&POINTS[..], &MINIMA].map(|seeds| seeds.iter().copied().map(problem).collect::<Vec<_>>());
+    for (name, problems) in [("any", &any), ("need points", &points), ("need minima", &minima)] {
         let left = missed(problems, |solver| {
             solver.newton_from_memory() || solver.interior_points() || solver.energy_minima()
         });
         assert_eq!(left, 0, "{name}: of {} problems", problems.len());
     }
     let without = [
-        ("all but PatchNewton's method", missed(&any, Coulomb::newton_from_memory)),
+        ("all but Newton's method", missed(&any, Coulomb::newton_from_memory)),
         ("interior points", missed(&points, |solver| solver.newton_from_memory() || solver.energy_minima())),
         ("minima", missed(&minima, |solver| solver.newton_from_memory() || solver.interior_points())),
-        (
-            "the slow pace",
-            missed(&points, |solver| {
-                solver.newton_from_memory() || solver.interior_then_newton(StepRule::AGGRESSIVE, false)
-            }),
-        ),
     ];
     println!("left unsolved without {without:?}");
     assert!(

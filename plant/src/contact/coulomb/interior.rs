@@ -24,23 +24,15 @@ use cone::{Scaling, Vector, axpy, determinant, dot, jordan_product, jordan_solve
 
 /// Steps at most; 10 to 20 are typical.
 const MAX_STEPS: u32 = 40;
+/// Modes that as many steps have indicated are tried with Newton's method.
+const STABLE_STEPS: u32 = 3;
 
+/// Part of the way to the boundary of the cones that a step goes [-].
+const STEP_FRACTION: f64 = 0.99;
+/// Least part of τ that a step aims at [-].
+const MIN_CENTERING: f64 = 1e-4;
 /// A variable of which the predictor removes more than this part vanishes at the solution [-].
 const TAPIA_THRESHOLD: f64 = 0.5;
-
-/// Length of the steps, and how fast they reduce τ.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct StepRule {
-    /// Part of the way to the boundary of the cones that a step goes [-].
-    step_fraction: f64,
-    /// Least part of τ that a step aims at [-].
-    min_centering: f64,
-}
-
-impl StepRule {
-    pub const AGGRESSIVE: StepRule = StepRule { step_fraction: 0.99, min_centering: 1e-4 };
-    pub const CAUTIOUS: StepRule = StepRule { step_fraction: 0.9, min_centering: 0.1 };
-}
 
 /// One contact: x, y, and its step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -68,12 +60,16 @@ pub(super) struct Interior {
     factor: Lu,
     right: Vec<f64>,
     best: Vec<f64>,
+    /// The least residual so far.
+    least: f64,
+    /// Steps so far, and the last of them that have indicated the same modes.
+    steps: u32,
+    stable: u32,
 }
 
 impl Interior {
-    /// Iterates to the solution of Coulomb's law, or with held |v_F| to that of the convex program. Leaves the best iterate.
-    pub fn run(&mut self, cones: &RoundCones, rule: StepRule, held: Option<&[f64]>, iterate: &mut Iterate) {
-        let unit = if cones.size > 0.0 { cones.size } else { 1.0 };
+    /// Starts anew, amid the cones.
+    pub fn start(&mut self, cones: &RoundCones) {
         self.contacts.clear();
         self.contacts
             .resize(cones.contacts, ConePair { x: [1.0, 0.0, 0.0], y: [1.0, 0.0, 0.0], ..ConePair::default() });
@@ -84,19 +80,28 @@ impl Interior {
                 false => [1.0, 0.0, 0.0],
             }
         }));
-        self.best.clone_from(&iterate.f);
-        let mut least = f64::INFINITY;
-        for _ in 0..MAX_STEPS {
+        (self.least, self.steps, self.stable) = (f64::INFINITY, 0, 0);
+        self.best.clear();
+        self.best.resize(self.weights.len(), 0.0);
+    }
+
+    /// Iterates towards the solution of Coulomb's law, or with held |v_F| to that of the convex program. Leaves the best iterate. Returns
+    /// whether it has ended. Without `held` it also returns as soon as [`STABLE_STEPS`] steps have indicated the same modes.
+    pub fn advance(&mut self, cones: &RoundCones, held: Option<&[f64]>, iterate: &mut Iterate) -> bool {
+        let unit = if cones.size > 0.0 { cones.size } else { 1.0 };
+        let mut ended = true;
+        while self.steps < MAX_STEPS {
+            self.steps += 1;
             self.write_impulse(cones, unit, &mut iterate.f);
             cones.velocity(&iterate.f, &mut iterate.v);
             let error = cones.residual(&iterate.f, &iterate.v);
-            if error < least || held.is_some() {
-                least = error;
+            if error < self.least || held.is_some() {
+                self.least = error;
                 self.best.clone_from(&iterate.f);
             }
             let tau = self.contacts.iter().map(|own| dot(own.x, own.y)).sum::<f64>() / cones.contacts as f64;
             let residual = self.update_scaling(unit, held, &iterate.v);
-            if least <= WELL_SOLVED || tau.is_nan() || tau < MIN_TAU && residual < INTERIOR_RESIDUAL {
+            if self.least <= WELL_SOLVED || tau.is_nan() || tau < MIN_TAU && residual < INTERIOR_RESIDUAL {
                 break;
             }
             iterate.steps += 1;
@@ -104,12 +109,12 @@ impl Interior {
                 break;
             }
             self.find_direction(None, tau);
-            self.contacts.iter_mut().for_each(ConePair::predict_mode);
+            let changes = self.contacts.iter_mut().fold(false, |changes, own| own.predict_mode() | changes);
+            self.stable = if changes { 1 } else { self.stable + 1 };
             let predicted_step = self.max_step();
-            let share =
-                if tau < MIN_TAU { 1.0 } else { (1.0 - predicted_step.min(1.0)).powi(3).max(rule.min_centering) };
+            let share = if tau < MIN_TAU { 1.0 } else { (1.0 - predicted_step.min(1.0)).powi(3).max(MIN_CENTERING) };
             self.find_direction(Some(share), tau);
-            let step = f64::min(1.0, rule.step_fraction * self.max_step());
+            let step = f64::min(1.0, STEP_FRACTION * self.max_step());
             for own in &mut self.contacts {
                 own.x = axpy(own.x, step, own.dx);
                 own.y = axpy(own.y, step, own.dy);
@@ -117,8 +122,13 @@ impl Interior {
             if !self.contacts.iter().all(|own| determinant(own.x) > 0.0 && determinant(own.y) > 0.0) {
                 break; // rounding moved a contact out of its cone
             }
+            if held.is_none() && self.stable == STABLE_STEPS {
+                ended = false;
+                break;
+            }
         }
         iterate.f.clone_from(&self.best);
+        ended
     }
 
     /// Writes the indicated modes and slips as a guess for Newton's method.
@@ -225,12 +235,14 @@ impl Interior {
 
 impl ConePair {
     /// Tapia's indicators: the predictor removes nearly all of a variable that vanishes at the solution, and nearly nothing of any other.
-    fn predict_mode(&mut self) {
+    /// Returns whether the indicated mode changes.
+    fn predict_mode(&mut self) -> bool {
         let [x, y] = [self.dx[0] / self.x[0], self.dy[0] / self.y[0]];
-        self.mode = match () {
+        let mode = match () {
             () if x < y && x < -TAPIA_THRESHOLD => ContactMode::Open,
             () if y < -TAPIA_THRESHOLD => ContactMode::Sticking,
             () => ContactMode::Sliding,
         };
+        std::mem::replace(&mut self.mode, mode) != mode
     }
 }

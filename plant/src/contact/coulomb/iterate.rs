@@ -9,6 +9,30 @@ pub(super) struct Guess {
     pub slips: Vec<[f64; 2]>,
 }
 
+/// How a run of Newton's method begins, and how long it may take.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Start<'a> {
+    /// Modes and slips of the first step; else they follow from the impulse.
+    pub guess: Option<&'a Guess>,
+    /// Whether contacts that stick form patches.
+    pub patches: bool,
+    /// Weight of the velocities in the choice of the modes.
+    pub weight: Weight,
+    /// Steps at most.
+    pub max_steps: u32,
+}
+
+/// Weight ρ of the velocities in x = f − ρ v. Any weight has the same solutions.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Weight {
+    /// The mass of the contact.
+    Mass,
+    /// It gives the greatest velocity the size of the greatest impulse. For feet that wedge: they slip 1e9 times as slowly as they would
+    /// without contact, so that by the mass no slip decides. The compliance then counts from the step before, because it is not small
+    /// beside such a slip.
+    Balanced,
+}
+
 /// An impulse with its velocity and residual, all scaled; and the number of linear systems solved so far.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Iterate {

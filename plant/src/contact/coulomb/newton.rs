@@ -23,17 +23,17 @@ mod modes;
 use super::super::lu::Lu;
 use super::super::mode::ContactMode;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{COMPLIANCE, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
-use super::iterate::{Guess, Iterate};
+use super::super::tolerance::{COMPLIANCE, NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
+use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
 use equations::{Equations, ModeWeights, Unknown};
 
-/// Steps at most; from a good guess it takes one to four.
-const MAX_STEPS: u32 = 12;
-/// Steps in which the impulse of a patch may be outside the cones before the method gives up.
-const MAX_STEPS_OUTSIDE: u32 = 4;
+/// Steps without progress after which the method gives up.
+const PATIENCE: u32 = 4;
 /// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
 const COMPLIANCE_DOMINATES: f64 = 0.1;
+/// A greater rigid residual is never due to the compliance [-].
+const COMPLIANT: f64 = 1e-3;
 /// Proximal steps at most, which undo the compliance.
 const MAX_REFINEMENTS: u32 = 4;
 
@@ -52,11 +52,12 @@ pub(super) struct PatchNewton {
     /// f₀, the centre of the proximal step; and G y, the impulse before it is distributed over patches.
     prox_centre: Vec<f64>,
     undistributed: Vec<f64>,
+    /// The impulse before the present step.
     saved: Vec<f64>,
     change: Vec<f64>,
     solution: Iterate,
-    /// Bit set of the links whose patches were outside their cones in the last run.
-    failed: u32,
+    /// A patch was outside its cones, or moves; see [`LinkContacts::fails`].
+    failed: bool,
 }
 
 impl PatchNewton {
@@ -77,38 +78,35 @@ impl PatchNewton {
         self.contacts.iter().map(|contact| contact.mode)
     }
 
-    /// Iterates from the present impulse to the solution. The links in the bit set `released` form no patch. False if it does not converge.
-    pub fn run(&mut self, cones: &RoundCones, released: u32, guess: Option<&Guess>, iterate: &mut Iterate) -> bool {
+    /// Iterates from the present impulse to the solution. A patch that does not hold is released. False if it does not converge.
+    pub fn run(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) -> bool {
+        let Start { guess, patches, weight, max_steps } = start;
         self.contacts.clear();
         self.contacts.resize(cones.contacts, ModeWeights::default());
-        for (g, group) in self.groups.iter_mut().enumerate() {
-            (group.sticks, group.may_stick) = (false, released >> g.min(31) & 1 == 0);
-        }
+        self.groups.iter_mut().for_each(|group| (group.sticks, group.may_stick) = (false, patches));
         self.prox_centre.clear();
         self.prox_centre.resize(iterate.f.len(), 0.0);
         self.undistributed.clone_from(&iterate.f);
         self.velocity(cones, iterate);
-        let (mut outside, mut refined) = (0, 0);
-        for step in 0..MAX_STEPS {
+        let (mut refined, mut least, mut least_step) = (0, f64::INFINITY, 0);
+        for step in 0..max_steps {
+            if step > least_step + PATIENCE {
+                return false;
+            }
             match guess {
                 Some(guess) if step == 0 => self.apply_guess(cones, guess, iterate),
-                _ => self.classify(cones, iterate),
+                _ => self.classify(cones, weight, iterate),
             }
             iterate.steps += 1;
-            self.failed = 0;
             let min_norm = step == 0 && guess.is_some() && self.is_pressure_redundant(cones);
+            self.saved.clone_from(&iterate.f);
             if !self.solve(cones, min_norm, &mut iterate.f) {
                 return false;
             }
             self.undistributed.clone_from(&iterate.f);
             self.distribute(cones, &mut iterate.f);
-            if self.failed != 0 {
-                outside += 1;
-                let moves =
-                    |contact: &ModeWeights| matches!(contact.mode, ContactMode::Sticking | ContactMode::Sliding);
-                if outside >= MAX_STEPS_OUTSIDE || !self.contacts.iter().any(moves) {
-                    return false;
-                }
+            if self.failed {
+                self.release_failed();
                 iterate.f.clone_from(&self.undistributed);
                 self.velocity(cones, iterate);
                 continue;
@@ -123,11 +121,18 @@ impl PatchNewton {
                 return true;
             }
             let rigid = iterate.error;
-            self.velocity(cones, iterate);
-            if self.patches_move(cones, iterate) {
-                return false;
+            if rigid < NEWTON_PROGRESS * least {
+                (least, least_step) = (rigid, step);
             }
-            if cones.residual(&iterate.f, &iterate.v) <= COMPLIANCE_DOMINATES * rigid {
+            if weight == Weight::Balanced {
+                self.prox_centre.clone_from(&self.undistributed);
+            }
+            self.add_compliance(&mut iterate.v);
+            if self.patches_move(cones, iterate) {
+                self.release_failed();
+                continue;
+            }
+            if rigid <= COMPLIANT && cones.residual(&iterate.f, &iterate.v) <= COMPLIANCE_DOMINATES * rigid {
                 // solved except for the compliance
                 if refined == MAX_REFINEMENTS {
                     return false;
@@ -142,6 +147,11 @@ impl PatchNewton {
     /// v = A f + b + ε(G y − f₀).
     fn velocity(&self, cones: &RoundCones, Iterate { f, v, .. }: &mut Iterate) {
         cones.velocity(f, v);
+        self.add_compliance(v);
+    }
+
+    /// v + ε(G y − f₀).
+    fn add_compliance(&self, v: &mut [f64]) {
         for ((v, y), prox_centre) in v.iter_mut().zip(&self.undistributed).zip(&self.prox_centre) {
             *v += COMPLIANCE * (y - prox_centre);
         }
@@ -222,11 +232,10 @@ impl PatchNewton {
         factor.solve(change);
         f.clone_from(undistributed);
         equations.add(unknowns, change, f);
-        self.failed = 0;
         self.distribute(cones, f);
         cones.velocity(f, v);
         let refined = cones.residual(f, v);
-        if self.failed == 0 && refined < *error {
+        if !self.failed && refined < *error {
             *error = refined;
         } else {
             f.clone_from(&self.saved);
@@ -236,25 +245,33 @@ impl PatchNewton {
 
     /// Distributes the impulses of patches over their contacts; marks patches for which that fails.
     fn distribute(&mut self, cones: &RoundCones, f: &mut [f64]) {
-        let PatchNewton { groups, contacts, patch, failed, .. } = self;
-        for (g, group) in groups.iter().enumerate().filter(|(_, group)| group.sticks) {
-            if !patch.distribute(cones, group, |i| contacts[i].mode == ContactMode::Patch, f) {
-                *failed |= 1 << g.min(31);
-            }
+        let PatchNewton { groups, contacts, patch, failed, saved, .. } = self;
+        *failed = false;
+        for group in groups {
+            group.fails =
+                group.sticks && !patch.distribute(cones, group, |i| contacts[i].mode == ContactMode::Patch, saved, f);
+            *failed |= group.fails;
         }
     }
 
     /// Whether a patch moves at the solution. That happens if points of a link land from different heights and their conditions contradict
-    /// each other.
+    /// each other. Marks these patches.
     fn patches_move(&mut self, cones: &RoundCones, Iterate { v, .. }: &Iterate) -> bool {
-        for (g, group) in self.groups.iter().enumerate().filter(|(_, group)| group.sticks) {
-            let members = (group.first..group.end).filter(|&i| self.contacts[i].mode == ContactMode::Patch);
+        let PatchNewton { groups, contacts, failed, .. } = self;
+        for group in groups.iter_mut().filter(|group| group.sticks) {
+            let members = (group.first..group.end).filter(|&i| contacts[i].mode == ContactMode::Patch);
             let mut speed =
                 members.map(|i| contact_rows(v, i).iter().fold(0.0, |most: f64, v| most.max(v.abs())) / cones.speed(i));
-            if speed.any(|speed| speed > WELL_SOLVED) {
-                self.failed |= 1 << g.min(31);
-            }
+            group.fails = speed.any(|speed| speed > WELL_SOLVED);
+            *failed |= group.fails;
         }
-        self.failed != 0
+        *failed
+    }
+
+    /// Releases the marked patches for the rest of the run: each of their contacts has its own mode.
+    fn release_failed(&mut self) {
+        for group in self.groups.iter_mut().filter(|group| group.fails) {
+            (group.sticks, group.may_stick, group.fails) = (false, false, false);
+        }
     }
 }

@@ -9,7 +9,8 @@
 //! ```
 //!
 //! The weight is zero for a contact that would pull, and lower for the friction of a contact that would slip. If no weights succeed, the
-//! patch does not stick.
+//! least change of the impulse before is tried: interior points find impulses within the cones where hardly any others are. If that fails
+//! too, the patch does not stick.
 
 use super::super::projection::norm;
 use super::super::round_cones::{RoundCones, contact_rows};
@@ -33,6 +34,8 @@ pub(super) struct LinkContacts {
     pub sticks: bool,
     /// They may form a patch.
     pub may_stick: bool,
+    /// The patch cannot be distributed within its cones, or it moves.
+    pub fails: bool,
     /// Columns of Q.
     pub rank: usize,
     /// Contacts in the present Q, as a bit set, and its number of rows per contact.
@@ -117,22 +120,18 @@ impl Patch {
         }
     }
 
-    /// Distributes the impulse of a patch over its contacts; false if no weights bring it into the cones.
+    /// Distributes the impulse of a patch over its contacts; false if that does not succeed within the cones. `before`: another impulse.
     pub fn distribute(
         &mut self,
         cones: &RoundCones,
         group: &LinkContacts,
         member: impl Fn(usize) -> bool,
+        before: &[f64],
         f: &mut [f64],
     ) -> bool {
-        let Patch { basis, weights, .. } = self;
         let members = || (group.first..group.end).filter(|&i| member(i));
-        let mut coordinates = Vector6::zeros();
-        for i in members() {
-            for (row, f) in basis[i].iter().zip(contact_rows(f, i)) {
-                coordinates += Vector6::from_column_slice(row) * f;
-            }
-        }
+        let coordinates = self.coordinates(members(), f);
+        let Patch { basis, weights, .. } = &mut *self;
         let greatest = members().map(|i| f[3 * i]).fold(0.0, f64::max);
         members().for_each(|i| weights[i] = [1.0; 2]);
         for trial in 0..MAX_TRIALS {
@@ -171,7 +170,7 @@ impl Patch {
                     square += row * row.transpose() * weights[i][k.min(1)];
                 }
             }
-            let Some(factor) = square.cholesky() else { return false };
+            let Some(factor) = square.cholesky() else { break };
             let z = factor.solve(&coordinates);
             for i in members() {
                 for (k, row) in basis[i].iter().enumerate() {
@@ -179,6 +178,25 @@ impl Patch {
                 }
             }
         }
-        false
+        members().for_each(|i| f[3 * i..3 * i + 3].copy_from_slice(&before[3 * i..3 * i + 3]));
+        let change = coordinates - self.coordinates(members(), f);
+        members().all(|i| {
+            for (k, row) in self.basis[i].iter().enumerate() {
+                f[3 * i + k] += Vector6::from_column_slice(row).dot(&change);
+            }
+            let [normal, along, across] = contact_rows(f, i);
+            normal >= 0.0 && norm(along, across) <= cones.friction[i] * normal
+        })
+    }
+
+    /// z = Qᵀf of some contacts.
+    fn coordinates(&self, members: impl Iterator<Item = usize>, f: &[f64]) -> Vector6<f64> {
+        let mut coordinates = Vector6::zeros();
+        for i in members {
+            for (row, f) in self.basis[i].iter().zip(contact_rows(f, i)) {
+                coordinates += Vector6::from_column_slice(row) * f;
+            }
+        }
+        coordinates
     }
 }

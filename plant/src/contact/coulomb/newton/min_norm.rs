@@ -7,7 +7,7 @@
 use super::super::super::mode::ContactMode;
 use super::super::super::round_cones::RoundCones;
 use super::super::super::tolerance::{SOLVED, UNCHANGED};
-use super::super::iterate::Iterate;
+use super::super::iterate::{Iterate, Weight};
 use super::equations::{Equations, Unknown};
 use super::{MAX_REFINEMENTS, PatchNewton};
 
@@ -35,8 +35,8 @@ impl PatchNewton {
         self.solution.copy(iterate);
         for _ in 0..MAX_REFINEMENTS {
             self.saved.clone_from(&iterate.f);
-            self.failed = u32::from(!self.solve(cones, true, &mut iterate.f));
-            if self.failed != 0 {
+            self.failed = !self.solve(cones, true, &mut iterate.f);
+            if self.failed {
                 break;
             }
             self.undistributed.clone_from(&iterate.f);
@@ -48,12 +48,12 @@ impl PatchNewton {
                 .iter()
                 .zip(&self.saved)
                 .any(|(f, saved)| (f - saved).abs() > UNCHANGED * cones.magnitude(&iterate.f));
-            if self.failed != 0 || !changes {
+            if self.failed || !changes {
                 break;
             }
-            self.classify(cones, iterate);
+            self.classify(cones, Weight::Mass, iterate);
         }
-        match self.failed == 0 && iterate.error <= SOLVED {
+        match !self.failed && iterate.error <= SOLVED {
             true => self.refine(cones, iterate),
             false => iterate.copy(&self.solution),
         }

@@ -3,14 +3,22 @@
 use super::super::super::mode::ContactMode;
 use super::super::super::projection::norm;
 use super::super::super::round_cones::{RoundCones, contact_rows};
-use super::super::super::tolerance::COMPLIANCE;
-use super::super::iterate::{Guess, Iterate};
+use super::super::super::tolerance::{COMPLIANCE, WELL_SOLVED};
+use super::super::iterate::{Guess, Iterate, Weight};
 use super::PatchNewton;
 use super::equations::ModeWeights;
 
 impl PatchNewton {
     /// Sets the modes from impulse and velocity.
-    pub(super) fn classify(&mut self, cones: &RoundCones, Iterate { f, v, .. }: &Iterate) {
+    pub(super) fn classify(&mut self, cones: &RoundCones, weight: Weight, Iterate { f, v, .. }: &Iterate) {
+        let balance = match weight {
+            Weight::Mass => 1.0,
+            Weight::Balanced => {
+                let greatest = |x: &[f64]| x.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs()));
+                let ratio = greatest(f) / greatest(v);
+                if ratio > 1.0 { ratio.min(1.0 / WELL_SOLVED) } else { 1.0 }
+            }
+        };
         for group in &mut self.groups {
             let mut sticking = 0;
             for i in group.first..group.end {
@@ -19,7 +27,7 @@ impl PatchNewton {
                     continue;
                 }
                 let (f, v, mu) = (contact_rows(f, i), contact_rows(v, i), cones.friction[i]);
-                let rho = 1.0 / (cones.inverse_mass[i] + COMPLIANCE);
+                let rho = balance / (cones.inverse_mass[i] + COMPLIANCE);
                 let x = [f[0] - rho * v[0], f[1] - rho * v[1], f[2] - rho * v[2]];
                 let (bound, length) = (mu * x[0], norm(x[1], x[2]));
                 *own = if x[0] <= 0.0 {
