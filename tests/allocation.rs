@@ -32,7 +32,7 @@ fn allocations(scene: &Scene, warm: u32, end: u32) -> [u64; 2] {
 #[test]
 fn steps_and_ticks_allocate_nothing_during_the_walk() {
     let mut all = vec![];
-    for law in ["plant.law=EnergyQp", "plant.law=Complementarity", "plant.law=Aligned"] {
+    for law in ["plant.law=Cone", "plant.law=EnergyQp", "plant.law=Complementarity", "plant.law=Aligned"] {
         for rule in ["controller.sagittal=foot-placement", "controller.sagittal=energy"] {
             let counts = allocations(&scene("walk", &[law, rule]), 1000, 5000);
             println!("{law} {rule}: {counts:?} allocations of plant and controller in 4 s");

@@ -71,8 +71,12 @@ impl ContactMap {
     /// Allocates for a model.
     pub fn new(model: &Model) -> Self {
         let points = model.contact_points.len();
+        let mut problem = Problem::default();
+        problem.reset(points, model.directions);
+        problem.link.reserve(points);
+        problem.slip.reserve(points);
         ContactMap {
-            problem: Problem::default(),
+            problem,
             groups: Vec::with_capacity(points),
             blocks: Vec::with_capacity(points * model.dofs()),
             wrenches: Vec::with_capacity(points),

@@ -22,16 +22,19 @@ pub fn add_to_inertia(model: &Model, tau: f64, inertia: &mut PathMatrix) {
     }
 }
 
-/// Adds to the diagonal of H for the middle of a step of h, with the mean velocity: θ h d + ¼h² k, θ = ½ + z/(12 + 2z), z = h d/H_ii.
+/// Adds to the diagonal of H for the middle of a step of h: θ (h d + ½h² k), with θ = ½ + z/(12 + 2z), z = h d/H_ii. Stores each θ.
+///
+/// Spring and damper act at the mean of old and new position, and at the mean velocity (1 - θ)ẋ₋ + θẋ₊. In flight the joint moves by h times
+/// that velocity, so the impulse of a damper is d times its way, however strong it is.
 ///
 /// θ = ½ is second order, but with a strong damper the velocity would change its sign at every step. θ = 1 is first order. The formula in
 /// between gives the mean of an exponential decay over the step, up to order z³.
-pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix) {
-    for spring in &model.springs {
+pub fn add_to_midpoint_inertia(model: &Model, h: f64, inertia: &mut PathMatrix, end_weights: &mut [f64]) {
+    for (spring, theta) in model.springs.iter().zip(end_weights) {
         let own = inertia.row(spring.dof).last().copied().unwrap_or(0.0);
         let z = h * spring.damping / own;
-        let theta = 0.5 + z / (12.0 + 2.0 * z);
-        inertia.add_diagonal(spring.dof, h * (theta * spring.damping + 0.25 * h * spring.stiffness));
+        *theta = 0.5 + z / (12.0 + 2.0 * z);
+        inertia.add_diagonal(spring.dof, *theta * h * (spring.damping + 0.5 * h * spring.stiffness));
     }
 }
 

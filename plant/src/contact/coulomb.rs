@@ -26,6 +26,7 @@ mod interior;
 mod iterate;
 mod newton;
 mod patch;
+mod reserve;
 
 use super::memory::{LastContact, Memory};
 use super::mode::ContactMode;

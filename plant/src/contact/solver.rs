@@ -48,7 +48,14 @@ impl Solver {
 
     /// Allocates all memory before the first step, so that no step allocates.
     pub(crate) fn reserve_for(&mut self, contacts: usize, tangents: usize, law: Law) {
-        self.compared.reserve_for(contacts, tangents, law);
+        match law {
+            Law::Cone => self.coulomb.reserve_for(contacts, tangents),
+            _ => self.compared.reserve_for(contacts, tangents, law),
+        }
+        let mut problem = Problem::default();
+        problem.reset(contacts, tangents);
+        let zeros = problem.drift.clone();
+        self.measure_impulse(&problem, law, &zeros);
     }
 
     /// Computes the velocity, the residuals of Coulomb's law with the round cone, and the energy gain.

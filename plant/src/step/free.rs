@@ -17,6 +17,9 @@ pub(super) struct Dynamics {
     inertia: PathMatrix,
     pub bias: Vec<f64>,
     pub factor: Factor,
+    /// Weight of the velocity at the end of a step in the mean velocity of each joint with a spring or damper, for
+    /// [`Dynamics::find_at_midpoint`].
+    pub end_weights: Vec<f64>,
     /// Already computed for the next step.
     prepared: bool,
     /// Number of evaluations so far.
@@ -30,6 +33,7 @@ impl Dynamics {
             inertia: PathMatrix::new(model),
             bias: vec![0.0; model.dofs()],
             factor: Factor::new(model),
+            end_weights: vec![0.5; model.springs.len()],
             prepared: false,
             evaluations: 0,
         }
@@ -72,7 +76,7 @@ impl Dynamics {
     ) -> Result<(), PlantError> {
         self.evaluations += 1;
         self.composite.inertia(model, &now.pose, &mut self.inertia);
-        springs::add_to_midpoint_inertia(model, h, &mut self.inertia);
+        springs::add_to_midpoint_inertia(model, h, &mut self.inertia, &mut self.end_weights);
         self.factor.factorize(model, &self.inertia)?;
         self.with_bias_at(model, now, mean);
         Ok(())

@@ -163,7 +163,12 @@ mod tests {
             // from the coarsest to the finest step the error falls by about 64, as h² does
             let falls = found.order().is_none() || found.errors[0] / found.errors[3] > 16.0;
             assert_eq!(falls, name != "reversal", "{name}: {:?}", found.errors);
-            assert!(found.errors[TOLD] < if name == "spin" { 5e-3 } else { 3e-4 }, "{name}: {:?}", found.errors);
+            let most = match name {
+                "spin" => 5e-3,
+                "damper" => 1e-7, // 2e-4 if a damped joint moves by the mean of its velocities
+                _ => 3e-4,
+            };
+            assert!(found.errors[TOLD] < most, "{name}: {:?}", found.errors);
         }
     }
 

@@ -1,0 +1,37 @@
+//! Allocation for every stage before the first step, so that no step allocates.
+
+use super::super::memory::{LastContact, Memory};
+use super::super::mode::ContactMode;
+use super::super::problem::Problem;
+use super::Coulomb;
+
+impl Coulomb {
+    /// Runs every stage once with this many contacts: each on its own link and all on one, sticking, slipping, and slipping in a given
+    /// direction. All buffers then have their greatest size.
+    pub fn reserve_for(&mut self, contacts: usize, tangents: usize) {
+        if contacts == 0 {
+            return;
+        }
+        let mut problem = Problem::default();
+        problem.reset(contacts, tangents);
+        let (next, stride) = (problem.rows() + 1, 1 + tangents);
+        problem.delassus.iter_mut().step_by(next).for_each(|a| *a = 1.0);
+        problem.friction.fill(0.5);
+        problem.drift.chunks_exact_mut(stride).for_each(|b| b[..2].copy_from_slice(&[-1.0, 0.3]));
+        for link in [|i: usize| i, |_| 0] {
+            problem.link = (0..contacts).map(link).collect();
+            for mode in [ContactMode::Sticking, ContactMode::Patch, ContactMode::Sliding] {
+                let mut memory = Memory::of(contacts);
+                for id in 0..contacts {
+                    *memory.contact_mut(id) = LastContact { mode, impulse: [1.0, 0.1, 0.0], ..LastContact::default() };
+                }
+                for slip in [None, Some([1.0, 0.0])] {
+                    problem.slip = slip.map_or(vec![], |slip| vec![slip; contacts]);
+                    self.solve(&problem, &mut memory.clone(), &mut Vec::new());
+                    self.interior_points();
+                    self.energy_minima();
+                }
+            }
+        }
+    }
+}
