@@ -99,3 +99,28 @@ fn a_controller_does_not_wait_for_a_plant_that_cannot_start() {
     assert!(code == Some(0) && !errors.contains("no plant"), "it waited until its patience ended: {errors}");
     assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
 }
+
+/// A plant that shuts down slowly, as a simulator in Python may. Its controller leaves as soon as the end is announced.
+#[test]
+fn a_plant_that_exits_long_after_the_end_of_its_run_is_waited_for() {
+    let plant = ["--plant", "sh -c 'biped plant; sleep 2.5'"];
+    let (code, errors) = end(start(&[&["run", "walk", "--quiet", "--set", "duration=0.1"], &plant[..]].concat()));
+    assert_eq!((code, errors.as_str()), (Some(0), ""));
+}
+
+/// A pipe can be read only once, so its reader hands the scene to the other processes.
+#[test]
+fn a_scene_from_a_pipe_runs_in_two_processes_with_the_same_bits() {
+    let scene = "duration = 0.30000000000000004\n[plant]\nfriction = 0.70000000000000007\n[controller]\nspeed = 0.1234567890123456789\n";
+    let hash = |kind: &str| {
+        let script = format!("printf %s \"$2\" | \"$1\" run /dev/stdin --quiet {kind}");
+        let Output { status, stdout, stderr } = Command::new("sh")
+            .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_biped"), scene])
+            .output()
+            .expect("a shell");
+        assert!(status.success(), "{kind}: {}", String::from_utf8_lossy(&stderr));
+        let summary = String::from_utf8_lossy(&stdout).into_owned();
+        summary.lines().find(|line| line.contains("hash")).expect("a hash").to_string()
+    };
+    assert_eq!(hash(""), hash("--in-process"));
+}
