@@ -3,6 +3,7 @@
 use super::{assert_all_gone, end, eventually, fresh_folder, roles_of, send, session, start, walking};
 use nix::sys::signal::Signal;
 use std::path::PathBuf;
+use std::process::{Command, Output};
 
 #[test]
 fn a_run_that_ends_by_itself_leaves_nothing_behind() {
