@@ -112,7 +112,15 @@ fn a_plant_that_exits_long_after_the_end_of_its_run_is_waited_for() {
 /// A pipe can be read only once, so its reader hands the scene to the other processes.
 #[test]
 fn a_scene_from_a_pipe_runs_in_two_processes_with_the_same_bits() {
-    let scene = "duration = 0.30000000000000004\n[plant]\nfriction = 0.70000000000000007\n[controller]\nspeed = 0.1234567890123456789\n";
+    let scene = "
+        duration = 0.30000000000000004
+        [plant]
+        friction = 0.70000000000000007
+        [initial]
+        clearance = 0.0
+        joints = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0]
+        [controller]
+        speed = 0.12345678901234568";
     let hash = |kind: &str| {
         let script = format!("printf %s \"$2\" | \"$1\" run /dev/stdin --quiet {kind}");
         let Output { status, stdout, stderr } = Command::new("sh")
