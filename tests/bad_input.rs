@@ -21,12 +21,18 @@ fn refused(arguments: &[&str], words: &[&str]) {
 
 #[test]
 fn a_bad_value_is_refused_with_its_key_in_every_role() {
+    let [long, description] = [("bodies.trunk.name", 101), ("description", 10_001)]
+        .map(|(key, length)| format!("{key}={}", "b".repeat(length)));
     for role in ["run", "plant", "controller"] {
         refused(&[role, "walk", "--set", "plant.dt=0"], &["plant.dt = 0", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 0.000000000001", "at most 1000000 steps"]);
         refused(&[role, "walk", "--set", "plant.friction=nan"], &["plant.friction = NaN", "finite"]);
         refused(&[role, "walk", "--set", "bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.fricton=1"], &["--set plant.fricton=1", "`friction`"]);
+        refused(&[role, "walk", "--set", "plant=1"], &["--set plant=1", "expected a table"]);
+        refused(&[role, "walk", "--set", "bodies.trunk.name=\"\""], &["bodies.4.name", "a body needs a name"]);
+        refused(&[role, "walk", "--set", &long], &["bodies.4.name = \"bbbb", "at most 100 characters"]);
+        refused(&[role, "walk", "--set", &description], &["description", "at most 10000 bytes"]);
         refused(&[role, "missing.toml"], &["missing.toml", "walk-literal"]);
     }
 }

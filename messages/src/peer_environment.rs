@@ -10,6 +10,10 @@ use std::collections::BTreeMap;
 use std::env;
 use std::time::{Duration, Instant};
 
+/// Name of the variable that is set if a process replaces another one.
+pub const SUCCEEDS: &str = "BIPED_SUCCEEDS";
+/// Name of the variable that has the contract. It is set for children of a launcher.
+const CONTRACT: &str = "BIPED_CONTRACT";
 /// Time to wait for a session, unless the environment says otherwise.
 const PATIENCE: Duration = Duration::from_secs(10);
 /// Time between two looks for it.
@@ -48,7 +52,7 @@ impl PeerEnvironment {
         variables.push(("BIPED_PATIENCE", self.patience.as_secs_f64().to_string()));
         // A scene holds numbers and names only, so writing it as JSON cannot fail.
         variables.push(("BIPED_SCENE", serde_json::to_string(&self.scene).unwrap_or_default()));
-        variables.extend(self.takes_over.then(|| ("BIPED_SUCCEEDS", "1".into())));
+        variables.extend(self.takes_over.then(|| (SUCCEEDS, "1".into())));
         variables
     }
 
@@ -62,6 +66,11 @@ impl PeerEnvironment {
         self.session.publish_environment(&serde_json::to_string(&variables).unwrap_or_default())
     }
 
+    /// Whether the launcher of this process has given it a session and a scene.
+    pub fn is_given() -> bool {
+        env::var_os(CONTRACT).is_some()
+    }
+
     /// The peer environment from this process's environment variables. If only `BIPED_SESSION` is set, this function attaches to
     /// that session.
     ///
@@ -69,7 +78,7 @@ impl PeerEnvironment {
     /// See [`PeerEnvironmentError`].
     pub fn from_env(keeps_waiting: impl Fn() -> bool) -> Result<PeerEnvironment, PeerEnvironmentError> {
         let variable = |name: &str| env::var(name).ok();
-        match (variable("BIPED_SESSION"), variable("BIPED_CONTRACT")) {
+        match (variable("BIPED_SESSION"), variable(CONTRACT)) {
             (Some(session), None) => {
                 let patience = variable("BIPED_PATIENCE").map_or(Ok(PATIENCE), |seconds| patience(&seconds))?;
                 PeerEnvironment::attach(&session, patience, keeps_waiting)
@@ -113,7 +122,7 @@ impl PeerEnvironment {
             })
         };
         let session = Session::named(&needed("BIPED_SESSION")?)?;
-        let contract = needed("BIPED_CONTRACT")?;
+        let contract = needed(CONTRACT)?;
         let contract = Contract::parse(&contract).ok_or_else(|| {
             malformed(format!("BIPED_CONTRACT does not have the lines that docs/WIRE.md lists: {contract:?}"))
         })?;
@@ -125,7 +134,7 @@ impl PeerEnvironment {
         let patience = patience(&needed("BIPED_PATIENCE")?)?;
         let scene = serde_json::from_str(&needed("BIPED_SCENE")?)
             .map_err(|error| malformed(format!("BIPED_SCENE is not a scene: {error}")))?;
-        Ok(PeerEnvironment { session, contract, patience, scene, takes_over: variable("BIPED_SUCCEEDS").is_some() })
+        Ok(PeerEnvironment { session, contract, patience, scene, takes_over: variable(SUCCEEDS).is_some() })
     }
 }
 

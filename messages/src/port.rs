@@ -13,11 +13,12 @@
 //! A recorder notifies the plant when it begins to read a run. At its end the plant waits for that notification, so that no message
 //! is lost.
 //!
-//! Each of the topics for sensors and commands has an event of the same name that wakes the reader. A topic has one writer: a
-//! second plant or controller is refused. The first process creates the topics with the [`Contract`] as attributes. A process with
-//! another contract is refused, and the error shows both values.
+//! Each of the topics for sensors and commands has an event of the same name that wakes the reader, and a bell, which costs less and
+//! serves in lockstep if both sides know it. A topic has one writer: a second plant or controller is refused. The first process creates
+//! the topics with the [`Contract`] as attributes. A process with another contract is refused, and the error shows both values.
 
 mod bare;
+mod bell;
 mod busy_detector;
 mod contract;
 mod controller;

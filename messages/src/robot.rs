@@ -25,7 +25,7 @@ pub enum JointKind {
 
 /// The joint between a body and its parent.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Joint {
     /// Name of the parent body.
     pub parent: String,
@@ -49,7 +49,7 @@ pub struct Joint {
 
 /// A ball fixed to a body. Its lowest point touches the ground, so it rolls.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Sphere {
     /// Centre in the body's frame [m].
     pub at: [f64; 3],
@@ -59,7 +59,7 @@ pub struct Sphere {
 
 /// Ground that consists of tiles along x with holes between them. A swing foot may dip into a hole.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Tiles {
     /// Position of the centre of one tile, x in W [m].
     pub first: f64,
@@ -79,7 +79,7 @@ impl Tiles {
 
 /// One rigid body.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Body {
     /// Unique name.
     pub name: String,
@@ -123,7 +123,7 @@ impl Body {
 
 /// A robot in a file of its own: a biped that replaces the one of Table 1.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
+#[serde(deny_unknown_fields, expecting = "a table")]
 pub struct Robot {
     /// Name in results; absent: the name of the file.
     #[serde(default)]
@@ -137,7 +137,7 @@ pub struct Robot {
 
 /// The drives of a robot, all equal. An absent value is that of the robot that this one replaces, scaled by dynamic similarity.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct DriveParameters {
     /// Inertia reflected at each joint, J_r [kg·m²].
     pub inertia: Option<f64>,

@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 
 /// All data of a run. Plant and controller use the same scene.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct Scene {
     /// One sentence that `biped list` prints.
     pub description: String,
@@ -42,7 +42,7 @@ pub struct Scene {
 
 /// The plant and the method of its simulation.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct PlantScene {
     /// Integration step [s].
     pub dt: f64,
@@ -104,7 +104,7 @@ pub struct PlantScene {
 
 /// Disturbances of commands on their way to the plant. By default there are none: a command acts in the period that it answers.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct LinkScene {
     /// Delay of every command. A command acts from the first control period that begins at or after its arrival [ms].
     pub delay_ms: f64,
@@ -131,7 +131,7 @@ impl LinkScene {
 
 /// State at time zero. Position and orientation of the base are those of the base body's frame.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct Initial {
     /// Position of the base in W [m].
     pub position: [f64; 3],
@@ -152,7 +152,7 @@ pub struct Initial {
 
 /// The paper's controller, with the parameters that the paper leaves open.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
+#[serde(deny_unknown_fields, default, expecting = "a table")]
 pub struct ControllerScene {
     /// Task after the start.
     pub gait: Gait,

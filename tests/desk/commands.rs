@@ -18,8 +18,11 @@ fn every_request_command_is_accepted_as_documented() {
         ("step 3", "paused"),
         ("resume", "run"),
         ("rearm", "run"),
-        ("push 0,0.1,-0.1 --body 4 --duration 0.1", "run; trunk is pushed by 0,0.1,-0.1 N·s within 0.1 s"),
-        ("push 0.1,0,0 --body trunk", "run; trunk is pushed by 0.1,0,0 N·s"),
+        (
+            "push 0,0.1,-0.1 --body 4 --duration 0.1",
+            "run; trunk gets 0,0.1,-0.1 N·s within 0.1 s, which changes the speed of",
+        ),
+        ("push 0.1,0,0 --body trunk", "run; trunk gets 0.1,0,0 N·s"),
         ("set --speed 0.1", "set"),
         ("set --period 0.65", "set"),
         ("set --speed -0.1 --period 0.6", "set"),
@@ -55,7 +58,9 @@ fn a_refused_request_names_what_is_possible() {
     let walk = walking("refuses", &[]);
     for (command, words) in [
         (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
-        (&["push", "0,1,0", "--body", "99"], "no such body"),
+        (&["push", "0,1,0", "--body", "99"], "no body `99`; its bodies are left foot"),
+        (&["push", "nan,0,0"], "from -1000 to 1000 N·s"),
+        (&["push", "0,1,0", "--duration", "61"], "from 0 to 60 s"),
         (&["set", "--speed", "99"], "m"),
     ] {
         let output =

@@ -164,3 +164,11 @@ fn an_inconsistent_recording_is_refused() {
         std::fs::remove_file(&path).expect("our own file");
     }
 }
+
+/// mcap 0.26 panics on an attachment that ends after its header.
+#[test]
+fn a_recording_with_a_short_attachment_is_refused() {
+    for path in files("short_attachment") {
+        ends(&["info", text(&path)], &[2]);
+    }
+}

@@ -28,7 +28,7 @@ impl Drop for Over<'_> {
     }
 }
 
-/// Longest time in two processes, over that in one. Two processes need five times the processor time, for 28,000 switches between them.
+/// Longest time in two processes, over that in one. Two processes need three times the processor time, for 28,000 switches between them.
 /// If each message took a time slice of another program, they would take more than 60 times as long.
 const MAX_RATIO: f64 = 10.0;
 

@@ -3,6 +3,7 @@
 use super::{assert_all_gone, end, eventually, fresh_folder, roles_of, send, session, start, walking};
 use nix::sys::signal::Signal;
 use std::path::PathBuf;
+use std::process::{Command, Output};
 
 #[test]
 fn a_run_that_ends_by_itself_leaves_nothing_behind() {
@@ -98,4 +99,37 @@ fn a_controller_does_not_wait_for_a_plant_that_cannot_start() {
     let (code, errors) = end(controller);
     assert!(code == Some(0) && !errors.contains("no plant"), "it waited until its patience ended: {errors}");
     assert_eq!(session.shm_files(), Vec::<PathBuf>::new());
+}
+
+/// A plant that shuts down slowly, as a simulator in Python may. Its controller leaves as soon as the end is announced.
+#[test]
+fn a_plant_that_exits_long_after_the_end_of_its_run_is_waited_for() {
+    let plant = ["--plant", "sh -c 'biped plant; sleep 2.5'"];
+    let (code, errors) = end(start(&[&["run", "walk", "--quiet", "--set", "duration=0.1"], &plant[..]].concat()));
+    assert_eq!((code, errors.as_str()), (Some(0), ""));
+}
+
+/// A pipe can be read only once, so its reader hands the scene to the other processes.
+#[test]
+fn a_scene_from_a_pipe_runs_in_two_processes_with_the_same_bits() {
+    let scene = "
+        duration = 0.30000000000000004
+        [plant]
+        friction = 0.70000000000000007
+        [initial]
+        clearance = 0.0
+        joints = [0.0, 0.4943, -1.5177, 1.0234, -1.0234, 1.5177, -0.4943, 0.0]
+        [controller]
+        speed = 0.12345678901234568";
+    let hash = |kind: &str| {
+        let script = format!("printf %s \"$2\" | \"$1\" run /dev/stdin --quiet {kind}");
+        let Output { status, stdout, stderr } = Command::new("sh")
+            .args(["-c", &script, "sh", env!("CARGO_BIN_EXE_biped"), scene])
+            .output()
+            .expect("a shell");
+        assert!(status.success(), "{kind}: {}", String::from_utf8_lossy(&stderr));
+        let summary = String::from_utf8_lossy(&stdout).into_owned();
+        summary.lines().find(|line| line.contains("hash")).expect("a hash").to_string()
+    };
+    assert_eq!(hash(""), hash("--in-process"));
 }

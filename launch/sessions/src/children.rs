@@ -6,7 +6,7 @@ use crate::export;
 use crate::process::{self, Process, WAIT_POLL, child_command};
 use clap::Args;
 use indicatif::ProgressBar;
-use messages::peer_environment::PeerEnvironment;
+use messages::peer_environment::{PeerEnvironment, SUCCEEDS};
 use messages::session::Session;
 use nix::sys::prctl;
 use nix::sys::signal::Signal;
@@ -33,13 +33,19 @@ pub struct RoleProcess {
 }
 
 impl RoleProcess {
-    /// Starts `biped NAME ARGUMENTS`. Its standard error is printed line by line above the progress bar, except its last error, which
-    /// [`RoleProcess::outcome`] returns.
+    /// Starts `biped NAME ARGUMENTS` with additional environment variables. Its standard error is printed line by line above the progress
+    /// bar, except its last error, which [`RoleProcess::outcome`] returns.
     ///
     /// # Errors
     /// If the system cannot start it.
-    pub fn start(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<RoleProcess, Failure> {
-        RoleProcess::spawn(name, &[&[name.into()], arguments].concat(), &[], Origin::Own, Stdio::null(), bar)
+    pub fn start(
+        name: &'static str,
+        arguments: &[String],
+        environment: &[(&'static str, String)],
+        bar: &ProgressBar,
+    ) -> Result<RoleProcess, Failure> {
+        let arguments = [&[name.into()], arguments].concat();
+        RoleProcess::spawn(name, &arguments, environment, Origin::Own, Stdio::null(), bar)
     }
 
     /// Starts `biped NAME ARGUMENTS` like [`RoleProcess::start`], but the plant waits after its initialization for
@@ -47,8 +53,14 @@ impl RoleProcess {
     ///
     /// # Errors
     /// If the system cannot start it.
-    pub fn start_held(name: &'static str, arguments: &[String], bar: &ProgressBar) -> Result<RoleProcess, Failure> {
-        RoleProcess::spawn(name, &[&[name.into()], arguments].concat(), &[], Origin::Own, Stdio::piped(), bar)
+    pub fn start_held(
+        name: &'static str,
+        arguments: &[String],
+        environment: &[(&'static str, String)],
+        bar: &ProgressBar,
+    ) -> Result<RoleProcess, Failure> {
+        let arguments = [&[name.into()], arguments].concat();
+        RoleProcess::spawn(name, &arguments, environment, Origin::Own, Stdio::piped(), bar)
     }
 
     /// Releases a held plant by closing its standard input. The death of this process would close it too.
@@ -81,6 +93,7 @@ impl RoleProcess {
         let failed = |error| Failure::new(Exit::Fault, format!("the {name} process cannot be started: {error}"));
         let mut command = child_command(arguments).map_err(failed)?;
         command
+            .env_remove(SUCCEEDS) // unless this child does
             .envs(environment.iter().map(|(key, value)| (key, value)))
             .stdin(input)
             .stdout(Stdio::null())

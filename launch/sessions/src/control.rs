@@ -6,6 +6,7 @@ use messages::load::parse;
 use messages::port::{Action, Verdict, ask};
 use messages::scene::Scene;
 use messages::wire::STATES;
+use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
 use shared::args::SessionArgs;
 use shared::exit::{Exit, Failure};
 use shared::output::print_text;
@@ -115,7 +116,7 @@ pub fn run(command: ControlCommand) -> Result<(), Failure> {
     let reply = ask(&session, what)?;
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
-        let words = set_point_error(what, scene).unwrap_or_else(|| Verdict::text(reply.verdict).into());
+        let words = refusal(what, scene).unwrap_or_else(|| Verdict::text(reply.verdict).into());
         return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
     let time = reply.stamp.sim_ns as f64 * 1e-9;
@@ -145,12 +146,14 @@ impl ControlCommand {
     }
 }
 
-/// The effect of a push on the whole robot, in words.
+/// The effect of a push on the robot as a whole, in words.
 fn push_effect(scene: &Scene, body: usize, [x, y, z]: [f64; 3], duration: f64) -> String {
     let mass: f64 = scene.bodies.iter().map(|body| body.mass).sum();
     let speed = (x * x + y * y + z * z).sqrt() / mass;
     let body = scene.bodies.get(body).map_or("?", |body| &body.name);
-    format!("; {body} is pushed by {x},{y},{z} N·s within {duration} s: {speed:.2} m/s for all {mass:.1} kg")
+    format!(
+        "; {body} gets {x},{y},{z} N·s within {duration} s, which changes the speed of {mass:.1} kg by {speed:.2} m/s"
+    )
 }
 
 /// Number of a body that is given by number or name.
@@ -158,16 +161,32 @@ fn body_index(body: &str, scene: impl Fn() -> Option<Scene>) -> Result<usize, Fa
     if let Ok(number) = body.parse() {
         return Ok(number);
     }
-    let names: Vec<String> = scene().map_or(vec![], |scene| scene.bodies.into_iter().map(|body| body.name).collect());
-    names.iter().position(|name| name == body).ok_or_else(|| {
-        let words = format!("the scene has no body `{body}`; its bodies are {}", names.join(", "));
-        Failure::new(Exit::Usage, words)
-    })
+    let names = scene().map_or(vec![], |scene| names_of(&scene));
+    names.iter().position(|name| name == body).ok_or_else(|| Failure::new(Exit::Usage, no_such_body(body, &names)))
 }
 
-/// The controller's error message about refused set-points. It says which ones are possible.
-fn set_point_error(what: Action, scene: impl Fn() -> Option<Scene>) -> Option<String> {
-    let Action::Set { period, speed } = what else { return None };
-    let refused = Controller::new(&scene()?).ok()?.set(period, speed).err()?;
-    Some(refused.to_string())
+fn no_such_body(body: &str, names: &[String]) -> String {
+    format!("the scene has no body `{body}`; its bodies are {}", names.join(", "))
+}
+
+fn names_of(scene: &Scene) -> Vec<String> {
+    scene.bodies.iter().map(|body| body.name.clone()).collect()
+}
+
+/// Why a request is refused, and what would be accepted; `None` if the verdict says it all.
+fn refusal(what: Action, scene: impl Fn() -> Option<Scene>) -> Option<String> {
+    match what {
+        Action::Set { period, speed } => {
+            let refused = Controller::new(&scene()?).ok()?.set(period, speed).err()?;
+            Some(refused.to_string())
+        }
+        Action::Push { impulse, duration, .. } if !is_push_accepted(&impulse, duration) => Some(format!(
+            "each part of an impulse must be from -{MAX_PUSH_IMPULSE} to {MAX_PUSH_IMPULSE} N·s, and its duration from 0 to {MAX_PUSH_DURATION} s"
+        )),
+        Action::Push { body, .. } => {
+            let names = names_of(&scene()?);
+            (body >= names.len()).then(|| no_such_body(&body.to_string(), &names))
+        }
+        _ => None,
+    }
 }

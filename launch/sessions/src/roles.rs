@@ -42,17 +42,20 @@ pub struct RoleArgs {
 }
 
 impl RoleArgs {
-    /// The session and the scene: from the arguments, from a running session of that name, or from the environment variables.
+    /// The session and the scene: from the arguments, from a running session of that name, or from the environment variables. A child of
+    /// `biped run` gets the scene that its launcher has read, which may have come through a pipe.
     fn environment(&self, stop: &AtomicBool) -> Result<PeerEnvironment, Failure> {
         let keeps_waiting = || !stop.load(Relaxed);
-        let environment = match (&self.scene, &self.session) {
+        let is_given = self.parent.is_some() && PeerEnvironment::is_given();
+        let environment = match (self.scene.as_ref().filter(|_| !is_given), self.session.as_ref().filter(|_| !is_given))
+        {
             (None, None) => PeerEnvironment::from_env(keeps_waiting),
             (None, Some(session)) => PeerEnvironment::attach(session, self.pace.patience(), keeps_waiting),
             (Some(scene), session) => {
                 let (robot, settings) = (self.robot.clone(), self.settings.clone());
                 let scene = SceneArgs { scene: scene.clone(), robot, settings }.load()?;
                 let contract = Contract::of(&scene, self.pace.pace()).with_tunnel(self.tunnel);
-                let session = Session::named(session.as_deref().unwrap_or(SESSION))?;
+                let session = Session::named(session.map_or(SESSION, String::as_str))?;
                 Ok(PeerEnvironment { session, contract, patience: self.pace.patience(), scene, takes_over: false })
             }
         };

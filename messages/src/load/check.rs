@@ -11,6 +11,12 @@ use toml::Value;
 const MAX_STEPS: f64 = 1e6;
 /// Largest magnitude of any number. Its square and its cube are still finite.
 const MAX_MAGNITUDE: f64 = 1e30;
+/// Longest name of a robot, which may be the path of its file [characters].
+const MAX_PATH: usize = 4096;
+/// Longest name of a body [characters].
+const MAX_NAME: usize = 100;
+/// Longest description [bytes].
+const MAX_DESCRIPTION: usize = 10_000;
 /// Relative deviation from a whole number of steps that counts as rounding [-].
 const STEP_ROUNDING: f64 = 1e-9;
 /// Longest delay between a torque command and its effect [control periods].
@@ -29,6 +35,7 @@ pub fn validate(scene: &Scene, origin: &str) -> Result<(), SceneError> {
     let table = Value::try_from(scene).map_err(|error| check.fail("scene", error, "it cannot be written as TOML"))?;
     check.finite(&table)?;
     check.names(scene.robot_name(), &scene.bodies)?;
+    check.description(&scene.description)?;
     check.timing(scene)?;
     check.plant(scene)?;
     check.link(&scene.link)?;
@@ -90,13 +97,26 @@ impl Validator<'_> {
         }
     }
 
-    /// Checks names. They are printed without escaping, so they must not contain control characters.
+    /// Checks names. They are printed without escaping, so they must not contain control characters. Lengths are limited because a scene
+    /// is handed to other processes in an environment variable.
     fn names(&self, robot: &str, bodies: &[Body]) -> Checked {
-        let rule = "a name must have no control characters";
-        let plain =
-            |key: &str, name: &str| self.require(!name.contains(char::is_control), key, format!("{name:?}"), rule);
-        plain("name of the robot", robot)?;
-        bodies.iter().enumerate().try_for_each(|(i, body)| plain(&format!("bodies.{i}.name"), &body.name))
+        let plain = |key: &str, name: &str, limit: usize| {
+            let good = name.chars().count() <= limit && !name.contains(char::is_control);
+            let rule = format!("a name must have at most {limit} characters, and no control characters");
+            self.require(good, key, format!("{:?}", beginning(name)), rule)
+        };
+        plain("name of the robot", robot, MAX_PATH)?;
+        for (i, body) in bodies.iter().enumerate() {
+            let key = format!("bodies.{i}.name");
+            plain(&key, &body.name, MAX_NAME)?;
+            self.require(!body.name.is_empty(), &key, "\"\"", "a body needs a name")?;
+        }
+        Ok(())
+    }
+
+    fn description(&self, text: &str) -> Checked {
+        let rule = format!("a description must have at most {MAX_DESCRIPTION} bytes");
+        self.require(text.len() <= MAX_DESCRIPTION, "description", format!("{:?}", beginning(text)), rule)
     }
 
     fn timing(&self, scene: &Scene) -> Checked {
@@ -233,6 +253,13 @@ impl Validator<'_> {
         );
         self.require(half * scene.rate >= LEAST_STEP_PERIODS, "controller.period", controller.period, rule)
     }
+}
+
+/// The beginning of a text, for an error message.
+fn beginning(text: &str) -> String {
+    const SHOWN: usize = 40;
+    let cut = if text.chars().count() > SHOWN { "…" } else { "" };
+    text.chars().take(SHOWN).collect::<String>() + cut
 }
 
 /// The first number that is not finite or exceeds [`MAX_MAGNITUDE`], with the path to it.

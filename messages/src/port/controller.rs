@@ -67,7 +67,7 @@ impl ControllerPort {
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, command: Command) -> Result<(), PortError> {
-        self.command.send(command, self.sensors.peer_awake_ns())
+        self.command.send(command, self.sensors.peer())
     }
 
     /// Sends a command without sealing it: one that another process has sealed, or a damaged one in a test.
@@ -75,7 +75,7 @@ impl ControllerPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn send_raw(&self, command: Command) -> Result<(), PortError> {
-        self.command.write(command, |_| (), self.sensors.peer_awake_ns())
+        self.command.write(command, |_| (), self.sensors.peer())
     }
 
     /// Waits up to 10 ms for sensors, as [`PlantPort::wait`](super::PlantPort::wait).

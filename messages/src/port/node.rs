@@ -1,6 +1,7 @@
 //! The node of a process in a session: it opens the topics and services as the contract requires.
 
-use super::contract::Contract;
+use super::bell::Bell;
+use super::contract::{Contract, Pace};
 use crate::error::PortError;
 use crate::session::{Membership, Session, ShmUsage};
 use crate::wire::{Reply, Request, SCHEMA_HASH, Served, Stamped, Truth};
@@ -164,6 +165,12 @@ impl SessionNode {
     /// Reading end of an event.
     pub fn listener(&self, name: &str) -> Result<Listener<ipc::Service>, PortError> {
         self.event(name)?.listener_builder().create().map_err(|e| PortError::failed("the wake-up", e))
+    }
+
+    /// The bell of a topic. It is used in lockstep only.
+    pub fn bell(&self, topic: &str) -> Result<Option<Bell>, PortError> {
+        let is_lockstep = self.contract.is_some_and(|contract| contract.pace == Pace::Lockstep);
+        is_lockstep.then(|| Bell::open(self.membership.session(), topic)).transpose()
     }
 
     fn event(&self, name: &str) -> Result<event::PortFactory<ipc::Service>, PortError> {

@@ -60,7 +60,7 @@ impl PlantPort {
     /// [`PortError::SharedMemory`].
     #[inline]
     pub fn send(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.send(sensors, self.command.peer_awake_ns())
+        self.sensors.send(sensors, self.command.peer())
     }
 
     /// Sends sensors without sealing them. Tests use this for damaged messages.
@@ -68,7 +68,7 @@ impl PlantPort {
     /// # Errors
     /// [`PortError::SharedMemory`].
     pub fn send_raw(&self, sensors: Sensors) -> Result<(), PortError> {
-        self.sensors.write(sensors, |_| (), self.command.peer_awake_ns())
+        self.sensors.write(sensors, |_| (), self.command.peer())
     }
 
     /// Seals the truth and sends it to the recorders.

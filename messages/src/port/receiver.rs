@@ -1,5 +1,6 @@
 //! The reading end of a topic. It waits by polling, by sleeping, or by one after the other.
 
+use super::bell::{Bell, Sleep};
 use super::busy_detector::{BusyDetector, LONG_PERIOD, Machine};
 use super::contract::Pace;
 use super::node::{SessionNode, TopicFactory};
@@ -19,15 +20,18 @@ const POLLS: u32 = 16;
 /// Longest wait. After it the caller can check for a stop request or for a process that was restarted.
 const SLICE: Duration = Duration::from_millis(10);
 
-/// The reading end of a topic, with an event that wakes it.
+/// The reading end of a topic, with a bell and an event that wake it.
 #[derive(Debug)]
 pub(super) struct Receiver<M: Stamped> {
     reader: TopicReader<M>,
     /// The last message, in shared memory. It is returned at the next poll, while the other side computes.
     held: Option<Borrowed<M>>,
     listener: Listener<ipc::Service>,
+    bell: Option<Bell>,
     /// When the writer sent the last message, by the monotonic clock that all processes share [ns].
     peer_sent_ns: u64,
+    /// Epoch of the last message: it tells whether the writer rings the bell.
+    peer_epoch: u64,
     /// How to wait.
     pub waiting: Waiting,
     /// In lockstep a hybrid reader yields the processor while it polls, and sleeps at once on a busy machine.
@@ -40,9 +44,21 @@ pub(super) struct Receiver<M: Stamped> {
 impl<M: Stamped> Receiver<M> {
     pub fn open(node: &SessionNode, name: &str, pace: Pace) -> Result<Receiver<M>, PortError> {
         let reader = TopicReader::open(&node.link::<M>(name)?, 1, node.session())?;
-        let listener = node.listener(name)?;
+        let (listener, bell) = (node.listener(name)?, node.bell(name)?);
         let (waiting, detector) = (Waiting::default(), BusyDetector::default());
-        Ok(Receiver { reader, held: None, listener, peer_sent_ns: 0, waiting, pace, detector, placement: None })
+        let (peer_sent_ns, peer_epoch) = (0, 0);
+        Ok(Receiver {
+            reader,
+            held: None,
+            listener,
+            bell,
+            peer_sent_ns,
+            peer_epoch,
+            waiting,
+            pace,
+            detector,
+            placement: None,
+        })
     }
 
     /// The next message, not validated.
@@ -69,7 +85,7 @@ impl<M: Stamped> Receiver<M> {
         if self.pace == Pace::Lockstep && self.waiting == Waiting::Hybrid && self.peer_sent_ns != 0 {
             self.update_detector(Duration::from_nanos(sent_ns.saturating_sub(self.peer_sent_ns)));
         }
-        self.peer_sent_ns = sent_ns;
+        (self.peer_sent_ns, self.peer_epoch) = (sent_ns, message.stamp().epoch);
         Some(message)
     }
 
@@ -82,10 +98,16 @@ impl<M: Stamped> Receiver<M> {
         }
     }
 
-    /// Time until which the writer is certainly awake, apart from the short time for which it then polls [ns]; 0 if it may sleep at once.
+    /// How to wake the writer of this topic, which reads the other one.
     #[inline]
-    pub fn peer_awake_ns(&self) -> u64 {
-        if self.detector.peer_may_sleep() { 0 } else { self.peer_sent_ns }
+    pub fn peer(&self) -> Peer {
+        let awake_ns = if self.detector.peer_may_sleep() { 0 } else { self.peer_sent_ns };
+        Peer { awake_ns, hears_bell: self.present_bell().is_some() }
+    }
+
+    /// The bell, if the writer rings it. Such a writer also hears the bell of the other topic.
+    fn present_bell(&self) -> Option<&Bell> {
+        self.bell.as_ref().filter(|bell| bell.is_rung_by(self.peer_epoch))
     }
 
     /// How to wait now.
@@ -117,6 +139,13 @@ impl<M: Stamped> Receiver<M> {
                 Waiting::Hybrid if self.pace == Pace::Lockstep && waited < LONG_PERIOD => std::thread::yield_now(),
                 Waiting::Hybrid if waited < SPIN => (),
                 Waiting::Hybrid | Waiting::Event => {
+                    if let Some(bell) = self.present_bell() {
+                        match bell.sleep(SLICE - waited, || self.poll(1))? {
+                            Sleep::Found(message) => return Ok(Some(message)),
+                            Sleep::Rung => return self.poll(1), // a ring without a message announces another process
+                            Sleep::Elapsed => continue,
+                        }
+                    }
                     match self.listener.timed_wait(|event| peer_arrived |= event.id == arrival(), SLICE - waited) {
                         Ok(_) if peer_arrived => return self.poll(1),
                         Ok(_) | Err(ListenerWaitError::InterruptSignal) => (),
@@ -138,6 +167,15 @@ impl<M: Stamped> Receiver<M> {
         }
         Ok(None)
     }
+}
+
+/// The other side, as a writer has to know it to wake it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peer {
+    /// Time until which it is certainly awake, apart from the short time for which it then polls [ns]; 0 if it may sleep at once.
+    pub awake_ns: u64,
+    /// Whether it sleeps on the bell only.
+    pub hears_bell: bool,
 }
 
 /// A message in shared memory.

@@ -1,6 +1,8 @@
-//! The writing end of a topic, with an event that wakes the reader.
+//! The writing end of a topic, with a bell or an event that wakes the reader.
 
+use super::bell::Bell;
 use super::node::SessionNode;
+use super::receiver::Peer;
 use super::waiting::Waiting;
 use crate::clock::now_ns;
 use crate::error::PortError;
@@ -28,6 +30,7 @@ pub(super) struct Sender<M: Stamped> {
     loan: RefCell<Option<SampleMut<ipc::Service, M, ()>>>,
     writer: Publisher<ipc::Service, M, ()>,
     notifier: Notifier<ipc::Service>,
+    bell: Option<Bell>,
     /// How the reader waits.
     pub waiting: Waiting,
 }
@@ -41,7 +44,7 @@ impl<M: Stamped> Sender<M> {
         keep_waiting: impl Fn() -> bool,
     ) -> Result<Sender<M>, PortError> {
         let topic = node.link::<M>(name)?;
-        let notifier = node.notifier(name)?;
+        let (notifier, bell) = (node.notifier(name)?, node.bell(name)?);
         let writer = loop {
             match topic.publisher_builder().max_loaned_samples(1).create() {
                 Ok(writer) => break writer,
@@ -54,25 +57,29 @@ impl<M: Stamped> Sender<M> {
                 Err(error) => return Err(PortError::failed("writing", error)),
             }
         };
-        Ok(Sender { loan: RefCell::new(None), writer, notifier, waiting: Waiting::default() })
+        Ok(Sender { loan: RefCell::new(None), writer, notifier, bell, waiting: Waiting::default() })
     }
 
-    /// Seals and writes a message, and notifies the reader if it may be asleep. The reader is awake if `peer_awake_ns`, at which it sent
-    /// its own last message, was a short time ago. A notification is a system call and takes longer than the controller's computation.
+    /// Seals and writes a message, and wakes the reader if it may be asleep. A notification is a system call and takes longer than the
+    /// controller's computation.
     #[inline]
-    pub fn send(&self, message: M, peer_awake_ns: u64) -> Result<(), PortError> {
-        self.write(message, M::seal, peer_awake_ns)
+    pub fn send(&self, message: M, peer: Peer) -> Result<(), PortError> {
+        self.write(message, M::seal, peer)
     }
 
-    /// Writes a message after `finish` has changed it in place, and notifies the reader as [`Sender::send`].
+    /// Writes a message after `finish` has changed it in place, and wakes the reader as [`Sender::send`].
     #[inline]
-    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), peer_awake_ns: u64) -> Result<(), PortError> {
+    pub fn write(&self, message: M, finish: impl FnOnce(&mut M), peer: Peer) -> Result<(), PortError> {
         let mut sample = self.loan.take().map_or_else(|| self.loan_sample(), Ok)?;
         *sample.payload_mut() = message;
         finish(sample.payload_mut());
+        let bell = self.bell.as_ref();
+        let _ = bell.map(|bell| bell.sign(sample.payload().stamp().epoch));
         sample.send().map_err(|e| PortError::failed("writing", e))?;
+        let _ = bell.map(Bell::ring);
         // A damaged message may hold a time in the future. Then the reader is notified.
-        if self.waiting.may_sleep(|| now_ns().checked_sub(peer_awake_ns).unwrap_or(u64::MAX)) {
+        let may_sleep = || self.waiting.may_sleep(|| now_ns().checked_sub(peer.awake_ns).unwrap_or(u64::MAX));
+        if !peer.hears_bell && may_sleep() {
             self.notify()?;
         }
         Ok(())
@@ -98,6 +105,7 @@ impl<M: Stamped> Sender<M> {
 
     /// Notifies the reader that this process has joined. The reader then repeats its own last message.
     pub fn notify_arrival(&self) -> Result<(), PortError> {
+        let _ = self.bell.as_ref().map(Bell::ring);
         self.notifier.notify_with_custom_event_id(arrival()).map_err(|e| PortError::failed("the wake-up", e)).map(drop)
     }
 

@@ -1,9 +1,10 @@
-//! Files that a session stores for those who join it: its scene, and the environment of peers.
+//! Files that a session stores for those who join it: its scene, the environment of peers, and room for a mapping.
 
 use super::{SHARED_MEMORY, Session, private_file};
 use crate::error::PortError;
+use nix::fcntl::{FallocateFlags, fallocate};
 use std::fs::File;
-use std::io::Write;
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Largest size of such a file [bytes]. The longest built-in scene has 6000.
@@ -45,6 +46,14 @@ impl Session {
             std::fs::rename(&draft, &path)
         };
         write().map_err(|error| PortError::SharedMemory(format!("{} cannot be written: {error}", path.display())))
+    }
+
+    /// A file of the session for a mapping. Its room is reserved, and filled with zeros when it is new.
+    pub(crate) fn reserved_file(&self, name: &str, bytes: usize) -> io::Result<File> {
+        let options = &mut File::options();
+        let file = private_file::open(&self.file(name), options.read(true).write(true).create(true).truncate(false))?;
+        fallocate(&file, FallocateFlags::empty(), 0, bytes as i64)?;
+        Ok(file)
     }
 
     fn file(&self, name: &str) -> PathBuf {

@@ -9,33 +9,44 @@ use biped_messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError,
 use biped_messages::scene::Scene;
 use biped_messages::session::Session;
 use biped_messages::wire::{Command, Sensors, Stamp};
+use nix::time::ClockId;
 use std::time::{Duration, Instant};
 
 fn contract() -> Contract {
     Contract::of(&Scene::default(), Pace::Lockstep)
 }
 
-fn sensors(seq: u64) -> Sensors {
-    Sensors { stamp: Stamp { seq, ..Stamp::default() }, ..Sensors::default() }
+/// Epochs of a plant and a controller that ring and hear bells.
+const EPOCHS: [u64; 2] = [3, 4];
+/// Epochs of programs that do not: a bell has no signature of the epoch 0.
+const WITHOUT_BELLS: [u64; 2] = [0; 2];
+
+fn sensors(seq: u64, epoch: u64) -> Sensors {
+    Sensors { stamp: Stamp { seq, epoch, ..Stamp::default() }, ..Sensors::default() }
 }
 
-/// Answers sensors until the last ones.
-fn answer(session: &Session, waiting: Waiting) -> u64 {
+/// Processor time of this thread so far.
+fn processor_time() -> Duration {
+    ClockId::CLOCK_THREAD_CPUTIME_ID.now().expect("a clock").into()
+}
+
+/// Answers sensors until the last ones. Returns their number, and the processor time of that.
+fn answer(session: &Session, waiting: Waiting, epoch: u64) -> (u64, Duration) {
     let mut port = ControllerPort::open(session, &contract()).expect("controller").waiting(waiting);
-    let mut answered = 0;
+    let (mut answered, start) = (0, processor_time());
     loop {
         let Some(sensors) = port.wait().expect("waiting") else { continue };
         if sensors.last != 0 {
-            return answered;
+            return (answered, processor_time() - start);
         }
         answered += 1;
-        let stamp = Stamp { ack: sensors.stamp.seq, ..Stamp::default() };
+        let stamp = Stamp { ack: sensors.stamp.seq, epoch, ..Stamp::default() };
         port.send(Command { stamp, ..Command::default() }).expect("answering");
     }
 }
 
-fn ask(port: &mut PlantPort, seq: u64) {
-    port.send(sensors(seq)).expect("sending");
+fn ask(port: &mut PlantPort, seq: u64, epoch: u64) {
+    port.send(sensors(seq, epoch)).expect("sending");
     let start = Instant::now();
     loop {
         match port.wait().expect("waiting") {
@@ -45,31 +56,57 @@ fn ask(port: &mut PlantPort, seq: u64) {
     }
 }
 
-/// Checks that each of `rounds` messages of sensors gets its answer.
-fn all_sensors_are_answered(rounds: u64, [asking, answering]: [Waiting; 2]) {
+/// Checks that each of `rounds` messages of sensors gets its answer. Returns the processor time of both sides.
+fn all_sensors_are_answered(rounds: u64, [asking, answering]: [Waiting; 2], [plant, controller]: [u64; 2]) -> Duration {
     let session = Session::unique();
-    std::thread::scope(|scope| {
-        let controller = scope.spawn(|| answer(&session, answering));
+    let total = std::thread::scope(|scope| {
+        let other = scope.spawn(|| answer(&session, answering, controller));
         let mut port = PlantPort::open(&session, &contract()).expect("plant").waiting(asking);
-        (1..=rounds).for_each(|seq| ask(&mut port, seq));
-        port.send(Sensors { last: 1, ..sensors(rounds + 1) }).expect("sending");
+        let start = processor_time();
+        (1..=rounds).for_each(|seq| ask(&mut port, seq, plant));
+        let own = processor_time() - start;
+        port.send(Sensors { last: 1, ..sensors(rounds + 1, plant) }).expect("sending");
         drop(port); // The goodbye can still be read after its sender has ended.
-        assert_eq!(controller.join().expect("controller"), rounds);
+        let (answered, others) = other.join().expect("controller");
+        assert_eq!(answered, rounds);
+        own + others
     });
     assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
+    total
 }
 
 #[test]
 fn all_sensors_are_answered_for_each_way_of_waiting_and_no_file_remains() {
     for waiting in [Waiting::Spin, Waiting::Hybrid, Waiting::Event] {
-        all_sensors_are_answered(5_000, [waiting; 2]);
+        all_sensors_are_answered(5_000, [waiting; 2], WITHOUT_BELLS);
+        all_sensors_are_answered(5_000, [waiting; 2], EPOCHS);
     }
+}
+
+/// A side falls back to the event if the other one does not sign the bell.
+#[test]
+fn a_program_with_bells_and_one_without_can_exchange_messages() {
+    let [plant, controller] = EPOCHS;
+    all_sensors_are_answered(1_000, [Waiting::Event; 2], [plant, 0]);
+    all_sensors_are_answered(1_000, [Waiting::Event; 2], [0, controller]);
+}
+
+/// The reason for the bell. The event takes eight system calls for each message, the bell two.
+#[test]
+fn the_bell_takes_less_processor_time_than_the_event() {
+    let taken = [WITHOUT_BELLS, EPOCHS];
+    let turns = (0..5).map(|_| taken.map(|epochs| all_sensors_are_answered(3_000, [Waiting::Event; 2], epochs)));
+    let [event, bell] = turns.reduce(|[a, b], [c, d]| [a.min(c), b.min(d)]).expect("five turns");
+    println!("event {event:?}, bell {bell:?}: {:.2} times", bell.as_secs_f64() / event.as_secs_f64());
+    assert!(bell < event.mul_f64(0.85), "{bell:?} beside {event:?}");
 }
 
 #[test]
 fn two_ends_that_wait_differently_can_exchange_messages() {
-    all_sensors_are_answered(50, [Waiting::Spin, Waiting::Event]);
-    all_sensors_are_answered(50, [Waiting::Event, Waiting::Spin]);
+    for epochs in [WITHOUT_BELLS, EPOCHS] {
+        all_sensors_are_answered(50, [Waiting::Spin, Waiting::Event], epochs);
+        all_sensors_are_answered(50, [Waiting::Event, Waiting::Spin], epochs);
+    }
 }
 
 #[test]
@@ -77,7 +114,7 @@ fn a_controller_that_joins_late_gets_the_last_sensors() {
     let session = Session::unique();
     let mut plant = PlantPort::open(&session, &contract()).expect("plant");
     for restart in 1..=3 {
-        plant.send(sensors(restart)).expect("sending");
+        plant.send(sensors(restart, 3)).expect("sending");
         let mut controller = ControllerPort::open(&session, &contract()).expect("controller");
         assert!(plant.wait().expect("waiting").is_none());
         let got = controller.wait().expect("waiting").expect("the last sensors");

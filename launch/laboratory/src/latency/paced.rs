@@ -85,8 +85,8 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         [&scene[..], &[format!("duration={seconds}")], &system.for_child(child).arguments()[..]].concat()
     };
     let mut roles = vec![
-        RoleProcess::start("plant", &arguments(0), &bench.counter.bar)?,
-        RoleProcess::start("controller", &arguments(1), &bench.counter.bar)?,
+        RoleProcess::start("plant", &arguments(0), &[], &bench.counter.bar)?,
+        RoleProcess::start("controller", &arguments(1), &[], &bench.counter.bar)?,
     ];
     let plant = format!("{0}/task/{0}", roles[0].pid());
     let (mut watch, mut floor, mut before, mut after) = (HostWatch::new()?, None, Usage::default(), Usage::default());

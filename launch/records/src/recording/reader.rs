@@ -1,7 +1,7 @@
 //! Reads a recording message by message in constant memory. A truncated recording is read up to its last valid chunk.
 
 use super::protobuf::Codec;
-use super::record_stream::RecordStream;
+use super::record_stream::{RecordStream, parse_record};
 use super::topic::{METADATA, RecordingTopic};
 use bytemuck::bytes_of_mut;
 use mcap::records::Record;
@@ -162,7 +162,7 @@ impl RecordingReader {
 
     /// Processes the next record. `None` at the end, `Some(None)` for a record that is not a message.
     fn next_record(&mut self) -> Option<Option<RecordedMessage>> {
-        let record = self.records.next()?.and_then(|(opcode, data)| mcap::parse_record(opcode, data));
+        let record = self.records.next()?.and_then(|(opcode, data)| parse_record(opcode, data));
         match record {
             Ok(Record::Metadata(metadata)) if metadata.name == METADATA => self.metadata = metadata.metadata,
             Ok(Record::Channel(channel)) => {

@@ -2,7 +2,7 @@
 
 use super::mcap_file::{CHUNK_BYTES, McapWriter, create};
 use super::reader::RecordingReader;
-use super::record_stream::RecordStream;
+use super::record_stream::{RecordStream, parse_record};
 use mcap::records::Record;
 use mcap::{MAGIC, McapError, McapResult};
 use shared::exit::{Exit, Failure, check_interrupt};
@@ -28,7 +28,7 @@ pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
         check_interrupt(stop)?;
         let copied = record.and_then(|(opcode, data)| {
             unflushed_bytes += data.len();
-            mcap::parse_record(opcode, data)
+            parse_record(opcode, data)
         });
         match copied.and_then(|record| copy(&mut file, &record)) {
             Ok(None) => (),

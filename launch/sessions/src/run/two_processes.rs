@@ -24,6 +24,8 @@ const FILES_GONE: &str = "no process can join the session any more, because its 
     at the end of the last login (RemoveIPC, docs/DEPLOY.md)";
 /// Time that one role has to exit after the other one has exited with code 0.
 const EXIT_TIMEOUT: Duration = Duration::from_secs(1);
+/// The same for a plant that has simulated its whole run: a simulator in Python may take seconds to shut down.
+const PLANT_EXIT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Starts both processes, monitors the run, and reaps them. No process or session file is left when this returns.
 ///
@@ -44,6 +46,7 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
     let patience = args.pace.patience();
     let environment =
         PeerEnvironment { session: cleanup.0.clone(), contract, patience, scene: scene.clone(), takes_over: false };
+    let variables = environment.variables();
     let arguments = |child| [child_arguments(args, &cleanup.0), args.system.for_child(child).arguments()].concat();
     let start = |child: usize| {
         let name = ["plant", "controller"][child];
@@ -51,13 +54,14 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
             Some(command) => {
                 RoleProcess::start_foreign(name, command, &children::environment_variables(&environment)?, &bar)
             }
-            None => RoleProcess::start(name, &arguments(child), &bar),
+            None => RoleProcess::start(name, &arguments(child), &variables, &bar),
         }
     };
     // Processes start before this one creates any files: if this one is killed at once, they remove the files. Own processes initialize in
     // parallel with this one. The plant is first, because it takes longest; it is held until the recorder is ready. A foreign plant
     // cannot be held, so it starts only then.
-    let held = args.plant.is_none().then(|| RoleProcess::start_held("plant", &arguments(0), &bar)).transpose()?;
+    let held =
+        args.plant.is_none().then(|| RoleProcess::start_held("plant", &arguments(0), &variables, &bar)).transpose()?;
     // If several processes start this session at the same time, one of them becomes its leader and continues.
     let member = cleanup.0.join()?;
     if !member.try_lead() {
@@ -119,9 +123,17 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
         }
         let has_exited = roles.get(1).is_some_and(|controller| controller.status().is_some());
         controller_exit = has_exited.then(|| controller_exit.unwrap_or_else(Instant::now));
-        if controller_exit.is_some_and(|since| since.elapsed() > EXIT_TIMEOUT) {
+        let waited = controller_exit.map_or(Duration::ZERO, |since| since.elapsed());
+        let is_over = monitor.latest.seq > (scene.duration * scene.rate).round() as u64;
+        if waited > EXIT_TIMEOUT && !is_over {
             let words = "the controller exited with code 0 before the run was over: it has to answer until the last sensors message";
             break Err(Failure::new(Exit::PeerMissing, words));
+        }
+        if waited > PLANT_EXIT_TIMEOUT {
+            let limit = PLANT_EXIT_TIMEOUT.as_secs();
+            let words = format!("the run is complete, but the plant did not exit within {limit} s: it is terminated");
+            bar.suspend(|| log(words));
+            break Ok(());
         }
         children::sleep_until_exit(&roles, POLL_INTERVAL);
     };
