@@ -23,6 +23,7 @@ mod euler;
 mod event;
 mod event_contact;
 mod free;
+mod ground;
 mod impact;
 mod last_acceleration;
 mod midpoint;
@@ -50,6 +51,7 @@ use workspace::Workspace;
 use crate::contact::{Memory, Problem};
 use crate::drive::Drives;
 use crate::error::PlantError;
+use crate::ground::GroundHeights;
 use crate::model::Model;
 use crate::state::State;
 use crate::truth::Record;
@@ -102,12 +104,13 @@ impl Plant {
     /// # Errors
     /// If the scene's bodies, base or initial state cannot be simulated; see [`PlantError`].
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
-        let world = World::new(scene)?;
+        let mut world = World::new(scene)?;
         let model = &world.model;
         let (now, mut work) =
             (PosedState::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
         stability::check(&world, &now, &mut work.dynamics)?;
         work.dynamics.evaluations = 0;
+        world.ground = GroundHeights::under(&world.model, &now.pose);
         Ok(Plant {
             drives: Drives::new(&scene.plant),
             now,
@@ -158,6 +161,7 @@ impl Plant {
     pub fn step(&mut self) -> Result<(), PlantError> {
         let h = self.world.settings.h;
         self.work.contacts.per_contact.map.problem.reset_rows(0, 0); // clears the problem of the step before
+        self.find_ground();
         match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),

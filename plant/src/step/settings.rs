@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactSpring, Problem, Report, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
+use crate::ground::GroundHeights;
 use crate::model::Model;
 use messages::scene::{Law, Method, PlantScene, Scene};
 use messages::wire::Torques;
@@ -14,6 +15,8 @@ const ENERGY_GAIN: f64 = 1e-8;
 /// Constant input of a step.
 pub(super) struct World {
     pub model: Model,
+    /// The ground that the contact points meet in this step.
+    pub ground: GroundHeights,
     pub settings: Settings,
     /// Torques of the drives.
     pub torques: Torques,
@@ -67,7 +70,8 @@ impl World {
         let push = Push::new(link, plant.push_impulse, from, plant.push_duration, plant.dt);
         let pushes = if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] };
         let settings = Settings::new(plant, scene.rate)?;
-        Ok(World { model, settings, torques: Torques::default(), pushes, steps: 0 })
+        let ground = GroundHeights::plane(&model);
+        Ok(World { model, ground, settings, torques: Torques::default(), pushes, steps: 0 })
     }
 
     /// Simulated time at the beginning of the step [s].
@@ -113,6 +117,10 @@ impl Settings {
         if events && !is_coulomb(law) {
             let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
             return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
+        }
+        if law == Law::SpringDamper && !plant.ground.is_plane() {
+            let rule = "another law: its springs would throw up a point that enters a higher tile from the side";
+            return Err(PlantError::value("plant.law on uneven ground (plant.ground)", law, rule));
         }
         if plant.restitution > 0.0 && !plant.method.bounces() {
             let rule = "0, for this method stops what lands somewhere within a step: take one that finds landings, as MidpointContact, or \

@@ -7,6 +7,7 @@ use super::settings::Push;
 use super::{Plant, World};
 use crate::contact::Memory;
 use crate::drive::Drives;
+use crate::ground::GroundHeights;
 use crate::truth::Record;
 use messages::wire::Torques;
 
@@ -14,6 +15,7 @@ use messages::wire::Torques;
 /// not part of it.
 #[derive(Clone, Debug)]
 pub struct PlantSnapshot {
+    ground: GroundHeights,
     torques: Torques,
     pushes: Vec<Push>,
     steps: u64,
@@ -29,8 +31,9 @@ pub struct PlantSnapshot {
 impl Plant {
     /// The present state, to continue from it later.
     pub fn snapshot(&self) -> PlantSnapshot {
-        let World { torques, pushes, steps, .. } = &self.world;
+        let World { ground, torques, pushes, steps, .. } = &self.world;
         PlantSnapshot {
+            ground: ground.clone(),
             torques: *torques,
             pushes: pushes.clone(),
             steps: *steps,
@@ -46,7 +49,8 @@ impl Plant {
 
     /// Returns to a state of this plant, or of another plant of the same scene. What follows has the same bits as it had then.
     pub fn restore(&mut self, snapshot: &PlantSnapshot) {
-        let World { torques, pushes, steps, .. } = &mut self.world;
+        let World { ground, torques, pushes, steps, .. } = &mut self.world;
+        ground.copy(&snapshot.ground);
         (*torques, *steps) = (snapshot.torques, snapshot.steps);
         pushes.clone_from(&snapshot.pushes);
         self.drives.clone_from(&snapshot.drives);
