@@ -7,6 +7,7 @@ use plant::composite::Composite;
 use plant::contact::{Memory, Solver};
 use plant::delassus::{ContactMap, Free};
 use plant::factor::{Factor, PathMatrix};
+use plant::ground::GroundHeights;
 use plant::{Plant, detect, kinematics};
 use std::error::Error;
 
@@ -36,7 +37,7 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     println!("{} degrees of freedom; the hip would fall at {:.4} m/s", model.dofs(), -velocity[2]);
 
     let (mut touches, mut map) = (vec![], ContactMap::new(&model));
-    detect::touching(&model, &pose, Law::Cone, h, &velocity, &mut touches); // contact points that may touch
+    detect::touching(&model, &GroundHeights::plane(&model), &pose, Law::Cone, h, &velocity, &mut touches); // contact points that may touch
     let free = Free { pose: &pose, factor: &factor, rate: &velocity };
     let problem = map.drift(&model, &free, &touches, Law::Cone, |_, velocity| velocity); // b of v = A f + b
     problem.friction.fill(scene.plant.friction);

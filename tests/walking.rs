@@ -250,3 +250,17 @@ fn the_heading_makes_no_difference() {
         ("yaw_deg", 44.0..=46.0),
     ]);
 }
+
+/// The controller does not know the ground. The heights of neighbouring tiles differ by up to 2 mm. `docs/notes/gait.md` says where it falls.
+#[test]
+fn it_walks_blind_over_low_tiles() {
+    let level = "plant.ground.tiles=[{x = [-1.0, 0.15], height = 0.0}]"; // where it starts
+    let seeds: Vec<String> = (1..=3).map(|seed| format!("plant.ground.random.seed={seed}")).collect();
+    let cases: Vec<[&str; 4]> =
+        seeds.iter().map(|seed| ["duration=30", level, "plant.ground.random.height=0.001", seed.as_str()]).collect();
+    let plane = run("walk", &["duration=30"]);
+    for summary in run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
+        summary.assert_ranges(&[("speed_mps", 0.18..=0.22), ("yaw_deg", -20.0..=20.0)]);
+        assert_ne!(summary.hash(), plane.hash(), "the tiles have to have an effect");
+    }
+}

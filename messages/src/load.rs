@@ -6,6 +6,7 @@ mod bodies;
 mod built_in;
 mod check;
 mod error;
+mod ground;
 mod robot;
 mod setting;
 mod suggestion;
@@ -176,6 +177,16 @@ mod tests {
         refused(&["rate=0"], &["rate", "greater than 0"]);
         refused(&["bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&["plant.friction=-0.1"], &["plant.friction", "negative"]);
+        refused(&["plant.ground.tiles=[{height = nan}]"], &["plant.ground.tiles.0.height", "finite"]);
+        refused(&["plant.ground.tiles=[{x = [1.0, 0.5], height = 0.1}]"], &["plant.ground.tiles.0.x", "less than"]);
+        refused(
+            &["plant.ground.tiles=[{x = [0.0, 1.0], height = 0.1}, {y = [0.0, 1.0], height = 0.2}]"],
+            &["plant.ground.tiles.1", "must not overlap plant.ground.tiles.0"],
+        );
+        refused(&["plant.ground.tiles=[{x = [0.0, 1.0]}]"], &["`height`"]);
+        refused(&["plant.ground.random.size=[0.2, 0.0]"], &["plant.ground.random.size", "greater than 0"]);
+        refused(&["plant.ground.random.height=-0.01"], &["plant.ground.random.height", "negative"]);
+        refused(&["plant.ground.steps=1"], &["`steps`", "`tiles`"]);
         refused(&["plant.restitution=1.1"], &["plant.restitution", "between 0 and 1"]);
         refused(&["bodies.left foot.joint.stiffness=-1"], &["bodies.left foot.joint.stiffness", "negative"]);
         refused(&["bodies.left foot.joint.damping=-1"], &["bodies.left foot.joint.damping", "negative"]);

@@ -4,9 +4,11 @@
 
 mod choices;
 mod defaults;
+mod ground;
 
 pub use crate::law::{Iteration, Law};
 pub use choices::{Base, Gait, Jitter, Method, Sagittal, Switching};
+pub use ground::{Ground, GroundTile, RandomTiles};
 
 use crate::robot::Body;
 use schemars::JsonSchema;
@@ -62,6 +64,9 @@ pub struct PlantScene {
     pub gravity: f64,
     /// Slope of the ground, downhill along x. Gravity is tilted instead of the ground [deg].
     pub incline_deg: f64,
+    /// Heights of the ground; absent: the plane z = 0.
+    #[serde(skip_serializing_if = "Ground::is_default")]
+    pub ground: Ground,
     /// Coulomb friction coefficient of the ground [-].
     pub friction: f64,
     /// Newton's coefficient of restitution e. A point that lands with v_N leaves with at least -e v_N, or with less where friction would

@@ -1,5 +1,6 @@
 //! Detection of the contact points that may touch the ground within a step.
 
+use crate::ground::GroundHeights;
 use crate::kinematics::Pose;
 use crate::model::Model;
 use messages::scene::Law;
@@ -12,9 +13,9 @@ pub struct Touch {
     pub id: usize,
     /// Link that carries it.
     pub link: usize,
-    /// Position from the pose's reference point, at the height of the lowest contact of its link [m]. All contacts of a link thus lie
-    /// in one plane. Otherwise a slightly tilted foot could only stand if it slipped slightly, and the contact problem would be
-    /// ill-conditioned.
+    /// Position from the pose's reference point, as far above its ground as the lowest contact of its link [m]. On level ground all contacts
+    /// of a link thus lie in one plane. Otherwise a slightly tilted foot could only stand if it slipped slightly, and the contact problem
+    /// would be ill-conditioned.
     pub arm: Vector3<f64>,
     /// Height above the ground [m].
     pub gap: f64,
@@ -88,7 +89,15 @@ pub fn recovery_speed(gap: f64, h: f64, gravity: f64) -> f64 {
 /// other laws let a point close its gap. For them, a point is listed if twice its present speed, or twice its speed without contact, would
 /// close the gap. [`add_penetrating`] finds points that contact makes faster still. With `SpringDamper`, only points inside the ground are
 /// listed.
-pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touches: &mut Vec<Touch>) {
+pub fn touching(
+    model: &Model,
+    ground: &GroundHeights,
+    pose: &Pose,
+    law: Law,
+    h: f64,
+    free: &[f64],
+    touches: &mut Vec<Touch>,
+) {
     touches.clear();
     let mut first = 0;
     for points in model.contact_points.chunk_by(|a, b| a.link == b.link) {
@@ -96,7 +105,7 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touc
         let (now, after) = (pose.links[link].velocity, pose.twist(model, link, free));
         for (id, point) in (first..).zip(points) {
             let arm = pose.lowest(point);
-            let gap = pose.reference.z + arm.z;
+            let gap = pose.reference.z + arm.z - ground.of(id);
             let reach = match law {
                 Law::SpringDamper => 0.0,
                 Law::EnergyQp | Law::Complementarity => SEARCH_FACTOR * model.gravity.norm() * h * h,
@@ -108,20 +117,28 @@ pub fn touching(model: &Model, pose: &Pose, law: Law, h: f64, free: &[f64], touc
             }
         }
         first += points.len();
-        flatten(&mut touches[start..]);
+        flatten(&mut touches[start..], ground);
     }
 }
 
-/// Sorts by height, and moves all contacts of a link to the height of the lowest.
-fn flatten(touches: &mut [Touch]) {
+/// Sorts by height above the ground, and moves all contacts of a link to that of the lowest.
+fn flatten(touches: &mut [Touch], ground: &GroundHeights) {
     touches.sort_unstable_by(|a, b| a.gap.total_cmp(&b.gap));
-    let height = touches.first().map_or(0.0, |lowest| lowest.arm.z);
-    touches.iter_mut().for_each(|touch| touch.arm.z = height);
+    let (height, under) = touches.first().map_or((0.0, 0.0), |lowest| (lowest.arm.z, ground.of(lowest.id)));
+    touches.iter_mut().for_each(|touch| touch.arm.z = height + (ground.of(touch.id) - under));
 }
 
 /// Adds points that were not listed and that the velocity `after` the step drives into the ground within `h`. Returns whether there are
 /// any.
-pub fn add_penetrating(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f64], touches: &mut Vec<Touch>) -> bool {
+pub fn add_penetrating(
+    model: &Model,
+    ground: &GroundHeights,
+    pose: &Pose,
+    law: Law,
+    h: f64,
+    after: &[f64],
+    touches: &mut Vec<Touch>,
+) -> bool {
     if matches!(law, Law::SpringDamper | Law::EnergyQp | Law::Complementarity) {
         return false;
     }
@@ -133,7 +150,7 @@ pub fn add_penetrating(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f6
             let after = pose.twist(model, link, after);
             for (id, point) in (first..).zip(points) {
                 let arm = pose.lowest(point);
-                let gap = pose.reference.z + arm.z;
+                let gap = pose.reference.z + arm.z - ground.of(id);
                 let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
                 if sinks && point.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
                     touches.push(Touch { approach: gap / h, ..Touch::new(id, link, arm, gap) });
@@ -146,6 +163,6 @@ pub fn add_penetrating(model: &Model, pose: &Pose, law: Law, h: f64, after: &[f6
         return false;
     }
     touches.sort_by_key(|touch| touch.link);
-    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(flatten);
+    touches.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| flatten(touches, ground));
     true
 }

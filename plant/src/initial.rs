@@ -113,9 +113,10 @@ pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError>
     Ok(Rotation3::from_euler_angles(angles.x, angles.y, angles.z).into_inner())
 }
 
-/// Height by which to lift the robot so that its lowest contact point is `clearance` above the ground z = 0 [m].
+/// Height by which to lift the robot so that its lowest contact point is `clearance` above the ground under it [m].
 pub(crate) fn height_offset(model: &Model, pose: &Pose, clearance: f64) -> Result<f64, PlantError> {
-    let heights = model.contact_points.iter().map(|point| pose.height(point));
+    let over_ground = |point| pose.height(point) - model.ground_at(&(pose.reference + pose.lowest(point)));
+    let heights = model.contact_points.iter().map(over_ground);
     let lowest = heights.fold(f64::INFINITY, f64::min);
     if lowest.is_finite() && clearance.is_finite() {
         return Ok(clearance - lowest);

@@ -39,6 +39,7 @@
 //! | one step, the story | [`step`] |
 //! | springs and dampers on joints | [`springs`] |
 //! | which points can touch | [`detect`] |
+//! | the height of the ground under each of them | [`ground`] |
 //! | K, the Delassus matrix and (12)-(14) | [`delassus`] |
 //! | the contact laws, (14)-(22) | [`contact`] |
 //! | standing feet: six equations each | [`standing`] |
@@ -63,6 +64,7 @@ pub mod dynamics;
 pub mod error;
 pub mod factor;
 pub mod foreign;
+pub mod ground;
 pub mod handover;
 mod initial;
 pub mod inject;

@@ -20,7 +20,7 @@ pub(crate) use check::finite;
 
 use crate::error::PlantError;
 use messages::robot::Tiles;
-use messages::scene::Base;
+use messages::scene::{Base, Ground};
 use nalgebra::{Matrix3, Vector3};
 use std::ops::Range;
 
@@ -100,9 +100,11 @@ pub struct Spring {
     pub rest: f64,
 }
 
-/// The robot and gravity: all constants of the dynamics.
+/// The robot, gravity and the ground: all constants of the dynamics.
 #[derive(Clone, Debug)]
 pub struct Model {
+    /// Heights of the ground; `None` if it is the plane z = 0.
+    pub ground: Option<Ground>,
     /// Coordinates of the base.
     pub base: Base,
     /// Acceleration of free fall in W [m/s²].
@@ -199,6 +201,11 @@ impl Model {
     /// Whether the base is fixed, or its frame is at its centre of mass.
     pub fn base_is_at_its_centre(&self) -> bool {
         self.base == Base::Fixed || self.links[self.base_link].com == Vector3::zeros()
+    }
+
+    /// Height of the ground at a place in W [m].
+    pub fn ground_at(&self, place: &Vector3<f64>) -> f64 {
+        self.ground.as_ref().map_or(0.0, |ground| ground.height(place.x, place.y))
     }
 
     /// Total mass [kg].

@@ -7,6 +7,8 @@
 //! | contact points of a body that differ in y alone, except one at their mean y | nothing moves across that plane, so they move as one |
 //! | friction across that plane | the same; [`Model::directions`](crate::model::Model) |
 //!
+//! A scene with a controller or with uneven ground stays as it is.
+//!
 //! Each rule is exact: motion, total force on each body and zero-moment point are the same to rounding. Where Coulomb's law has several
 //! solutions, such as the sideways force between two feet, the smaller model may have another solution.
 //!
@@ -55,8 +57,8 @@ pub struct Size {
 pub fn smallest(written: &Scene) -> Result<Smallest, PlantError> {
     let full = Size::of(written)?;
     let mut scene = written.clone();
-    if scene.controller.is_some() {
-        return Ok(Smallest { scene, full, size: full }); // a controller may cause any motion
+    if scene.controller.is_some() || !scene.plant.ground.is_plane() {
+        return Ok(Smallest { scene, full, size: full }); // a controller may cause any motion; tiles break the symmetry
     }
     drop_untouchable(&mut scene)?;
     let movable = matches!(scene.plant.base, Base::Virtual | Base::Quaternion);

@@ -23,6 +23,7 @@ mod euler;
 mod event;
 mod event_contact;
 mod free;
+mod ground;
 mod impact;
 mod last_acceleration;
 mod midpoint;
@@ -49,6 +50,7 @@ use workspace::Workspace;
 
 use crate::contact::Problem;
 use crate::error::PlantError;
+use crate::ground::GroundHeights;
 use crate::model::Model;
 use crate::state::State;
 use messages::scene::{Method, Scene};
@@ -92,12 +94,13 @@ impl Plant {
     /// # Errors
     /// If the scene's bodies, base or initial state cannot be simulated; see [`PlantError`].
     pub fn new(scene: &Scene) -> Result<Self, PlantError> {
-        let world = World::new(scene)?;
+        let mut world = World::new(scene)?;
         let model = &world.model;
         let (now, mut work) =
             (PosedState::new(model, State::initial(model, &scene.initial)?), Workspace::new(model, scene.plant.law));
         stability::check(&world, &now, &mut work.dynamics)?;
         work.dynamics.evaluations = 0;
+        world.input.ground = GroundHeights::under(&world.model, &now.pose);
         let state = StepState::new(model, now, &scene.plant);
         Ok(Plant { world, state, events: 0, rejected: 0, work })
     }
@@ -137,6 +140,7 @@ impl Plant {
     pub fn step(&mut self) -> Result<(), PlantError> {
         let h = self.world.settings.h;
         self.work.contacts.per_contact.map.problem.reset_rows(0, 0); // clears the problem of the step before
+        self.find_ground();
         match self.world.settings.method {
             Method::ExplicitEuler => self.explicit_euler(h),
             Method::SemiImplicitEuler => self.semi_implicit_euler(h),

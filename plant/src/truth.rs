@@ -63,7 +63,8 @@ impl Record {
         let base = &pose.links[model.base_link];
         let position = pose.point(model.base_link, &Vector3::zeros());
         let over_ground = model.contact_points.iter().map(|corner| (corner, pose.reference + pose.lowest(corner)));
-        let heights = over_ground.filter(|(corner, point)| corner.has_ground(point.x)).map(|(_, point)| point.z);
+        let heights =
+            over_ground.filter(|(corner, point)| corner.has_ground(point.x)).map(|(_, at)| at.z - model.ground_at(&at));
         let lowest = heights.fold(f64::INFINITY, f64::min);
         let mut truth = Truth {
             base_position: position.into(),

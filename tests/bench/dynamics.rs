@@ -8,6 +8,7 @@ use plant::delassus::{ContactMap, Free};
 use plant::detect::{Touch, touching};
 use plant::dynamics;
 use plant::factor::{Factor, PathMatrix};
+use plant::ground::GroundHeights;
 use plant::kinematics::{self, Pose};
 use plant::model::Model;
 use plant::state::State;
@@ -39,7 +40,7 @@ impl Stage {
         let mut factor = Factor::new(&model);
         factor.factorize(&model, &h).expect("H is positive definite");
         let mut touches = vec![];
-        touching(&model, &pose, Law::Cone, 1e-3, &state.xdot, &mut touches);
+        touching(&model, &GroundHeights::plane(&model), &pose, Law::Cone, 1e-3, &state.xdot, &mut touches);
         let map = ContactMap::new(&model);
         Stage { model, state, pose, composite, h, b, factor, touches, map }
     }

@@ -65,7 +65,7 @@ if (!live) player.play(!matchMedia("(prefers-reduced-motion)").matches);
 // Creates the picture last, because WebGL may take a second to start.
 function createPicture() {
   try {
-    stage = new Stage(byId("picture"), robot, markers);
+    stage = new Stage(byId("picture"), robot, markers, runInfo.tiles);
     if (live) drag = new Drag(byId("picture"), stage, robot, (push) => live.ask({ what: "push", ...push }));
   } catch (error) {
     byId("picture").textContent = `No 3-D picture: this browser does not support WebGL (${error.message}).`;

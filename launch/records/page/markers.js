@@ -75,9 +75,9 @@ class Markers {
     for (; this.seen < trajectory.length; this.seen++) {
       const soles = trajectory.all(this.seen, "soles");
       for (let side = 0; 5 * side < soles.length; side++) {
-        const [x, y, , yaw, load] = soles.subarray(5 * side, 5 * side + 5);
+        const [x, y, z, yaw, load] = soles.subarray(5 * side, 5 * side + 5);
         if (load > 0) this.landingTimes[side] ??= trajectory.get(this.seen, "time");
-        if (load > 0) this.last = { ...this.last, [side]: [x, y, yaw] };
+        if (load > 0) this.last = { ...this.last, [side]: [x, y, z, yaw] };
         if (load > 0 || this.landingTimes[side] === undefined) continue;
         this.print(side, this.last[side], this.landingTimes[side], trajectory.get(this.seen, "time"));
         this.landingTimes[side] = undefined;
@@ -85,11 +85,11 @@ class Markers {
     }
   }
 
-  print(side, [x, y, yaw], landed, since) {
+  print(side, [x, y, z, yaw], landed, since) {
     if (since - landed < MIN_STANCE) return;
     const { geometry, outline, material, line } = this.soles[side];
     const print = Object.assign(new THREE.Mesh(geometry, material), { since }).add(new THREE.LineSegments(outline, line));
-    print.position.set(x, y, .0012);
+    print.position.set(x, y, z + .0012);
     print.rotation.z = yaw;
     this.allPrints.push(print);
   }

@@ -10,10 +10,25 @@ function gridGeometry(count, side) {
   return new THREE.BufferGeometry().setAttribute("position", positions).translate(-count / 2, -count / 2, 0).scale(side, side, 1);
 }
 
+const TILE_THICKNESS = .2; // more than the steps between tiles [m]
+
+// Boxes with their tops at the heights of the tiles.
+function tileGroup(tiles, material, edge) {
+  const group = new THREE.Group();
+  for (const { x, y, height } of tiles) {
+    const box = new THREE.BoxGeometry(x[1] - x[0], y[1] - y[0], TILE_THICKNESS), mesh = new THREE.Mesh(box, material);
+    mesh.position.set((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, height - TILE_THICKNESS / 2);
+    mesh.receiveShadow = true;
+    mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(box), edge));
+    group.add(mesh);
+  }
+  return group;
+}
+
 const TOUCH_RADIUS = 14; // a touch selects a body within this distance [px]
 
 class Stage {
-  constructor(container, robot, markers) {
+  constructor(container, robot, markers, tiles) {
     this.robot = robot;
     this.renderer = new THREE.WebGLRenderer({ antialias: true, preserveDrawingBuffer: true });
     this.renderer.debug.checkShaderErrors = false; // the check waits for the compilation of every shader
@@ -36,6 +51,9 @@ class Stage {
     this.ground = new THREE.Mesh(new THREE.PlaneGeometry(40, 40), new THREE.MeshStandardMaterial({ roughness: 1, depthWrite: false }));
     this.ground.renderOrder = -2; // objects on the ground are drawn after it, in this order
     this.ground.receiveShadow = true;
+    this.tile = new THREE.MeshStandardMaterial({ roughness: 1 });
+    this.tileEdge = new THREE.LineBasicMaterial();
+    this.scene.add(tileGroup(tiles, this.tile, this.tileEdge));
     this.scene.add(robot.base, markers.group, this.sun, this.sun.target, this.sky, this.ground);
     this.lookFrom(1, -2.2, .9);
     whenThemed(() => this.applyTheme());
@@ -44,7 +62,8 @@ class Stage {
 
   applyTheme() {
     this.scene.background = new THREE.Color(isDark() ? "#12161b" : "#eef1f4");
-    this.ground.material.color.set(isDark() ? "#20262e" : "#ffffff");
+    [this.ground.material, this.tile].forEach((material) => material.color.set(isDark() ? "#20262e" : "#ffffff"));
+    this.tileEdge.color.set(isDark() ? "#5b6876" : "#a3adb8");
     if (this.grid) this.scene.remove(this.grid);
     const line = isDark() ? "#38424e" : "#ccd3da";
     this.grid = new THREE.LineSegments(gridGeometry(80, .1), new THREE.LineBasicMaterial({ color: line, depthWrite: false }));

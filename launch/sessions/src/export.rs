@@ -22,7 +22,7 @@ use messages::scene::Scene;
 use plant::PlantError;
 use robot::ExportRobot;
 use shared::args::settings_with_robot;
-use shared::exit::Failure;
+use shared::exit::{Exit, Failure};
 use shared::list;
 use shared::output::print_text;
 
@@ -57,18 +57,22 @@ enum RobotFormat {
 /// Prints the robot.
 ///
 /// # Errors
-/// If the scene is invalid.
+/// If the scene is invalid, or if the format has no uneven ground.
 pub fn run(args: &ExportArgs) -> Result<(), Failure> {
     let scene = load(&args.scene, &settings_with_robot(&args.robot, &args.settings), list::SCENES)?;
     print_text(match args.format {
         RobotFormat::Urdf => urdf::text(&scene, &ExportRobot::new(&scene)?),
+        RobotFormat::Mjcf if !scene.plant.ground.is_plane() => {
+            let words = "plant.ground: tiles are not exported to MJCF; the ground must be the plane z = 0";
+            return Err(Failure::new(Exit::Usage, words));
+        }
         RobotFormat::Mjcf => mjcf(&scene)?,
         RobotFormat::Toml => toml::text(&scene),
     });
     Ok(())
 }
 
-/// The robot and its ground as MJCF.
+/// The robot and its ground as MJCF. The ground is the plane z = 0, whatever `plant.ground` says.
 ///
 /// # Errors
 /// If the scene is invalid.

@@ -145,6 +145,7 @@ impl Validator<'_> {
         self.not_negative("plant.gravity", plant.gravity)?;
         let tilt = plant.incline_deg;
         self.require(tilt.abs() < 90.0, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;
+        self.ground(&plant.ground)?;
         self.not_negative("plant.friction", plant.friction)?;
         let bounce = plant.restitution;
         self.require((0.0..=1.0).contains(&bounce), "plant.restitution", bounce, "it must lie between 0 and 1")?;

@@ -1,6 +1,8 @@
 //! Default values of a scene.
 
-use super::{Base, ControllerScene, Gait, Initial, Law, LinkScene, Method, PlantScene, Sagittal, Scene, Switching};
+use super::{
+    Base, ControllerScene, Gait, Ground, Initial, Law, LinkScene, Method, PlantScene, Sagittal, Scene, Switching,
+};
 use crate::robot;
 
 impl Default for Scene {
@@ -38,6 +40,7 @@ impl Default for PlantScene {
             tolerance_step: 1e-10,
             gravity: 9.81,
             incline_deg: 0.0,
+            ground: Ground::default(),
             friction: 0.7,
             restitution: 0.0,
             contact_stiffness: 1e5,

@@ -33,6 +33,8 @@ class Plant:
         for key in LACKING:
             if np.any(plant[key]):
                 link.fail(2, f"this plant has no plant.{key}: leave it at zero")
+        if "ground" in plant:
+            link.fail(2, "the ground of this plant is the plane z = 0: leave out plant.ground")
         self.model = mujoco.MjModel.from_xml_string(mjcf)
         option, self.period = self.model.opt, 1.0 / scene["rate"]
         self.steps = int(np.ceil(self.period / STEP - 1e-9))

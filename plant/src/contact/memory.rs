@@ -50,6 +50,11 @@ impl Memory {
         self.is_static = true;
     }
 
+    /// Forgets a contact.
+    pub(crate) fn forget(&mut self, id: usize) {
+        *self.contact_mut(id) = LastContact::default();
+    }
+
     /// Whether no contact with an impulse moved in the last step.
     pub(crate) fn is_static(&self) -> bool {
         self.is_static

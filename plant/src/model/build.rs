@@ -28,7 +28,9 @@ impl Model {
         let tilt = scene.plant.incline_deg.to_radians();
         let jointed = |&(body, _): &(&Body, &usize)| body.joint.is_some();
         let contact_points = contact_points(bodies, &body_link)?;
+        let ground = &scene.plant.ground;
         let mut model = Model {
+            ground: (!ground.is_plane()).then(|| ground.clone()),
             length: length(&links, &contact_points),
             base: scene.plant.base,
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * not_negative(scene.plant.gravity, "gravity")?,

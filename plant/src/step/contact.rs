@@ -138,6 +138,9 @@ fn stand<'a>(
 ) -> Option<(Response<'a>, Report)> {
     let Settings { law, restitution, standing_feet, friction, .. } = world.settings;
     let disc = disc(law)?;
+    if world.has_steps_under(touches) {
+        return None; // its sole is a plane
+    }
     if !(standing_feet && restitution == 0.0 && world.model.has_floating_base() && memory.is_static()) {
         return None;
     }

@@ -122,18 +122,26 @@ impl Plant {
     }
 
     /// Distance to the next event: the least of all open gaps and slips, each relative to its value at the beginning of the step. Negative
-    /// beyond the event.
+    /// beyond the event, and beyond the edge of a tile.
     fn margin(&self) -> f64 {
+        if self.crosses_an_edge() {
+            return -1.0;
+        }
         let pose = &self.state.now.pose;
-        let margin = |(point, contact): (&ContactPoint, &EventContact)| match (contact.active, contact.sticking) {
+        let margin = |(id, (point, contact)): (usize, (&ContactPoint, &EventContact))| match (
+            contact.active,
+            contact.sticking,
+        ) {
             (true, true) => 1.0,
             (true, false) => slip(pose, point).dot(&contact.slip_direction) / contact.speed,
             (false, _) => {
                 let at = pose.reference + pose.lowest(point);
-                if contact.gap.is_finite() && point.has_ground(at.x) { at.z / contact.gap } else { 1.0 }
+                let gap = at.z - self.world.input.ground.of(id);
+                if contact.gap.is_finite() && point.has_ground(at.x) { gap / contact.gap } else { 1.0 }
             }
         };
-        self.world.model.contact_points.iter().zip(&self.state.event_contacts).map(margin).fold(1.0, f64::min)
+        let points = self.world.model.contact_points.iter().zip(&self.state.event_contacts);
+        points.enumerate().map(margin).fold(1.0, f64::min)
     }
 
     /// Repeats the step up to its first event; returns the length. The margin after `part` must be negative.
@@ -148,7 +156,13 @@ impl Plant {
             self.state.record = record;
             self.integrate(tableau, time)?;
             let margin = self.margin();
-            if margin.abs() <= LOCATED || ahead.0 - before.0 <= TIME_ROUNDING * part {
+            let narrow = ahead.0 - before.0 <= TIME_ROUNDING * part;
+            if narrow && margin > LOCATED && self.world.model.ground.is_some() {
+                time = ahead.0; // beyond the edge of a tile, where the margin jumps
+                self.state.record = record;
+                self.integrate(tableau, time)?;
+            }
+            if margin.abs() <= LOCATED || narrow {
                 break;
             }
             // the Illinois rule: if the same end of the interval stays twice, its value is halved, so that it moves at last

@@ -12,8 +12,10 @@ pub(super) struct EventContact {
     pub active: bool,
     /// The contact is active and does not slip.
     pub sticking: bool,
-    /// Height above the ground; infinite where there is no ground [m].
+    /// Height above the ground that it meets; infinite where there is no ground [m].
     pub gap: f64,
+    /// Height of the tile under it [m].
+    pub tile: f64,
     /// Direction of slip.
     #[serde(with = "crate::serial::vector")]
     pub slip_direction: Vector3<f64>,

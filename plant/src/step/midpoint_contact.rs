@@ -212,17 +212,16 @@ impl Plant {
             time = h;
         }
         let Plant { world, state: StepState { now, .. }, work: Workspace { landing, .. }, .. } = self;
-        let height = |id: &usize| now.pose.height(&world.model.contact_points[*id]);
-        if landing.iter().any(|id| height(id) <= LANDED * world.model.length) {
+        let gap = |id: usize| world.input.ground.gap(&world.model, &now.pose, id);
+        if landing.iter().any(|&id| gap(id) <= LANDED * world.model.length) {
             return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
         }
         for trial in 1.. {
             self.find_end(Part { h: time, skips_landings: true, ..rest })?;
             let Plant { world, state: StepState { now, .. }, work: Workspace { middle, landing, .. }, .. } = self;
-            let points = &world.model.contact_points;
-            let end = |id: usize| middle.pose.height(&points[id]);
+            let end = |id: usize| world.input.ground.gap(&world.model, &middle.pose, id);
             let Some(&first) = landing.iter().min_by(|a, b| end(**a).total_cmp(&end(**b))) else { break };
-            let (gap, point) = (end(first), &points[first]);
+            let (gap, point) = (end(first), &world.model.contact_points[first]);
             if gap > 0.0 && time >= h {
                 return Ok(None);
             }
@@ -231,7 +230,7 @@ impl Plant {
                 self.accept();
                 return Ok(Some(Landing { time, gap }));
             }
-            let start = now.pose.height(point);
+            let start = world.input.ground.gap(&world.model, &now.pose, first);
             time = first_root(start, rate, (gap - start - rate * time) / (time * time)).min(h);
             self.state.memory.copy(&self.work.remembered);
         }

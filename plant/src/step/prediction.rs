@@ -64,7 +64,7 @@ impl<'a> Prediction<'a> {
             let point = &world.model.contact_points[touch.id];
             let [at_start, arm] = [self.start, self.middle].map(|pose| pose.lowest(point));
             let start = self.start.links[link].velocity.at(&at_start);
-            let gap = self.start.reference.z + at_start.z;
+            let gap = self.start.reference.z + at_start.z - world.input.ground.of(touch.id);
             touch.velocity_gain = before.at(&arm) - start;
             let end = free.at(&arm) + touch.velocity_gain;
             let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach
@@ -127,7 +127,7 @@ impl Touches {
         let (law, half) = (world.settings.law, 0.5 * prediction.h);
         let stops_at_any_height = matches!(law, Law::EnergyQp | Law::Complementarity);
         let reach = if stops_at_any_height { Law::Cone } else { law };
-        touching(&world.model, prediction.middle, reach, half, prediction.free, &mut self.list);
+        touching(&world.model, &world.input.ground, prediction.middle, reach, half, prediction.free, &mut self.list);
         self.list.chunk_by_mut(|a, b| a.link == b.link).for_each(|touches| prediction.predict(world, memory, touches));
         if skips_landings {
             self.list.retain(|touch| !touch.lands());
@@ -153,7 +153,15 @@ impl Touches {
         prediction: Option<&Prediction>,
         memory: &Memory,
     ) -> bool {
-        let more = add_penetrating(&world.model, pose, world.settings.law, self.horizon, after, &mut self.list);
+        let more = add_penetrating(
+            &world.model,
+            &world.input.ground,
+            pose,
+            world.settings.law,
+            self.horizon,
+            after,
+            &mut self.list,
+        );
         if let Some(prediction) = prediction.filter(|_| more) {
             for touches in self.list.chunk_by_mut(|a, b| a.link == b.link) {
                 prediction.predict(world, memory, touches);

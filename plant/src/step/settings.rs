@@ -2,6 +2,7 @@
 
 use crate::contact::{ContactSpring, Problem, Report, has_basis, is_coulomb, is_plastic};
 use crate::error::PlantError;
+use crate::ground::GroundHeights;
 use crate::model::Model;
 use messages::scene::{Law, Method, PlantScene, Scene};
 use messages::wire::Torques;
@@ -18,7 +19,7 @@ pub(super) struct World {
     pub input: Input,
 }
 
-/// Forces that act on the robot from outside, and the time.
+/// Forces that act on the robot from outside, the time, and the ground.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Input {
     /// Torques of the drives.
@@ -27,6 +28,8 @@ pub(super) struct Input {
     pub pushes: Vec<Push>,
     /// Number of steps so far.
     pub steps: u64,
+    /// The ground that the contact points meet in this step.
+    pub ground: GroundHeights,
 }
 
 /// Settings of the integration.
@@ -74,7 +77,8 @@ impl World {
         let push = Push::new(link, plant.push_impulse, from, plant.push_duration, plant.dt);
         let pushes = if plant.push_impulse == [0.0; 3] { vec![] } else { vec![push] };
         let settings = Settings::new(plant, scene.rate)?;
-        let input = Input { torques: Torques::default(), pushes, steps: 0 };
+        let ground = GroundHeights::plane(&model);
+        let input = Input { torques: Torques::default(), pushes, steps: 0, ground };
         Ok(World { model, settings, input })
     }
 
@@ -121,6 +125,10 @@ impl Settings {
         if events && !is_coulomb(law) {
             let rule = "one whose forces are Coulomb's: Complementarity, Aligned, Facets(n), Cone or FixedPoint";
             return Err(PlantError::value(format!("plant.law of the method {:?}", plant.method), law, rule));
+        }
+        if law == Law::SpringDamper && !plant.ground.is_plane() {
+            let rule = "another law: its springs would throw up a point that enters a higher tile from the side";
+            return Err(PlantError::value("plant.law on uneven ground (plant.ground)", law, rule));
         }
         if plant.restitution > 0.0 && !plant.method.bounces() {
             let rule = "0, for this method stops what lands somewhere within a step: take one that finds landings, as MidpointContact, or \

@@ -27,7 +27,7 @@ impl Touches {
     ///
     /// Slow contacts, whose speed two steps of free fall could have caused, do not bounce.
     pub fn find(&mut self, world: &World, pose: &Pose, free: &[f64], h: f64) -> &mut Touches {
-        touching(&world.model, pose, world.settings.law, h, free, &mut self.list);
+        touching(&world.model, &world.input.ground, pose, world.settings.law, h, free, &mut self.list);
         (self.horizon, self.min_bounce_speed) = (h, BOUNCE_STEPS * world.model.gravity.norm() * h);
         self
     }
@@ -48,7 +48,7 @@ impl Touches {
         self.list.clear();
         for (id, point) in contact_points.iter().enumerate() {
             let arm = pose.lowest(point);
-            let gap = pose.reference.z + arm.z;
+            let gap = pose.reference.z + arm.z - world.input.ground.of(id);
             if (gap <= landed || memory.was_active(id)) && point.has_ground(pose.reference.x + arm.x) {
                 self.list.push(Touch::new(id, point.link, arm, gap));
             }

@@ -11,4 +11,5 @@ mod preparation;
 mod step_size;
 mod support;
 mod throws;
+mod tiles;
 mod tolerance;

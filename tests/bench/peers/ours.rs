@@ -9,6 +9,7 @@ use plant::contact::{Memory, Problem, Solver};
 use plant::delassus::{ContactMap, Free};
 use plant::detect::touching;
 use plant::factor::{Factor, PathMatrix};
+use plant::ground::GroundHeights;
 use plant::kinematics::{self, Pose};
 use plant::model::Model;
 use std::hint::black_box;
@@ -74,6 +75,7 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
     let (mut composite, mut pose, mut factor) = (Composite::new(&model), Pose::new(&model), Factor::new(&model));
     let (mut h, mut b) = (PathMatrix::new(&model), vec![0.0; model.dofs()]);
     let (mut map, mut touches) = (ContactMap::new(&model), vec![]);
+    let ground = GroundHeights::plane(&model);
     let mut lists: [Vec<f64>; 6] = Default::default();
     for state in states {
         let xdot = &state.xdot;
@@ -82,7 +84,7 @@ fn stages(recording: &Recording) -> Vec<(&'static str, f64)> {
         lists[2].push(time(REPEATS, || composite.bias(&model, black_box(&pose), xdot, &mut b)));
         lists[3].push(time(REPEATS, || factor.factorize(&model, black_box(&h)).expect("positive definite")));
         lists[4].push(time(REPEATS, || {
-            touching(&model, black_box(&pose), Law::Cone, 1e-3, xdot, &mut touches);
+            touching(&model, &ground, black_box(&pose), Law::Cone, 1e-3, xdot, &mut touches);
             let free = Free { pose: &pose, factor: &factor, rate: xdot };
             map.drift(&model, &free, &touches, Law::Cone, |_, drift| drift);
             map.assemble(&model, &free, &touches);

@@ -60,6 +60,9 @@ pub fn bytes(frame: &[(&'static str, Vec<f64>)]) -> impl Iterator<Item = u8> {
     frame.iter().flat_map(|(_, values)| values).flat_map(|value| (*value as f32).to_le_bytes())
 }
 
+/// Tiles are drawn up to this distance from the origin along x and y [m].
+const DRAWN_GROUND: f64 = 20.0;
+
 /// The constant description of a run: the robot, and the layout of a frame.
 pub fn run_info(robot: &KinematicTree, scene: &Scene) -> Value {
     let truth = Truth { base_orientation: [1.0, 0.0, 0.0, 0.0], ..Truth::default() };
@@ -81,6 +84,7 @@ pub fn run_info(robot: &KinematicTree, scene: &Scene) -> Value {
         "joints": robot.joint_names(),
         "phases": PHASES,
         "states": STATES,
+        "tiles": scene.plant.ground.tiles_within(DRAWN_GROUND),
         "driven": scene.controller.is_some(),
         "duration": scene.duration,
         "period": 1.0 / scene.rate,

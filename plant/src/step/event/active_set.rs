@@ -35,12 +35,14 @@ const MIN_SLIP: f64 = 1e-6;
 impl Plant {
     /// Determines active and sticking contacts, after the impact of landing points.
     pub(super) fn update_active_set(&mut self) -> Result<(), PlantError> {
+        self.find_ground();
         let Plant { world, state: StepState { now: PosedState { pose, .. }, event_contacts, .. }, .. } = self;
         let (length, mut impacts) = (world.model.length, false);
-        for (point, contact) in world.model.contact_points.iter().zip(event_contacts) {
+        for (id, (point, contact)) in world.model.contact_points.iter().zip(event_contacts).enumerate() {
             let arm = pose.lowest(point);
             let at = pose.reference + arm;
-            contact.gap = if point.has_ground(at.x) { at.z } else { f64::INFINITY };
+            contact.tile = world.model.ground_at(&at);
+            contact.gap = if point.has_ground(at.x) { at.z - world.input.ground.of(id) } else { f64::INFINITY };
             let was_active = contact.active && contact.pressed && contact.gap.is_finite();
             contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
             impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
@@ -79,7 +81,7 @@ impl Touches {
         self.list.clear();
         self.list.extend(points.filter(|(_, (_, contact))| contact.active).map(|(id, (point, _))| {
             let arm = pose.lowest(point);
-            Touch::new(id, point.link, arm, pose.reference.z + arm.z)
+            Touch::new(id, point.link, arm, pose.reference.z + arm.z - world.input.ground.of(id))
         }));
         self
     }
