@@ -3,6 +3,7 @@
 mod common;
 
 use common::{run, run_two};
+use std::process::Command;
 
 fn same_bits(scene: &str, settings: &[&str]) {
     let first = run_two(scene, settings);
@@ -34,4 +35,18 @@ fn a_fall_ends_the_record_at_the_same_bit() {
     let push = ["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3", "duration=10"];
     assert!(run("stand", &push).fell());
     same_bits("stand", &push);
+}
+
+/// glibc chooses its version of `exp` and others by the processor. Without fused multiply-adds its `exp` rounds differently at 37.44 s.
+#[test]
+fn the_c_library_does_not_change_a_bit() {
+    let hash = |tunables: &str| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+        command.args(["run", "stamp", "--in-process", "--quiet"]).env("GLIBC_TUNABLES", tunables);
+        let printed = String::from_utf8(command.output().expect("the program runs").stdout).expect("text");
+        printed.lines().find(|line| line.contains("trajectory hash")).map(String::from)
+    };
+    let plain = hash("");
+    assert!(plain.is_some());
+    assert_eq!(hash("glibc.cpu.hwcaps=-FMA,-FMA4,-AVX2"), plain);
 }

@@ -29,7 +29,11 @@ pub struct EncoderState {
 impl EncoderModel {
     /// Encoders with 2^`bits` counts per turn, read once each `period` [s]; cut-off frequency of the rate filter `cut_off` [Hz].
     pub fn new(bits: u32, period: f64, cut_off: f64) -> Self {
-        EncoderModel { resolution: TAU / 2f64.powi(bits as i32), share: 1.0 - (-TAU * cut_off * period).exp(), period }
+        EncoderModel {
+            resolution: TAU / 2f64.powi(bits as i32),
+            share: 1.0 - libm::exp(-TAU * cut_off * period),
+            period,
+        }
     }
 
     /// Processes one reading. At the first one the rate is zero.

@@ -41,6 +41,8 @@
 //!
 //! [`tick`] is pure: it uses no clock, no thread and no communication, allocates nothing and does not panic.
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))] // the same bits everywhere: clippy.toml
+
 mod ankle;
 pub mod constants;
 pub mod encoder;

@@ -42,7 +42,7 @@ impl PendulumState {
             return longest;
         }
         let root = (width * width - 4.0 * a * b).max(0.0).sqrt();
-        (((width + root) / (2.0 * a)).ln() / omega).clamp(0.0, longest)
+        (libm::log((width + root) / (2.0 * a)) / omega).clamp(0.0, longest)
     }
 }
 
@@ -60,7 +60,7 @@ pub struct Propagator {
 impl Propagator {
     /// The propagator over the time `t` [s].
     pub fn new(omega: f64, t: f64) -> Propagator {
-        let grown = (omega * t).exp_m1(); // no cancellation where ωt is small
+        let grown = libm::expm1(omega * t); // no cancellation where ωt is small
         let shrunk = grown / (1.0 + grown); // 1 − e^(−ωt)
         Propagator { omega, sinh: 0.5 * (grown + shrunk), cosh: 1.0 + 0.5 * (grown - shrunk) }
     }
@@ -68,19 +68,19 @@ impl Propagator {
 
 /// Energy of the lateral orbit of this period with feet `width` apart [m²/s²]. Source: (37), (40).
 pub fn lateral_energy(omega: f64, width: f64, period: f64) -> f64 {
-    let e = (0.5 * omega * period).exp();
+    let e = libm::exp(0.5 * omega * period);
     -(omega * width).powi(2) * e / (2.0 * (1.0 + e).powi(2)) // (40)
 }
 
 /// Energy of the sagittal orbit with steps of length `step` [m²/s²]. Source: (42).
 pub fn sagittal_energy(omega: f64, step: f64, period: f64) -> f64 {
-    let e = (0.5 * omega * period).exp();
+    let e = libm::exp(0.5 * omega * period);
     (omega * step).powi(2) * e / (2.0 * (1.0 - e).powi(2)) // (42)
 }
 
 /// Turning point of the lateral orbit: the position at which the energy (40) belongs to speed zero in (33) [m].
 pub fn turning_point(omega: f64, width: f64, period: f64) -> f64 {
-    0.5 * width / (0.25 * omega * period).cosh()
+    0.5 * width / libm::cosh(0.25 * omega * period)
 }
 
 /// Virtual input that drives the energy to its reference: u = k_E (E_ref − E)/v, within ±`limit` [m/s²]. `missing` is E_ref − E.

@@ -78,7 +78,7 @@ impl ServoModel {
     /// effort of the last period does not explain.
     pub fn observe(&self, state: &mut ServoState, rate: &Joints) {
         if let Some(before) = state.rate {
-            let forget = (-self.observer_bandwidth * self.period).exp();
+            let forget = libm::exp(-self.observer_bandwidth * self.period);
             let acceleration = (rate - before) / self.period;
             let unexplained = state.effort - self.nominal_inertia.component_mul(&acceleration);
             state.disturbance = state.disturbance * forget + unexplained * (1.0 - forget);

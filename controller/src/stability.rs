@@ -81,8 +81,8 @@ impl ServoLoop {
         let (whole, part) = (delay.floor() as usize, delay.fract());
         let size = U + whole + 2;
         let unit = |k: usize| DVector::from_fn(size, |i, _| f64::from(u8::from(i == k)));
-        let share = 1.0 - (-TAU * self.rate_filter_hz * self.period).exp();
-        let keep = (-self.observer_bandwidth * self.period).exp();
+        let share = 1.0 - libm::exp(-TAU * self.rate_filter_hz * self.period);
+        let keep = libm::exp(-self.observer_bandwidth * self.period);
         let gain = self.period * self.inertia_ratio * ((1.0 - part) * unit(U + whole) + part * unit(U + whole + 1));
         let v = unit(V) + &gain;
         let r = unit(R) + share * (unit(V) + self.midpoint * gain - unit(R));

@@ -36,6 +36,8 @@
 //! | lines on standard error | [`log()`] |
 //! | check of the processor's features | `processor` |
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))] // the same bits everywhere: clippy.toml
+
 pub mod action;
 pub mod clock;
 pub mod controller_session;

@@ -40,7 +40,7 @@ const ROUNDING_SHIFT: f64 = 6_755_399_441_055_744.0;
 /// sin x and cos x, accurate to a unit in the last place of 1.
 #[inline]
 pub fn sin_cos(x: f64) -> (f64, f64) {
-    if x.abs() < MAX_REDUCED_ANGLE { reduced(x) } else { x.sin_cos() }
+    if x.abs() < MAX_REDUCED_ANGLE { reduced(x) } else { libm::sincos(x) }
 }
 
 /// sin and cos of many angles, with the same bits as [`sin_cos`], several at a time.

@@ -46,7 +46,7 @@ impl CommandPipeline {
             watchdog: Watchdog::new(scene.rate),
             handover: Handover::new(scene.rate),
             applied: Torques::default(),
-            count_rate: scene.rate * TAU / f64::from(scene.plant.encoder_bits).exp2(),
+            count_rate: scene.rate * TAU / libm::exp2(f64::from(scene.plant.encoder_bits)),
             newest: None,
             fresh: false,
             state: PlantState::Wait,

@@ -4,8 +4,9 @@ use crate::error::PlantError;
 use crate::kinematics::{self, Pose};
 use crate::model::{Model, finite};
 use crate::state::State;
+use messages::rotation::sin_cos;
 use messages::scene::{Base, Initial};
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Vector3};
 
 /// Least determinant of the axes of the virtual joints [-]. It is the cosine of the pitch; at zero, the joints lose a direction.
 const MIN_DETERMINANT: f64 = 1e-6;
@@ -110,7 +111,13 @@ fn height_coordinate(base: Base) -> Option<usize> {
 /// Rotation from the base's axes to W: yaw, then pitch, then roll.
 pub(crate) fn orientation(initial: &Initial) -> Result<Matrix3<f64>, PlantError> {
     let angles = finite(initial.orientation_deg.map(f64::to_radians), || "initial.orientation_deg".into())?;
-    Ok(Rotation3::from_euler_angles(angles.x, angles.y, angles.z).into_inner())
+    let [(sr, cr), (sp, cp), (sy, cy)] = [angles.x, angles.y, angles.z].map(sin_cos);
+    let rows = [
+        [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
+        [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
+        [-sp, cp * sr, cp * cr],
+    ];
+    Ok(Matrix3::from_fn(|i, j| rows[i][j]))
 }
 
 /// Height by which to lift the robot so that its lowest contact point is `clearance` above the ground under it [m].

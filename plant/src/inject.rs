@@ -52,7 +52,7 @@ impl Injector {
         Injector {
             link: link.clone(),
             period_ms,
-            change: [MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH].map(|mean| 1.0 - (-period_s / mean).exp()),
+            change: [MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH].map(|mean| 1.0 - libm::exp(-period_s / mean)),
             in_burst: false,
             random: fastrand::Rng::with_seed(link.seed),
             in_transit: VecDeque::with_capacity(capacity),
@@ -103,7 +103,7 @@ impl Injector {
 
 /// A standard normal number from two uniform ones in [0, 1), by the method of Box and Muller.
 fn normal([u, v]: [f64; 2]) -> f64 {
-    (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos()
+    (-2.0 * libm::log(1.0 - u)).sqrt() * libm::cos(TAU * v)
 }
 
 /// A command in transit.

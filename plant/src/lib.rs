@@ -54,6 +54,8 @@
 //! | what can go wrong | [`error`] |
 //! | MuJoCo as the plant | [`foreign`] |
 
+#![cfg_attr(not(test), deny(clippy::disallowed_methods))] // the same bits everywhere: clippy.toml
+
 pub mod command_pipeline;
 pub mod composite;
 pub mod contact;

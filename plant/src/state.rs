@@ -83,7 +83,7 @@ impl State {
             let half = 0.5 * square.sqrt();
             let factor = match half < SERIES_ANGLE {
                 true => 1.0 / 12.0 + square / 720.0 + square * square / 30240.0,
-                false => (1.0 - half / half.tan()) / square,
+                false => (1.0 - half / libm::tan(half)) / square,
             };
             let turn = d.cross(&w);
             rate[3..6].copy_from_slice((w - turn * 0.5 + d.cross(&turn) * factor).as_slice());

@@ -29,7 +29,7 @@ pub struct Observer {
 impl Observer {
     /// An observer whose errors decay at the rate `pole`, p [1/s], sampled once each `h` [s].
     pub fn new(pole: f64, h: f64) -> Observer {
-        let kept = (-pole * h).exp();
+        let kept = libm::exp(-pole * h);
         Observer { position: 1.0 - kept * kept, rate: (1.0 - kept).powi(2) / h }
     }
 

@@ -134,7 +134,7 @@ impl Stance {
 
 /// A vector in the plane of x and z, rotated about y.
 fn rotated(v: Vector2<f64>, angle: f64) -> Vector2<f64> {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     Vector2::new(v.x * cos + v.y * sin, v.y * cos - v.x * sin)
 }
 

@@ -191,5 +191,5 @@ fn misalignment(f: [f64; 3], v: [f64; 3], scales: Scales) -> f64 {
     if norm(f[1], f[2]) <= NO_DIRECTION * scales.impulse || norm(v[1], v[2]) <= NO_DIRECTION * scales.speed {
         return 0.0;
     }
-    (f[1] * v[2] - f[2] * v[1]).abs().atan2(-(f[1] * v[1] + f[2] * v[2]))
+    libm::atan2((f[1] * v[2] - f[2] * v[1]).abs(), -(f[1] * v[1] + f[2] * v[2]))
 }

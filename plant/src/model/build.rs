@@ -33,7 +33,8 @@ impl Model {
             ground: (!ground.is_plane()).then(|| ground.clone()),
             length: length(&links, &contact_points),
             base: scene.plant.base,
-            gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * not_negative(scene.plant.gravity, "gravity")?,
+            gravity: Vector3::new(libm::sin(tilt), 0.0, -libm::cos(tilt))
+                * not_negative(scene.plant.gravity, "gravity")?,
             mount_rotation: Matrix3::identity(),
             mount_position: Vector3::zeros(),
             base_link: virtual_links(scene.plant.base).len(),

@@ -13,7 +13,7 @@ pub(super) fn report(feet: &[Foot], touches: &[Touch], friction: f64, speed: f64
     for foot in feet {
         for (v, touch) in foot.velocities(&foot.motion, touches) {
             let (rise, slip) = ((v.z + touch.approach).abs(), v.xy().norm());
-            left = left.max((rise + friction * slip).hypot(slip));
+            left = left.max(libm::hypot(rise + friction * slip, slip));
         }
     }
     let natural_map = relative(left, speed);

@@ -43,7 +43,7 @@ impl Plant {
             self.midpoint_contact(0.5 * part)?;
             self.midpoint_contact(0.5 * part)?;
             let error = distance(&self.work.doubling.coarse, &self.state.now.state) / RICHARDSON;
-            let factor = (SAFETY * (tolerance / error).cbrt()).clamp(MIN_FACTOR, MAX_FACTOR);
+            let factor = (SAFETY * libm::cbrt(tolerance / error)).clamp(MIN_FACTOR, MAX_FACTOR);
             if error <= tolerance || step <= shortest {
                 done = if last { h } else { done + part };
                 step = (part * factor).clamp(shortest, h);

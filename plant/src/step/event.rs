@@ -108,7 +108,7 @@ impl Plant {
             } else {
                 0.0
             };
-            let best = part * (SAFETY * (tolerance / error).powf(ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
+            let best = part * (SAFETY * libm::pow(tolerance / error, ERROR_EXPONENT)).clamp(MIN_FACTOR, MAX_FACTOR);
             // a step that `rest` has shortened is no measure for the next one
             let next = if part < self.state.next_step && best > part { self.state.next_step } else { best };
             self.state.next_step = next.clamp(MIN_STEP * h, h);

@@ -25,7 +25,7 @@ pub(super) fn natural_map(cones: &RoundCones, condition: Condition<'_>, f: &[f64
     for i in 0..cones.contacts {
         let (f, v, mu) = (contact_rows(f, i), contact_rows(v, i), cones.friction[i]);
         let shift = match condition {
-            Condition::Coulomb => mu * v[1].hypot(v[2]),
+            Condition::Coulomb => mu * libm::hypot(v[1], v[2]),
             Condition::Energy(shift) => shift.get(i).copied().unwrap_or(0.0),
             Condition::Bound(_) => 0.0,
             Condition::Polygon(d) => mu * greatest_slip(d, v),

@@ -105,7 +105,7 @@ impl ConeSolver {
             let new = match iteration {
                 Iteration::Tresca => mu * f[3 * i].max(0.0),
                 Iteration::Aclm if at_rest => 0.0,
-                Iteration::Aclm => mu * v[3 * i + 1].hypot(v[3 * i + 2]),
+                Iteration::Aclm => mu * libm::hypot(v[3 * i + 1], v[3 * i + 2]),
             };
             let rise = new - *held;
             let next = if first { new } else { *held + relaxation * rise };

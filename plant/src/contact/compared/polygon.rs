@@ -18,7 +18,7 @@ pub(super) fn vertex(d: usize, j: usize) -> [f64; 2] {
         2 if (4 * j).is_multiple_of(d) => [-1.0, 0.0],
         3 if (4 * j).is_multiple_of(d) => [0.0, -1.0],
         _ => {
-            let (sin, cos) = (std::f64::consts::TAU * j as f64 / d as f64).sin_cos();
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * j as f64 / d as f64);
             [cos, sin]
         }
     }
@@ -33,10 +33,10 @@ pub(super) fn greatest_slip(d: usize, v: [f64; 3]) -> f64 {
 pub(super) fn project_on_pyramid(x: [f64; 3], mu: f64, d: usize) -> [f64; 3] {
     // In the sector of one side: x = (n, across, along), with 0 at the middle of the side.
     let sector = std::f64::consts::TAU / d as f64;
-    let middle = ((x[2].atan2(x[1]) / sector).floor() + 0.5) * sector;
-    let (sin, cos) = middle.sin_cos();
+    let middle = ((libm::atan2(x[2], x[1]) / sector).floor() + 0.5) * sector;
+    let (sin, cos) = libm::sincos(middle);
     let (across, along) = (cos * x[1] + sin * x[2], cos * x[2] - sin * x[1]);
-    let (depth, half) = ((sector / 2.0).cos() * mu, (sector / 2.0).sin() * mu);
+    let (depth, half) = (libm::cos(sector / 2.0) * mu, libm::sin(sector / 2.0) * mu);
     if across <= depth * x[0] {
         return x;
     }

@@ -160,7 +160,7 @@ fn stick(v: [f64; 3]) -> [Row; 2] {
 
 /// Friction in the disc |f_F| <= bound: no slip, or f_F = bound x_F/|x_F|.
 fn on_disc(bound: f64, slope: f64, rho: f64, f: [f64; 3], v: [f64; 3], x: [f64; 3]) -> [Row; 2] {
-    let length = x[1].hypot(x[2]);
+    let length = libm::hypot(x[1], x[2]);
     if length <= bound {
         return stick(v);
     }
@@ -176,13 +176,13 @@ fn on_disc(bound: f64, slope: f64, rho: f64, f: [f64; 3], v: [f64; 3], x: [f64; 
 /// Friction in a polygon with `d` vertices at distance `bound`: no slip, in a vertex, or on a side.
 fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f64; 3]) -> [Row; 2] {
     let sector = std::f64::consts::TAU / d as f64;
-    let side = (x[2].atan2(x[1]) / sector).floor().rem_euclid(d as f64) as usize;
-    let (sin, cos) = ((side as f64 + 0.5) * sector).sin_cos();
-    let depth = (0.5 * sector).cos();
+    let side = (libm::atan2(x[2], x[1]) / sector).floor().rem_euclid(d as f64) as usize;
+    let (sin, cos) = libm::sincos((side as f64 + 0.5) * sector);
+    let depth = libm::cos(0.5 * sector);
     let (across, along) = (cos * x[1] + sin * x[2], cos * x[2] - sin * x[1]);
     if across <= depth * bound {
         stick(v)
-    } else if along.abs() < (0.5 * sector).sin() * bound {
+    } else if along.abs() < libm::sin(0.5 * sector) * bound {
         // On a side: no slip along it.
         let held = cos * f[1] + sin * f[2] - depth * bound;
         let still = cos * v[2] - sin * v[1];
@@ -200,7 +200,7 @@ fn on_polygon(d: usize, bound: f64, slope: f64, f: [f64; 3], v: [f64; 3], x: [f6
 /// f = P_K(f - v) with the round cone: P = 1 - J, Q = J, where J is the derivative of the projection.
 fn on_cone(mu: f64, f: [f64; 3], v: [f64; 3]) -> (Matrix, Matrix, [f64; 3]) {
     let x = [f[0] - v[0], f[1] - v[1], f[2] - v[2]];
-    let length = x[1].hypot(x[2]);
+    let length = libm::hypot(x[1], x[2]);
     if length <= mu * x[0] {
         return (ZERO, ONE, v);
     }

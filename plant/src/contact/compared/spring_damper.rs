@@ -22,7 +22,7 @@ pub(super) fn write_impulse(problem: &Problem, impulse: &mut Vec<f64>) {
             if mobility > 0.0 { 2.0 * spring.damping_ratio * (spring.stiffness / mobility).sqrt() } else { 0.0 };
         let force = if problem.gap[i] < 0.0 { -spring.stiffness * problem.gap[i] - damping * v[0] } else { 0.0 };
         let normal = spring.h * force.max(0.0) + 0.0 * force; // the last term propagates NaN, which max hides
-        let slip = v[1..].iter().fold(0.0, |slip: f64, v| slip.hypot(*v));
+        let slip = v[1..].iter().fold(0.0, |slip: f64, v| libm::hypot(slip, *v));
         let share = problem.friction[i] * normal / slip.max(FULL_FRICTION_SPEED);
         impulse.push(normal);
         impulse.extend(v[1..].iter().map(|v| -share * v));

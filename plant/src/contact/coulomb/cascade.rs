@@ -24,7 +24,7 @@ fn problem(seed: u64) -> Problem {
     plant.advance(&Torques::default()).unwrap_or_else(|error| panic!("{error}"));
     let mut problem = plant.problem().clone();
     assert_eq!((problem.contacts, problem.tangents), (8, 2));
-    problem.friction.fill(10_f64.powf(any(0.35)));
+    problem.friction.fill(libm::pow(10.0, any(0.35)));
     let impulse: Vec<f64> = (0..problem.rows()).map(|_| any(1.0)).collect();
     problem.drift = delassus_times(&problem, &impulse);
     problem
