@@ -73,7 +73,10 @@ impl EnergyQp {
             marks.clear();
             marks.resize(width, [1.0; WIDTH]);
         }
-        self.basic.clear();
+        for list in [&mut self.basic, &mut self.leaving] {
+            list.clear();
+            list.reserve(count);
+        }
         self.directions.clear(width);
         let each = self.edges.each;
         for r in (0..count).filter(|r| basis[r / each] >> (r % each) & 1 == 1) {

@@ -55,7 +55,7 @@ pub(super) struct PatchNewton {
     /// The impulse before the present step.
     saved: Vec<f64>,
     change: Vec<f64>,
-    solution: Iterate,
+    pub solution: Iterate,
     /// A patch was outside its cones, or moves; see [`LinkContacts::fails`].
     failed: bool,
 }

@@ -33,5 +33,6 @@ impl Coulomb {
                 }
             }
         }
+        self.newton.solution.copy(&self.best); // else taken only if normal impulses are redundant, which these are not
     }
 }
