@@ -37,6 +37,25 @@ fn a_bad_value_is_refused_with_its_key_in_every_role() {
     }
 }
 
+#[test]
+fn ground_that_cannot_be_is_refused() {
+    let ground = |setting: &str, words: &[&str]| {
+        refused(&["run", "slide", "--in-process", "--quiet", "--set", &format!("plant.ground.{setting}")], words);
+    };
+    ground("tiles=[{x=[1.0, 1.0], height=0.1}]", &["plant.ground.tiles.0.x = [1.0, 1.0]", "must be less"]);
+    ground("tiles=[{y=[nan, 1.0], height=0.1}]", &["plant.ground.tiles.0.y", "finite"]);
+    ground("tiles=[{height=inf}]", &["plant.ground.tiles.0.height = inf", "finite"]);
+    ground("tiles=[{height=0.1}, {x=[0.0, 1.0], height=0.2}]", &["plant.ground.tiles.1", "must not overlap"]);
+    ground("random.height=-0.1", &["plant.ground.random.height = -0.1", "must not be negative"]);
+    ground("random.size=[0.1, 0.0]", &["plant.ground.random.size = 0", "greater than 0"]);
+    ground("random.seed=-1", &["seed", "u64"]);
+    let tiles = |count: usize| {
+        let tiles: Vec<_> = (0..count).map(|i| format!("{{x=[{i}.0, {}.0], height=0.1}}", i + 1)).collect();
+        format!("tiles=[{}]", tiles.join(","))
+    };
+    ground(&tiles(501), &["number of plant.ground.tiles = 501", "at most 500 tiles"]);
+}
+
 /// Reading /dev/zero to its end would use all memory.
 #[test]
 fn an_endless_file_is_not_read_forever() {

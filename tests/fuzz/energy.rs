@@ -12,20 +12,19 @@ use plant::{Plant, PlantError};
 /// An error of the plant.
 ///
 /// # Panics
-/// If the energy rises by more, unless the scene starts inside the ground, which pushes the bodies out.
+/// If the energy rises by more, unless a body was inside the ground, which pushes it out: at the start, or in a tile that it entered from
+/// the side.
 pub fn check(scene: &Scene, periods: usize, most: f64) -> Result<(), PlantError> {
     let mut plant = Plant::new(scene)?;
-    let starts_inside = plant.truth().penetration > 0.0;
+    let mut was_inside = plant.truth().penetration > 0.0;
     let (mut before, mut scale) = energy(&plant);
     for period in 0..periods {
         plant.advance(&Torques::default())?;
         let (now, size) = energy(&plant);
         scale = scale.max(size);
+        was_inside |= plant.model().ground.is_some() && plant.truth().penetration > 0.0;
         let made = now - before;
-        assert!(
-            made <= most * scale || starts_inside,
-            "the energy rises by {made:e} J of {scale:e} J in period {period}"
-        );
+        assert!(made <= most * scale || was_inside, "the energy rises by {made:e} J of {scale:e} J in period {period}");
         before = now;
     }
     Ok(())

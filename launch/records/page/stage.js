@@ -10,19 +10,24 @@ function gridGeometry(count, side) {
   return new THREE.BufferGeometry().setAttribute("position", positions).translate(-count / 2, -count / 2, 0).scale(side, side, 1);
 }
 
-const TILE_THICKNESS = .2; // more than the steps between tiles [m]
+const TILE_THICKNESS = .2; // below the lower of the tile and the plane z = 0 [m]
 
-// Boxes with their tops at the heights of the tiles.
+// Boxes with their tops at the heights of the tiles. They are one object, because drawing thousands of objects is slow.
 function tileGroup(tiles, material, edge) {
-  const group = new THREE.Group();
+  const faces = { position: [], normal: [] }, edges = [];
   for (const { x, y, height } of tiles) {
-    const box = new THREE.BoxGeometry(x[1] - x[0], y[1] - y[0], TILE_THICKNESS), mesh = new THREE.Mesh(box, material);
-    mesh.position.set((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, height - TILE_THICKNESS / 2);
-    mesh.receiveShadow = true;
-    mesh.add(new THREE.LineSegments(new THREE.EdgesGeometry(box), edge));
-    group.add(mesh);
+    const bottom = Math.min(height, 0) - TILE_THICKNESS;
+    const box = new THREE.BoxGeometry(x[1] - x[0], y[1] - y[0], height - bottom);
+    box.translate((x[0] + x[1]) / 2, (y[0] + y[1]) / 2, (height + bottom) / 2);
+    for (const [name, values] of Object.entries(faces)) values.push(...box.toNonIndexed().getAttribute(name).array);
+    edges.push(...new THREE.EdgesGeometry(box).getAttribute("position").array);
   }
-  return group;
+  const geometry = new THREE.BufferGeometry();
+  for (const [name, values] of Object.entries(faces)) geometry.setAttribute(name, new THREE.Float32BufferAttribute(values, 3));
+  const mesh = new THREE.Mesh(geometry, material);
+  mesh.receiveShadow = true;
+  const lines = new THREE.BufferGeometry().setAttribute("position", new THREE.Float32BufferAttribute(edges, 3));
+  return new THREE.Group().add(mesh, new THREE.LineSegments(lines, edge));
 }
 
 const TOUCH_RADIUS = 14; // a touch selects a body within this distance [px]

@@ -7,7 +7,7 @@ mod two_processes;
 
 use crate::model::RunModel;
 use messages::load;
-use messages::scene::Scene;
+use messages::scene::{Ground, Scene};
 use monitor::{RunMonitor, fall_failure};
 use nix::time::ClockId;
 use plant::Plant;
@@ -90,7 +90,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         print_text(&summary); // after a failed start there is no summary
     }
     if outcome.is_ok() {
-        warn_of_energy_error(&summary);
+        warn_of_energy_error(&summary, &scene.plant.ground);
     }
     report?;
     if let Some(folder) = &args.out {
@@ -110,11 +110,12 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
 }
 
 /// Warns about energy that the integration method has generated or lost.
-fn warn_of_energy_error(summary: &Summary) {
+fn warn_of_energy_error(summary: &Summary, ground: &Ground) {
     let Summary { energy_made_j, energy_lost_j, kinetic_max_j: kinetic, .. } = summary;
     let is_pushed = summary.requests.iter().any(|request| request.impulse_ns.is_some());
+    let tiles = if ground.is_plane() { "" } else { ", or a tile lifted a point that had entered it from the side" };
     for (what, energy, is_explained, advice) in [
-        ("gained", *energy_made_j, is_pushed, ""),
+        ("gained", *energy_made_j, is_pushed, tiles),
         ("lost", *energy_lost_j, false, ", and a method of second order loses less"),
     ] {
         if energy > ENERGY_WARNING * kinetic && !is_explained {

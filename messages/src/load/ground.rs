@@ -3,9 +3,14 @@
 use super::check::{Checked, Validator};
 use crate::scene::Ground;
 
+/// Largest number of tiles. A scene with more would not fit into the environment variable in which it is handed to other processes.
+const MAX_TILES: usize = 500;
+
 impl Validator<'_> {
     /// Checks the tiles, which must not overlap, and the grid of random ones.
     pub(super) fn ground(&self, ground: &Ground) -> Checked {
+        let (count, rule) = (ground.tiles.len(), format!("a scene holds at most {MAX_TILES} tiles"));
+        self.require(count <= MAX_TILES, "number of plant.ground.tiles", count, rule)?;
         for (i, tile) in ground.tiles.iter().enumerate() {
             for (axis, range) in [("x", tile.x), ("y", tile.y)] {
                 let rule = "the first value must be less than the last";
