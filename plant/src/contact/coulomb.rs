@@ -8,6 +8,8 @@
 //!     interior points    and Newton from the modes that they indicate                            (interior)
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
 //!                        equals mu times the slip speed                                          (held_shift)
+//!     patience           interior points with cautious steps, then Newton from the memory,
+//!                        both with more steps without progress
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -35,15 +37,11 @@ use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
 use super::tolerance::{PROMISED, SOLVED};
 use held_shift::HeldShift;
-use interior::Interior;
-use iterate::{Guess, Iterate, Start, Weight};
+use interior::{Interior, StepRule};
+use iterate::{Guess, Iterate, Limits, Start, Weight};
 use messages::scene::Law;
 use newton::PatchNewton;
 
-/// Steps of Newton's method at most; from a good guess it takes one to four.
-const MAX_STEPS: u32 = 12;
-/// The same from modes that interior points have indicated before they end.
-const MAX_EARLY_STEPS: u32 = 4;
 /// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten.
 const MAX_MINIMA: u32 = 50;
 
@@ -71,7 +69,11 @@ impl Coulomb {
         self.cones.set(problem, Law::Cone);
         self.newton.set_problem(&self.cones);
         self.recall(problem, memory);
-        let solved = self.newton_from_memory() || self.interior_points() || self.energy_minima();
+        self.begin();
+        let solved = self.newton_from_memory(Limits::NORMAL)
+            || self.interior_points()
+            || self.energy_minima()
+            || self.patient_attempts(problem, memory);
         self.cones.velocity(&self.best.f, &mut self.best.v);
         self.store(problem, memory);
         self.cones.unscale_impulse(problem, &self.best.f, impulse);
@@ -81,7 +83,7 @@ impl Coulomb {
 
     /// Takes modes, slips and impulses of the last step from the memory as the initial guess.
     fn recall(&mut self, problem: &Problem, memory: &Memory) {
-        let Coulomb { cones, guess, iterate, initial, best, modes, .. } = self;
+        let Coulomb { cones, guess, initial, .. } = self;
         guess.modes.clear();
         guess.slips.clear();
         initial.clear();
@@ -92,6 +94,11 @@ impl Coulomb {
             guess.slips.push(last.slip.map(|slip| slip / cones.scale[i]));
             (0..1 + problem.tangents).for_each(|k| initial[3 * i + k] = last.impulse[k] * cones.scale[i]);
         }
+    }
+
+    /// Starts from the initial guess. No impulse is the best yet.
+    fn begin(&mut self) {
+        let Coulomb { guess, iterate, initial, best, modes, .. } = self;
         iterate.f.clone_from(initial);
         iterate.steps = 0;
         best.f.clone_from(initial);
@@ -101,25 +108,25 @@ impl Coulomb {
     }
 
     /// Newton's method from the memory, or from zero impulse if that is empty; then from the best impulse that it met, with balanced weights.
-    fn newton_from_memory(&mut self) -> bool {
+    fn newton_from_memory(&mut self, limits: Limits) -> bool {
         let has_memory = self.initial.iter().any(|f| *f != 0.0);
-        if self.newton_from(has_memory, true, Weight::Mass, MAX_STEPS) {
+        if self.newton_from(has_memory, true, Weight::Mass, limits) {
             return true;
         }
         self.initial.clone_from(&self.best.f);
-        self.newton_from(false, true, Weight::Balanced, MAX_STEPS)
+        self.newton_from(false, true, Weight::Balanced, limits)
     }
 
     /// Interior points with the shift mu |v_F| as an unknown.
     fn interior_points(&mut self) -> bool {
-        self.interior_then_newton(false) || self.best.error <= PROMISED
+        self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, false) || self.best.error <= PROMISED
     }
 
     /// Energy minima with a held shift, until the shift equals mu |v_F|.
     fn energy_minima(&mut self) -> bool {
         self.shift.reset(self.cones.contacts);
         for _ in 0..MAX_MINIMA {
-            if self.interior_then_newton(true) {
+            if self.interior_then_newton(StepRule::AGGRESSIVE, Limits::NORMAL, true) {
                 return true;
             }
             self.cones.velocity(&self.initial, &mut self.iterate.v);
@@ -128,26 +135,33 @@ impl Coulomb {
         self.best.error <= PROMISED
     }
 
+    /// Interior points with cautious steps, then Newton's method from the memory, both with more patience.
+    fn patient_attempts(&mut self, problem: &Problem, memory: &Memory) -> bool {
+        if self.interior_then_newton(StepRule::CAUTIOUS, Limits::PATIENT, false) {
+            return true;
+        }
+        self.recall(problem, memory);
+        self.newton_from_memory(Limits::PATIENT) || self.best.error <= PROMISED
+    }
+
     /// Interior points, and Newton's method from modes that they indicate; at their end with patches, then without.
-    fn interior_then_newton(&mut self, holds_shift: bool) -> bool {
+    fn interior_then_newton(&mut self, rule: StepRule, limits: Limits, holds_shift: bool) -> bool {
         self.interior.start(&self.cones);
         self.tried.clear();
         loop {
             let held = holds_shift.then_some(&*self.shift.held);
-            let ended = self.interior.advance(&self.cones, held, &mut self.iterate);
+            let ended = self.interior.advance(&self.cones, rule, held, &mut self.iterate);
             let groups = self.newton.groups.iter().map(|group| (group.first, group.end));
             self.interior.guess(&self.cones, groups, &mut self.guess);
             self.initial.clone_from(&self.iterate.f);
             self.keep_best(true);
             if ended {
-                let solved = self.newton_from(true, true, Weight::Balanced, MAX_STEPS) || self.best.error <= SOLVED;
-                return solved
-                    || self.newton_from(false, false, Weight::Balanced, MAX_STEPS)
-                    || self.best.error <= SOLVED;
+                let solved = self.newton_from(true, true, Weight::Balanced, limits) || self.best.error <= SOLVED;
+                return solved || self.newton_from(false, false, Weight::Balanced, limits) || self.best.error <= SOLVED;
             }
             if self.tried != self.guess.modes {
                 self.tried.clone_from(&self.guess.modes);
-                if self.newton_from(true, true, Weight::Balanced, MAX_EARLY_STEPS) {
+                if self.newton_from(true, true, Weight::Balanced, Limits::EARLY) {
                     return true;
                 }
             }
@@ -155,10 +169,10 @@ impl Coulomb {
     }
 
     /// Newton's method from the initial impulse.
-    fn newton_from(&mut self, uses_guess: bool, patches: bool, weight: Weight, max_steps: u32) -> bool {
+    fn newton_from(&mut self, uses_guess: bool, patches: bool, weight: Weight, limits: Limits) -> bool {
         self.iterate.f.clone_from(&self.initial);
         let guess = uses_guess.then_some(&self.guess);
-        let solved = self.newton.run(&self.cones, Start { guess, patches, weight, max_steps }, &mut self.iterate);
+        let solved = self.newton.run(&self.cones, Start { guess, patches, weight, limits }, &mut self.iterate);
         self.keep_best(!solved);
         if solved {
             self.modes.clear();

@@ -2,6 +2,7 @@
 
 use super::super::Solver;
 use super::super::round_cones::apply_delassus;
+use super::iterate::Limits;
 use super::{Coulomb, Law, Memory, PROMISED, Problem};
 use crate::Plant;
 use messages::scene::Scene;
@@ -36,6 +37,7 @@ fn solves(problem: &Problem, solver: impl FnOnce(&mut Coulomb) -> bool) -> bool 
     coulomb.cones.set(problem, Law::Cone);
     coulomb.newton.set_problem(&coulomb.cones);
     coulomb.recall(problem, &Memory::default());
+    coulomb.begin();
     solver(&mut coulomb) || coulomb.best.error <= PROMISED
 }
 
@@ -50,14 +52,17 @@ fn every_stage_solves_problems_that_the_others_leave() {
     let [points, minima] = [&POINTS[..], &MINIMA].map(|seeds| seeds.iter().copied().map(problem).collect::<Vec<_>>());
     for (name, problems) in [("any", &any), ("need points", &points), ("need minima", &minima)] {
         let left = missed(problems, |solver| {
-            solver.newton_from_memory() || solver.interior_points() || solver.energy_minima()
+            solver.newton_from_memory(Limits::NORMAL) || solver.interior_points() || solver.energy_minima()
         });
         assert_eq!(left, 0, "{name}: of {} problems", problems.len());
     }
     let without = [
-        ("all but Newton's method", missed(&any, Coulomb::newton_from_memory)),
-        ("interior points", missed(&points, |solver| solver.newton_from_memory() || solver.energy_minima())),
-        ("minima", missed(&minima, |solver| solver.newton_from_memory() || solver.interior_points())),
+        ("all but Newton's method", missed(&any, |solver| solver.newton_from_memory(Limits::NORMAL))),
+        (
+            "interior points",
+            missed(&points, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.energy_minima()),
+        ),
+        ("minima", missed(&minima, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.interior_points())),
     ];
     println!("left unsolved without {without:?}");
     assert!(

@@ -27,12 +27,22 @@ const MAX_STEPS: u32 = 40;
 /// Modes that as many steps have indicated are tried with Newton's method.
 const STABLE_STEPS: u32 = 3;
 
-/// Part of the way to the boundary of the cones that a step goes [-].
-const STEP_FRACTION: f64 = 0.99;
-/// Least part of τ that a step aims at [-].
-const MIN_CENTERING: f64 = 1e-4;
 /// A variable of which the predictor removes more than this part vanishes at the solution [-].
 const TAPIA_THRESHOLD: f64 = 0.5;
+
+/// Length of the steps, and how fast they reduce τ.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StepRule {
+    /// Part of the way to the boundary of the cones that a step goes [-].
+    step_fraction: f64,
+    /// Least part of τ that a step aims at [-].
+    min_centering: f64,
+}
+
+impl StepRule {
+    pub const AGGRESSIVE: StepRule = StepRule { step_fraction: 0.99, min_centering: 1e-4 };
+    pub const CAUTIOUS: StepRule = StepRule { step_fraction: 0.9, min_centering: 0.1 };
+}
 
 /// One contact: x, y, and its step.
 #[derive(Clone, Copy, Debug, Default)]
@@ -87,7 +97,7 @@ impl Interior {
 
     /// Iterates towards the solution of Coulomb's law, or with held |v_F| to that of the convex program. Leaves the best iterate. Returns
     /// whether it has ended. Without `held` it also returns as soon as [`STABLE_STEPS`] steps have indicated the same modes.
-    pub fn advance(&mut self, cones: &RoundCones, held: Option<&[f64]>, iterate: &mut Iterate) -> bool {
+    pub fn advance(&mut self, cones: &RoundCones, rule: StepRule, held: Option<&[f64]>, iterate: &mut Iterate) -> bool {
         let unit = if cones.size > 0.0 { cones.size } else { 1.0 };
         let mut ended = true;
         while self.steps < MAX_STEPS {
@@ -112,9 +122,10 @@ impl Interior {
             let changes = self.contacts.iter_mut().fold(false, |changes, own| own.predict_mode() | changes);
             self.stable = if changes { 1 } else { self.stable + 1 };
             let predicted_step = self.max_step();
-            let share = if tau < MIN_TAU { 1.0 } else { (1.0 - predicted_step.min(1.0)).powi(3).max(MIN_CENTERING) };
+            let share =
+                if tau < MIN_TAU { 1.0 } else { (1.0 - predicted_step.min(1.0)).powi(3).max(rule.min_centering) };
             self.find_direction(Some(share), tau);
-            let step = f64::min(1.0, STEP_FRACTION * self.max_step());
+            let step = f64::min(1.0, rule.step_fraction * self.max_step());
             for own in &mut self.contacts {
                 own.x = axpy(own.x, step, own.dx);
                 own.y = axpy(own.y, step, own.dy);

@@ -18,8 +18,30 @@ pub(super) struct Start<'a> {
     pub patches: bool,
     /// Weight of the velocities in the choice of the modes.
     pub weight: Weight,
+    pub limits: Limits,
+}
+
+/// When a run of Newton's method gives up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
     /// Steps at most.
-    pub max_steps: u32,
+    steps: u32,
+    /// Steps without progress at most.
+    patience: u32,
+}
+
+impl Limits {
+    /// From a good guess the method takes one to four steps.
+    pub const NORMAL: Limits = Limits { steps: 12, patience: 4 };
+    /// From modes that interior points have indicated before they end.
+    pub const EARLY: Limits = Limits { steps: 4, patience: 4 };
+    /// For the last stage.
+    pub const PATIENT: Limits = Limits { steps: 36, patience: 12 };
+
+    /// Whether the method gives up at a step. `best` is the step of the least residual so far.
+    pub fn are_reached(self, step: u32, best: u32) -> bool {
+        step >= self.steps || step > best + self.patience
+    }
 }
 
 /// Weight ρ of the velocities in x = f − ρ v. Any weight has the same solutions.

@@ -28,8 +28,6 @@ use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
 use equations::{Equations, ModeWeights, Unknown};
 
-/// Steps without progress after which the method gives up.
-const PATIENCE: u32 = 4;
 /// If the residual with compliance is this part of the rigid one or less [-], only the compliance remains to be undone.
 const COMPLIANCE_DOMINATES: f64 = 0.1;
 /// A greater rigid residual is never due to the compliance [-].
@@ -80,7 +78,7 @@ impl PatchNewton {
 
     /// Iterates from the present impulse to the solution. A patch that does not hold is released. False if it does not converge.
     pub fn run(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) -> bool {
-        let Start { guess, patches, weight, max_steps } = start;
+        let Start { guess, patches, weight, limits } = start;
         self.contacts.clear();
         self.contacts.resize(cones.contacts, ModeWeights::default());
         self.groups.iter_mut().for_each(|group| (group.sticks, group.may_stick) = (false, patches));
@@ -89,8 +87,8 @@ impl PatchNewton {
         self.undistributed.clone_from(&iterate.f);
         self.velocity(cones, iterate);
         let (mut refined, mut least, mut least_step) = (0, f64::INFINITY, 0);
-        for step in 0..max_steps {
-            if step > least_step + PATIENCE {
+        for step in 0.. {
+            if limits.are_reached(step, least_step) {
                 return false;
             }
             match guess {
