@@ -47,7 +47,8 @@ fn ground_that_cannot_be_is_refused() {
     ground("tiles=[{height=inf}]", &["plant.ground.tiles.0.height = inf", "finite"]);
     ground("tiles=[{height=0.1}, {x=[0.0, 1.0], height=0.2}]", &["plant.ground.tiles.1", "must not overlap"]);
     ground("random.height=-0.1", &["plant.ground.random.height = -0.1", "must not be negative"]);
-    ground("random.size=[0.1, 0.0]", &["plant.ground.random.size = 0", "greater than 0"]);
+    ground("random.size=[0.1, 0.0]", &["plant.ground.random.size = 0", "at least 1e-9 m"]);
+    ground("random.size=[1e-300, 0.1]", &["plant.ground.random.size = 1e-300", "at least 1e-9 m"]);
     ground("random.seed=-1", &["seed", "u64"]);
     let tiles = |count: usize| {
         let tiles: Vec<_> = (0..count).map(|i| format!("{{x=[{i}.0, {}.0], height=0.1}}", i + 1)).collect();

@@ -31,7 +31,8 @@ fn limits(law: &str, family: &str) -> Limits {
         ("Cone", "jams") => Limits { unsolved: 0.002, natural_map: 1e-8, per_pair: 40.0, warm: 0.2 },
         ("Cone", "conditioned") => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 120.0, warm: 0.2 },
         ("Cone", "rough") => Limits { unsolved: 0.004, natural_map: 1e-8, per_pair: 120.0, warm: 0.2 },
-        ("Aligned", "rough") => Limits { unsolved: 0.08, natural_map: 0.1, per_pair: 12.0, warm: 0.2 },
+        // `Aligned` fails at great friction: its impulse may then be wrong altogether (docs/notes/contact.md), so only their number is limited.
+        ("Aligned", "rough") => Limits { unsolved: 0.08, natural_map: 1.0, per_pair: 12.0, warm: 0.2 },
         ("Cone", _) => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 8.0, warm: 0.2 },
         _ => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 4.0, warm: 0.2 },
     }

@@ -154,8 +154,8 @@ fn it_walks_with_several_disturbances_at_once() {
     run("walk", &trials).assert_ranges(&[("distance_m", 1.8..=2.8)]);
 }
 
-/// Equation (41) on the robot: after a push, the energy error of its lateral orbit decays at the rate k_E. Without the rule, the error does
-/// not decay. The energy is measured on the robot, not taken from the controller.
+/// Equation (41) on the robot: after a push, the energy error of its lateral orbit decays at the rate k_E, within 15 %. Without the rule its
+/// rate is 0 within 15 % of the lesser k_E. The energy is measured on the robot, not taken from the controller.
 #[test]
 fn a_pushed_robot_returns_to_its_orbit_at_the_rate_of_equation_41() {
     let output = std::process::Command::new(env!("CARGO_BIN_EXE_biped"))
@@ -173,7 +173,7 @@ fn a_pushed_robot_returns_to_its_orbit_at_the_rate_of_equation_41() {
         assert!((rate / gain - 1.0).abs() < 0.15, "k_E = {gain}: {row:?}");
     }
     let without = cells("k_E = 0, the robot");
-    assert!(without.iter().take(6).all(|share| (share - 1.0).abs() < 0.2), "{without:?}");
+    assert!(without.last().expect("a rate").abs() < 0.15 * 2.0, "{without:?}");
 }
 
 /// Eight times of a push, evenly spaced over one period.

@@ -5,6 +5,8 @@ use crate::scene::Ground;
 
 /// Largest number of tiles. A scene with more would not fit into the environment variable in which it is handed to other processes.
 const MAX_TILES: usize = 500;
+/// Shortest side of a random tile [m]. Tiles are counted by whole numbers of 64 bits: out to 9e9 m with such sides.
+const MIN_SIDE: f64 = 1e-9;
 
 impl Validator<'_> {
     /// Checks the tiles, which must not overlap, and the grid of random ones.
@@ -22,7 +24,14 @@ impl Validator<'_> {
             let ranges = format!("x {:?}, y {:?}", tile.x, tile.y);
             self.require(other.is_none(), &format!("plant.ground.tiles.{i}"), ranges, rule)?;
         }
-        ground.random.size.iter().try_for_each(|&side| self.positive("plant.ground.random.size", side))?;
+        for side in ground.random.size {
+            self.require(
+                side >= MIN_SIDE,
+                "plant.ground.random.size",
+                format!("{side:?}"),
+                "it must be at least 1e-9 m",
+            )?;
+        }
         self.not_negative("plant.ground.random.height", ground.random.height)
     }
 }

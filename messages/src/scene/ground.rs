@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn the_drawn_tiles_have_the_heights_of_their_places() {
-        let level = GroundTile { x: [-1.0, 0.5], y: everywhere(), height: 0.002 };
+        let level = GroundTile { x: [-1.0, 0.6], y: everywhere(), height: 0.002 };
         let ground = Ground { tiles: vec![level], random: RandomTiles { height: 0.005, ..RandomTiles::default() } };
         let drawn = ground.tiles_within(4.0);
         assert_eq!(drawn.len(), 1 + 40 * (40 - 8), "a row of eight tiles has its centre on the given tile");
@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn given_tiles_have_priority_over_random_ones() {
-        let level = GroundTile { x: [-1.0, 0.5], y: everywhere(), height: 0.0 };
+        let level = GroundTile { x: [-1.0, 0.6], y: everywhere(), height: 0.0 };
         let random = RandomTiles { height: 0.005, ..RandomTiles::default() };
         let ground = Ground { tiles: vec![level], random };
         assert_eq!(ground.height(0.3, 0.1), 0.0);

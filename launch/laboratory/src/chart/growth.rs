@@ -167,9 +167,11 @@ mod tests {
                 "{points} corners: states differ by {worst:.1e}, {standing} of 300 steps solved as a standing table"
             );
             assert!(worst < 1e-9, "{points} corners: {worst}");
-            // of three and of five corners, one carries nothing; on one it tips, and counts as standing while that one stands still
+            // of three and of five corners, one carries nothing; the others of five hold the table in some steps; on one it tips, and counts
+            // as standing while that one stands still
             let held = match points {
-                0.0 | 3.0 | 5.0 => 0..=0,
+                0.0 | 3.0 => 0..=0,
+                5.0 => 1..=150,
                 1.0 => 1..=60,
                 _ => 291..=300,
             };

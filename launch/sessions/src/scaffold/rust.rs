@@ -86,7 +86,7 @@ fn eight_finite_torques_within_the_limit() {
 const WALK_TEST: &str = r#"//! Claims about the controller.
 
 use super::*;
-use messages::wire::Encoders;
+use messages::wire::{Encoders, Stamp};
 
 #[test]
 fn eight_finite_torques_within_the_limit() {
@@ -95,7 +95,7 @@ fn eight_finite_torques_within_the_limit() {
     let count = std::f64::consts::TAU / f64::from(scene.plant.encoder_bits).exp2();
     let mut counts = [0; 8];
     counts.iter_mut().zip(&scene.initial.joints).for_each(|(count_of, angle)| *count_of = (angle / count).round() as i64);
-    let reading = Reading { encoders: Encoders { counts }, begins: true };
+    let reading = Reading { encoders: Encoders { counts }, begins: true, stamp: Stamp::default() };
     let (torques, _) = walk.tick(&scene, &reading).unwrap_or_else(|error| panic!("{error}"));
     assert!(torques.torque.iter().all(|torque| torque.abs() <= scene.plant.torque_limit), "{torques:?}");
 }
