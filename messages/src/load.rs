@@ -184,7 +184,7 @@ mod tests {
             &["plant.ground.tiles.1", "must not overlap plant.ground.tiles.0"],
         );
         refused(&["plant.ground.tiles=[{x = [0.0, 1.0]}]"], &["`height`"]);
-        refused(&["plant.ground.random.size=[0.2, 0.0]"], &["plant.ground.random.size", "greater than 0"]);
+        refused(&["plant.ground.random.size=[0.2, 0.0]"], &["plant.ground.random.size", "at least 1e-9 m"]);
         refused(&["plant.ground.random.height=-0.01"], &["plant.ground.random.height", "negative"]);
         refused(&["plant.ground.steps=1"], &["`steps`", "`tiles`"]);
         refused(&["plant.restitution=1.1"], &["plant.restitution", "between 0 and 1"]);

@@ -179,7 +179,7 @@ mod tests {
 
     #[test]
     fn given_tiles_have_priority_over_random_ones() {
-        let level = GroundTile { x: [-1.0, 0.6], y: everywhere(), height: 0.0 };
+        let level = GroundTile { x: [-1.0, 0.5], y: everywhere(), height: 0.0 };
         let random = RandomTiles { height: 0.005, ..RandomTiles::default() };
         let ground = Ground { tiles: vec![level], random };
         assert_eq!(ground.height(0.3, 0.1), 0.0);
