@@ -105,7 +105,7 @@ pub fn touching(
         let (now, after) = (pose.links[link].velocity, pose.twist(model, link, free));
         for (id, point) in (first..).zip(points) {
             let arm = pose.lowest(point);
-            let gap = pose.reference.z + arm.z - ground.of(id);
+            let gap = ground.gap_at(pose, &arm, id);
             let reach = match law {
                 Law::SpringDamper => 0.0,
                 Law::EnergyQp | Law::Complementarity => SEARCH_FACTOR * model.gravity.norm() * h * h,
@@ -150,7 +150,7 @@ pub fn add_penetrating(
             let after = pose.twist(model, link, after);
             for (id, point) in (first..).zip(points) {
                 let arm = pose.lowest(point);
-                let gap = pose.reference.z + arm.z - ground.of(id);
+                let gap = ground.gap_at(pose, &arm, id);
                 let sinks = gap > 0.0 && gap + h * after.at(&arm).z < 0.0;
                 if sinks && point.has_ground(pose.reference.x + arm.x) && !listed(id, touches) {
                     touches.push(Touch { approach: gap / h, ..Touch::new(id, link, arm, gap) });

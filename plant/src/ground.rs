@@ -11,6 +11,7 @@
 
 use crate::kinematics::Pose;
 use crate::model::Model;
+use nalgebra::Vector3;
 
 /// A point farther than this above its ground carries no load [length of the model].
 const LIFTED: f64 = 1e-6;
@@ -40,7 +41,13 @@ impl GroundHeights {
     /// Height of a contact point above the ground that it meets [m].
     #[inline]
     pub fn gap(&self, model: &Model, pose: &Pose, id: usize) -> f64 {
-        pose.height(&model.contact_points[id]) - self.of(id)
+        self.gap_at(pose, &pose.lowest(&model.contact_points[id]), id)
+    }
+
+    /// The same, of a contact point whose [`Pose::lowest`] is `arm`.
+    #[inline]
+    pub fn gap_at(&self, pose: &Pose, arm: &Vector3<f64>, id: usize) -> f64 {
+        pose.reference.z + arm.z - self.of(id)
     }
 
     /// Takes the tile under a contact point; returns whether its height differs from that of the ground before.

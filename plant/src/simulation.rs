@@ -40,7 +40,7 @@ impl Simulation {
         Ok(Simulation {
             commands: CommandPipeline::new(scene, run),
             encoders: plant.encoders(),
-            periods: (scene.duration * scene.rate).round() as u64,
+            periods: scene.periods(),
             stamp: Stamp { run, epoch, seq: 1, ..Stamp::default() },
             scene: scene.clone(),
             plant,

@@ -4,12 +4,9 @@ use biped_c::failure::{BIPED_NO_PLANT, BIPED_STOPPED, CallFailure};
 use messages::clock::{Timeout, now_ns, random};
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Action, Pace, PlantPort, Verdict};
-use messages::wire::{Encoders, PlantState, Reply, Sensors, Stamp, Stamped, Torques, Truth};
+use messages::wire::{Encoders, PlantState, Reply, Sensors, Stamp, Torques, Truth};
 use plant::command_pipeline::CommandPipeline;
 use std::time::Duration;
-
-/// The plant sends its sensors again this often while it waits [ns].
-const HEARTBEAT_NS: u64 = 100_000_000;
 
 /// A plant's end of a session.
 pub struct Robot {
@@ -40,7 +37,7 @@ impl Robot {
             commands: CommandPipeline::new(&scene, stamp.run),
             sensors: Sensors { stamp, ..Sensors::default() },
             rate: scene.rate,
-            periods: (scene.duration * scene.rate).round() as u64,
+            periods: scene.periods(),
             has_controller: scene.controller.is_some(),
             patience,
             answered_ns: 0,
@@ -131,14 +128,13 @@ impl Robot {
             match self.port.wait()? {
                 Some(command) => {
                     self.commands.receive(&command, asked.seq);
-                    let answers = (command.stamp.run, command.stamp.ack) == (asked.run, asked.seq);
-                    if command.is_sound() && answers && self.commands.has_command() {
+                    if command.answers(&asked) && self.commands.has_command() {
                         return Ok(());
                     }
                 }
                 None => {
                     self.refuse_requests()?;
-                    if now_ns() - asked.mono_ns > HEARTBEAT_NS {
+                    if now_ns() - asked.mono_ns > PlantPort::HEARTBEAT_NS {
                         self.sensors.stamp.mono_ns = now_ns();
                         self.port.send(self.sensors)?;
                     }

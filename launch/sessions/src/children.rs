@@ -34,7 +34,8 @@ pub struct RoleProcess {
 
 impl RoleProcess {
     /// Starts `biped NAME ARGUMENTS` with additional environment variables. Its standard error is printed line by line above the progress
-    /// bar, except its last error, which [`RoleProcess::outcome`] returns.
+    /// bar, except its last error, which [`RoleProcess::outcome`] returns. If its standard input is piped, a plant waits after its
+    /// initialization for [`RoleProcess::release`].
     ///
     /// # Errors
     /// If the system cannot start it.
@@ -42,25 +43,11 @@ impl RoleProcess {
         name: &'static str,
         arguments: &[String],
         environment: &[(&'static str, String)],
+        input: Stdio,
         bar: &ProgressBar,
     ) -> Result<RoleProcess, Failure> {
         let arguments = [&[name.into()], arguments].concat();
-        RoleProcess::spawn(name, &arguments, environment, Origin::Own, Stdio::null(), bar)
-    }
-
-    /// Starts `biped NAME ARGUMENTS` like [`RoleProcess::start`], but the plant waits after its initialization for
-    /// [`RoleProcess::release`].
-    ///
-    /// # Errors
-    /// If the system cannot start it.
-    pub fn start_held(
-        name: &'static str,
-        arguments: &[String],
-        environment: &[(&'static str, String)],
-        bar: &ProgressBar,
-    ) -> Result<RoleProcess, Failure> {
-        let arguments = [&[name.into()], arguments].concat();
-        RoleProcess::spawn(name, &arguments, environment, Origin::Own, Stdio::piped(), bar)
+        RoleProcess::spawn(name, &arguments, environment, Origin::Own, input, bar)
     }
 
     /// Releases a held plant by closing its standard input. The death of this process would close it too.

@@ -27,6 +27,9 @@ pub struct PlantPort {
 }
 
 impl PlantPort {
+    /// A plant that waits sends its sensors again this often [ns].
+    pub const HEARTBEAT_NS: u64 = 100_000_000;
+
     /// Joins a session as its plant.
     ///
     /// # Errors

@@ -27,6 +27,11 @@ impl Scene {
         let own = if self.bodies == robot::table_1() { "Table 1" } else { "bodies of the scene" };
         self.robot.as_deref().unwrap_or(own)
     }
+
+    /// Number of control periods.
+    pub fn periods(&self) -> u64 {
+        (self.duration * self.rate).round() as u64
+    }
 }
 
 impl Default for PlantScene {

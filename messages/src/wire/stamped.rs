@@ -51,6 +51,13 @@ macro_rules! stamped {
 }
 stamped!(Sensors Command Truth Request Reply Served);
 
+impl Command {
+    /// Whether this is an undamaged answer to the sensors with the stamp `asked`. The fields of a damaged message are not used.
+    pub fn answers(&self, asked: &Stamp) -> bool {
+        self.is_sound() && (self.stamp.run, self.stamp.ack) == (asked.run, asked.seq)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -8,14 +8,12 @@ use crate::Simulation;
 use messages::clock::{Timeout, now_ns, sleep_until};
 use messages::port::{Pace, PlantPort};
 use messages::scene::Scene;
-use messages::wire::{PlantState, Sensors, Stamp, Stamped};
+use messages::wire::{PlantState, Sensors, Stamp};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
 /// While simulated time stands still, the plant looks for requests this often.
 const PAUSE_POLL: Duration = Duration::from_millis(1);
-/// While simulated time stands still, the plant sends the sensors again this often [ns].
-const HEARTBEAT_NS: u64 = 100_000_000;
 
 /// Connection of a plant to its controller.
 pub(super) struct ControllerConnection<'a> {
@@ -89,11 +87,7 @@ impl<'a> ControllerConnection<'a> {
             match self.port.wait()? {
                 Some(command) => {
                     simulation.receive(&command);
-                    let stamp = command.stamp;
-                    // The fields of a damaged message are not used.
-                    let answers =
-                        command.is_sound() && stamp.run == sensors.stamp.run && stamp.ack == sensors.stamp.seq;
-                    if answers && simulation.commands().has_command() {
+                    if command.answers(&sensors.stamp) && simulation.commands().has_command() {
                         break;
                     }
                 }
@@ -175,7 +169,7 @@ impl<'a> ControllerConnection<'a> {
     /// Sends the same sensors again from time to time. The controller learns that the plant is alive, and a connection that
     /// loses messages, such as one to another machine, gets another chance. The controller repeats its answer.
     fn heartbeat(&mut self, sensors: &Sensors) -> Result<(), PlantProcessError> {
-        if now_ns() - self.last_sent_ns > HEARTBEAT_NS {
+        if now_ns() - self.last_sent_ns > PlantPort::HEARTBEAT_NS {
             self.last_sent_ns = now_ns();
             self.port.send(Sensors { stamp: Stamp { mono_ns: self.last_sent_ns, ..sensors.stamp }, ..*sensors })?;
         }

@@ -135,9 +135,13 @@ impl Plant {
             (true, true) => 1.0,
             (true, false) => slip(pose, point).dot(&contact.slip_direction) / contact.speed,
             (false, _) => {
-                let at = pose.reference + pose.lowest(point);
-                let gap = at.z - self.world.input.ground.of(id);
-                if contact.gap.is_finite() && point.has_ground(at.x) { gap / contact.gap } else { 1.0 }
+                let arm = pose.lowest(point);
+                let gap = self.world.input.ground.gap_at(pose, &arm, id);
+                if contact.gap.is_finite() && point.has_ground(pose.reference.x + arm.x) {
+                    gap / contact.gap
+                } else {
+                    1.0
+                }
             }
         };
         let points = self.world.model.contact_points.iter().zip(&self.state.event_contacts);

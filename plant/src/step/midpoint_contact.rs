@@ -1,7 +1,6 @@
 //! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
 use super::Plant;
-use super::last_acceleration::LastAcceleration;
 use super::midpoint::update_mean;
 use super::posed_state::BaseCentre;
 use super::prediction::{Prediction, first_root};
@@ -109,7 +108,7 @@ impl Plant {
             self.evaluate_midpoint(h)?;
         }
         let Plant { world, state: StepState { now, memory, last_acceleration, .. }, work, .. } = self;
-        let LastAcceleration { contraction, .. } = last_acceleration;
+        let contraction = &mut last_acceleration.contraction;
         let Workspace { middle, mean, dynamics, free, touches, .. } = work;
         let mut last = f64::INFINITY;
         *contraction *= CONTRACTION_GROWTH;

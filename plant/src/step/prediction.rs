@@ -64,7 +64,7 @@ impl<'a> Prediction<'a> {
             let point = &world.model.contact_points[touch.id];
             let [at_start, arm] = [self.start, self.middle].map(|pose| pose.lowest(point));
             let start = self.start.links[link].velocity.at(&at_start);
-            let gap = self.start.reference.z + at_start.z - world.input.ground.of(touch.id);
+            let gap = world.input.ground.gap_at(self.start, &at_start, touch.id);
             touch.velocity_gain = before.at(&arm) - start;
             let end = free.at(&arm) + touch.velocity_gain;
             let free_gap = 2.0 * touch.gap - gap - 0.5 * self.h * before.at(&arm).z; // gap₊ without further approach

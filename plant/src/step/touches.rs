@@ -48,7 +48,7 @@ impl Touches {
         self.list.clear();
         for (id, point) in contact_points.iter().enumerate() {
             let arm = pose.lowest(point);
-            let gap = pose.reference.z + arm.z - world.input.ground.of(id);
+            let gap = world.input.ground.gap_at(pose, &arm, id);
             if (gap <= landed || memory.was_active(id)) && point.has_ground(pose.reference.x + arm.x) {
                 self.list.push(Touch::new(id, point.link, arm, gap));
             }

@@ -9,7 +9,7 @@ mod scenes;
 use super::args::ChartArgs;
 use super::core::Core;
 use super::csv::OURS;
-use super::trial::{periods, time};
+use super::trial::time;
 use super::watch::{ChartProgress, Job};
 use crate::study::tables::table;
 use messages::load::load;
@@ -46,7 +46,7 @@ pub fn run(args: &ChartArgs, watch: &ChartProgress) -> Result<(), Failure> {
         for (x, scene) in &scenes {
             watch.step(Job::Timing)?;
             if let Ok((seconds, _)) = time(scene, &[]) {
-                let us = 1e6 * seconds / periods(scene) as f64;
+                let us = 1e6 * seconds / scene.periods() as f64;
                 keep_least(&mut points, Point { curve: curve.name, engine: OURS, x: *x, us });
             }
         }

@@ -3,7 +3,7 @@
 use super::cases::{self, Combination, LAW, METHOD};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
-use super::trial::{RunEnd, RunLog, periods, time, watch};
+use super::trial::{RunEnd, RunLog, time, watch};
 use super::watch::{ChartProgress, Job};
 use messages::load::parse;
 use messages::scene::{Base, Law, Scene};
@@ -54,7 +54,7 @@ pub fn measure(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
                 ));
             };
             let (seconds, _) = time(&scene, &[])?;
-            answers.push((name, answer(&log), seconds, scene.duration, periods(&scene)));
+            answers.push((name, answer(&log), seconds, scene.duration, scene.periods()));
         }
         let Some(full) = answers.last().map(|last| last.1) else { continue };
         rows.extend(answers.into_iter().map(|(method, answer, seconds, duration, steps)| Measurement {

@@ -4,7 +4,7 @@ use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, steps, 
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::metrics::{Metric, SIGNORINI, metrics};
-use super::trial::{RunEnd, periods, time, watch};
+use super::trial::{RunEnd, time, watch};
 use super::watch::{ChartProgress, Job};
 use messages::scene::Scene;
 use nalgebra::Vector3;
@@ -111,7 +111,7 @@ impl MethodTrial {
             metric: metric.into(),
             error,
             cost: self.seconds / self.scene.duration,
-            us_per_step: 1e6 * self.seconds / periods(&self.scene) as f64,
+            us_per_step: 1e6 * self.seconds / self.scene.periods() as f64,
         };
         match &self.result {
             Ok(metrics) => metrics.iter().map(|metric| row(metric.0, metric.1)).collect(),

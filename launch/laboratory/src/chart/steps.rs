@@ -3,7 +3,7 @@
 use super::cases::{self, Combination, LAW, METHOD};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
-use super::trial::{RunEnd, periods, quantile, times, watch};
+use super::trial::{RunEnd, quantile, times, watch};
 use super::watch::{ChartProgress, Job};
 use messages::scene::{Law, Method, Scene};
 use messages::wire::Torques;
@@ -85,8 +85,8 @@ fn driven(scene: &Scene) -> Option<Vec<Torques>> {
     let mut controller = controller::Controller::new(scene).ok()?;
     let mut plant = plant::Plant::new(scene).ok()?;
     let mut encoders = plant.encoders();
-    let mut all = Vec::with_capacity(periods(scene));
-    for _ in 0..periods(scene) {
+    let mut all = Vec::with_capacity(scene.periods() as usize);
+    for _ in 0..scene.periods() {
         let torques = controller.tick(&encoders).ok()?;
         encoders = plant.advance(&torques).ok()?;
         all.push(torques);

@@ -146,9 +146,9 @@ pub fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.get(((share * values.len() as f64) as usize).min(last)).copied().unwrap_or(f64::NAN)
 }
 
-/// Number of control periods of a scene.
-pub fn periods(scene: &Scene) -> usize {
-    (scene.duration * scene.rate).round() as usize
+/// Number of control periods of a scene, to index torques.
+fn periods(scene: &Scene) -> usize {
+    scene.periods() as usize
 }
 
 /// CPU time of this thread [s].

@@ -17,6 +17,7 @@ use sessions::open::open_with_timeout;
 use sessions::realtime::{RealtimeArgs, minimize_timer_slack};
 use shared::exit::{Exit, Failure};
 use shared::output::log;
+use std::process::Stdio;
 use std::sync::atomic::Ordering::Relaxed;
 use std::time::Duration;
 
@@ -85,8 +86,8 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         [&scene[..], &[format!("duration={seconds}")], &system.for_child(child).arguments()[..]].concat()
     };
     let mut roles = vec![
-        RoleProcess::start("plant", &arguments(0), &[], &bench.counter.bar)?,
-        RoleProcess::start("controller", &arguments(1), &[], &bench.counter.bar)?,
+        RoleProcess::start("plant", &arguments(0), &[], Stdio::null(), &bench.counter.bar)?,
+        RoleProcess::start("controller", &arguments(1), &[], Stdio::null(), &bench.counter.bar)?,
     ];
     let plant = format!("{0}/task/{0}", roles[0].pid());
     let (mut watch, mut floor, mut before, mut after) = (HostWatch::new()?, None, Usage::default(), Usage::default());

@@ -12,6 +12,7 @@ use messages::session::Session;
 use shared::args::settings_with_robot;
 use shared::exit::{Exit, Failure};
 use shared::output::log;
+use std::process::Stdio;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
@@ -54,14 +55,17 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
             Some(command) => {
                 RoleProcess::start_foreign(name, command, &children::environment_variables(&environment)?, &bar)
             }
-            None => RoleProcess::start(name, &arguments(child), &variables, &bar),
+            None => RoleProcess::start(name, &arguments(child), &variables, Stdio::null(), &bar),
         }
     };
     // Processes start before this one creates any files: if this one is killed at once, they remove the files. Own processes initialize in
     // parallel with this one. The plant is first, because it takes longest; it is held until the recorder is ready. A foreign plant
     // cannot be held, so it starts only then.
-    let held =
-        args.plant.is_none().then(|| RoleProcess::start_held("plant", &arguments(0), &variables, &bar)).transpose()?;
+    let held = args
+        .plant
+        .is_none()
+        .then(|| RoleProcess::start("plant", &arguments(0), &variables, Stdio::piped(), &bar))
+        .transpose()?;
     // If several processes start this session at the same time, one of them becomes its leader and continues.
     let member = cleanup.0.join()?;
     if !member.try_lead() {
@@ -124,7 +128,7 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
         let has_exited = roles.get(1).is_some_and(|controller| controller.status().is_some());
         controller_exit = has_exited.then(|| controller_exit.unwrap_or_else(Instant::now));
         let waited = controller_exit.map_or(Duration::ZERO, |since| since.elapsed());
-        let is_over = monitor.latest.seq > (scene.duration * scene.rate).round() as u64;
+        let is_over = monitor.latest.seq > scene.periods();
         if waited > EXIT_TIMEOUT && !is_over {
             let words = "the controller exited with code 0 before the run was over: it has to answer until the last sensors message";
             break Err(Failure::new(Exit::PeerMissing, words));

@@ -42,7 +42,8 @@ impl Plant {
             let arm = pose.lowest(point);
             let at = pose.reference + arm;
             contact.tile = world.model.ground_at(&at);
-            contact.gap = if point.has_ground(at.x) { at.z - world.input.ground.of(id) } else { f64::INFINITY };
+            contact.gap =
+                if point.has_ground(at.x) { world.input.ground.gap_at(pose, &arm, id) } else { f64::INFINITY };
             let was_active = contact.active && contact.pressed && contact.gap.is_finite();
             contact.active = contact.gap <= ACTIVE_GAP * length || was_active;
             impacts |= contact.active && pose.links[point.link].velocity.at(&arm).z < -IMPACT_SPEED * length;
@@ -81,7 +82,7 @@ impl Touches {
         self.list.clear();
         self.list.extend(points.filter(|(_, (_, contact))| contact.active).map(|(id, (point, _))| {
             let arm = pose.lowest(point);
-            Touch::new(id, point.link, arm, pose.reference.z + arm.z - world.input.ground.of(id))
+            Touch::new(id, point.link, arm, world.input.ground.gap_at(pose, &arm, id))
         }));
         self
     }
