@@ -3,7 +3,7 @@
 use biped_plant::Plant;
 use biped_plant::kinematics::{self, Pose, Totals};
 use messages::robot::Body;
-use messages::scene::{Base, Scene};
+use messages::scene::{Base, Law, Scene};
 use messages::wire::Torques;
 use nalgebra::Vector3;
 
@@ -12,12 +12,13 @@ const WEIGHT: f64 = 5.0 * 9.81;
 const HEIGHT: f64 = 0.4;
 const LEGS: [[f64; 2]; 4] = [[0.2, 0.1], [0.2, -0.1], [-0.2, 0.1], [-0.2, -0.1]];
 
-fn table() -> Plant {
+fn table(law: Law, friction: f64) -> Plant {
     let legs = LEGS.map(|[x, y]| [x, y, -HEIGHT]);
     let body =
         Body { name: "table".into(), mass: 5.0, size: [0.4, 0.2, 0.1], contacts: legs.into(), ..Body::default() };
     let mut scene = Scene { bodies: vec![body], ..Scene::default() };
-    (scene.plant.base, scene.plant.friction, scene.plant.gravity) = (Base::Quaternion, MU, 9.81);
+    (scene.plant.base, scene.plant.friction, scene.plant.gravity) = (Base::Quaternion, friction, 9.81);
+    scene.plant.law = law;
     (scene.plant.dt, scene.rate) = (1e-3, 1e3);
     scene.initial.clearance = Some(0.0);
     Plant::new(&scene).expect("a table")
@@ -39,7 +40,7 @@ fn legs_obey_the_law_and_balance_the_momentum_of_a_leaning_table() {
     let mut random = fastrand::Rng::with_seed(seed);
     let (mut stood, mut tipped, mut worst) = (0, 0, [0.0_f64; 2]);
     for _ in 0..3000 {
-        let mut plant = table();
+        let mut plant = table(Law::Cone, MU);
         let mut step = |push: [f64; 2]| {
             assert!(plant.push(0, [1e-3 * push[0], 1e-3 * push[1], 0.0], 1e-3), "a table");
             let before = totals(&plant);
@@ -74,4 +75,32 @@ fn legs_obey_the_law_and_balance_the_momentum_of_a_leaning_table() {
     }
     println!("{stood} of 3000 held, {tipped} tipped; momentum off by {worst:?}");
     assert!(stood > 2000 && tipped > 300, "{stood} held, {tipped} tipped");
+}
+
+/// Standing feet do not know the direction of a square cone. So they hold a foot only within the disc that every square contains, of radius
+/// μ/√2. Beyond it the table stands as well, but contact by contact.
+#[test]
+fn feet_stand_within_the_disc_that_their_cone_contains() {
+    let friction = 0.2; // the table slips before it tips
+    for (law, part, held) in [
+        (Law::Aligned, 0.69, true),
+        (Law::Aligned, 0.73, false),
+        (Law::Cone, 0.73, true),
+        (Law::Cone, 0.99, true),
+        (Law::Cone, 1.01, false),
+    ] {
+        for turn in 0..24 {
+            let mut plant = table(law, friction);
+            (0..3).for_each(|_| _ = plant.advance(&Torques::default()).expect("it stands"));
+            let (sin, cos) = (std::f64::consts::TAU / 24.0 * f64::from(turn)).sin_cos();
+            let push = 1e-3 * part * friction * WEIGHT;
+            assert!(plant.push(0, [push * cos, push * sin, 0.0], 1e-3));
+            plant.advance(&Torques::default()).expect("a step");
+            assert_eq!(
+                plant.problem().delassus.is_empty(),
+                held,
+                "{law}, {part} of the friction, direction {turn} of 24"
+            );
+        }
+    }
 }
