@@ -76,6 +76,32 @@ fn friction_that_does_not_oppose_even_a_slow_slip_is_detected() {
     }
 }
 
+/// So does a friction of a millionth of the impulse: across the slip it is wrong by a right angle.
+#[test]
+fn even_a_small_friction_across_the_slip_is_detected() {
+    for (friction, exact) in [(1e-2, 90.0), (1e-4, 90.0), (1e-5, 90.0), (1e-7, 0.0)] {
+        let report = of([4.0, 0.0, 4.0 * friction], [0.0, 0.7, 0.0]);
+        assert_near(
+            &format!("{friction:e} of the impulse"),
+            report.slip_misalignment,
+            f64::to_radians(exact),
+            ROUNDING,
+        );
+    }
+}
+
+/// At great friction the projection of (f − F/V v̂) hides a contact that enters the ground while it slips: the shift μ|v_F| is greater than
+/// its approach. So the approach counts by itself.
+#[test]
+fn a_contact_that_slips_into_the_ground_counts_fully_at_any_friction() {
+    let rows = [vec![0., 0., 1.], vec![1., 0., 0.], vec![0., 1., 0.]];
+    for friction in [0.0, 0.5, 10.0, 1e3, 1e6] {
+        let problem = of_rows(2, &rows, &[A; 3], &[0.8, 0.0, -0.6], friction);
+        let report = Solver::default().measure_impulse(&problem, Law::Cone, &[0.0; 3]);
+        assert!((0.6 - ROUNDING..=1.0).contains(&report.natural_map), "μ = {friction}: {}", report.natural_map);
+    }
+}
+
 /// Residuals are relative: they do not depend on the units of mass and time.
 #[test]
 fn residuals_do_not_depend_on_units() {
