@@ -1,6 +1,6 @@
 //! Step size control: error of the parts of a step, rejected parts, and steps that do not converge.
 
-use crate::support::{distance, go, plant, tumbling};
+use crate::support::{distance, plant, run_steps, tumbling};
 use biped_plant::PlantError;
 use messages::scene::{Base, Method};
 use messages::wire::Torques;
@@ -13,7 +13,7 @@ fn the_error_of_a_doubled_step_is_near_its_tolerance() {
         let mut scene = tumbling(Base::Quaternion);
         scene.plant.tolerance_step = tolerance;
         let mut plant = plant(scene, method, 0.02);
-        go(&mut plant, 1);
+        run_steps(&mut plant, 1);
         plant
     };
     let exact = run(Method::EventDriven, 1e-13);
@@ -26,7 +26,7 @@ fn the_error_of_a_doubled_step_is_near_its_tolerance() {
         assert!((0.1..1.0).contains(&missed) && counts.rejected > 0, "{tolerance:e}: {missed}, {counts:?}");
     }
     let counts = run(Method::StepDoubling, 1e3).counts();
-    assert_eq!((counts.evaluations, counts.rejected), (3, 0), "what is near enough is not taken back");
+    assert_eq!((counts.evaluations, counts.rejected), (3, 0), "a part whose error is below its tolerance is accepted");
 }
 
 /// In steps of .7 s the mean velocity of a tumbling biped does not converge; in steps of a millisecond it does.

@@ -3,7 +3,7 @@
 use super::cases::{Combination, ComparisonScene, HOP, PENETRATION, Question, scene};
 use super::csv::{Measurement, OURS, View};
 
-use super::precision::{Fate, MethodTrial};
+use super::precision::{MethodTrial, NoMetrics};
 use super::trial::{RunEnd, watch};
 use super::watch::{ChartProgress, Job};
 use messages::scene::Method;
@@ -144,8 +144,8 @@ fn row(scene: &str, way: Combination, h: f64, causes: &Causes) -> Vec<Measuremen
 /// The causes of failure of a run, the most serious first; none if the scene was refused.
 fn causes(trial: &MethodTrial) -> Causes {
     let metrics = match &trial.result {
-        Err(Fate::Refused) => return None,
-        Err(Fate::Broken(error)) => return Some(vec![(broken(error), f64::INFINITY)]),
+        Err(NoMetrics::Refused) => return None,
+        Err(NoMetrics::Broken(error)) => return Some(vec![(broken(error), f64::INFINITY)]),
         Ok(metrics) => metrics,
     };
     let metric = |name: &str| metrics.iter().find(|metric| metric.0 == name).map_or(0.0, |metric| metric.1);
@@ -202,7 +202,7 @@ fn bouncing(way: Combination) -> Result<Causes, Failure> {
         RunEnd::Done(log) => log,
     };
     let radius = scene.bodies[0].spheres.first().map_or(0.0, |ball| ball.radius);
-    let heights = || log.sights.iter().map(|sight| (sight.time, sight.totals.com.z - radius));
+    let heights = || log.samples.iter().map(|sample| (sample.time, sample.totals.com.z - radius));
     let late = heights().filter(|(time, _)| *time > 1.6).fold(0.0, |late: f64, (_, height)| late.max(height));
     let deep = heights().fold(0.0, |deep: f64, (_, height)| deep.max(-height));
     let found = [(Cause::Zeno, late), (Cause::Tunnelling, deep)];

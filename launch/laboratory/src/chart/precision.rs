@@ -14,7 +14,7 @@ use shared::exit::{Exit, Failure};
 
 /// Why a run has no metrics.
 #[derive(Clone, Debug)]
-pub enum Fate {
+pub enum NoMetrics {
     /// The method cannot simulate the scene.
     Refused,
     /// The run broke off.
@@ -33,7 +33,7 @@ pub struct MethodTrial {
     /// The scene as it ran.
     pub scene: Scene,
     /// Metrics, or why there are none.
-    pub result: Result<Vec<Metric>, Fate>,
+    pub result: Result<Vec<Metric>, NoMetrics>,
     /// Steps that needed the solver's fallback.
     pub fallbacks: u64,
     /// Where the centre of mass ended [m].
@@ -88,8 +88,8 @@ fn run((case, way, h): (ComparisonScene, Combination, f64), progress: &ChartProg
         seconds: f64::NAN,
     };
     match watch(&trial.scene, &[]) {
-        RunEnd::Refused => trial.result = Err(Fate::Refused),
-        RunEnd::Broken(error) => trial.result = Err(Fate::Broken(error)),
+        RunEnd::Refused => trial.result = Err(NoMetrics::Refused),
+        RunEnd::Broken(error) => trial.result = Err(NoMetrics::Broken(error)),
         RunEnd::Done(log) => {
             trial.end = log.end();
             trial.result = Ok(metrics(case.question, &trial.scene, &log));
@@ -115,13 +115,16 @@ impl MethodTrial {
         };
         match &self.result {
             Ok(metrics) => metrics.iter().map(|metric| row(metric.0, metric.1)).collect(),
-            Err(Fate::Broken(_)) => self.case.question.metrics().iter().map(|name| row(name, f64::INFINITY)).collect(),
-            Err(Fate::Refused) => Vec::new(),
+            Err(NoMetrics::Broken(_)) => {
+                self.case.question.metrics().iter().map(|name| row(name, f64::INFINITY)).collect()
+            }
+            Err(NoMetrics::Refused) => Vec::new(),
         }
     }
 }
 
-/// The gate: of a method that converges to Coulomb's law, (19) and the gap hold better with smaller steps.
+/// Whether a method does not converge to Coulomb's law. Under a method that converges, the errors of (19) and of the gap shrink with
+/// the step.
 ///
 /// `runs` are rows of one method in one scene. A method is hollow if it violates (19) or the gap by more than rounding,
 /// and if the violation at its finest step is at least a third of that at its coarsest step.
