@@ -1,6 +1,7 @@
 //! The files of every crate form layers: following imports from one file to the next never leads back to a file.
 //!
-//! A name that a module re-exports counts as imported from the file that defines it. Tests within a file do not count.
+//! A name that a module re-exports counts as imported from the file that defines it. A module that only re-exports a name does not import
+//! it. Tests within a file do not count.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -8,8 +9,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use syn::visit::{self, Visit};
 
-/// The root file of every crate, relative to the repository.
-const CRATES: [&str; 10] = [
+/// The root file of every library crate, relative to the repository.
+const CRATES: [&str; 9] = [
     "messages/src/lib.rs",
     "plant/src/lib.rs",
     "controller/src/lib.rs",
@@ -19,7 +20,6 @@ const CRATES: [&str; 10] = [
     "launch/sessions/src/lib.rs",
     "launch/laboratory/src/lib.rs",
     "launch/python/src/lib.rs",
-    "launch/main.rs",
 ];
 
 /// A path of names, such as `port::sender::Sender`.
@@ -33,11 +33,13 @@ struct Module {
     file: PathBuf,
     /// Names that it defines.
     defined: BTreeSet<String>,
-    /// Names that it imports, each with the path as written.
+    /// Names that it imports or re-exports, each with the path as written.
     imported: BTreeMap<String, Names>,
+    /// Names that it re-exports.
+    re_exported: BTreeSet<String>,
     /// Modules from which it imports every name.
     globs: Vec<Names>,
-    /// All other paths of at least two names.
+    /// All other paths.
     mentioned: BTreeSet<Names>,
 }
 
@@ -98,10 +100,13 @@ impl Crate {
                 let ups = written.iter().take_while(|name| *name == "super").count();
                 Some([from[..from.len().checked_sub(ups)?].to_vec(), written[ups..].to_vec()].concat())
             }
-            _ if self.0.contains_key(&below) => Some([below, rest.to_vec()].concat()),
+            _ if !rest.is_empty() && self.0.contains_key(&below) => Some([below, rest.to_vec()].concat()),
             _ => {
-                let import = self.0[from].imported.get(first).filter(|import| import.first() != Some(first))?;
-                Some([self.absolute(from, import)?, rest.to_vec()].concat())
+                let module = &self.0[from];
+                match module.imported.get(first).filter(|import| import.first() != Some(first)) {
+                    Some(import) => Some([self.absolute(from, import)?, rest.to_vec()].concat()),
+                    None => module.defined.contains(first).then(|| below),
+                }
             }
         }
     }
@@ -127,7 +132,8 @@ impl Crate {
     fn imports(&self) -> Imports {
         let mut imports = Imports::new();
         for (path, module) in &self.0 {
-            let written = module.imported.values().chain(&module.globs).chain(&module.mentioned);
+            let imported = module.imported.iter().filter(|(name, _)| !module.re_exported.contains(*name));
+            let written = imported.map(|(_, path)| path).chain(&module.globs).chain(&module.mentioned);
             let found = written.filter_map(|written| self.file_of(&self.absolute(path, written)?));
             let others = found.filter(|file| **file != module.file).cloned();
             imports.entry(module.file.clone()).or_default().extend(others);
@@ -138,11 +144,21 @@ impl Crate {
 
 impl<'ast> Visit<'ast> for Module {
     fn visit_item_use(&mut self, item: &'ast syn::ItemUse) {
+        let known: BTreeSet<String> = self.imported.keys().cloned().collect();
         self.add_use(vec![], &item.tree);
+        if !matches!(item.vis, syn::Visibility::Inherited) {
+            self.re_exported.extend(self.imported.keys().filter(|name| !known.contains(*name)).cloned());
+        }
     }
 
+    /// `pub(super)` imports nothing.
+    fn visit_visibility(&mut self, _: &'ast syn::Visibility) {}
+
+    /// Nor do attributes.
+    fn visit_attribute(&mut self, _: &'ast syn::Attribute) {}
+
     fn visit_path(&mut self, path: &'ast syn::Path) {
-        if path.segments.len() > 1 && path.leading_colon.is_none() {
+        if path.leading_colon.is_none() {
             self.mentioned.insert(path.segments.iter().map(|segment| segment.ident.to_string()).collect());
         }
         visit::visit_path(self, path);
