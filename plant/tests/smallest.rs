@@ -93,7 +93,7 @@ fn difference(full: &Scene, small: &Scene) -> Difference {
             plant.advance(&Torques::default()).expect("a period");
             most.residual = greater(most.residual, plant.truth().natural_map);
         }
-        let [theirs, ours] = [&plants[0], &plants[1]].map(shown);
+        let [theirs, ours] = [&plants[0], &plants[1]].map(observables);
         let longest = |list: &[Vector3<f64>], least: f64| list.iter().map(Vector3::norm).fold(least, f64::max);
         (length, speed) = (longest(&theirs.motion[0], length), longest(&theirs.motion[1], speed));
         force = longest(&theirs.force, force);

@@ -24,7 +24,7 @@ fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
         truth.stamp.seq == end
     });
     walk.stop_observing();
-    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
+    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.time()));
     ground
 }
 

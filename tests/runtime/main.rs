@@ -4,9 +4,9 @@
 
 mod busy;
 mod ends;
+mod foreign_programs;
 mod hostile;
 mod same;
-mod strangers;
 
 use messages::session::Session;
 use nix::sys::signal::{Signal, kill};

@@ -197,7 +197,7 @@ fn sample(session: &Session, [plant, controller]: [u32; 2], replies: &mut Vec<u6
 }
 
 fn seconds(truth: &Truth) -> f64 {
-    truth.stamp.sim_ns as f64 * 1e-9
+    truth.stamp.time()
 }
 
 /// Resident memory of a process without shared memory [kB]. Shared memory is reserved at the start and counted separately; its pages

@@ -8,7 +8,7 @@ use super::steps::LOADS;
 use super::{bounds, draw, failures};
 use records::report::plot::escaped;
 use records::report::themed_svg;
-use records::view::page::STYLE;
+use records::view::page::article;
 use shared::output::write_atomically;
 use std::fmt::Write;
 use std::io;
@@ -26,17 +26,18 @@ pub fn write(folder: &Path, chosen: &[ComparisonScene], rows: &[Measurement], re
     }
     let [precision, steps, failures, models] =
         views.map(|view| view.iter().map(|(_, svg)| themed_svg(svg)).collect::<String>());
-    let page = include_str!("page.html")
-        .replace("{{style}}", STYLE)
-        .replace("{{remark}}", &escaped(remark))
-        .replace("{{law}}", &word(&LAW))
-        .replace("{{precision}}", &precision)
-        .replace("{{bounds}}", &bounds(chosen, rows))
-        .replace("{{steps}}", &steps)
-        .replace("{{failures}}", &failures)
-        .replace("{{causes}}", &causes())
-        .replace("{{thresholds}}", &thresholds(rows))
-        .replace("{{models}}", &models);
+    let parts = [
+        ("remark", escaped(remark)),
+        ("law", word(&LAW)),
+        ("precision", precision),
+        ("bounds", bounds(chosen, rows)),
+        ("steps", steps),
+        ("failures", failures),
+        ("causes", causes()),
+        ("thresholds", thresholds(rows)),
+        ("models", models),
+    ];
+    let page = article("Speed against accuracy", include_str!("page.html"), &parts);
     write_atomically(&folder.join("chart.html"), &page)
 }
 

@@ -125,7 +125,7 @@ impl FaultyController {
     fn outcome(&self, how: &str, start: Instant) -> TrialOutcome {
         let refused = self.truth.tally.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0);
         let refused: Vec<String> = refused.map(|(count, reason)| format!("{count} {reason}")).collect();
-        let (walked, took) = (self.truth.stamp.sim_ns as f64 * 1e-9, start.elapsed().as_secs_f64());
+        let (walked, took) = (self.truth.stamp.time(), start.elapsed().as_secs_f64());
         TrialOutcome {
             time: None,
             remark: format!("refused: {}; {walked:.0} s walked {how}, in {took:.0} s", refused.join(", ")),

@@ -97,7 +97,7 @@ fn requests_to_a_run_are_in_its_summary() {
         (&4.into(), &0.5.into(), &0.1.into())
     );
     for (one, reply) in last.iter().zip(&replies) {
-        let time = reply.stamp.sim_ns as f64 * 1e-9;
+        let time = reply.stamp.time();
         assert!((one["time_s"].as_f64().expect("a time") - time).abs() < 1e-9, "{one} at {time}");
     }
     assert!(table.contains("requests "), "{table}");
