@@ -9,20 +9,20 @@ use std::fmt;
 
 /// A law, with or without a warm start.
 #[derive(Clone, Copy, Debug)]
-struct Start(Law, bool);
+struct LawStart(Law, bool);
 
-impl fmt::Display for Start {
+impl fmt::Display for LawStart {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{} {}", self.0, if self.1 { "warm" } else { "cold" })
     }
 }
 
-fn starts() -> impl Iterator<Item = Start> {
-    Law::ALL.into_iter().flat_map(|law| [Start(law, false), Start(law, true)])
+fn starts() -> impl Iterator<Item = LawStart> {
+    Law::ALL.into_iter().flat_map(|law| [LawStart(law, false), LawStart(law, true)])
 }
 
 /// Each sample is one problem; the problems are in the order of the run.
-fn solve(bencher: Bencher, activity: Activity, Start(law, warm): Start) {
+fn solve(bencher: Bencher, activity: Activity, LawStart(law, warm): LawStart) {
     let problems = Recording::of(activity, &[format!("plant.law={law}")]).problems;
     let (mut solver, mut memory, mut turn) = (Solver::default(), Memory::default(), problems.iter().cycle());
     for problem in &problems {
@@ -37,16 +37,16 @@ fn solve(bencher: Bencher, activity: Activity, Start(law, warm): Start) {
 }
 
 #[divan::bench(args = starts(), sample_count = 600, sample_size = 1)]
-fn standing(bencher: Bencher, start: &Start) {
+fn standing(bencher: Bencher, start: &LawStart) {
     solve(bencher, Activity::Standing, *start);
 }
 
 #[divan::bench(args = starts(), sample_count = 600, sample_size = 1)]
-fn walking(bencher: Bencher, start: &Start) {
+fn walking(bencher: Bencher, start: &LawStart) {
     solve(bencher, Activity::Walking, *start);
 }
 
 #[divan::bench(args = starts(), sample_count = 600, sample_size = 1)]
-fn falling(bencher: Bencher, start: &Start) {
+fn falling(bencher: Bencher, start: &LawStart) {
     solve(bencher, Activity::Tumbling, *start);
 }
