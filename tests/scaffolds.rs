@@ -1,4 +1,4 @@
-//! Claims about `biped new`: what it makes runs at once, comes out of the program, and never replaces an existing file.
+//! Claims about `biped new`: its files run at once, come out of the program, and never replace an existing file.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 

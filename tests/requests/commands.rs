@@ -54,7 +54,7 @@ fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_
 }
 
 #[test]
-fn a_refused_request_names_what_is_possible() {
+fn a_refused_request_names_the_allowed_values() {
     let walk = walking("refuses", &[]);
     for (command, words) in [
         (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),

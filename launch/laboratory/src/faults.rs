@@ -240,7 +240,7 @@ fn write(folder: &std::path::Path, rows: &[FaultRow], seed: u64) -> std::io::Res
 impl Fault {
     /// Runs `count` trials.
     fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<FaultTrial> {
-        let chance = &mut random.fork(); // the same for this kind, whatever the others draw
+        let chance = &mut random.fork(); // the same for this kind, independently of the numbers that other kinds draw
         let times = |count: usize, trial: &mut dyn FnMut(usize) -> FaultTrial| {
             let progress = BatchProgress::new(quiet, count, 0, "trials");
             let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {

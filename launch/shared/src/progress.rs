@@ -101,7 +101,7 @@ fn bar(quiet: bool, length: u64, template: &str) -> (ProgressBar, bool) {
 pub struct BatchProgress {
     /// The bar; hidden without a terminal. Print other lines inside its `suspend`.
     pub bar: ProgressBar,
-    /// Plural of what is counted.
+    /// Plural of the counted items.
     items: &'static str,
     /// When the last plain line was printed; `None` if there are no plain lines, because of a bar or `--quiet`.
     last_line: Option<Mutex<Instant>>,

@@ -55,8 +55,8 @@ fn values(question: Question, scene: &Scene, log: &RunLog) -> [f64; 2] {
         }
         Question::Slide | Question::Descend => {
             let wanted = across(&sliding(scene, scene.duration)[0]);
-            let (way, ahead) = (across(&travel(samples)), wanted.normalize());
-            [(way.dot(&ahead) / wanted.norm() - 1.0).abs(), way.cross(&ahead).norm() / wanted.norm()]
+            let (moved, direction) = (across(&com_displacement(samples)), wanted.normalize());
+            [(moved.dot(&direction) / wanted.norm() - 1.0).abs(), moved.cross(&direction).norm() / wanted.norm()]
         }
         Question::Stick | Question::Stand => [creep(&log.halves) / (0.5 * scene.duration), 0.0],
         Question::Drop => {
@@ -68,15 +68,18 @@ fn values(question: Question, scene: &Scene, log: &RunLog) -> [f64; 2] {
         Question::Turn => {
             let end = Puck::of(scene).at(scene.duration);
             let yaw = samples.last().map_or(f64::NAN, |sample| sample.yaw);
-            let off = across(&travel(samples)) - end.travel;
-            [(yaw / end.yaw - 1.0).abs(), off.norm() / end.travel.norm()]
+            let off = across(&com_displacement(samples)) - end.displacement;
+            [(yaw / end.yaw - 1.0).abs(), off.norm() / end.displacement.norm()]
         }
         Question::Roll => {
             let (ball, [first, last]) = (Ball::of(scene), [samples.first(), samples.last()]);
             let angle = ball.at(scene.duration);
             let [start, end] = [first, last].map(|sample| sample.map_or(f64::NAN, |sample| sample.tilt));
-            let way = ball.way(angle);
-            [((end - angle) / start).abs(), ((travel(samples).x - way) / (ball.radius * start)).abs()]
+            let displacement = ball.displacement(angle);
+            [
+                ((end - angle) / start).abs(),
+                ((com_displacement(samples).x - displacement) / (ball.radius * start)).abs(),
+            ]
         }
     }
 }
@@ -86,7 +89,7 @@ fn creep([middle, end]: &[Vec<Vector3<f64>>; 2]) -> f64 {
     middle.iter().zip(end).fold(0.0, |worst: f64, (middle, end)| worst.max((end - middle).norm()))
 }
 
-fn travel(samples: &[StateSample]) -> Vector3<f64> {
+fn com_displacement(samples: &[StateSample]) -> Vector3<f64> {
     match samples {
         [first, .., last] => last.totals.com - first.totals.com,
         _ => Vector3::zeros(),

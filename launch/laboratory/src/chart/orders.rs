@@ -192,7 +192,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_method_cannot_do_is_refused() {
+    fn a_method_refuses_scenes_that_it_does_not_support() {
         for method in [Method::ExplicitEuler, Method::MoreauJean, Method::Rk4, Method::Rk4Impact] {
             assert!(matches!(found("damper", method), Err(PlantError::Value { .. })), "{method:?}");
         }

@@ -1,6 +1,6 @@
 //! View (i): error against CPU time per simulated second, for steps from coarse to fine.
 
-use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, steps, ways};
+use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, combinations, steps};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::metrics::{Metric, SIGNORINI, metrics};
@@ -27,7 +27,7 @@ pub struct MethodTrial {
     /// The scene.
     pub case: ComparisonScene,
     /// Law and integrator.
-    pub way: Combination,
+    pub combination: Combination,
     /// Step [s].
     pub h: f64,
     /// The scene as it ran.
@@ -51,9 +51,9 @@ pub struct MethodTrial {
 pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) -> Result<Vec<MethodTrial>, Failure> {
     let mut plan = Vec::new();
     for case in chosen {
-        for way in ways(case) {
-            let duration = cases::scene(case.name, way, 1e-3, &[])?.duration;
-            plan.extend(steps(case, way, duration, quick).into_iter().map(|h| (*case, way, h)));
+        for combination in combinations(case) {
+            let duration = cases::scene(case.name, combination, 1e-3, &[])?.duration;
+            plan.extend(steps(case, combination, duration, quick).into_iter().map(|h| (*case, combination, h)));
         }
     }
     watch.expect(2 * plan.len());
@@ -64,8 +64,11 @@ pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) ->
         watch.step(Job::Timing)?;
         let (seconds, hash) = time(&trial.scene, &[])?;
         if hash != trial.hash {
-            let message =
-                format!("{} with {}: the timed run differs from the watched one", trial.case.name, trial.way.name());
+            let message = format!(
+                "{} with {}: the timed run differs from the watched one",
+                trial.case.name,
+                trial.combination.name()
+            );
             return Err(Failure::new(Exit::Fault, message));
         }
         trial.seconds = seconds;
@@ -73,12 +76,15 @@ pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) ->
     Ok(trials)
 }
 
-fn run((case, way, h): (ComparisonScene, Combination, f64), progress: &ChartProgress) -> Result<MethodTrial, Failure> {
+fn run(
+    (case, combination, h): (ComparisonScene, Combination, f64),
+    progress: &ChartProgress,
+) -> Result<MethodTrial, Failure> {
     progress.step(Job::Watching)?;
-    let scene = cases::scene(case.name, way, h, &[])?;
+    let scene = cases::scene(case.name, combination, h, &[])?;
     let mut trial = MethodTrial {
         case,
-        way,
+        combination,
         h,
         scene,
         result: Ok(Vec::new()),
@@ -106,7 +112,7 @@ impl MethodTrial {
             view: View::Precision,
             scene: self.case.name.into(),
             engine: OURS.into(),
-            method: self.way.name(),
+            method: self.combination.name(),
             dt: self.h,
             metric: metric.into(),
             error,

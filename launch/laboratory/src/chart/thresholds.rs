@@ -130,21 +130,21 @@ fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
 
 /// μ* of the block that rests at 26°, and of the one that rocks without slipping.
 fn sticking() -> ThresholdResult {
-    let way = Combination { law: LAW, method: METHOD };
+    let combination = Combination { law: LAW, method: METHOD };
     let run = |name: &str, h: f64, friction: f64, duration: f64| -> Result<Option<(Scene, RunLog)>, Failure> {
         let settings = [format!("plant.friction={friction}"), format!("duration={duration:?}")];
-        let scene = scene(name, way, h, &settings)?;
+        let scene = scene(name, combination, h, &settings)?;
         Ok(match watch(&scene, &[]) {
             RunEnd::Done(log) => Some((scene, log)),
             _ => None,
         })
     };
     let slips = |friction: f64| -> Result<bool, Failure> {
-        let way = |(_, log): (Scene, RunLog)| match log.samples.as_slice() {
+        let combination = |(_, log): (Scene, RunLog)| match log.samples.as_slice() {
             [first, .., last] => (last.totals.com - first.totals.com).norm(),
             _ => 0.0,
         };
-        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| way(run) > 1e-9))
+        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| combination(run) > 1e-9))
     };
     let rocks = |friction: f64| -> Result<bool, Failure> {
         let slip = |(_, log): (Scene, RunLog)| log.samples.iter().fold(0.0, |slip: f64, sample| slip.max(sample.slip));
@@ -152,7 +152,7 @@ fn sticking() -> ThresholdResult {
         Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > 1e-4))
     };
     let threshold =
-        |scene, exact, measured| Threshold { scene, method: way.name(), quantity: "μ* [-]", exact, measured };
+        |scene, exact, measured| Threshold { scene, method: combination.name(), quantity: "μ* [-]", exact, measured };
     Ok(vec![
         threshold("stick", 26f64.to_radians().tan(), bisect(0.3, 0.7, slips)?),
         threshold("rock", 12.0 / 65.0, bisect(0.05, 0.6, rocks)?),
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stack_is_solved_whatever_its_mass_ratio() {
+    fn a_stack_is_solved_at_every_mass_ratio() {
         for ratio in [1.0, 1e3, 1e6] {
             assert!(stacked(LAW, ratio) < 1e-6, "{ratio}: {}", stacked(LAW, ratio));
         }

@@ -69,12 +69,12 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> RunEnd {
     let mut pose = Pose::new(plant.model());
     let mut log = RunLog::default();
     log.samples.reserve(periods(scene) + 1);
-    log.see(&plant, &mut pose, 0.0);
+    log.record(&plant, &mut pose, 0.0);
     for period in 0..periods(scene) {
         if let Err(error) = plant.advance(torques.get(period).unwrap_or(&Torques::default())) {
             return RunEnd::Broken(error);
         }
-        log.see(&plant, &mut pose, 1.0 / scene.rate);
+        log.record(&plant, &mut pose, 1.0 / scene.rate);
         if period + 1 == periods(scene) / 2 {
             log.halves[0] = points(&plant, &pose);
         }
@@ -168,7 +168,7 @@ impl RunLog {
         self.samples.last().map(|sample| sample.totals.com)
     }
 
-    fn see(&mut self, plant: &Plant, pose: &mut Pose, period: f64) {
+    fn record(&mut self, plant: &Plant, pose: &mut Pose, period: f64) {
         let (model, truth) = (plant.model(), plant.truth());
         kinematics::pose(model, plant.state(), pose);
         let base = &pose.links[model.base_link];

@@ -90,7 +90,7 @@ pub fn the_recorder(rounds: usize) -> FaultTrial {
             }
             std::thread::sleep(Duration::from_millis(20));
         }
-        Ok([at(&mut late, 0.5), at(&mut late, 0.99)])
+        Ok([quantile(&mut late, 0.5), quantile(&mut late, 0.99)])
     };
     let (mut reading, mut stalled) = ([vec![], vec![]], [vec![], vec![]]);
     for _ in 0..rounds {
@@ -109,7 +109,7 @@ pub fn the_recorder(rounds: usize) -> FaultTrial {
     drop(port);
     send(launcher, Signal::SIGTERM)?;
     test_session.must_end(Instant::now())?;
-    let [from, to] = [reading, stalled].map(|both| both.map(|mut values| at(&mut values, 0.5)));
+    let [from, to] = [reading, stalled].map(|both| both.map(|mut values| quantile(&mut values, 0.5)));
     let ratio = [to[0] / from[0], to[1] / from[1]];
     let remark = format!(
         "median {:.1} → {:.1} µs (×{:.2}), p99 {:.0} → {:.0} µs (×{:.2}), {rounds} turns",
@@ -122,7 +122,7 @@ pub fn the_recorder(rounds: usize) -> FaultTrial {
 }
 
 /// A quantile.
-fn at(values: &mut [f64], share: f64) -> f64 {
+fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get((values.len() as f64 * share) as usize).copied().unwrap_or(f64::NAN)
 }

@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Time limit for the other process to end by itself.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// An order: what the other process does until the end is announced.
+/// An order: the task of the other process until the end is announced.
 #[derive(Serialize, Deserialize)]
 pub enum Order {
     /// Answer over two cache lines.

@@ -110,7 +110,7 @@ fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item 
         if question == Question::Flight {
             sample.totals.kinetic = row[0];
         } else {
-            let points = see(scene, row, &mut sample);
+            let points = record_poses(scene, row, &mut sample);
             if i == last / 2 {
                 log.halves[0] = points;
             } else if i == last {
@@ -123,7 +123,7 @@ fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item 
 }
 
 /// Enters the poses of the bodies that may touch the ground; returns their contact points, of a ball its lowest point [m].
-fn see(scene: &Scene, row: &[f64], sample: &mut StateSample) -> Vec<Vector3<f64>> {
+fn record_poses(scene: &Scene, row: &[f64], sample: &mut StateSample) -> Vec<Vector3<f64>> {
     let touching = || scene.bodies.iter().filter(|body| body.contact_spheres().next().is_some());
     let poses = row.chunks_exact(7).map(|pose| {
         let turn = UnitQuaternion::new_normalize(Quaternion::new(pose[3], pose[4], pose[5], pose[6]));
