@@ -191,6 +191,7 @@ fn write_ticks(axis: &PlotAxis, labels: usize) -> impl Fn(&f64) -> String + use<
         Ticks::Plain => format!("{value:.decimals$}"),
         Ticks::Powers if (value - value.round()).abs() > 1e-6 => between_powers(*value),
         Ticks::Powers if (-0.5..4.5).contains(value) => format!("{:.0}", 10f64.powf(*value)),
+        Ticks::Powers if value.round() == -1.0 => "0.1".into(),
         Ticks::Powers => format!("1e{value:.0}"),
         Ticks::None => String::new(),
     }
