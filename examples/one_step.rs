@@ -1,6 +1,4 @@
-//! One step of the simulation taken apart: each stage by itself, and the same step by `Plant::step`.
-//!
-//!     cargo run --release --example one_step
+//! One step taken apart: each stage by itself, and the same step by `Plant::step`. `cargo run --release --example one_step`
 
 use messages::{load, scene::Law};
 use plant::composite::Composite;
@@ -9,7 +7,6 @@ use plant::delassus::{ContactMap, Free};
 use plant::factor::{Factor, PathMatrix};
 use plant::ground::GroundHeights;
 use plant::{Plant, detect, kinematics};
-use std::error::Error;
 
 const SCENE: &str = r#"
 plant = { dt = 0.001, method = "SemiImplicitEuler", drive_inertia = 0.1 } # the robot of Table 1, motors off
@@ -17,7 +14,7 @@ initial = { clearance = 0.0, velocity = [0.5, 0.0, 0.0], joints = [0.0, 0.5, -1.
 "#;
 
 /// Prints results of the stages, and compares the velocity at the end with that of `Plant::step`.
-pub fn main() -> Result<(), Box<dyn Error>> {
+pub fn main() -> Result<(), Box<dyn std::error::Error>> {
     let scene = load::parse(SCENE, "one step")?;
     let mut plant = Plant::new(&scene)?.without_standing_feet();
     let (model, mut state, h) = (plant.model().clone(), plant.state().clone(), scene.plant.dt);
@@ -36,8 +33,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     velocity.iter_mut().zip(&state.xdot).for_each(|(free, before)| *free += before); // (12) without contact
     println!("{} degrees of freedom; the hip would fall at {:.4} m/s", model.dofs(), -velocity[2]);
 
-    let (mut touches, mut map) = (vec![], ContactMap::new(&model));
-    detect::touching(&model, &GroundHeights::plane(&model), &pose, Law::Cone, h, &velocity, &mut touches); // contact points that may touch
+    let (mut touches, mut map, ground) = (vec![], ContactMap::new(&model), GroundHeights::plane(&model));
+    detect::touching(&model, &ground, &pose, Law::Cone, h, &velocity, &mut touches); // contact points that may touch
     let free = Free { pose: &pose, factor: &factor, rate: &velocity };
     let problem = map.drift(&model, &free, &touches, Law::Cone, |_, velocity| velocity); // b of v = A f + b
     problem.friction.fill(scene.plant.friction);

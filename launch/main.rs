@@ -62,13 +62,13 @@ enum CliCommand {
     LatencyPeer(latency::PeerArgs),
     /// Print the size of a scene's model, its smallest equivalent model, and the cost ratio
     Model(SceneArgs),
-    /// Solve the contact problem that ended a run with each contact law
+    /// Solve a contact problem that ended a run, with each contact law
     Contact(contact::ContactArgs),
     /// Start the plant of a session
     Plant(roles::RoleArgs),
     /// Start the controller of a session
     Controller(roles::RoleArgs),
-    /// Make a controller, scene or robot of your own to begin from
+    /// Make a controller, plant, scene or robot of your own to begin from
     #[command(subcommand)]
     New(scaffold::NewArgs),
     /// Print what a controller needs to attach to a running session

@@ -41,7 +41,7 @@ fn words(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// Both sides end well and leave nothing.
+/// Asserts that both processes exit with code 0 and leave no file.
 fn ends_well(session: &Session, what: &str, plant: Child, controller: Output) {
     let plant = plant.wait_with_output().expect("our own child");
     assert_eq!((controller.status.code(), words(&controller)), (Some(0), String::new()), "{what}");
@@ -120,7 +120,7 @@ fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
 }
 
 #[test]
-fn what_cannot_be_attached_to_is_named_in_a_sentence() {
+fn a_session_that_cannot_be_attached_to_is_named_in_a_sentence() {
     let session = Session::unique();
     let absent = |command: &mut Command| {
         let output = command.output().expect("it starts");
@@ -138,7 +138,7 @@ fn what_cannot_be_attached_to_is_named_in_a_sentence() {
             .env("BIPED_SESSION", session.name())
             .env("BIPED_PATIENCE", "0.2"),
     );
-    assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "a look leaves nothing");
+    assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "a refused controller leaves nothing");
 
     // The place of a controller is taken.
     let run = ["run", "stand", "--quiet", "--set", "duration=1000000", "--session", session.name()];

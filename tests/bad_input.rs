@@ -180,7 +180,7 @@ fn wrong_usage_is_refused() {
     let out = never.display().to_string();
     refused(&["faults", "--only", "nosuch", "--out", &out], &["--only"]);
     refused(&["study", "laws", "--count", "5", "--out", &out], &["--count"]);
-    assert!(!never.exists(), "what is refused makes no folder");
+    assert!(!never.exists(), "a refused command creates no folder");
     refused(&["run", "slide", "--controller", "true"], &["slide has no controller"]);
     refused(&["run", "slide", "--swap", "0.1=true"], &["slide has no controller"]);
     refused(&["run", "walk", "--swap", "20=biped controller"], &["--swap 20", "the run ends at 14 s"]);

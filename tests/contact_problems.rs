@@ -11,8 +11,8 @@ use std::process::Command;
 /// Number of problems in each family.
 const PER_FAMILY: f64 = 1000.0;
 
-/// Limits for one law and one family.
-struct Limits {
+/// FamilyLimits for one law and one family.
+struct FamilyLimits {
     /// Largest fraction of unsolved (and flagged) problems.
     unsolved: f64,
     /// Largest natural-map residual.
@@ -25,16 +25,18 @@ struct Limits {
 
 /// The limits are wider for two standing feet: their internal forces lie where A has eigenvalues of only 1e-10 to 1e-14 of its largest. (A
 /// plant first tries its model of standing feet, which needs no A.)
-fn limits(law: &str, family: &str) -> Limits {
+fn limits(law: &str, family: &str) -> FamilyLimits {
     match (law, family) {
-        ("Cone", "standing" | "swaying") => Limits { unsolved: 0.01, natural_map: 1e-8, per_pair: 60.0, warm: 0.02 },
-        ("Cone", "jams") => Limits { unsolved: 0.002, natural_map: 1e-8, per_pair: 40.0, warm: 0.2 },
-        ("Cone", "conditioned") => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 120.0, warm: 0.2 },
-        ("Cone", "rough") => Limits { unsolved: 0.004, natural_map: 1e-8, per_pair: 120.0, warm: 0.2 },
+        ("Cone", "standing" | "swaying") => {
+            FamilyLimits { unsolved: 0.01, natural_map: 1e-8, per_pair: 60.0, warm: 0.02 }
+        }
+        ("Cone", "jams") => FamilyLimits { unsolved: 0.002, natural_map: 1e-8, per_pair: 40.0, warm: 0.2 },
+        ("Cone", "conditioned") => FamilyLimits { unsolved: 0.0, natural_map: 1e-10, per_pair: 120.0, warm: 0.2 },
+        ("Cone", "rough") => FamilyLimits { unsolved: 0.004, natural_map: 1e-8, per_pair: 120.0, warm: 0.2 },
         // `Aligned` fails at great friction: its impulse may then be wrong altogether (docs/notes/contact.md), so only their number is limited.
-        ("Aligned", "rough") => Limits { unsolved: 0.08, natural_map: 1.0, per_pair: 12.0, warm: 0.2 },
-        ("Cone", _) => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 8.0, warm: 0.2 },
-        _ => Limits { unsolved: 0.0, natural_map: 1e-10, per_pair: 4.0, warm: 0.2 },
+        ("Aligned", "rough") => FamilyLimits { unsolved: 0.08, natural_map: 1.0, per_pair: 12.0, warm: 0.2 },
+        ("Cone", _) => FamilyLimits { unsolved: 0.0, natural_map: 1e-10, per_pair: 8.0, warm: 0.2 },
+        _ => FamilyLimits { unsolved: 0.0, natural_map: 1e-10, per_pair: 4.0, warm: 0.2 },
     }
 }
 

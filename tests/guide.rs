@@ -44,7 +44,7 @@ fn shows(line: &str, shown: &str) -> bool {
 }
 
 #[test]
-fn the_steps_of_the_guide_print_what_it_shows() {
+fn the_steps_of_the_guide_print_the_output_that_it_shows() {
     let folder = common::fresh_path("guide");
     std::fs::create_dir(&folder).expect("a folder of our own");
     symlink(concat!(env!("CARGO_MANIFEST_DIR"), "/controller"), folder.join("controller")).expect("a link");

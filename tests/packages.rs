@@ -48,7 +48,7 @@ fn included(code: &str) -> impl Iterator<Item = &str> {
 }
 
 #[test]
-fn every_package_says_what_it_is() {
+fn every_package_has_a_description() {
     for package in packages() {
         for key in ["description", "license", "documentation", "readme", "rust_version"] {
             assert!(package[key].as_str().is_some_and(|text| !text.is_empty()), "{}: no {key}", name(&package));
@@ -66,7 +66,7 @@ fn every_package_says_what_it_is() {
 }
 
 #[test]
-fn every_package_holds_its_licences_and_what_it_embeds() {
+fn every_package_holds_its_licences_and_embedded_files() {
     for package in packages() {
         let files = files(&package);
         for file in ["LICENSE-MIT", "LICENSE-APACHE", "README.md"] {

@@ -34,7 +34,7 @@ fn walk_with(scene: &Scene, mut is_replaced: impl FnMut(u64) -> bool) -> (f64, f
     let _ = drive::<PlantError>(&mut simulation, |simulation, sensors, _| {
         let truth = simulation.truth();
         lowest = lowest.min(truth.base_position[2]);
-        let time = sensors.stamp.sim_ns as f64 * 1e-9;
+        let time = sensors.stamp.time();
         if time <= scene.duration - SPEED_WINDOW {
             from = truth.base_position[0];
         }

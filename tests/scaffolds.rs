@@ -1,4 +1,4 @@
-//! Claims about `biped new`: what it makes runs at once, comes out of the program, and never takes the place of something else.
+//! Claims about `biped new`: its files run at once, come out of the program, and never replace an existing file.
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
@@ -169,7 +169,7 @@ fn the_scripts_of_the_peers_come_with_their_scenes_and_packages() {
 }
 
 #[test]
-fn what_is_there_is_kept_and_named() {
+fn existing_files_are_kept_and_named() {
     let folder = fresh_path("scaffold");
     std::fs::create_dir(&folder).expect("a folder");
     for what in ["controller", "scene", "robot"] {

@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{Summary, fresh_path, run, run_smallest, run_two};
+use common::{RunSummary, fresh_path, run, run_smallest, run_two};
 use messages::load::load;
 use messages::wire::Torques;
 use plant::Plant;
@@ -125,7 +125,7 @@ fn a_box_slides_identically_with_every_type_of_base_that_can_slide() {
     let file = File::new(BOX);
     let angle = 20f64.to_radians();
     let way = 0.5 * 9.81 * (angle.sin() - 0.2 * angle.cos());
-    let slide = |base: &str| -> Summary {
+    let slide = |base: &str| -> RunSummary {
         let summary = run(&file.0, &[&format!("plant.base={base}")]);
         summary.assert_ranges(&[
             ("distance_m", way - 1e-9..=way + 1e-9),

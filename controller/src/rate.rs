@@ -8,7 +8,7 @@
 //! the cost ½ w (sᵀq̇ + k φ)², where φ is the pitch of the foot and sᵀq̇ its rate. The paper leaves C and c_0 to the designer and
 //! suggests I and 0. With these the foot lands on its edge.
 
-use crate::support::{Joints, TaskJacobian, TaskVector};
+use crate::support::{Joints, TASK, TaskJacobian, TaskVector};
 use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SolverStatus, SupportedConeT};
 use messages::wire::JOINTS;
@@ -58,7 +58,7 @@ pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Opt
 }
 
 /// Solves A x = b for a symmetric A by A = L D Lᵀ; `None` if A is not positive definite. Only the lower triangle of A is read.
-fn solve(mut a: SMatrix<f64, 7, 7>, mut b: TaskVector) -> Option<TaskVector> {
+fn solve(mut a: SMatrix<f64, TASK, TASK>, mut b: TaskVector) -> Option<TaskVector> {
     let mut inverse = [0.0; 7];
     for k in 0..7 {
         if a[(k, k)] <= 0.0 || a[(k, k)].is_nan() {
@@ -126,7 +126,7 @@ pub fn resolve_by_interior_points(
     let s = pitch_sum();
     let weight = SMatrix::<f64, JOINTS, JOINTS>::identity() + LEVEL_WEIGHT * s * s.transpose();
     let hessian = CscMatrix::from(&rows(weight.upper_triangle().as_slice(), JOINTS, JOINTS));
-    let mut constraints = rows(jacobian.as_slice(), 7, JOINTS);
+    let mut constraints = rows(jacobian.as_slice(), TASK, JOINTS);
     for sign in [1.0, -1.0] {
         constraints
             .extend((0..JOINTS).map(|i| (0..JOINTS).map(|j| if i == j { sign } else { 0.0 }).collect::<Vec<_>>()));

@@ -17,10 +17,12 @@ const AXIS_TOLERANCE: f64 = 1e-9;
 
 /// One number per joint.
 pub type Joints = SVector<f64, JOINTS>;
+/// Number of components of the task (26): the robot has one joint more.
+pub const TASK: usize = 7;
 /// x = [x_c1 x_c2 x_c3 x_t1 x_t2 x_t3 x_g] of (26).
-pub type TaskVector = SVector<f64, 7>;
+pub type TaskVector = SVector<f64, TASK>;
 /// J_aco of (27).
-pub type TaskJacobian = SMatrix<f64, 7, JOINTS>;
+pub type TaskJacobian = SMatrix<f64, TASK, JOINTS>;
 
 /// Converts wire order to support order of the right foot, and back: the map is its own inverse.
 ///

@@ -12,7 +12,7 @@ mod setting;
 mod suggestion;
 mod urdf;
 
-pub use built_in::{BuiltIn, SCENES, built_in};
+pub use built_in::{BuiltIn, SCENES};
 pub use check::validate;
 pub use error::SceneError;
 pub use robot::{read, with_robot};
@@ -50,6 +50,23 @@ pub fn load(name: &str, settings: &[String], built_in: &[BuiltIn]) -> Result<Sce
     }
     validate(&scene, &origin)?;
     Ok(scene)
+}
+
+/// Loads a built-in scene by its name.
+///
+/// ```
+/// let scene = biped_messages::load::built_in("walk")?;
+/// assert_eq!(scene.bodies.len(), 9);
+/// # Ok::<(), biped_messages::load::SceneError>(())
+/// ```
+///
+/// # Errors
+/// [`SceneError::Unknown`] with the names that exist.
+pub fn built_in(name: &str) -> Result<Scene, SceneError> {
+    match SCENES.iter().any(|(known, _)| *known == name) {
+        true => load(name, &[], SCENES),
+        false => Err(SceneError::unknown(name, SCENES)),
+    }
 }
 
 fn text_of(path: &str, built_in: &[BuiltIn]) -> Result<String, SceneError> {

@@ -16,7 +16,7 @@ pub const SUCCEEDS: &str = "BIPED_SUCCEEDS";
 const CONTRACT: &str = "BIPED_CONTRACT";
 /// Time to wait for a session, unless the environment says otherwise.
 const PATIENCE: Duration = Duration::from_secs(10);
-/// Time between two looks for it.
+/// Interval at which a session that does not exist yet is checked for.
 const POLL: Duration = Duration::from_millis(5);
 
 /// The session that a process joins, and its task there.

@@ -31,6 +31,7 @@ mod sender;
 mod service;
 mod truth;
 mod waiting;
+mod wake;
 
 pub use crate::action::Action;
 pub use crate::error::PortError;

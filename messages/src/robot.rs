@@ -128,7 +128,7 @@ pub struct Robot {
     /// Name in results; absent: the name of the file.
     #[serde(default)]
     pub name: String,
-    /// DriveParameters.
+    /// Its drives.
     #[serde(default)]
     pub drives: DriveParameters,
     /// A trunk and two legs. If the right leg is absent, it is the mirror image of the left one.

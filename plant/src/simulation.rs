@@ -77,7 +77,7 @@ impl Simulation {
         truth
     }
 
-    /// Receives a sealed command.
+    /// Passes a sealed command to the pipeline.
     pub fn receive(&mut self, command: &Command) {
         self.commands.receive(command, self.stamp.seq);
     }

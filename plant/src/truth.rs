@@ -7,6 +7,11 @@ use crate::state::State;
 use messages::wire::{CONTACTS, FNV_START, JOINTS, Torques, Truth};
 use nalgebra::Vector3;
 
+/// Factor of the hash of all states: 2⁶⁴ over the golden ratio, odd, so that multiplication loses no bit.
+const HASH_FACTOR: u64 = 0x9e37_79b9_7f4a_7c15;
+/// Rotation of the hash after each number [bit]. It brings the high bits, which depend on most others, to where the next factor spreads them.
+const HASH_ROTATION: u32 = 29;
+
 /// Extremes and sums over the steps of one control period, and the hash of the whole run.
 #[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Record {
@@ -54,7 +59,7 @@ impl Record {
     /// Adds the state after a step to the hash.
     pub fn fold(&mut self, state: &State) {
         for number in state.x.iter().chain(&state.xdot) {
-            self.hash = (self.hash ^ number.to_bits()).wrapping_mul(0x9e37_79b9_7f4a_7c15).rotate_left(29);
+            self.hash = (self.hash ^ number.to_bits()).wrapping_mul(HASH_FACTOR).rotate_left(HASH_ROTATION);
         }
     }
 

@@ -1,4 +1,4 @@
-//! The watchdog: what the drives do while no recent command arrives.
+//! The watchdog: the reaction of the drives if no recent command arrives.
 //!
 //! | age of the newest command | drives |
 //! |---|---|
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn the_limits_are_times_whatever_the_rate() {
+    fn the_limits_are_times_at_every_control_rate() {
         assert_eq!(Watchdog::new(4000.0).update(40, false), PlantState::Hold);
         assert_eq!(Watchdog::new(4000.0).update(41, false), PlantState::Damp);
     }

@@ -7,8 +7,8 @@ use messages::scene::{PlantScene, Scene};
 use messages::wire::{Command, PlantState, Refusal, Sensors, Stamp, Stamped, Torques};
 use std::f64::consts::TAU;
 
-/// The torques that act in each of 2000 periods, in each of which the command differs.
-fn acting(stale_probability: f64) -> Vec<f64> {
+/// The torques that act in each of 2000 periods. The command differs in every period.
+fn acting_torques(stale_probability: f64) -> Vec<f64> {
     let scene = PlantScene { stale_probability, torque_limit: 1e4, ..PlantScene::default() };
     let mut drives = Drives::new(&scene);
     (1..=2000).map(|k| drives.apply(&Torques { torque: [f64::from(k); 8] }).torque[0]).collect()
@@ -17,7 +17,7 @@ fn acting(stale_probability: f64) -> Vec<f64> {
 #[test]
 fn a_period_repeats_the_torques_before_it_with_the_probability_of_the_scene() {
     for probability in [0.0, 0.25, 1.0] {
-        let torques = acting(probability);
+        let torques = acting_torques(probability);
         let repeated = torques.windows(2).filter(|pair| pair[0] == pair[1]).count() as f64 / 1999.0;
         assert!((repeated - probability).abs() < 0.05, "{repeated} of the periods, not {probability}");
     }

@@ -1,4 +1,4 @@
-//! Claims about the link: nothing is invented, nothing comes before its time, chance is as stated and repeats.
+//! Claims about the injector: every command that arrives was sent, none arrives early, and frequencies are those of the scene.
 
 use biped_plant::inject::{Injector, MEAN_BURST_INTERVAL, MEAN_BURST_LENGTH};
 use messages::scene::{Jitter, LinkScene};
@@ -12,8 +12,8 @@ fn command(seq: u64) -> Command {
     Command { stamp, torques: Torques { torque: [seq as f64 * 0.1; 8] }, ..Command::default() }
 }
 
-/// Sends one command a period, `count` of them, and gives (period of arrival, command) of all that arrive.
-fn travel(link: &LinkScene, period: f64, count: u64) -> Vec<(u64, Command)> {
+/// Sends a command in each of `count` periods. Returns those that arrive, each with the period of its arrival.
+fn arrivals(link: &LinkScene, period: f64, count: u64) -> Vec<(u64, Command)> {
     let mut injector = Injector::new(link, period);
     let mut arrived = Vec::new();
     for tick in 1..=count + 20_000 {
@@ -27,9 +27,9 @@ fn travel(link: &LinkScene, period: f64, count: u64) -> Vec<(u64, Command)> {
     arrived
 }
 
-/// Periods under way of all that arrive.
+/// Delays of all commands that arrive [control periods].
 fn delays(link: &LinkScene, count: u64) -> Vec<u64> {
-    travel(link, PERIOD, count).iter().map(|(tick, command)| tick - command.stamp.seq).collect()
+    arrivals(link, PERIOD, count).iter().map(|(tick, command)| tick - command.stamp.seq).collect()
 }
 
 /// Whether a count of successes in `n` trials is within 5 standard deviations of its probability.
@@ -51,8 +51,8 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 200, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
-    fn nothing_is_invented_and_nothing_comes_before_its_time(link in any_link()) {
-        let arrived = travel(&link, PERIOD, 300);
+    fn every_arriving_command_was_sent_and_none_arrives_early(link in any_link()) {
+        let arrived = arrivals(&link, PERIOD, 300);
         for seq in 1..=300 {
             let copies = arrived.iter().filter(|(_, command)| command.stamp.seq == seq).count();
             prop_assert!(copies <= 2, "{seq} came {copies} times");
@@ -69,12 +69,12 @@ proptest! {
 
     #[test]
     fn the_same_seed_gives_the_same_sequence(link in any_link()) {
-        prop_assert_eq!(travel(&link, PERIOD, 300), travel(&link, PERIOD, 300));
+        prop_assert_eq!(arrivals(&link, PERIOD, 300), arrivals(&link, PERIOD, 300));
     }
 
     #[test]
-    fn what_a_small_loss_takes_a_great_one_takes_too(link in any_link(), less in 0.0..=1.0) {
-        let kept = |loss: f64| -> Vec<(u64, Command)> { travel(&LinkScene { loss, duplicate: 0.0, ..link.clone() }, PERIOD, 300) };
+    fn a_command_lost_at_a_small_loss_is_lost_at_a_greater_one(link in any_link(), less in 0.0..=1.0) {
+        let kept = |loss: f64| -> Vec<(u64, Command)> { arrivals(&LinkScene { loss, duplicate: 0.0, ..link.clone() }, PERIOD, 300) };
         let all = kept(link.loss * less);
         prop_assert!(kept(link.loss).iter().all(|arrival| all.contains(arrival)));
     }
@@ -83,7 +83,7 @@ proptest! {
 #[test]
 fn a_link_without_faults_changes_nothing() {
     for (jitter, seed) in Jitter::ALL.into_iter().flat_map(|jitter| [0, 1995].map(|seed| (jitter, seed))) {
-        let arrived = travel(&LinkScene { jitter, seed, ..LinkScene::default() }, PERIOD, 1000);
+        let arrived = arrivals(&LinkScene { jitter, seed, ..LinkScene::default() }, PERIOD, 1000);
         assert_eq!(arrived, (1..=1000).map(|tick| (tick, command(tick))).collect::<Vec<_>>());
     }
 }
@@ -98,7 +98,7 @@ fn a_delay_is_rounded_up_to_the_beginning_of_a_period() {
         (10.0, 4e-3, 3),
     ] {
         let link = LinkScene { delay_ms, ..LinkScene::default() };
-        let arrived = travel(&link, period, 100);
+        let arrived = arrivals(&link, period, 100);
         assert_eq!(arrived.len(), 100);
         assert!(
             arrived.iter().all(|(tick, command)| tick - command.stamp.seq == periods),
@@ -111,19 +111,19 @@ fn a_delay_is_rounded_up_to_the_beginning_of_a_period() {
 fn loss_and_duplicates_come_as_often_as_stated() {
     for (seed, share) in [(1, 0.01), (2, 0.3), (3, 0.9)] {
         let lossy = LinkScene { loss: share, seed, ..LinkScene::default() };
-        let lost = 100_000 - travel(&lossy, PERIOD, 100_000).len();
+        let lost = 100_000 - arrivals(&lossy, PERIOD, 100_000).len();
         assert!(fits(lost, 100_000, share), "seed {seed}: {lost} lost of 100000 at {share}");
         let doubling = LinkScene { duplicate: share, seed, ..LinkScene::default() };
-        let more = travel(&doubling, PERIOD, 100_000).len() - 100_000;
+        let more = arrivals(&doubling, PERIOD, 100_000).len() - 100_000;
         assert!(fits(more, 100_000, share), "seed {seed}: {more} came twice of 100000 at {share}");
     }
-    assert!(travel(&LinkScene { loss: 1.0, ..LinkScene::default() }, PERIOD, 1000).is_empty());
+    assert!(arrivals(&LinkScene { loss: 1.0, ..LinkScene::default() }, PERIOD, 1000).is_empty());
 }
 
 #[test]
 fn a_reordered_command_comes_right_behind_its_successor() {
     let link = LinkScene { delay_ms: 2.0, reorder: 0.1, seed: 4, ..LinkScene::default() };
-    let arrived = travel(&link, PERIOD, 100_000);
+    let arrived = arrivals(&link, PERIOD, 100_000);
     let late: Vec<_> = arrived.iter().filter(|(tick, command)| tick - command.stamp.seq == 3).collect();
     assert!(fits(late.len(), 100_000, 0.1), "{}", late.len());
     assert_eq!(arrived.len(), 100_000, "none is lost");
@@ -162,7 +162,7 @@ fn normal_jitter_has_its_standard_deviation_and_is_folded_at_zero() {
 fn bursts_come_and_last_as_stated() {
     let link = LinkScene { jitter_ms: 7.0, jitter: Jitter::Burst, seed: 7, ..LinkScene::default() };
     let mut by_seq: Vec<_> =
-        travel(&link, PERIOD, 2_000_000).iter().map(|(tick, c)| (c.stamp.seq, tick - c.stamp.seq)).collect();
+        arrivals(&link, PERIOD, 2_000_000).iter().map(|(tick, c)| (c.stamp.seq, tick - c.stamp.seq)).collect();
     by_seq.sort_unstable();
     assert!(by_seq.iter().all(|(_, delay)| [0, 7].contains(delay)));
     let late = by_seq.iter().filter(|(_, delay)| *delay == 7).count() as f64;
@@ -177,7 +177,7 @@ fn bursts_come_and_last_as_stated() {
 }
 
 #[test]
-fn nothing_is_taken_from_the_heap_once_made() {
+fn sending_and_receiving_allocate_nothing() {
     let link =
         LinkScene { delay_ms: 30.0, jitter_ms: 20.0, jitter: Jitter::Normal, duplicate: 1.0, ..LinkScene::default() };
     let mut injector = Injector::new(&link, PERIOD);
@@ -186,7 +186,7 @@ fn nothing_is_taken_from_the_heap_once_made() {
             injector.push(tick, &command(tick));
             while injector.pop(tick).is_some() {}
         }
-        // A stalled plant: whatever finds no room is lost.
+        // A stalled plant: commands beyond the capacity are lost.
         (0..10_000).for_each(|_| injector.push(10_000, &command(1)));
     });
     assert_eq!(count.count_total, 0);

@@ -15,7 +15,7 @@ const LOADED: f64 = 0.01;
 /// Bound of a force that no law determines.
 const UNDETERMINED: f64 = f64::INFINITY;
 /// Time over which both models are compared [s].
-const WHILE: f64 = 0.6;
+const COMPARED_TIME: f64 = 0.6;
 
 fn scene(name: &str) -> Scene {
     built_in(name).expect("a good scene")
@@ -28,7 +28,7 @@ fn scenes() -> Vec<(&'static str, Scene)> {
 }
 
 /// Observable quantities of a model at the end of a control period.
-struct Shown {
+struct Observables {
     /// Centres of mass [m], their velocities [m/s] and angular velocities [rad/s], body by body.
     motion: [Vec<Vector3<f64>>; 3],
     /// Force on each body [N], the mean over the period.
@@ -37,7 +37,7 @@ struct Shown {
     zmp: (Vector2<f64>, f64),
 }
 
-fn shown(plant: &Plant) -> Shown {
+fn observables(plant: &Plant) -> Observables {
     let (model, truth) = (plant.model(), plant.truth());
     let mut pose = Pose::new(model);
     kinematics::pose(model, plant.state(), &mut pose);
@@ -57,7 +57,7 @@ fn shown(plant: &Plant) -> Shown {
         moment += on[2] * (pose.reference + pose.lowest(point)).xy();
     }
     let force = model.body_link.iter().map(|&link| force[link]).collect();
-    Shown { motion, force, zmp: (moment / load, load) }
+    Observables { motion, force, zmp: (moment / load, load) }
 }
 
 /// Greatest differences of two models of a scene, each relative to its scale. A length: the robot's length, or its distance from the
@@ -88,12 +88,12 @@ fn difference(full: &Scene, small: &Scene) -> Difference {
     let (mut length, mut speed, mut force) =
         (size, (size * model.gravity.norm()).sqrt(), weight.max(f64::MIN_POSITIVE));
     let mut most = Difference::default();
-    for _ in 0..(full.duration.min(WHILE) * full.rate) as usize {
+    for _ in 0..(full.duration.min(COMPARED_TIME) * full.rate) as usize {
         for plant in &mut plants {
             plant.advance(&Torques::default()).expect("a period");
             most.residual = greater(most.residual, plant.truth().natural_map);
         }
-        let [theirs, ours] = [&plants[0], &plants[1]].map(shown);
+        let [theirs, ours] = [&plants[0], &plants[1]].map(observables);
         let longest = |list: &[Vector3<f64>], least: f64| list.iter().map(Vector3::norm).fold(least, f64::max);
         (length, speed) = (longest(&theirs.motion[0], length), longest(&theirs.motion[1], speed));
         force = longest(&theirs.force, force);

@@ -14,12 +14,12 @@ fn scene(name: &str, settings: &[&str]) -> Scene {
 }
 
 /// A plant and the controller of its scene.
-struct Run(Simulation, Option<Controller>);
+struct DrivenPlant(Simulation, Option<Controller>);
 
-impl Run {
-    fn new(scene: &Scene) -> Run {
+impl DrivenPlant {
+    fn new(scene: &Scene) -> DrivenPlant {
         let controller = scene.controller.as_ref().map(|_| Controller::new(scene).expect("a good scene"));
-        Run(Simulation::new(scene, 1, 1).expect("a good scene"), controller)
+        DrivenPlant(Simulation::new(scene, 1, 1).expect("a good scene"), controller)
     }
 
     /// Runs for some control periods, or up to an error. Returns the hash of all states.
@@ -40,7 +40,7 @@ impl Run {
 /// Compares the straight run with the detour after `before` periods, over the `after` periods that follow.
 fn repeats(name: &str, settings: &[&str], before: usize, after: usize) {
     let scene = scene(name, settings);
-    let mut run = Run::new(&scene);
+    let mut run = DrivenPlant::new(&scene);
     let _ = run.0.push(0, [0.3, 0.1, 0.0], 0.5); // still acts when the snapshot is taken
     run.advance(before).expect("a run without errors up to the snapshot");
     let (snapshot, controller) = (run.0.snapshot(), run.1.clone());
@@ -51,7 +51,7 @@ fn repeats(name: &str, settings: &[&str], before: usize, after: usize) {
     run.0.prepare(); // as the process does while it waits
     assert_eq!(run.advance(after), straight, "{name} {settings:?}: the same plant");
 
-    let mut other = Run::new(&scene);
+    let mut other = DrivenPlant::new(&scene);
     other.advance(before / 3).expect("as above"); // a workspace with other contents
     other.1 = controller;
     other.0.restore(&snapshot);

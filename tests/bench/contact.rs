@@ -1,7 +1,7 @@
 //! Every contact law on the problems that occur while the robot stands, walks and falls, with a cold start and with a warm start from the previous
 //! solution.
 
-use crate::robot::{Doing, Recording};
+use crate::robot::{Activity, Recording};
 use divan::Bencher;
 use messages::scene::Law;
 use plant::contact::{Memory, Solver};
@@ -9,21 +9,21 @@ use std::fmt;
 
 /// A law, with or without a warm start.
 #[derive(Clone, Copy, Debug)]
-struct Way(Law, bool);
+struct LawStart(Law, bool);
 
-impl fmt::Display for Way {
+impl fmt::Display for LawStart {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{} {}", self.0, if self.1 { "warm" } else { "cold" })
     }
 }
 
-fn ways() -> impl Iterator<Item = Way> {
-    Law::ALL.into_iter().flat_map(|law| [Way(law, false), Way(law, true)])
+fn starts() -> impl Iterator<Item = LawStart> {
+    Law::ALL.into_iter().flat_map(|law| [LawStart(law, false), LawStart(law, true)])
 }
 
 /// Each sample is one problem; the problems are in the order of the run.
-fn solve(bencher: Bencher, doing: Doing, Way(law, warm): Way) {
-    let problems = Recording::of(doing, &[format!("plant.law={law}")]).problems;
+fn solve(bencher: Bencher, activity: Activity, LawStart(law, warm): LawStart) {
+    let problems = Recording::of(activity, &[format!("plant.law={law}")]).problems;
     let (mut solver, mut memory, mut turn) = (Solver::default(), Memory::default(), problems.iter().cycle());
     for problem in &problems {
         solver.solve(problem, law, &mut memory);
@@ -36,17 +36,17 @@ fn solve(bencher: Bencher, doing: Doing, Way(law, warm): Way) {
     });
 }
 
-#[divan::bench(args = ways(), sample_count = 600, sample_size = 1)]
-fn standing(bencher: Bencher, way: &Way) {
-    solve(bencher, Doing::Standing, *way);
+#[divan::bench(args = starts(), sample_count = 600, sample_size = 1)]
+fn standing(bencher: Bencher, start: &LawStart) {
+    solve(bencher, Activity::Standing, *start);
 }
 
-#[divan::bench(args = ways(), sample_count = 600, sample_size = 1)]
-fn walking(bencher: Bencher, way: &Way) {
-    solve(bencher, Doing::Walking, *way);
+#[divan::bench(args = starts(), sample_count = 600, sample_size = 1)]
+fn walking(bencher: Bencher, start: &LawStart) {
+    solve(bencher, Activity::Walking, *start);
 }
 
-#[divan::bench(args = ways(), sample_count = 600, sample_size = 1)]
-fn falling(bencher: Bencher, way: &Way) {
-    solve(bencher, Doing::Tumbling, *way);
+#[divan::bench(args = starts(), sample_count = 600, sample_size = 1)]
+fn falling(bencher: Bencher, start: &LawStart) {
+    solve(bencher, Activity::Tumbling, *start);
 }

@@ -1,6 +1,6 @@
 //! The second-order default method compared with the paper's method: the least time of each step in many runs, alternating between the methods.
 
-use crate::robot::{Doing, Recording};
+use crate::robot::{Activity, Recording};
 use crate::tail::quantiles;
 use messages::scene::Method;
 use plant::Plant;
@@ -15,10 +15,10 @@ const METHODS: [Method; 2] = [Method::SemiImplicitEuler, Method::MidpointContact
 pub fn print() {
     println!("\nsteps of 1 ms, each the least of {RUNS} runs [µs]");
     println!("{:<10}{:<20}{:>9}{:>9}{:>9}{:>9}", "", "", "median", "99 %", "awaited", "99 %");
-    for (doing, most) in [(Doing::Flying, 2.0), (Doing::Standing, 1.25), (Doing::Walking, 1.3)] {
+    for (activity, most) in [(Activity::Flying, 2.0), (Activity::Standing, 1.25), (Activity::Walking, 1.3)] {
         let recordings = METHODS.map(|method| {
             let settings = [format!("plant.method={method:?}"), "plant.dt=0.001".into(), "rate=1000".into()];
-            Recording::of(doing, &settings)
+            Recording::of(activity, &settings)
         });
         let mut least =
             recordings.each_ref().map(|recording| [(); 2].map(|()| vec![f64::INFINITY; recording.window.end]));
@@ -32,7 +32,7 @@ pub fn print() {
             let [[median, p99, ..], [awaited, slow, ..]] = [0, 1].map(|ready| quantiles(&least[k][ready][from..]));
             println!(
                 "{:<10}{:<20}{median:>9.2}{p99:>9.2}{awaited:>9.2}{slow:>9.2}",
-                format!("{doing:?}"),
+                format!("{activity:?}"),
                 format!("{:?}", METHODS[k])
             );
             [median, p99, awaited, slow]

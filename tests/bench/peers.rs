@@ -12,7 +12,7 @@ mod ours;
 
 use crate::core::Core;
 use crate::link;
-use crate::robot::{Doing, Recording};
+use crate::robot::{Activity, Recording};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -30,7 +30,7 @@ pub fn print() {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("peers");
     std::fs::create_dir_all(&folder).expect("a folder");
     let [python, packages] = install(&folder);
-    let recordings = Doing::ALL.map(|doing| (doing, Recording::of(doing, &[])));
+    let recordings = Activity::ALL.map(|activity| (activity, Recording::of(activity, &[])));
     let (states, programs) = (folder.join("states.txt"), folder.join("programs.json"));
     std::fs::write(&states, given::states(&recordings)).expect("a file");
     std::fs::write(&programs, given::programs(&recordings)).expect("a file");

@@ -1,6 +1,6 @@
 //! The QP of resolved motion rate (28), (29) at a posture of the walk, and the cost of sealing a message.
 
-use crate::robot::{Doing, Recording};
+use crate::robot::{Activity, Recording};
 use controller::rate::{bias, resolve, resolve_bounded, resolve_by_interior_points};
 use controller::support::{Chain, Joints, Task, TaskVector};
 use divan::{Bencher, black_box};
@@ -8,7 +8,7 @@ use messages::wire::{Command, Sensors, Stamped};
 
 /// The input of the QP.
 fn asked() -> (Task, TaskVector, Joints) {
-    let Recording { scene, states, .. } = Recording::of(Doing::Walking, &[]);
+    let Recording { scene, states, .. } = Recording::of(Activity::Walking, &[]);
     let state = &states[states.len() / 4];
     let angles = Joints::from_iterator(state.x[state.x.len() - 8..].iter().copied());
     let task = Chain::new(&scene.bodies).expect("a biped").task(&angles);

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// A motion of the robot of Table 1, by the paper's method (12) with one step of 1 ms in each control period.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Doing {
+pub enum Activity {
     /// Free rotation without gravity, with all joints moving.
     Flying,
     /// Standing on eight contact points, held by springs and dampers.
@@ -22,17 +22,17 @@ pub enum Doing {
     Tumbling,
 }
 
-impl Doing {
+impl Activity {
     /// The whole walk.
-    pub const ALL: [Doing; 4] = [Doing::Flying, Doing::Standing, Doing::Walking, Doing::Tumbling];
+    pub const ALL: [Activity; 4] = [Activity::Flying, Activity::Standing, Activity::Walking, Activity::Tumbling];
 
     /// The scene of the motion.
     pub fn scene(self, settings: &[String]) -> Scene {
         let (name, own): (_, &[&str]) = match self {
-            Doing::Flying => ("free", &["plant.method=SemiImplicitEuler", "plant.dt=0.001", "rate=1000"]),
-            Doing::Standing => ("stand0", &["plant.method=SemiImplicitEuler"]),
-            Doing::Walking => ("walk", &[]),
-            Doing::Tumbling => ("stand", &["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3"]),
+            Activity::Flying => ("free", &["plant.method=SemiImplicitEuler", "plant.dt=0.001", "rate=1000"]),
+            Activity::Standing => ("stand0", &["plant.method=SemiImplicitEuler"]),
+            Activity::Walking => ("walk", &[]),
+            Activity::Tumbling => ("stand", &["plant.push_impulse=[0.0, 40.0, 0.0]", "plant.push_time=0.3"]),
         };
         let settings: Vec<_> = own.iter().map(|setting| setting.to_string()).chain(settings.to_vec()).collect();
         load(name, &settings, SCENES).expect("a good scene")
@@ -41,10 +41,10 @@ impl Doing {
     /// The control periods that are measured.
     pub fn window(self) -> Range<usize> {
         match self {
-            Doing::Flying => 0..1000,
-            Doing::Standing => 500..1500,
-            Doing::Walking => 5000..5600,
-            Doing::Tumbling => 300..900,
+            Activity::Flying => 0..1000,
+            Activity::Standing => 500..1500,
+            Activity::Walking => 5000..5600,
+            Activity::Tumbling => 300..900,
         }
     }
 }
@@ -67,8 +67,8 @@ pub struct Recording {
 
 impl Recording {
     /// Simulates the motion once. If the scene ends early, the window is shorter.
-    pub fn of(doing: Doing, settings: &[String]) -> Recording {
-        let (scene, window) = (doing.scene(settings), doing.window());
+    pub fn of(activity: Activity, settings: &[String]) -> Recording {
+        let (scene, window) = (activity.scene(settings), activity.window());
         let mut plant = Plant::new(&scene).expect("a good scene");
         let mut posing = Plant::new(&scene).expect("a good scene").without_standing_feet();
         let controller = scene.controller.as_ref().map(|_| Controller::new(&scene));
@@ -93,7 +93,7 @@ impl Recording {
                 recording.problems.extend(Some(posing.problem()).filter(|problem| problem.contacts > 0).cloned());
             }
         }
-        assert!(!recording.window.is_empty(), "{doing:?} breaks off before it begins");
+        assert!(!recording.window.is_empty(), "{activity:?} breaks off before it begins");
         recording
     }
 }

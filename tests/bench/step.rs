@@ -1,15 +1,15 @@
 //! A whole step of the plant, a whole tick of the controller, and a whole second of both.
 
-use crate::robot::{Doing, Recording, Replay};
+use crate::robot::{Activity, Recording, Replay};
 use controller::Controller;
 use divan::Bencher;
 use plant::Plant;
 use std::cell::RefCell;
 
 /// Each sample is one step; the steps are in the order of the motion.
-#[divan::bench(args = Doing::ALL, sample_count = 3000, sample_size = 1)]
-fn plant_step(bencher: Bencher, doing: Doing) {
-    let replay = RefCell::new(Replay::of(Recording::of(doing, &[])));
+#[divan::bench(args = Activity::ALL, sample_count = 3000, sample_size = 1)]
+fn plant_step(bencher: Bencher, activity: Activity) {
+    let replay = RefCell::new(Replay::of(Recording::of(activity, &[])));
     bencher
         .with_inputs(|| replay.borrow_mut().torques())
         .bench_local_values(|torques| replay.borrow_mut().advance(&torques));
@@ -19,7 +19,7 @@ fn plant_step(bencher: Bencher, doing: Doing) {
 #[divan::bench(args = ["without bounds", "within bounds"], sample_count = 3000, sample_size = 1)]
 fn controller_tick(bencher: Bencher, bounds: &str) {
     let settings = if bounds == "within bounds" { vec!["controller.rate_limit=11".into()] } else { vec![] };
-    let Recording { scene, window, encoders, .. } = Recording::of(Doing::Walking, &settings);
+    let Recording { scene, window, encoders, .. } = Recording::of(Activity::Walking, &settings);
     let begun = || Controller::new(&scene).expect("a good scene");
     let controller = RefCell::new(begun());
     let mut period = window.end;
@@ -38,7 +38,7 @@ fn controller_tick(bencher: Bencher, bounds: &str) {
 /// A simulated second of the walk, plant and controller in one process.
 #[divan::bench(sample_count = 30, sample_size = 1)]
 fn second_in_one_process(bencher: Bencher) {
-    let scene = Doing::Walking.scene(&[]);
+    let scene = Activity::Walking.scene(&[]);
     let begun = || {
         let (plant, controller) = (Plant::new(&scene), Controller::new(&scene));
         (plant.expect("a good scene"), controller.expect("a good scene"))

@@ -2,7 +2,7 @@
 //!
 //! A walk repeats bit for bit, so the time of a step is its least time in many runs: interruptions never hit the same step in all runs.
 
-use crate::robot::Doing;
+use crate::robot::Activity;
 use controller::Controller;
 use messages::scene::Scene;
 use plant::Plant;
@@ -34,15 +34,15 @@ const OTHERS: [&str; 12] = [
 const SLOWEST: usize = 5;
 
 /// For each control period: least time of the step and of the tick \[µs\], number of contacts, number of pivots.
-struct Walk {
+struct WalkTimes {
     least: [Vec<f64>; 2],
     problems: Vec<(usize, u64)>,
 }
 
 /// Prints median, 99.9th percentile, maximum and ratio of maximum to median of all periods, and the slowest steps.
 pub fn print() {
-    let scene = Doing::Walking.scene(&[]);
-    let Walk { least, problems } = walk(&scene, RUNS);
+    let scene = Activity::Walking.scene(&[]);
+    let WalkTimes { least, problems } = walk(&scene, RUNS);
     let periods = problems.len();
     println!("\n{periods} periods of the walk, each the least of {RUNS} runs [µs]");
     println!("{:<18}{:>9}{:>9}{:>9}{:>9}{:>14}", "", "median", "99 %", "99.9 %", "max", "max / median");
@@ -67,7 +67,7 @@ pub fn print() {
 /// Prints the ratio of the slowest step to the median for each variant.
 fn print_others() {
     let ratios = OTHERS.map(|setting| {
-        let scene = Doing::Walking.scene(&[setting.to_string()]);
+        let scene = Activity::Walking.scene(&[setting.to_string()]);
         let [median, _, p99_9, max] = quantiles(&walk(&scene, RUNS_OF_OTHERS).least[0]);
         [p99_9, max].map(|time| time / median)
     });
@@ -81,7 +81,7 @@ fn print_others() {
 }
 
 /// Repeats the walk a number of times.
-fn walk(scene: &Scene, runs: usize) -> Walk {
+fn walk(scene: &Scene, runs: usize) -> WalkTimes {
     let periods = (scene.duration * scene.rate) as usize;
     let mut least = [vec![f64::INFINITY; periods], vec![f64::INFINITY; periods]];
     let mut problems = vec![(0, 0); periods];
@@ -101,7 +101,7 @@ fn walk(scene: &Scene, runs: usize) -> Walk {
             }
         }
     }
-    Walk { least, problems }
+    WalkTimes { least, problems }
 }
 
 /// Median, 99th and 99.9th percentile, and maximum.

@@ -95,7 +95,7 @@ fn a_recording_opens_as_the_same_page_as_the_report_of_its_run() {
     page.value(measured);
     assert_eq!(page.value(frames), all_frames[0]);
     page.until("player.time > 1");
-    assert_eq!(page.value("byId('desk').hidden"), json!(true));
+    assert_eq!(page.value("byId('controls').hidden"), json!(true));
     screenshot(&mut page, "recording");
     assert_eq!(page.complaints, Vec::<String>::new());
     drop(page);

@@ -24,7 +24,7 @@ fn step(page: &mut Browser, walk: &mut Running, periods: u64) -> f64 {
         truth.stamp.seq == end
     });
     walk.stop_observing();
-    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.sim_ns as f64 * 1e-9));
+    page.until(&format!("Math.abs(trajectory.end - {}) < 1e-3", truth.stamp.time()));
     ground
 }
 
@@ -65,7 +65,7 @@ fn the_page_of_a_running_session_shows_and_controls_pushes_speed_pause_and_reset
             "[...byId('cameras').children].find((button) => button.textContent === '{camera}').click()"
         ));
         page.until("!stage.isStale && !player.isStale");
-        let marks = "[...document.querySelectorAll('#desk [data-push] i')].map((mark) => [mark.textContent, parseFloat(mark.style.transform.slice(7))])";
+        let marks = "[...document.querySelectorAll('#controls [data-push] i')].map((mark) => [mark.textContent, parseFloat(mark.style.transform.slice(7))])";
         let marks: Vec<(String, Option<f64>)> = serde_json::from_value(page.value(marks)).unwrap();
         for ((mark, angle), expected) in marks.iter().zip(angles) {
             let is_right = match (expected, angle) {

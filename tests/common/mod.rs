@@ -12,7 +12,7 @@ use std::process::{Command, Output, Stdio};
 use std::sync::atomic::{AtomicU32, Ordering::Relaxed};
 
 /// The summary of one run.
-pub struct Summary {
+pub struct RunSummary {
     name: String,
     json: Value,
 }
@@ -25,21 +25,21 @@ pub fn fresh_path(name: &str) -> PathBuf {
 }
 
 /// Runs a scene in one process, with changed values.
-pub fn run(scene: &str, settings: &[&str]) -> Summary {
+pub fn run(scene: &str, settings: &[&str]) -> RunSummary {
     run_as(scene, settings, &["--in-process"])
 }
 
 /// Runs a scene in one process with its smallest equivalent model.
-pub fn run_smallest(scene: &str, settings: &[&str]) -> Summary {
+pub fn run_smallest(scene: &str, settings: &[&str]) -> RunSummary {
     run_as(scene, settings, &["--in-process", "--smallest"])
 }
 
 /// Runs a scene in two processes.
-pub fn run_two(scene: &str, settings: &[&str]) -> Summary {
+pub fn run_two(scene: &str, settings: &[&str]) -> RunSummary {
     run_as(scene, settings, &[])
 }
 
-fn run_as(scene: &str, settings: &[&str], flags: &[&str]) -> Summary {
+fn run_as(scene: &str, settings: &[&str], flags: &[&str]) -> RunSummary {
     let (name, folder) = (format!("{scene} {}", settings.join(" ")), fresh_path("run"));
     let output = Command::new(env!("CARGO_BIN_EXE_biped"))
         .args(["run", scene, "--quiet"])
@@ -54,21 +54,21 @@ fn run_as(scene: &str, settings: &[&str], flags: &[&str]) -> Summary {
     let text = std::fs::read_to_string(folder.join("summary.json"));
     let text = text.unwrap_or_else(|_| panic!("{name}: no summary, {}: {errors}", output.status));
     std::fs::remove_dir_all(folder).expect("our own folder");
-    let summary = Summary { name, json: serde_json::from_str(&text).expect("JSON") };
+    let summary = RunSummary { name, json: serde_json::from_str(&text).expect("JSON") };
     let code = if summary.fell() { 7 } else { 0 };
     assert_eq!(output.status.code(), Some(code), "{}: {errors}", summary.name);
     summary
 }
 
 /// Runs several cases of a scene in parallel.
-pub fn run_all(scene: &str, cases: &[&[&str]]) -> Vec<Summary> {
+pub fn run_all(scene: &str, cases: &[&[&str]]) -> Vec<RunSummary> {
     std::thread::scope(|scope| {
         let runs: Vec<_> = cases.iter().map(|settings| scope.spawn(|| run(scene, settings))).collect();
         runs.into_iter().map(|run| run.join().expect("a run that ends in order")).collect()
     })
 }
 
-impl Summary {
+impl RunSummary {
     /// Whether the robot fell.
     pub fn fell(&self) -> bool {
         self.json["fell"].as_bool().expect("yes or no")

@@ -20,9 +20,9 @@ fn walk(kind: &[&str]) -> (Duration, String) {
 }
 
 /// Ends the busy programs, also after a panic.
-struct Over<'a>(&'a AtomicBool);
+struct StopOnDrop<'a>(&'a AtomicBool);
 
-impl Drop for Over<'_> {
+impl Drop for StopOnDrop<'_> {
     fn drop(&mut self) {
         self.0.store(true, Relaxed);
     }
@@ -37,7 +37,7 @@ const MAX_RATIO: f64 = 10.0;
 fn a_lockstep_walk_keeps_up_with_one_process_on_a_busy_machine() {
     let (processors, over) = (std::thread::available_parallelism().map_or(1, usize::from), AtomicBool::new(false));
     let times = std::thread::scope(|scope| {
-        let _over = Over(&over);
+        let _over = StopOnDrop(&over);
         for _ in 0..BUSY * processors {
             scope.spawn(|| {
                 while !over.load(Relaxed) {

@@ -4,9 +4,9 @@
 
 mod busy;
 mod ends;
+mod foreign_programs;
 mod hostile;
 mod same;
-mod strangers;
 
 use messages::session::Session;
 use nix::sys::signal::{Signal, kill};
@@ -54,21 +54,21 @@ fn session(name: &str) -> Session {
 }
 
 /// A child of `biped run`.
-struct RoleProcess {
+struct RunningRole {
     name: String,
     pid: i32,
     session: Session,
 }
 
 /// The children of a launcher that already run as plant or controller.
-fn roles_of(launcher: u32) -> Vec<RoleProcess> {
+fn roles_of(launcher: u32) -> Vec<RunningRole> {
     let list = std::fs::read_to_string(format!("/proc/{launcher}/task/{launcher}/children")).unwrap_or_default();
     let role = |pid: &str| {
         let line = std::fs::read_to_string(format!("/proc/{pid}/cmdline")).ok()?;
         let words: Vec<_> = line.split('\0').collect();
         let session = words.iter().position(|word| *word == "--session")?;
         let session = Session::named(words.get(session + 1)?).ok()?;
-        Some(RoleProcess { name: words[1].into(), pid: pid.parse().ok()?, session })
+        Some(RunningRole { name: words[1].into(), pid: pid.parse().ok()?, session })
     };
     list.split_whitespace().filter_map(role).collect()
 }
@@ -80,7 +80,7 @@ fn is_running(pid: i32) -> bool {
 }
 
 /// A long real-time walk that has started, and its two children.
-fn walking() -> (Child, Vec<RoleProcess>) {
+fn walking() -> (Child, Vec<RunningRole>) {
     let launcher = start(&["run", "walk", "--realtime", "--quiet", "--set", "duration=300"]);
     let mut roles = vec![];
     eventually("two connected processes", || {
@@ -92,7 +92,7 @@ fn walking() -> (Child, Vec<RoleProcess>) {
 }
 
 /// Asserts that all processes exit and that no session files are left.
-fn assert_all_gone(roles: &[RoleProcess]) {
+fn assert_all_gone(roles: &[RunningRole]) {
     eventually("the end of the processes", || !roles.iter().any(|role| is_running(role.pid)));
     assert_eq!(roles[0].session.shm_files(), Vec::<PathBuf>::new());
 }

@@ -93,7 +93,7 @@ fn every_run_of_a_sweep_is_that_of_a_single_run_with_the_same_digits() {
 }
 
 #[test]
-fn seeds_change_what_is_random_and_nothing_else() {
+fn seeds_change_random_quantities_and_nothing_else() {
     let folder = fresh_path("sweep");
     let table = |arguments: &[&str], name: &str| {
         sweep(&[&["walk", "--set", "duration=1"], arguments].concat(), &folder.join(name));

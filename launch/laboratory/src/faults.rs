@@ -3,8 +3,8 @@
 //!
 //! | what | where |
 //! |---|---|
-//! | starting, finding and signalling processes | [`stage`] |
-//! | trials in parallel | [`abreast`] |
+//! | starting, finding and signalling processes | [`test_session`] |
+//! | trials in parallel | [`parallel`] |
 //! | kill −9, and restarted processes | [`kill`] |
 //! | SIGSTOP, stalled recorders | [`stop`] |
 //! | bad commands | [`commands`] |
@@ -13,26 +13,26 @@
 //! | full shared memory | [`memory`] |
 //! | a full disk under a recording | [`disk`] |
 
-mod abreast;
 mod commands;
 mod disk;
 mod kill;
 mod memory;
 mod neighbours;
+mod parallel;
 mod peers;
-pub mod stage;
 mod stop;
+pub mod test_session;
 
-use abreast::side_by_side;
 use clap::Args;
+use parallel::in_parallel;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::{prepare_folder, print_text, write_atomically, write_failure};
 use shared::progress::BatchProgress;
-use stage::{FaultTrial, SessionRole, TrialOutcome};
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
+use test_session::{FaultTrial, SessionRole, TrialOutcome};
 
 /// Time limit for a restarted process to drive the robot.
 const RESPAWN: Duration = Duration::from_millis(250);
@@ -78,8 +78,8 @@ enum Fault {
     Second(SessionRole),
     OtherContract,
     Race,
-    Laid,
-    Loud,
+    ForeignFile,
+    MuchOutput,
 }
 
 use Fault::*;
@@ -92,8 +92,8 @@ const FAULTS: [(Fault, usize, usize); 28] = [
     (Second(Launcher), 5, 1),
     (OtherContract, 1, 1),
     (Race, 50, 2),
-    (Laid, 30, 3),
-    (Loud, 10, 1),
+    (ForeignFile, 30, 3),
+    (MuchOutput, 10, 1),
     (KillAndRespawn(Plant), 100, 2),
     (KillAndRespawn(Controller), 100, 2),
     (StopAndContinue(Plant), 10, 1),
@@ -137,8 +137,8 @@ impl fmt::Display for Fault {
             Second(role) => write!(f, "second {}", role.title()),
             OtherContract => f.write_str("peer with another schema, model, rate or pace"),
             Race => f.write_str("three launchers of one session at once"),
-            Laid => f.write_str("pipe, link or folder where a session's file belongs"),
-            Loud => f.write_str("controller that writes bytes that are no text"),
+            ForeignFile => f.write_str("pipe, link or folder where a session's file belongs"),
+            MuchOutput => f.write_str("controller that writes bytes that are no text"),
         }
     }
 }
@@ -240,7 +240,7 @@ fn write(folder: &std::path::Path, rows: &[FaultRow], seed: u64) -> std::io::Res
 impl Fault {
     /// Runs `count` trials.
     fn trials(self, count: usize, random: &mut fastrand::Rng, quiet: bool, stop: &AtomicBool) -> Vec<FaultTrial> {
-        let chance = &mut random.fork(); // the same for this kind, whatever the others draw
+        let chance = &mut random.fork(); // the same for this kind, independently of the numbers that other kinds draw
         let times = |count: usize, trial: &mut dyn FnMut(usize) -> FaultTrial| {
             let progress = BatchProgress::new(quiet, count, 0, "trials");
             let all = (0..count).take_while(|_| !stop.load(Relaxed)).map(|nth| {
@@ -253,14 +253,14 @@ impl Fault {
             all
         };
         match self {
-            Kill(victim) => side_by_side(count, chance, quiet, stop, &|_, chance| kill::at_random(victim, chance)),
+            Kill(victim) => in_parallel(count, chance, quiet, stop, &|_, chance| kill::at_random(victim, chance)),
             KillAtCall(victim) => match kill::calls(victim) {
                 Err(error) => vec![Err(error)],
                 Ok(calls) => {
                     let step = (calls.len() / count).max(1);
                     let first = if step > 1 { chance.usize(0..step) } else { 0 };
                     let chosen: Vec<_> = calls.iter().skip(first).step_by(step).collect();
-                    side_by_side(chosen.len(), chance, quiet, stop, &|nth, _| kill::at_call(victim, chosen[nth]))
+                    in_parallel(chosen.len(), chance, quiet, stop, &|nth, _| kill::at_call(victim, chosen[nth]))
                 }
             },
             KillAndRespawn(victim) => kill::and_respawn(victim, count, chance).unwrap_or_else(|error| vec![Err(error)]),
@@ -268,9 +268,7 @@ impl Fault {
                 Err(error) => vec![Err(error)],
                 Ok(reference) => times(count, &mut |_| stop::and_continue(victim, &reference, chance)),
             },
-            StopForEver(victim) => {
-                side_by_side(count, chance, quiet, stop, &|_, chance| stop::for_ever(victim, chance))
-            }
+            StopForEver(victim) => in_parallel(count, chance, quiet, stop, &|_, chance| stop::for_ever(victim, chance)),
             StoppedLauncher => times(count, &mut |_| stop::the_launcher_for_ever()),
             StalledRecorder => times(count, &mut |_| stop::the_recorder(5)),
             FullMemory | FillingMemory | FullDisk | FilledDisk if !memory::is_permitted() => {
@@ -288,8 +286,8 @@ impl Fault {
             Second(role) => times(count, &mut |_| peers::second(role)),
             OtherContract => times(count, &mut |_| peers::other_contract()),
             Race => times(count, &mut |_| neighbours::race()),
-            Laid => times(count, &mut |_| neighbours::laid(chance)),
-            Loud => times(count, &mut |_| neighbours::loud(chance)),
+            ForeignFile => times(count, &mut |_| neighbours::foreign_file(chance)),
+            MuchOutput => times(count, &mut |_| neighbours::much_output(chance)),
         }
     }
 }

@@ -6,7 +6,7 @@
 //! | the parts of a round trip over our ports | [`breakdown`] |
 //! | the walk in lockstep | [`walk`] |
 //! | runs at 1 kHz of the clock, and the host's floor | [`paced`], [`floor`], [`watch`] |
-//! | both ends of a connection | [`initiator`], [`peer`], [`serve`] |
+//! | both ends of a connection | [`initiator`], [`second_process`], [`serve`] |
 //! | histograms, tables, drawings | [`spread`], [`results`], [`draw`], [`page`] |
 //! | the machine and its other load | [`host`] |
 
@@ -21,8 +21,8 @@ mod initiator;
 mod lines;
 mod paced;
 mod page;
-mod peer;
 mod results;
+mod second_process;
 mod serve;
 mod sockets;
 mod spread;
@@ -72,12 +72,12 @@ pub fn run(args: &LatencyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let mut bench = Bench::start(if args.quick { Plan::QUICK } else { Plan::FULL }, args.quiet, stop)?;
     bench.expect(bench.plan.rounds as usize * Carrier::ALL.len() + walk::count() + 2);
     breakdown::alone(&mut results)?;
-    bench::apart(|| {
+    bench::on_new_thread(|| {
         pin_to_nth(0); // the other process uses another processor, so that all links are compared over the same distance
         carrier::measure(&mut bench, &mut results)?;
         walk::measure(&mut bench, &mut results)
     })?;
-    bench::apart(|| paced::link(&mut bench, &mut results, args.system))?;
+    bench::on_new_thread(|| paced::link(&mut bench, &mut results, args.system))?;
     paced::walk(&mut bench, &mut results, args.system)?;
     bench.counter.finish();
     drop(bench);

@@ -1,6 +1,6 @@
 //! `biped soak`: a long walk during which memory, open files, shared memory and latency of the processes are monitored.
 
-use crate::faults::stage::{SessionRole, Stage, is_finite, walk};
+use crate::faults::test_session::{SessionRole, TestSession, is_finite, walk};
 use crate::subject::Subject;
 use clap::Args;
 use messages::port::{Action, Contract, Pace, RecorderPort, ask};
@@ -126,8 +126,8 @@ fn soak(
     time: Duration,
     stop: &AtomicBool,
 ) -> Result<Soaked, String> {
-    let stage = Stage::empty();
-    let session = &stage.session;
+    let test_session = TestSession::empty();
+    let session = &test_session.session;
     let message = |error: &dyn ToString| error.to_string();
     let mut port = RecorderPort::open(session, &Contract::of(scene, pace)).map_err(|e| message(&e))?;
     let start_role = |role: SessionRole| {
@@ -137,7 +137,7 @@ fn soak(
         )
     };
     let mut roles = [start_role(SessionRole::Plant)?, start_role(SessionRole::Controller)?];
-    let numbers = [stage.wait_for(SessionRole::Plant)?, stage.wait_for(SessionRole::Controller)?];
+    let numbers = [test_session.wait_for(SessionRole::Plant)?, test_session.wait_for(SessionRole::Controller)?];
     let (start, interval) = (Instant::now(), time / SAMPLES);
     let (mut samples, mut replies, mut truth, mut walked) = (vec![], vec![], Truth::default(), 0.0);
     let (mut reset, mut falls, mut end) = (0, 0, None); // the last run that was ended
@@ -168,7 +168,7 @@ fn soak(
             falls += u32::from(has_fallen);
         }
         if start.elapsed() > due {
-            samples.push((start.elapsed().as_secs_f64(), look(session, numbers, &mut replies)));
+            samples.push((start.elapsed().as_secs_f64(), sample(session, numbers, &mut replies)));
             due += interval;
         }
         std::thread::sleep(Duration::from_millis(1));
@@ -177,7 +177,7 @@ fn soak(
     Ok(Soaked { samples, simulated: walked + seconds(&truth), falls, end })
 }
 
-fn look(session: &Session, [plant, controller]: [u32; 2], replies: &mut Vec<u64>) -> [f64; COLUMNS.len()] {
+fn sample(session: &Session, [plant, controller]: [u32; 2], replies: &mut Vec<u64>) -> [f64; COLUMNS.len()] {
     let files = session.shm_files();
     let kilobytes = files.iter().filter_map(|path| path.symlink_metadata().ok()).map(|file| file.blocks() / 2);
     replies.sort_unstable();
@@ -197,7 +197,7 @@ fn look(session: &Session, [plant, controller]: [u32; 2], replies: &mut Vec<u64>
 }
 
 fn seconds(truth: &Truth) -> f64 {
-    truth.stamp.sim_ns as f64 * 1e-9
+    truth.stamp.time()
 }
 
 /// Resident memory of a process without shared memory [kB]. Shared memory is reserved at the start and counted separately; its pages

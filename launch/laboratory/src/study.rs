@@ -23,7 +23,7 @@ pub mod tables;
 pub use args::StudyArgs;
 use args::{Study, belongs_to};
 use cases::{StudyCase, cases};
-use tables::{hand_out, table};
+use tables::{publish, table};
 
 /// The result: a summary, also of a fall, or why there is none.
 pub type RunOutcome = Result<Summary, String>;
@@ -49,7 +49,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let mut results = problems::solve(count, stop, |more| counter.add_done(more))?;
         counter.finish();
         let rows = problems::rows(&mut results);
-        return hand_out(args, &table(&rows), &[("", csv::text(&rows))]);
+        return publish(args, &table(&rows), &[("", csv::text(&rows))]);
     }
     let cases = cases(args.study);
     let counter = BatchProgress::new(args.quiet, cases.len(), 0, "cases");
@@ -65,7 +65,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         Study::Attraction => format!("\n{}", table(&orbit::rows(stop)?)),
         _ => String::new(),
     };
-    hand_out(args, &(markdown(&rows, &outcomes) + &more), &[("", with_commands(rows, &cases))])
+    publish(args, &(markdown(&rows, &outcomes) + &more), &[("", with_commands(rows, &cases))])
 }
 
 fn simulate(case: &StudyCase, stop: &AtomicBool) -> Result<RunOutcome, Failure> {

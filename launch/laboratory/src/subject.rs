@@ -1,4 +1,4 @@
-//! A process under test, and what it writes to its standard error.
+//! A process under test, and its output on standard error.
 
 use nix::sys::signal::Signal;
 use sessions::children::read_stderr;

@@ -12,7 +12,7 @@ class Live {
     player.isFollowing = true;
     this.headers = { Authorization: `Bearer ${token}` };
     this.answer = byId("answer");
-    byId("desk").hidden = false;
+    byId("controls").hidden = false;
     byId("now").hidden = false;
     [byId("pace").value, byId("period").value] = runInfo.gait[0] ?? ["", ""];
     byId("help").classList.add("live");
@@ -23,7 +23,7 @@ class Live {
       set: () => ({ what: "set", speed: Number(byId("pace").value), period: Number(byId("period").value) }),
     };
     for (const [id, request] of Object.entries(requests)) byId(id).addEventListener("click", () => this.ask(request()));
-    document.querySelectorAll("#desk [data-push]").forEach((button) => button.addEventListener("click", () => this.push(button.dataset.push)));
+    document.querySelectorAll("#controls [data-push]").forEach((button) => button.addEventListener("click", () => this.push(button.dataset.push)));
     this.fetch();
   }
 
@@ -34,7 +34,7 @@ class Live {
 
   // Shows the direction of each push in the picture on its button: ⊙ points out of the picture, ⊗ into it.
   showPushDirections(stage, from) {
-    document.querySelectorAll("#desk [data-push]").forEach((button) => {
+    document.querySelectorAll("#controls [data-push]").forEach((button) => {
       const { angle, depth } = stage.screenDirection(from, new THREE.Vector3(...button.dataset.push.split(",").map(Number))), symbol = button.lastElementChild;
       symbol.textContent = depth > HEAD_ON ? "⊙" : depth < -HEAD_ON ? "⊗" : "→";
       symbol.style.transform = symbol.textContent === "→" ? `rotate(${angle}rad)` : "";

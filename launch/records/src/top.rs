@@ -141,7 +141,7 @@ impl Interval {
             .map(|(why, count)| format!("{count} {why}"))
             .collect();
         let refused = if refused.is_empty() { "none".into() } else { refused.join(", ") };
-        let time = truth.stamp.sim_ns as f64 * 1e-9;
+        let time = truth.stamp.time();
         vec![
             line("session", format!("{}, run {:016x}, t {time:.2} s", session.name(), truth.stamp.run)),
             line("pace", format!("{rate:.0} periods/s, {pace:.2} x real time")),
@@ -176,7 +176,7 @@ impl Interval {
     fn line(&self) -> String {
         let Some(truth) = &self.latest else { return "no records yet; a paused session sends none".into() };
         let [rate, pace, speed] = self.rates();
-        let time = truth.stamp.sim_ns as f64 * 1e-9;
+        let time = truth.stamp.time();
         let refused: u64 = truth.tally.refused.iter().sum();
         format!(
             "t {time:.2} s  {rate:.0} Hz  {pace:.2}x  {}  {}  {speed:+.3} m/s  {}  age {}  reply {:.0} µs  late {:.0} µs  \

@@ -3,15 +3,19 @@
 mod native;
 mod python;
 mod rust;
+mod template;
+
+pub use template::NewFile;
 
 use crate::export::toml;
-use clap::{Args, Subcommand, ValueEnum};
+use clap::{Args, Subcommand};
 use messages::load::{SCENES, load};
-use shared::exit::{Exit, Failure};
+use shared::exit::Failure;
 use shared::output::{create_folder, print_text, write_atomically, write_failure};
 use std::fs;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
+use template::{Template, usage};
 
 /// Kind of file or folder to make.
 #[derive(Subcommand)]
@@ -89,18 +93,6 @@ pub struct FileArgs {
     from: String,
 }
 
-/// A controller to begin from.
-#[derive(Clone, Copy, ValueEnum)]
-enum Template {
-    /// A spring and a damper in each joint
-    Stand,
-    /// The paper's controller
-    Walk,
-}
-
-/// A file of a new folder: its name and its text.
-pub type NewFile = (&'static str, String);
-
 /// Makes it. `peers` are the files of `biped new peers`, for a folder with the name that it gets.
 ///
 /// # Errors
@@ -167,22 +159,4 @@ fn file(path: &Path, text: &str) -> Result<PathBuf, Failure> {
 
 fn there(path: &Path) -> Failure {
     usage(format!("{} is there already: choose another name, or remove it", path.display()))
-}
-
-fn usage(sentence: impl ToString) -> Failure {
-    Failure::new(Exit::Usage, sentence.to_string())
-}
-
-/// The absolute path of a clone of the repository of biped, in which `part` has to be.
-fn in_clone(tree: &Path, part: &str) -> Result<PathBuf, Failure> {
-    let absolute = tree.canonicalize().unwrap_or_else(|_| tree.into());
-    match absolute.join(part).exists() {
-        true => Ok(absolute),
-        false => Err(usage(format!("--tree {0}: there is no {0}/{part}, so it is no clone of biped", tree.display()))),
-    }
-}
-
-/// A source text without the comment at its head, which tells how to build it in this repository.
-fn code<'a>(text: &'a str, first: &str) -> &'a str {
-    text.find(first).map_or(text, |begin| &text[begin..])
 }

@@ -42,7 +42,7 @@ impl RunProgress {
 
     /// Updates the speed from the truth of a control period. Call it every period; it is cheap.
     pub fn update(&mut self, truth: &Truth) {
-        let (time, x) = (truth.stamp.sim_ns as f64 * 1e-9, truth.base_position[0]);
+        let (time, x) = (truth.stamp.time(), truth.base_position[0]);
         if time == 0.0 {
             self.window_start = (time, x);
         }
@@ -72,7 +72,7 @@ impl RunProgress {
     }
 
     fn line(&self, truth: &Truth) -> String {
-        let time = truth.stamp.sim_ns as f64 * 1e-9;
+        let time = truth.stamp.time();
         let telemetry = &truth.telemetry;
         let phase = PHASES.get(telemetry.phase as usize).copied().unwrap_or("?");
         let support = if telemetry.support == 0 { "left" } else { "right" };
@@ -101,7 +101,7 @@ fn bar(quiet: bool, length: u64, template: &str) -> (ProgressBar, bool) {
 pub struct BatchProgress {
     /// The bar; hidden without a terminal. Print other lines inside its `suspend`.
     pub bar: ProgressBar,
-    /// Plural of what is counted.
+    /// Plural of the counted items.
     items: &'static str,
     /// When the last plain line was printed; `None` if there are no plain lines, because of a bar or `--quiet`.
     last_line: Option<Mutex<Instant>>,

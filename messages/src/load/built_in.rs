@@ -1,27 +1,7 @@
 //! The built-in scenes: the files of `messages/scenes`.
 
-use super::{SceneError, load};
-use crate::scene::Scene;
-
 /// A built-in scene: its name and its TOML text.
 pub type BuiltIn = (&'static str, &'static str);
-
-/// Loads a built-in scene by its name.
-///
-/// ```
-/// let scene = biped_messages::load::built_in("walk")?;
-/// assert_eq!(scene.bodies.len(), 9);
-/// # Ok::<(), biped_messages::load::SceneError>(())
-/// ```
-///
-/// # Errors
-/// [`SceneError::Unknown`] with the names that exist.
-pub fn built_in(name: &str) -> Result<Scene, SceneError> {
-    match SCENES.iter().any(|(known, _)| *known == name) {
-        true => load(name, &[], SCENES),
-        false => Err(SceneError::unknown(name, SCENES)),
-    }
-}
 
 /// All built-in scenes.
 pub const SCENES: &[BuiltIn] = &[

@@ -5,6 +5,7 @@ use crate::robot::{Body, DriveParameters, JointKind, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
 use std::f64::consts::PI;
+use std::ops::RangeInclusive;
 use toml::Value;
 
 /// Largest number of steps in a control period. The plant answers requests only between control periods.
@@ -23,6 +24,10 @@ const STEP_ROUNDING: f64 = 1e-9;
 const MAX_LATENCY_TICKS: u32 = 1000;
 /// Longest delay and largest jitter of a command [ms].
 const MAX_DELAY_MS: f64 = 1000.0;
+/// Resolutions of encoders [bit]: 8 have 1.4° per count, and beyond 30 a count is finer than any encoder.
+const ENCODER_BITS: RangeInclusive<u32> = 8..=30;
+/// A slope with this incline is a wall [deg].
+const VERTICAL_DEG: f64 = 90.0;
 /// Shortest step of the gait [control periods].
 const LEAST_STEP_PERIODS: f64 = 10.0;
 
@@ -83,7 +88,8 @@ impl Validator<'_> {
     }
 
     fn encoder_bits(&self, key: &str, bits: u32) -> Checked {
-        self.require((8..=30).contains(&bits), key, bits, "it must be 8 to 30")
+        let rule = format!("it must be {} to {}", ENCODER_BITS.start(), ENCODER_BITS.end());
+        self.require(ENCODER_BITS.contains(&bits), key, bits, rule)
     }
 
     /// Checks that every number is finite and at most [`MAX_MAGNITUDE`]. The error names the path to the first one that is not.
@@ -144,7 +150,7 @@ impl Validator<'_> {
         self.positive("plant.tolerance_step", plant.tolerance_step)?;
         self.not_negative("plant.gravity", plant.gravity)?;
         let tilt = plant.incline_deg;
-        self.require(tilt.abs() < 90.0, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;
+        self.require(tilt.abs() < VERTICAL_DEG, "plant.incline_deg", tilt, "it must lie between -90 and 90")?;
         self.ground(&plant.ground)?;
         self.not_negative("plant.friction", plant.friction)?;
         let bounce = plant.restitution;

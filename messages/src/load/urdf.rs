@@ -22,6 +22,10 @@ use xml::{Parsed, attribute, child, children, linked, number, optional, vector};
 /// Values up to this are rounding of the program that wrote the file and count as 0: products of inertia over the largest moment [-],
 /// angles [rad].
 const ROUNDING: f64 = 1e-9;
+/// Size of the drawn box of a body for which the file draws none [m]. It affects no motion: the moments of inertia are given.
+const UNDRAWN_SIZE: [f64; 3] = [0.05; 3];
+/// Heights of contact points are rounded to this grid: nanometres [1/m].
+const GRID: f64 = 1e9;
 /// Radius of the balls that represent contact points [m].
 const POINT_RADIUS: f64 = 1e-3;
 
@@ -92,8 +96,7 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
     }
     let com = origin(inertial, name)?;
     let drawn = children(link, "visual").find_map(|visual| child(child(visual, "geometry")?, "box"));
-    // the size is only drawn, because the moments of inertia are given
-    let size = drawn.map_or(Ok([0.05; 3]), |shape| vector(shape, "size"))?;
+    let size = drawn.map_or(Ok(UNDRAWN_SIZE), |shape| vector(shape, "size"))?;
     let mut body = Body { name: name.into(), mass, size, com, ..Body::default() };
     if body.moments() != moments {
         body.inertia = Some(moments);
@@ -128,7 +131,7 @@ fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
 /// Height of a contact point below the centre of its ball. It is rounded to nanometres if that gives the same centre, so that an
 /// exported robot is read back exactly.
 fn point_height(height: f64) -> f64 {
-    let short = ((height - POINT_RADIUS) * 1e9).round() / 1e9;
+    let short = ((height - POINT_RADIUS) * GRID).round() / GRID;
     if short + POINT_RADIUS == height { short } else { height - POINT_RADIUS }
 }
 

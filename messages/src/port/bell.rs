@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_ring_between_the_last_look_and_the_sleep_is_not_missed() {
+    fn a_ring_between_the_last_poll_and_the_sleep_is_not_missed() {
         with_bell(|writer, reader| {
             let rings = || {
                 writer.ring();

@@ -36,7 +36,7 @@ pub(super) struct BusyDetector {
 }
 
 impl BusyDetector {
-    /// Takes the duration of a control period. Returns the load of the machine if it changes.
+    /// Updates the load by the duration of a control period. Returns the load if it has changed.
     pub fn update(&mut self, period: Duration) -> Option<Machine> {
         let is_long = period > LONG_PERIOD;
         self.recent = self.recent << 1 | u32::from(is_long);

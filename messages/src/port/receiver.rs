@@ -5,8 +5,8 @@ use super::busy_detector::{BusyDetector, LONG_PERIOD, Machine};
 use super::contract::Pace;
 use super::node::{SessionNode, TopicFactory};
 use super::placement::Placement;
-use super::sender::arrival;
 use super::waiting::{SPIN, Waiting};
+use super::wake::{Peer, arrival};
 use crate::error::PortError;
 use crate::wire::Stamped;
 use iceoryx2::port::listener::{Listener, ListenerWaitError};
@@ -89,7 +89,7 @@ impl<M: Stamped> Receiver<M> {
         Some(message)
     }
 
-    /// Takes the time between two messages: a control period.
+    /// Tells the detector the time between two messages, which is a control period.
     #[inline]
     fn update_detector(&mut self, period: Duration) {
         let change = self.detector.update(period);
@@ -167,15 +167,6 @@ impl<M: Stamped> Receiver<M> {
         }
         Ok(None)
     }
-}
-
-/// The other side, as a writer has to know it to wake it.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Peer {
-    /// Time until which it is certainly awake, apart from the short time for which it then polls [ns]; 0 if it may sleep at once.
-    pub awake_ns: u64,
-    /// Whether it sleeps on the bell only.
-    pub hears_bell: bool,
 }
 
 /// A message in shared memory.

@@ -2,8 +2,8 @@
 
 use super::bell::Bell;
 use super::node::SessionNode;
-use super::receiver::Peer;
 use super::waiting::Waiting;
+use super::wake::{Peer, arrival};
 use crate::clock::now_ns;
 use crate::error::PortError;
 use crate::wire::Stamped;
@@ -17,11 +17,6 @@ use std::time::Duration;
 
 /// A successor tries this often to become the writer.
 const TAKEOVER_RETRY: Duration = Duration::from_micros(500);
-
-/// The event that announces a new process. The event that announces a message has the number 0.
-pub(super) fn arrival() -> EventId {
-    EventId::new(1)
-}
 
 /// The writing end of a topic.
 #[derive(Debug)]

@@ -3,12 +3,12 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A tile without a range along an axis covers this one: everywhere that a robot gets to [m].
+/// Range of a tile along an axis for which the scene gives none [m]. No robot leaves it.
 const EVERYWHERE: [f64; 2] = [-1e9, 1e9];
-/// Random tiles measure this along and across unless a scene says otherwise [m].
+/// Size of random tiles along x and y in a scene that gives none [m].
 const TILE_SIZE: [f64; 2] = [0.2, 0.2];
 
-/// Random tiles that are drawn in each direction at most.
+/// Greatest number of random tiles that are drawn in each direction.
 const DRAWN: f64 = 30.0;
 
 /// Heights of the ground. By default it is the plane z = 0.
@@ -54,7 +54,7 @@ impl Default for RandomTiles {
 }
 
 impl Ground {
-    /// Whether it is as in a scene that does not mention it.
+    /// Whether every value is the default.
     pub fn is_default(&self) -> bool {
         *self == Ground::default()
     }
@@ -64,7 +64,7 @@ impl Ground {
         self.tiles.is_empty() && self.random.height == 0.0
     }
 
-    /// Height at a place [m].
+    /// Height at the point (x, y) [m].
     pub fn height(&self, x: f64, y: f64) -> f64 {
         let tile = self.tiles.iter().find(|tile| tile.covers(x, y));
         tile.map_or_else(|| self.random.height_at(x, y), |tile| tile.height)
@@ -95,13 +95,13 @@ impl Ground {
 }
 
 impl GroundTile {
-    /// Whether a place is on it. The first edge belongs to it, the last one does not.
+    /// Whether the point (x, y) is on the tile. The first edge belongs to the tile, the last one does not.
     fn covers(&self, x: f64, y: f64) -> bool {
         let within = |[first, last]: [f64; 2], at: f64| first <= at && at < last;
         within(self.x, x) && within(self.y, y)
     }
 
-    /// Whether two tiles have a place in common.
+    /// Whether two tiles overlap.
     pub fn overlaps(&self, other: &GroundTile) -> bool {
         let meet = |a: [f64; 2], b: [f64; 2]| a[0] < b[1] && b[0] < a[1];
         meet(self.x, other.x) && meet(self.y, other.y)

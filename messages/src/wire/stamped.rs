@@ -5,6 +5,9 @@ use bytemuck::Pod;
 use iceoryx2::prelude::ZeroCopySend;
 use xxhash_rust::xxh3::xxh3_64;
 
+/// Seconds in a nanosecond [s/ns].
+const SECONDS_PER_NS: f64 = 1e-9;
+
 /// A message that begins with a stamp.
 pub trait Stamped: Pod + ZeroCopySend + std::fmt::Debug {
     /// The stamp.
@@ -50,6 +53,13 @@ macro_rules! stamped {
     )*};
 }
 stamped!(Sensors Command Truth Request Reply Served);
+
+impl Stamp {
+    /// Simulated time [s].
+    pub fn time(&self) -> f64 {
+        self.sim_ns as f64 * SECONDS_PER_NS
+    }
+}
 
 impl Command {
     /// Whether this is an undamaged answer to the sensors with the stamp `asked`. The fields of a damaged message are not used.

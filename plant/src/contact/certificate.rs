@@ -58,7 +58,7 @@ impl Scales {
     }
 
     /// The natural map of one contact. f and F may have any common unit, and so may v and V. Where the direction of slip is `given`,
-    /// friction acts against that direction, whatever the velocity is.
+    /// friction acts against that direction at every velocity.
     pub fn natural_map(self, f: [f64; 3], v: [f64; 3], friction: f64, given: [f64; 2]) -> f64 {
         let nan = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // NaN if any number is NaN, because the comparisons below would hide it
         if self.speed == 0.0 || self.impulse == 0.0 {

@@ -41,7 +41,7 @@ pub struct Problem {
     #[serde(default)]
     pub link: Vec<usize>,
     /// Given unit direction of slip of each contact, along the tangents: zero for a contact without, and empty if no contact has one.
-    /// Friction acts against it, whatever the velocity is. A steady slip has one.
+    /// Friction acts against it at every velocity. A steady slip has one.
     #[serde(default)]
     pub slip: Vec<[f64; 2]>,
 }

@@ -172,7 +172,7 @@ mod tests {
             for r in 0..m {
                 let kept = std::mem::replace(&mut delassus[r * m], f64::NAN);
                 apply_delassus(&delassus, &drift, &vec![0.0; m], &mut found);
-                assert!(found[0].is_nan(), "row {r} of {m} pushes min_pivot");
+                assert!(found[0].is_nan(), "row {r} of {m}: NaN must propagate");
                 delassus[r * m] = kept;
             }
         }

@@ -36,7 +36,7 @@ impl PlantLog {
         if !urgent && now_ns() - self.written_ns < SECOND_NS {
             return;
         }
-        let time = simulation.sensors().stamp.sim_ns as f64 * 1e-9;
+        let time = simulation.sensors().stamp.time();
         let age = simulation.commands().age();
         let drives = match (self.state, state) {
             (PlantState::Wait, PlantState::Run) => None, // the first command of the run

@@ -9,7 +9,7 @@ pub const CORNERS: [[f64; 3]; 4] = [[0.1, 0.04, -0.3], [0.1, -0.04, -0.3], [-0.0
 pub const INVERSE: [f64; 6] = [1. / 14., 1. / 14., 1. / 14., 1. / 0.8, 1. / 0.7, 1. / 0.2];
 
 /// One contact's rows of K^T: normal, then the tangents x and y of the world.
-pub type Rows = [Vec<f64>; 3];
+pub type ContactRows = [Vec<f64>; 3];
 
 /// A = K^T H^-1 K and b = K^T xdot of contacts with this number of tangents, from all rows of K^T.
 pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
@@ -28,8 +28,8 @@ pub fn of_rows(tangents: usize, rows: &[Vec<f64>], inverse_inertia: &[f64], xdot
     problem
 }
 
-/// Rows of a point r on a rigid body with coordinates (v, omega) at its centre of mass.
-pub fn on_body([x, y, z]: [f64; 3]) -> Rows {
+/// ContactRows of a point r on a rigid body with coordinates (v, omega) at its centre of mass.
+pub fn on_body([x, y, z]: [f64; 3]) -> ContactRows {
     [vec![0., 0., 1., y, -x, 0.], vec![1., 0., 0., 0., z, -y], vec![0., 1., 0., -z, 0., x]]
 }
 

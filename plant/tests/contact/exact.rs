@@ -1,6 +1,6 @@
 //! Problems with exact solutions.
 
-use super::{G, H, PIVOTED, Rows, assemble, assert_near, on_body, point_mass, solve};
+use super::{ContactRows, G, H, PIVOTED, assemble, assert_near, on_body, point_mass, solve};
 use biped_plant::contact::{Memory, Problem, Solver, tangents};
 use messages::scene::Law;
 
@@ -38,7 +38,7 @@ fn eight_contacts_carry_the_weight_at_rest_in_any_order() {
         let xdot = [2e-3, 1e-3, -G * H, 1e-4, -2e-4, 3e-4];
         for _ in 0..50 {
             random.shuffle(&mut corners);
-            let contacts: Vec<Rows> = corners.iter().map(|&c| on_body(c)).collect();
+            let contacts: Vec<ContactRows> = corners.iter().map(|&c| on_body(c)).collect();
             let problem = assemble(law, &contacts, &inverse, &xdot, 0.7);
             let (solver, report) = solve(&problem, law);
             let normal: f64 = solver.impulse.iter().step_by(1 + problem.tangents).sum();

@@ -1,7 +1,7 @@
 //! Random problems, of any rank and scale.
 
 use super::mechanism::{CORNERS, INVERSE, stirring_foot};
-use super::{G, H, PIVOTED, Rows, assemble, on_body, solve};
+use super::{ContactRows, G, H, PIVOTED, assemble, on_body, solve};
 use biped_plant::contact::{Memory, Problem, Solver};
 use messages::scene::Law;
 
@@ -20,7 +20,7 @@ fn random_problem(random: &mut fastrand::Rng, law: Law) -> (Problem, u32) {
     let inverse: Vec<f64> = (0..dof).map(|_| 10f64.powf(spread * random.f64())).collect();
     let vector = |random: &mut fastrand::Rng| (0..dof).map(|_| 2.0 * random.f64() - 1.0).collect::<Vec<f64>>();
     let rigid = dof >= 6 && random.bool();
-    let mut rows: Vec<Rows> = Vec::new();
+    let mut rows: Vec<ContactRows> = Vec::new();
     for i in 0..contacts {
         if i > 0 && random.f64() < 0.2 {
             let again = rows[random.usize(0..i)].clone();
@@ -74,7 +74,7 @@ fn a_warm_start_with_a_basis_gives_the_velocity_of_a_cold_start() {
         let (mut memory, mut solver) = (Memory::default(), Solver::default());
         let (mut warm, mut others) = (0, 0);
         for (touching, xdot) in stirring_foot(3000) {
-            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(CORNERS[c])).collect();
+            let contacts: Vec<ContactRows> = touching.iter().map(|&c| on_body(CORNERS[c])).collect();
             let mut problem = assemble(law, &contacts, &INVERSE, &xdot, 0.7);
             problem.id.clone_from(&touching);
             let (fresh, _) = solve(&problem, law);

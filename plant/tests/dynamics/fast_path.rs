@@ -44,7 +44,7 @@ fn jacobian_columns_are_the_contact_map_of_unit_forces() {
 }
 
 #[test]
-fn the_factor_solves_what_a_dense_one_solves() {
+fn the_sparse_factor_gives_the_solution_of_a_dense_one() {
     for_each_case(4, 10, |rng, case| {
         let u = random_efforts(rng, case.model.dofs());
         let dense = case.inertia().cholesky().expect("a positive H").solve(&u);

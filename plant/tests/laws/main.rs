@@ -132,7 +132,7 @@ fn a_cube_carries_one_a_billion_times_as_heavy() {
 /// The paper's program needs a few more minima to give Coulomb's law: fewer if all contacts stick, more if one slides.
 #[test]
 fn fixed_points_reach_coulombs_law_in_few_energy_minima() {
-    let corners: Vec<Rows> = CORNERS.map(on_body).into();
+    let corners: Vec<ContactRows> = CORNERS.map(on_body).into();
     for iteration in [Iteration::Tresca, Iteration::Aclm] {
         let law = Law::FixedPoint(iteration);
         for (name, push, range) in [("sticks", 1e-3, 1..=4), ("slides", 0.1, 2..=40)] {
@@ -154,7 +154,7 @@ fn a_warm_start_with_an_impulse_gives_the_velocity_of_a_cold_start() {
     for law in [&COULOMB[..], &[Law::ConeQp]].concat() {
         let (mut memory, mut solver, mut steps) = (Memory::default(), Solver::default(), [0, 0]);
         for (step, (touching, xdot)) in stirring_foot(1000).enumerate() {
-            let contacts: Vec<Rows> = touching.iter().map(|&c| on_body(CORNERS[c])).collect();
+            let contacts: Vec<ContactRows> = touching.iter().map(|&c| on_body(CORNERS[c])).collect();
             let mut problem = assemble(2, &contacts, &INVERSE, &xdot, 0.7);
             problem.id.clone_from(&touching);
             let (fresh, cold) = solve(&problem, law);

@@ -1,12 +1,12 @@
 //! Mechanisms for the claims about contact laws.
 
 use super::mechanism::of_rows;
-pub use super::mechanism::{G, H, Rows, on_body};
+pub use super::mechanism::{ContactRows, G, H, on_body};
 use biped_plant::contact::{Memory, Problem, Report, Solver};
 use messages::scene::Law;
 
 /// A = K^T H^-1 K and b = K^T xdot for diagonal H, with `tangents` along fixed axes.
-pub fn assemble(tangents: usize, contacts: &[Rows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
+pub fn assemble(tangents: usize, contacts: &[ContactRows], inverse_inertia: &[f64], xdot: &[f64], mu: f64) -> Problem {
     let rows: Vec<Vec<f64>> = contacts.iter().flat_map(|rows| rows[..1 + tangents].to_vec()).collect();
     of_rows(tangents, &rows, inverse_inertia, xdot, mu)
 }
@@ -42,7 +42,7 @@ pub fn chain(seed: u64, tangents: usize, spread: f64, mu: f64) -> Problem {
     let points: Vec<[f64; 3]> = (0..8).map(|_| vector(0.2)).collect();
     let velocity: Vec<f64> = (0..4).flat_map(|_| vector(1.0)).collect();
     let (joints, contacts) = (random.usize(0..=6), random.usize(1..=8));
-    let rows: Vec<Rows> = points[..contacts]
+    let rows: Vec<ContactRows> = points[..contacts]
         .iter()
         .map(|offset| {
             let body = random.usize(0..=joints);
@@ -83,7 +83,7 @@ impl Draw {
         let inverse: Vec<f64> = (0..dof).map(|_| 10f64.powf(self.spread * random.f64())).collect();
         let vector = |random: &mut fastrand::Rng| (0..dof).map(|_| 2.0 * random.f64() - 1.0).collect::<Vec<f64>>();
         let rigid = dof >= 6 && random.bool();
-        let mut rows: Vec<Rows> = Vec::new();
+        let mut rows: Vec<ContactRows> = Vec::new();
         for i in 0..contacts {
             if i > 0 && random.f64() < 0.2 {
                 rows.push(rows[random.usize(0..i)].clone());

@@ -1,6 +1,6 @@
 //! Restitution: bounces, their end, and bodies that rested before.
 
-use crate::support::{built_in, gap, go, plant};
+use crate::support::{built_in, gap, plant, run_steps};
 use biped_plant::Plant;
 use messages::scene::Method;
 
@@ -30,7 +30,7 @@ fn a_bouncing_foot_lies_still_after_the_sum_of_its_bounces() {
             let sum = fall * (1.0 + 2.0 * e / (1.0 - e));
             let mut last = 0.0;
             for step in 0..(1.2 * sum / dt) as usize {
-                go(&mut plant, 1);
+                run_steps(&mut plant, 1);
                 if plant.state().xdot.iter().any(|v| v.abs() > 2.0 * G * dt) {
                     last = (step + 1) as f64 * dt;
                 }
@@ -52,7 +52,7 @@ fn bounces_end() {
         for e in [0.3, 0.8, 0.95] {
             let (mut plant, fall) = dropped(e, method, dt);
             let sum = fall * (1.0 + 2.0 * e / (1.0 - e));
-            go(&mut plant, (1.03 * sum / dt) as usize + 30);
+            run_steps(&mut plant, (1.03 * sum / dt) as usize + 30);
             let moves = plant.state().xdot.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
             println!("{method:?}, e = {e}: {moves:e} m/s");
             assert!(moves < 1e-6, "{method:?}, e = {e}: {moves:e} m/s");
@@ -66,9 +66,9 @@ fn elastic_bounces_keep_their_height() {
     for method in [Method::MidpointContact, Method::StepDoubling, Method::Rk4Impact, Method::EventDriven] {
         let (mut plant, fall) = dropped(1.0, method, 2e-3);
         let mut highest = 0.0_f64;
-        go(&mut plant, (200.0 * fall / 2e-3) as usize);
+        run_steps(&mut plant, (200.0 * fall / 2e-3) as usize);
         for _ in 0..(2.5 * fall / 2e-3) as usize {
-            go(&mut plant, 1);
+            run_steps(&mut plant, 1);
             highest = highest.max(gap(&plant) + rise(&plant).powi(2) / (2.0 * G));
         }
         println!("{method:?}: {:e} of .1 m", highest - 0.1);
@@ -97,7 +97,7 @@ fn a_resting_foot_bounces_again_when_it_falls_again() {
             let mut landing = 0.0;
             for _ in 0..1000 {
                 let before = rise(&plant);
-                go(&mut plant, 1);
+                run_steps(&mut plant, 1);
                 if before < -0.5 && rise(&plant) > before {
                     landing = before;
                     break;
@@ -108,10 +108,10 @@ fn a_resting_foot_bounces_again_when_it_falls_again() {
             // e multiplies the speed at the instant of detection
             let known = if method == Method::SemiImplicitEuler { 1e-12 } else { G * 1e-3 };
             assert!((rise(&plant) + e * landing).abs() < known, "{method:?}, {what}: {} of {landing}", rise(&plant));
-            go(&mut plant, 1000);
+            run_steps(&mut plant, 1000);
             assert!(rise(&plant).abs() < 1e-7, "it lies still: {:e}", rise(&plant));
             assert!(plant.push(0, [0.0, 0.0, 2.0], 0.01), "a foot");
-            go(&mut plant, 10);
+            run_steps(&mut plant, 10);
         };
         ["dropped", "thrown", "thrown again"].into_iter().for_each(&mut bounce);
     }

@@ -1,6 +1,6 @@
 //! The scenes of the comparison of engines: accuracy of the best method, in steps of 5 ms and more.
 
-use crate::support::{built_in, corners, gap, go, plant, totals, way};
+use crate::support::{built_in, corners, gap, ground_distance, plant, run_steps, totals};
 use messages::scene::Method;
 
 #[test]
@@ -9,8 +9,8 @@ fn blocks_stick_and_slide_on_slopes_to_rounding() {
     for dt in [0.02, 0.005] {
         let mut sliding = plant(built_in("incline"), Method::EventDriven, dt);
         let start = totals(&sliding).com;
-        go(&mut sliding, (2.0 / dt).round() as usize);
-        let error = (way(&start, &totals(&sliding).com) / (0.5 * 9.81 * (s - 0.3 * c) * 4.0) - 1.0).abs();
+        run_steps(&mut sliding, (2.0 / dt).round() as usize);
+        let error = (ground_distance(&start, &totals(&sliding).com) / (0.5 * 9.81 * (s - 0.3 * c) * 4.0) - 1.0).abs();
         println!("incline at {dt}: {error:e}");
         assert!(error < 1e-12, "{error:e}");
     }
@@ -21,8 +21,8 @@ fn a_standing_biped_does_not_creep() {
     for name in ["stand0", "stand10"] {
         let mut standing = plant(built_in(name), Method::EventDriven, 0.005);
         let start = corners(&standing);
-        go(&mut standing, 2000);
-        let moved = corners(&standing).iter().zip(&start).map(|(a, b)| way(a, b)).fold(0.0, f64::max);
+        run_steps(&mut standing, 2000);
+        let moved = corners(&standing).iter().zip(&start).map(|(a, b)| ground_distance(a, b)).fold(0.0, f64::max);
         println!("{name}: {:e} m/s, gap {:e} m, {:?}", moved / 10.0, gap(&standing), standing.counts());
         assert!(moved / 10.0 < 1e-12 && gap(&standing).abs() < 1e-12, "{name}: {moved:e}");
     }
@@ -37,7 +37,7 @@ fn a_rocking_block_loses_energy_as_housner_predicts() {
         let mut block = plant(built_in("rock"), method, dt);
         let above = |energy: f64| energy - 9.81 * 0.2;
         let start = above(totals(&block).potential);
-        go(&mut block, (0.4 / dt).round() as usize); // between its first and second impact
+        run_steps(&mut block, (0.4 / dt).round() as usize); // between its first and second impact
         let now = totals(&block);
         let ratio = (above(now.kinetic + now.potential) / start).sqrt();
         println!("{method:?} {dt}: ratio {ratio}");
@@ -55,7 +55,7 @@ fn a_rimless_wheel_keeps_its_steady_speed() {
         let drop = 10.0 * 9.81 * 8f64.to_radians().sin() * 2.0 * 0.3 * 22.5f64.to_radians().sin();
         let mut worst = 0.0_f64;
         for _ in 0..(4.0 / dt).round() as usize {
-            go(&mut wheel, 1);
+            run_steps(&mut wheel, 1);
             let expected = start - wheel.counts().events as f64 * drop;
             worst = worst.max((energy(&wheel) - expected).abs() / kinetic);
         }

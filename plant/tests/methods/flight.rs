@@ -1,6 +1,6 @@
 //! Flight: order, energy, momentum, and orientations at which virtual joints are singular.
 
-use crate::support::{body, distance, go, plant, totals, tumbling};
+use crate::support::{body, distance, plant, run_steps, totals, tumbling};
 use biped_plant::kinematics::{self, Pose};
 use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Method, Scene};
@@ -14,11 +14,11 @@ fn every_method_has_its_order_in_flight() {
         let mut scene = tumbling(base);
         scene.plant.tolerance_step = 1e-14;
         let mut exact = plant(scene, Method::EventDriven, 0.01);
-        go(&mut exact, 50);
+        run_steps(&mut exact, 50);
         for method in Method::ALL {
             let error = |dt: f64| {
                 let mut plant = plant(tumbling(base), method, dt);
-                go(&mut plant, (0.5 / dt).round() as usize);
+                run_steps(&mut plant, (0.5 / dt).round() as usize);
                 distance(&plant, &exact)
             };
             let errors = [0.005, 0.0025].map(error);
@@ -49,7 +49,7 @@ fn every_method_has_its_order_in_flight() {
 fn the_tumbling_biped_keeps_energy_and_momentum_to_rounding_at_twenty_milliseconds() {
     let mut plant = plant(tumbling(Base::Quaternion), Method::EventDriven, 0.02);
     let start = totals(&plant);
-    go(&mut plant, 250);
+    run_steps(&mut plant, 250);
     let end = totals(&plant);
     let energy = (end.kinetic / start.kinetic - 1.0).abs();
     let momentum = (end.angular - start.angular).norm() / start.angular.norm();
@@ -61,7 +61,7 @@ fn the_tumbling_biped_keeps_energy_and_momentum_to_rounding_at_twenty_millisecon
 fn flight_does_no_contact_work() {
     for method in Method::ALL {
         let mut plant = plant(tumbling(Base::Quaternion), method, 0.005);
-        go(&mut plant, 100);
+        run_steps(&mut plant, 100);
         let counts = plant.counts();
         assert_eq!(counts.contacts, 0, "{method:?}: {counts:?}");
         let evaluations = counts.evaluations as f64 / 100.0;
@@ -96,7 +96,7 @@ fn a_free_box_spins_as_before_after_its_period() {
     for (method, limit) in [(Method::Rk4, 1e-8), (Method::EventDriven, 2e-11)] {
         let mut plant = plant(spinning_box(), method, PERIOD / 1000.0);
         let (start, before) = (totals(&plant), own_spin(&plant));
-        go(&mut plant, 1000);
+        run_steps(&mut plant, 1000);
         let (end, after) = (totals(&plant), own_spin(&plant));
         let error = (after - before).norm();
         let kept = (end.kinetic / start.kinetic - 1.0).abs().max((end.angular - start.angular).norm());
@@ -111,7 +111,7 @@ fn explicit_euler_brakes_a_free_box() {
     let gain = |method| {
         let mut plant = plant(spinning_box(), method, 0.01);
         let start = totals(&plant).kinetic;
-        go(&mut plant, 500);
+        run_steps(&mut plant, 500);
         totals(&plant).kinetic / start - 1.0
     };
     let [explicit, midpoint] = [Method::ExplicitEuler, Method::MidpointMoreau].map(gain);
@@ -128,7 +128,7 @@ fn through_upright(base: Base, roll: f64, method: Method) -> f64 {
     scene.initial.angular_velocity = [0.0, roll.cos(), roll.sin()];
     let steps = 3142;
     let mut plant = plant(scene, method, PI / steps as f64);
-    go(&mut plant, steps);
+    run_steps(&mut plant, steps);
     let mut pose = Pose::new(plant.model());
     kinematics::pose(plant.model(), plant.state(), &mut pose);
     let exact =

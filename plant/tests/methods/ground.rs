@@ -1,6 +1,6 @@
 //! Contact: landing, stopping, resting, rolling about a foot.
 
-use crate::support::{built_in, corners, distance, gap, go, plant, totals, way};
+use crate::support::{built_in, corners, distance, gap, ground_distance, plant, run_steps, totals};
 use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Law, Method, Scene};
 
@@ -13,8 +13,8 @@ fn a_sliding_block_stops_within_the_error_of_the_method() {
         for method in Method::ALL {
             let mut plant = plant(built_in(name), method, 1e-3);
             let start = totals(&plant).com;
-            go(&mut plant, 600);
-            let error = (way(&start, &totals(&plant).com) / exact - 1.0).abs();
+            run_steps(&mut plant, 600);
+            let error = (ground_distance(&start, &totals(&plant).com) / exact - 1.0).abs();
             println!("{name} {method:?}: {error:e}");
             let limit = match method {
                 Method::ExplicitEuler | Method::SemiImplicitEuler => 3e-3, // v h/2
@@ -38,7 +38,7 @@ fn a_falling_body_stops_at_the_ground_if_the_impact_is_located() {
             let mut plant = plant(built_in("drop"), method, dt);
             let (mut lowest, mut hop) = (f64::INFINITY, 0.0_f64);
             for step in 0..(0.5 / dt) as usize {
-                go(&mut plant, 1);
+                run_steps(&mut plant, 1);
                 lowest = lowest.min(gap(&plant));
                 if step as f64 * dt > 0.15 {
                     hop = hop.max(gap(&plant));
@@ -55,7 +55,7 @@ fn a_resting_body_neither_creeps_nor_sinks_under_any_method() {
     for method in Method::ALL {
         let mut plant = plant(built_in("stick"), method, 1e-3);
         let start = corners(&plant);
-        go(&mut plant, 1000);
+        run_steps(&mut plant, 1000);
         let moved = corners(&plant).iter().zip(&start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let counts = plant.counts();
         println!("{method:?}: {moved:e} m in 1 s, {counts:?}");
@@ -80,7 +80,7 @@ fn an_inverted_pendulum_keeps_its_foot_on_the_ground() {
         let start = totals(&plant);
         let (mut drift, mut slip) = (0.0_f64, 0.0_f64);
         for _ in 0..400 {
-            go(&mut plant, 1);
+            run_steps(&mut plant, 1);
             drift = drift.max(gap(&plant).abs());
             slip = slip.max(corners(&plant)[0].x.abs());
         }
@@ -100,11 +100,11 @@ fn an_inverted_pendulum_keeps_its_foot_on_the_ground() {
 #[test]
 fn rolling_contact_reduces_the_order_of_impulse_methods_only() {
     let mut exact = plant(inverted_pendulum(), Method::EventDriven, 0.02);
-    go(&mut exact, 20);
+    run_steps(&mut exact, 20);
     for method in Method::ALL {
         let error = |dt: f64| {
             let mut plant = plant(inverted_pendulum(), method, dt);
-            go(&mut plant, (0.4 / dt).round() as usize);
+            run_steps(&mut plant, (0.4 / dt).round() as usize);
             distance(&plant, &exact)
         };
         let errors = [0.01, 0.005, 0.0025].map(error);
@@ -125,7 +125,7 @@ fn the_reference_is_the_same_at_two_tolerances_and_steps() {
         let mut scene = built_in(name);
         scene.plant.tolerance_step = tolerance;
         let mut plant = plant(scene, Method::EventDriven, dt);
-        go(&mut plant, (1.0 / dt).round() as usize);
+        run_steps(&mut plant, (1.0 / dt).round() as usize);
         plant
     };
     for name in ["rock", "wheel", "slide30", "stand0"] {
@@ -153,8 +153,8 @@ fn no_method_allocates_after_the_first_contact() {
     for method in Method::ALL {
         for name in ["drop", "stand0"] {
             let mut plant = plant(built_in(name), method, 1e-3);
-            go(&mut plant, 300);
-            let taken = allocation_counter::measure(|| go(&mut plant, 100)).count_total;
+            run_steps(&mut plant, 300);
+            let taken = allocation_counter::measure(|| run_steps(&mut plant, 100)).count_total;
             assert_eq!(taken, 0, "{method:?} in {name}");
         }
     }

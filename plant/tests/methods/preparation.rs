@@ -1,6 +1,6 @@
 //! Preparation of a step before its torques are known.
 
-use crate::support::{go, plant};
+use crate::support::{plant, run_steps};
 use messages::scene::{Method, Scene};
 use messages::wire::Torques;
 
@@ -26,7 +26,7 @@ fn preparing_a_step_before_its_torques_changes_no_result() {
             assert_eq!(early.truth().hash, late.truth().hash, "{method:?} at step {step}");
             assert_eq!(early.counts(), late.counts());
             early.prepare();
-            go(&mut other, 1);
+            run_steps(&mut other, 1);
         }
         assert_ne!(early.truth().hash, other.truth().hash, "negative control: other torques");
     }

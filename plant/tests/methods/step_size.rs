@@ -1,6 +1,6 @@
 //! Step size control: error of the parts of a step, rejected parts, and steps that do not converge.
 
-use crate::support::{built_in, distance, go, plant, tumbling};
+use crate::support::{built_in, distance, plant, run_steps, tumbling};
 use biped_plant::PlantError;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
@@ -13,7 +13,7 @@ fn the_error_of_a_doubled_step_is_near_its_tolerance() {
         let mut scene = tumbling(Base::Quaternion);
         scene.plant.tolerance_step = tolerance;
         let mut plant = plant(scene, method, 0.02);
-        go(&mut plant, 1);
+        run_steps(&mut plant, 1);
         plant
     };
     let exact = run(Method::EventDriven, 1e-13);
@@ -26,7 +26,7 @@ fn the_error_of_a_doubled_step_is_near_its_tolerance() {
         assert!((0.1..1.0).contains(&missed) && counts.rejected > 0, "{tolerance:e}: {missed}, {counts:?}");
     }
     let counts = run(Method::StepDoubling, 1e3).counts();
-    assert_eq!((counts.evaluations, counts.rejected), (3, 0), "what is near enough is not taken back");
+    assert_eq!((counts.evaluations, counts.rejected), (3, 0), "a part whose error is below its tolerance is accepted");
 }
 
 /// Steps that are not rejected are two half steps, and nothing remains of the whole step that they are compared with: no contact mode, no
@@ -42,8 +42,8 @@ fn doubled_steps_have_the_bits_of_half_steps() {
         doubled.plant.tolerance_step = 1e3;
         let mut doubled = plant(doubled, Method::StepDoubling, 2e-3);
         for step in 1..=300 {
-            go(&mut halves, 2);
-            go(&mut doubled, 1);
+            run_steps(&mut halves, 2);
+            run_steps(&mut doubled, 1);
             assert_eq!(doubled.state(), halves.state(), "{name}, step {step}");
         }
         assert_eq!(doubled.counts().rejected, 0, "{name}");

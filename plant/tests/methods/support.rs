@@ -14,7 +14,7 @@ pub fn plant(mut scene: Scene, method: Method, dt: f64) -> Plant {
 }
 
 /// Takes this many steps.
-pub fn go(plant: &mut Plant, steps: usize) {
+pub fn run_steps(plant: &mut Plant, steps: usize) {
     for _ in 0..steps {
         plant.advance(&Torques::default()).expect("a step");
     }
@@ -78,6 +78,6 @@ pub fn corners(plant: &Plant) -> Vec<Vector3<f64>> {
 }
 
 /// Distance along the ground [m].
-pub fn way(from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
+pub fn ground_distance(from: &Vector3<f64>, to: &Vector3<f64>) -> f64 {
     (to - from).xy().norm()
 }

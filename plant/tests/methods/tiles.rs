@@ -1,6 +1,6 @@
 //! Uneven ground: contact points meet the tile under them.
 
-use crate::support::{body, corners, go, plant};
+use crate::support::{body, corners, plant, run_steps};
 use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Ground, GroundTile, Law, Method, RandomTiles, Scene};
 use std::ops::Range;
@@ -31,11 +31,11 @@ fn a_body_that_slides_over_a_step_down_falls_freely_and_lands_on_the_lower_tile(
     let (edge, depth) = (0.1, 0.05);
     for method in Method::ALL {
         let mut plant = plant(point(vec![tile(edge..9.0, -depth)], 0.0, 1.0), method, 1e-3);
-        go(&mut plant, 99);
+        run_steps(&mut plant, 99);
         let on_top = height(&plant).abs();
-        go(&mut plant, 51); // at 1 m/s it passes the edge after .1 s
+        run_steps(&mut plant, 51); // at 1 m/s it passes the edge after .1 s
         let fall = (height(&plant) + 0.5 * G * 0.05_f64.powi(2)).abs();
-        go(&mut plant, 150);
+        run_steps(&mut plant, 150);
         let landed = (height(&plant) + depth).abs();
         println!("{method:?}: {on_top:e} m on top, {fall:e} m in the fall, {landed:e} m landed");
         let (fall_limit, landed_limit) = match method {
@@ -57,7 +57,7 @@ fn a_body_stands_on_a_tile_at_the_height_of_the_tile() {
     let rests = |scene: &Scene, method: Method, what: &str| {
         let mut plant = plant(scene.clone(), method, 1e-3);
         let start = corners(&plant);
-        go(&mut plant, 500);
+        run_steps(&mut plant, 500);
         let moved = corners(&plant).iter().zip(&start).map(|(a, b)| (a - b).norm()).fold(0.0, f64::max);
         let load: f64 = plant.truth().contact_force.iter().skip(2).step_by(3).sum();
         assert!(start.iter().all(|corner| (corner.z - 0.013).abs() < 1e-15), "{what}: {start:?}");
@@ -81,7 +81,7 @@ fn a_body_across_an_edge_rests_on_both_tiles() {
     scene.initial.clearance = Some(0.0);
     for method in Method::ALL {
         let mut plant = plant(scene.clone(), method, 5e-4);
-        go(&mut plant, 2000);
+        run_steps(&mut plant, 2000);
         let off = |corner: &nalgebra::Vector3<f64>| (corner.z - if corner.x > 0.0 { 0.01 } else { 0.0 }).abs();
         let most = corners(&plant).iter().map(off).fold(0.0, f64::max);
         println!("{method:?}: {most:e} m");
@@ -97,7 +97,7 @@ fn a_point_that_flies_into_a_higher_tile_is_lifted_slowly() {
         let mut plant = plant(point(vec![tile(0.05..9.0, step)], 0.02, 1.0), method, dt);
         let (mut fastest, mut highest, mut deepest, mut before) = (0.0_f64, 0.0_f64, 0.0_f64, height(&plant));
         for _ in 0..500 {
-            go(&mut plant, 1);
+            run_steps(&mut plant, 1);
             fastest = fastest.max((height(&plant) - before) / dt);
             before = height(&plant);
             (highest, deepest) = (highest.max(before), deepest.max(plant.truth().penetration));
@@ -114,7 +114,7 @@ fn a_point_that_slides_into_a_higher_tile_keeps_its_height() {
     for method in Method::ALL {
         let mut plant = plant(point(vec![tile(0.05..0.2, 0.01)], 0.0, 1.0), method, 1e-3);
         for step in 0..300 {
-            go(&mut plant, 1);
+            run_steps(&mut plant, 1);
             assert!(height(&plant).abs() < 1e-9, "{method:?}: {} m in step {step}", height(&plant));
         }
     }
@@ -132,7 +132,7 @@ fn tiles_of_height_zero_give_the_bits_of_the_plane() {
                 let mut scene = crate::support::built_in(name);
                 scene.plant.ground.tiles = tiles;
                 let mut plant = plant(scene, method, 1e-3);
-                go(&mut plant, 400);
+                run_steps(&mut plant, 400);
                 plant.truth().hash
             };
             assert_eq!(hash(chequered()), hash(vec![]), "{name}, {method:?}");
@@ -146,10 +146,10 @@ fn a_restored_run_continues_with_the_same_bits() {
         let mut scene = point(vec![tile(0.05..0.2, 0.01)], 0.0, 1.0);
         scene.plant.ground.random = RandomTiles { height: 0.005, ..RandomTiles::default() };
         let mut plant = plant(scene, method, 1e-3);
-        go(&mut plant, 100); // inside the tile, at the height from which it came
+        run_steps(&mut plant, 100); // inside the tile, at the height from which it came
         let snapshot = plant.snapshot();
         let end = |plant: &mut Plant| {
-            go(plant, 200);
+            run_steps(plant, 200);
             plant.truth().hash
         };
         let first = end(&mut plant);
@@ -174,7 +174,7 @@ fn event_methods_locate_edges() {
     for method in LOCATING {
         let end = |dt: f64| {
             let mut plant = plant(point(vec![tile(0.1234..9.0, -0.05)], 0.0, 1.0), method, dt);
-            go(&mut plant, (0.4 / dt).round() as usize);
+            run_steps(&mut plant, (0.4 / dt).round() as usize);
             (height(&plant), plant.counts().events)
         };
         let [(short, events), (long, same)] = [end(1e-3), end(0.02)];

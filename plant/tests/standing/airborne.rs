@@ -8,7 +8,7 @@ use messages::wire::Torques;
 
 const STEP: f64 = 5e-3;
 /// Force on the foot, ten times its weight [N].
-const PRESS: f64 = 2000.0;
+const FORCE: f64 = 2000.0;
 
 /// A rod that tips over on a hinge above a standing foot, with its end `clearance` above the ground and falling.
 fn tipping_rod(angle: f64) -> Scene {
@@ -38,10 +38,10 @@ fn tipping_rod(angle: f64) -> Scene {
 /// end comes down. A foot that seemed airborne must then land on the ground, not in it.
 #[test]
 fn a_foot_driven_down_by_a_standing_foot_lands_on_the_ground() {
-    let (mut hovered, mut landed) = (0, 0);
+    let (mut airborne, mut landed) = (0, 0);
     for start in 0..200 {
         let mut plant = Plant::new(&tipping_rod(0.05 + 1e-3 * f64::from(start))).expect("a rod on a foot");
-        assert!(plant.push(0, [0.0, 0.0, -PRESS * 40.0 * STEP], 40.0 * STEP), "a foot");
+        assert!(plant.push(0, [0.0, 0.0, -FORCE * 40.0 * STEP], 40.0 * STEP), "a foot");
         let mut before = Pose::new(plant.model());
         let end = plant.model().contact_points[4].clone();
         for step in 0..40 {
@@ -52,13 +52,13 @@ fn a_foot_driven_down_by_a_standing_foot_lands_on_the_ground() {
             let left = gap + STEP * after.at(&before.arm(end.link, &end.at)).z;
             assert!(left > -1e-12, "start {start}, step {step}: {left:e} m from {gap:e} m");
             let (touching, held) = (plant.problem().contacts, plant.problem().delassus.is_empty());
-            hovered += usize::from(touching == 5 && held);
+            airborne += usize::from(touching == 5 && held);
             if left < 1e-12 {
                 landed += 1;
                 break;
             }
         }
     }
-    println!("{landed} of 200 rods landed; {hovered} steps hovered beside a foot that was held");
-    assert!(landed == 200 && hovered > 20, "{landed}, {hovered}");
+    println!("{landed} of 200 rods landed; {airborne} steps airborne beside a foot that was held");
+    assert!(landed == 200 && airborne > 20, "{landed}, {airborne}");
 }

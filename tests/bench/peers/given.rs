@@ -1,6 +1,6 @@
 //! The common inputs of all engines: states of the robot, and quadratic programs.
 
-use crate::robot::{Doing, Recording};
+use crate::robot::{Activity, Recording};
 use controller::rate::{bias, resolve, resolve_bounded};
 use controller::support::{Chain, Joints, TaskVector};
 use messages::wire::{JOINTS, Truth};
@@ -19,15 +19,15 @@ fn in_their_order(ours: &[f64; JOINTS]) -> [f64; JOINTS] {
 
 /// A header for each situation: name, count, gravity, friction, drive inertia, stiffness and damping of joints; then
 /// position, quaternion, velocity in W, angular velocity in the body frame, angles, rates and torques, a line for each state.
-pub fn states(recordings: &[(Doing, Recording)]) -> String {
+pub fn states(recordings: &[(Activity, Recording)]) -> String {
     let mut text = String::new();
-    for (doing, recording) in recordings {
+    for (activity, recording) in recordings {
         let Recording { scene, window, torques, truths, .. } = recording;
         let joint = scene.bodies.iter().find_map(|body| body.joint.as_ref()).expect("joints");
         let plant = &scene.plant;
         let numbers = [plant.gravity, plant.friction, plant.drive_inertia, joint.stiffness, joint.damping];
         let numbers = numbers.map(|number| number.to_string()).join(" ");
-        let _ = writeln!(text, "{} {} {numbers}", name(*doing), truths.len());
+        let _ = writeln!(text, "{} {} {numbers}", name(*activity), truths.len());
         for (truth, torques) in truths.iter().zip(&torques[window.start..]) {
             let Truth { base_position, base_orientation: [w, x, y, z], base_velocity, base_spin, .. } = *truth;
             let turn = UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z));
@@ -42,15 +42,15 @@ pub fn states(recordings: &[(Doing, Recording)]) -> String {
 }
 
 /// The name of a situation in files and tables.
-pub fn name(doing: Doing) -> String {
-    format!("{doing:?}").to_lowercase()
+pub fn name(activity: Activity) -> String {
+    format!("{activity:?}").to_lowercase()
 }
 
 /// Programs by family: minimise x·h x/2 + c·x with low <= rows x <= high. With the solution of this simulator.
-pub fn programs(recordings: &[(Doing, Recording)]) -> String {
+pub fn programs(recordings: &[(Activity, Recording)]) -> String {
     let mut families = serde_json::Map::new();
-    for (doing, recording) in recordings.iter().filter(|(doing, _)| *doing != Doing::Flying) {
-        families.insert(name(*doing), contacts(recording).map(energy).collect());
+    for (activity, recording) in recordings.iter().filter(|(activity, _)| *activity != Activity::Flying) {
+        families.insert(name(*activity), contacts(recording).map(energy).collect());
     }
     families.insert("rate".into(), rates(&recordings[2].1).map(rate).collect());
     Value::Object(families).to_string()

@@ -1,7 +1,7 @@
 //! This simulator, timed like `mujoco.c`: each stage by many calls at each state, a step once from each state.
 
 use super::{Times, given, median};
-use crate::robot::{Doing, Recording, Replay};
+use crate::robot::{Activity, Recording, Replay};
 use controller::rate::resolve_bounded;
 use messages::scene::Law;
 use plant::composite::Composite;
@@ -19,14 +19,14 @@ use std::time::Instant;
 const REPEATS: u32 = 16;
 
 /// Adds the times of a round.
-pub fn measure(recordings: &[(Doing, Recording)], times: &mut Times) {
+pub fn measure(recordings: &[(Activity, Recording)], times: &mut Times) {
     let mut add = |situation: &str, stage: &str, ns: f64| {
         times.entry((situation.into(), stage.into())).or_default().push(ns);
     };
-    for (doing, recording) in recordings {
-        let name = given::name(*doing);
-        add(&name, "step", step(*doing, &["plant.method=SemiImplicitEuler".into()]));
-        add(&name, "step of second order", step(*doing, &["plant.method=MidpointContact".into()]));
+    for (activity, recording) in recordings {
+        let name = given::name(*activity);
+        add(&name, "step", step(*activity, &["plant.method=SemiImplicitEuler".into()]));
+        add(&name, "step of second order", step(*activity, &["plant.method=MidpointContact".into()]));
         for (stage, ns) in stages(recording) {
             add(&name, stage, ns);
         }
@@ -57,8 +57,8 @@ fn time(calls: u32, mut call: impl FnMut()) -> f64 {
     (all.as_secs_f64() - read.elapsed().as_secs_f64()).max(0.0) * 1e9 / f64::from(calls)
 }
 
-fn step(doing: Doing, settings: &[String]) -> f64 {
-    let recording = Recording::of(doing, settings);
+fn step(activity: Activity, settings: &[String]) -> f64 {
+    let recording = Recording::of(activity, settings);
     let count = 3 * recording.window.len();
     let mut replay = Replay::of(recording);
     let step = |_| {

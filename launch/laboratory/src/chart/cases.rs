@@ -150,22 +150,22 @@ pub fn word(value: &impl Serialize) -> String {
 ///
 /// In flight laws make no difference. Step doubling is left out where contacts open and close, or where eight points share a load: it
 /// would take its shortest step throughout. The page says so.
-pub fn ways(case: &ComparisonScene) -> Vec<Combination> {
+pub fn combinations(case: &ComparisonScene) -> Vec<Combination> {
     let steady = !matches!(case.question, Question::Rock | Question::Wheel | Question::Stand);
     let methods = Method::ALL.iter().filter(|&&method| steady || method != Method::StepDoubling);
-    let mut ways: Vec<_> = methods.map(|&method| Combination { law: LAW, method }).collect();
+    let mut combinations: Vec<_> = methods.map(|&method| Combination { law: LAW, method }).collect();
     if case.question != Question::Flight {
-        ways.extend(Law::ALL.iter().filter(|&&law| law != LAW).map(|&law| Combination { law, method: METHOD }));
+        combinations.extend(Law::ALL.iter().filter(|&&law| law != LAW).map(|&law| Combination { law, method: METHOD }));
     }
-    ways
+    combinations
 }
 
 /// Steps h of a case, coarse to fine [s]. The coarsest step is always included.
-pub fn steps(case: &ComparisonScene, way: Combination, duration: f64, quick: bool) -> Vec<f64> {
-    let fits = |h: &f64| duration / h <= 1.001 * way.share() * PATIENCE;
+pub fn steps(case: &ComparisonScene, combination: Combination, duration: f64, quick: bool) -> Vec<f64> {
+    let fits = |h: &f64| duration / h <= 1.001 * combination.share() * PATIENCE;
     let grid = [1e-2, 5e-3, 2e-3, 1e-3, 5e-4, 2e-4, 1e-4, 5e-5, 2e-5, 1e-5];
     match quick {
-        true if way.share() < 1.0 && case.question == Question::Stand => Vec::new(),
+        true if combination.share() < 1.0 && case.question == Question::Stand => Vec::new(),
         true => [5e-3, 1e-3].into_iter().filter(fits).collect(),
         false => grid.into_iter().filter(|h| *h == grid[0] || fits(h)).collect(),
     }
@@ -188,9 +188,9 @@ pub fn chosen(names: &[String]) -> Result<Vec<ComparisonScene>, Failure> {
 ///
 /// # Errors
 /// A scene that is refused.
-pub fn scene(name: &str, way: Combination, h: f64, settings: &[String]) -> Result<Scene, Failure> {
+pub fn scene(name: &str, combination: Combination, h: f64, settings: &[String]) -> Result<Scene, Failure> {
     let mut scene = load(name, settings, SCENES)?;
-    (scene.plant.law, scene.plant.method) = (way.law, way.method);
+    (scene.plant.law, scene.plant.method) = (combination.law, combination.method);
     (scene.plant.dt, scene.rate) = (h, 1.0 / h);
     validate(&scene, name)?;
     Ok(scene)

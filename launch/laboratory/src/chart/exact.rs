@@ -28,8 +28,8 @@ pub fn sliding(scene: &Scene, time: f64) -> [Vector3<f64>; 2] {
     let (direction, speed) = (start.try_normalize(0.0).unwrap_or(Vector3::x()), start.norm());
     let gain = if speed == 0.0 { (down - friction).max(0.0) } else { down * direction.x - friction };
     let moving = if gain < 0.0 { (time - fall).min(-speed / gain) } else { time - fall };
-    let travel = direction * (speed * moving + 0.5 * gain * moving * moving) + Vector3::z() * lost;
-    [travel, direction * (speed + gain * moving)]
+    let displacement = direction * (speed * moving + 0.5 * gain * moving * moving) + Vector3::z() * lost;
+    [displacement, direction * (speed + gain * moving)]
 }
 
 /// Ratio of the angular velocities after and before the impact of a rocking block (Housner).

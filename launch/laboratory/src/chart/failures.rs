@@ -3,7 +3,7 @@
 use super::cases::{Combination, ComparisonScene, HOP, PENETRATION, Question, scene};
 use super::csv::{Measurement, OURS, View};
 
-use super::precision::{Fate, MethodTrial};
+use super::precision::{MethodTrial, NoMetrics};
 use super::trial::{RunEnd, watch};
 use super::watch::{ChartProgress, Job};
 use messages::scene::Method;
@@ -93,28 +93,29 @@ pub const REFUSED: &str = "refused";
 /// # Errors
 /// Ctrl-C, or a scene that is refused for a reason other than its law or method.
 pub fn measure(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
-    let mut ways: Vec<Combination> = Vec::new();
+    let mut combinations: Vec<Combination> = Vec::new();
     let mut at_h: Vec<&MethodTrial> = Vec::new();
     for trial in trials {
-        if !ways.contains(&trial.way) {
-            ways.push(trial.way);
+        if !combinations.contains(&trial.combination) {
+            combinations.push(trial.combination);
         }
         let far = |trial: &MethodTrial| (trial.h / H).ln().abs();
-        match at_h.iter_mut().find(|known| known.case.name == trial.case.name && known.way == trial.way) {
+        match at_h.iter_mut().find(|known| known.case.name == trial.case.name && known.combination == trial.combination)
+        {
             Some(known) if far(trial) < far(known) => *known = trial,
             Some(_) => {}
             None => at_h.push(trial),
         }
     }
-    progress.expect(at_h.len() + ways.len());
+    progress.expect(at_h.len() + combinations.len());
     let compared = at_h.par_iter().map(|trial| {
         progress.step(Job::Failing)?;
-        Ok(self::row(trial.case.name, trial.way, trial.h, &causes(trial)))
+        Ok(self::row(trial.case.name, trial.combination, trial.h, &causes(trial)))
     });
-    ways.retain(|way| way.method != Method::StepDoubling); // as in the cases where contacts open and close
-    let zeno = ways.par_iter().map(|&way| {
+    combinations.retain(|combination| combination.method != Method::StepDoubling); // as in the cases where contacts open and close
+    let zeno = combinations.par_iter().map(|&combination| {
         progress.step(Job::Failing)?;
-        Ok(self::row(ZENO, way, H, &bouncing(way)?))
+        Ok(self::row(ZENO, combination, H, &bouncing(combination)?))
     });
     let rows: Vec<Vec<Measurement>> = compared.chain(zeno).collect::<Result<_, Failure>>()?;
     Ok(rows.into_iter().flatten().collect())
@@ -122,12 +123,12 @@ pub fn measure(trials: &[MethodTrial], progress: &ChartProgress) -> Result<Vec<M
 
 type Causes = Option<Vec<(Cause, f64)>>;
 
-fn row(scene: &str, way: Combination, h: f64, causes: &Causes) -> Vec<Measurement> {
+fn row(scene: &str, combination: Combination, h: f64, causes: &Causes) -> Vec<Measurement> {
     let row = |metric: &str, error: f64| Measurement {
         view: View::Failures,
         scene: scene.into(),
         engine: OURS.into(),
-        method: way.name(),
+        method: combination.name(),
         dt: h,
         metric: metric.into(),
         error,
@@ -144,8 +145,8 @@ fn row(scene: &str, way: Combination, h: f64, causes: &Causes) -> Vec<Measuremen
 /// The causes of failure of a run, the most serious first; none if the scene was refused.
 fn causes(trial: &MethodTrial) -> Causes {
     let metrics = match &trial.result {
-        Err(Fate::Refused) => return None,
-        Err(Fate::Broken(error)) => return Some(vec![(broken(error), f64::INFINITY)]),
+        Err(NoMetrics::Refused) => return None,
+        Err(NoMetrics::Broken(error)) => return Some(vec![(broken(error), f64::INFINITY)]),
         Ok(metrics) => metrics,
     };
     let metric = |name: &str| metrics.iter().find(|metric| metric.0 == name).map_or(0.0, |metric| metric.1);
@@ -191,8 +192,8 @@ fn disorder(trial: &MethodTrial) -> f64 {
 }
 
 /// Failures with the bouncing ball, which should come to rest within 1.355 s and stay at rest.
-fn bouncing(way: Combination) -> Result<Causes, Failure> {
-    let scene = scene(ZENO, way, H, &[])?;
+fn bouncing(combination: Combination) -> Result<Causes, Failure> {
+    let scene = scene(ZENO, combination, H, &[])?;
     let log = match watch(&scene, &[]) {
         RunEnd::Refused => return Ok(None),
         RunEnd::Broken(error) if broken(&error) == Cause::BlowUp => {
@@ -202,7 +203,7 @@ fn bouncing(way: Combination) -> Result<Causes, Failure> {
         RunEnd::Done(log) => log,
     };
     let radius = scene.bodies[0].spheres.first().map_or(0.0, |ball| ball.radius);
-    let heights = || log.sights.iter().map(|sight| (sight.time, sight.totals.com.z - radius));
+    let heights = || log.samples.iter().map(|sample| (sample.time, sample.totals.com.z - radius));
     let late = heights().filter(|(time, _)| *time > 1.6).fold(0.0, |late: f64, (_, height)| late.max(height));
     let deep = heights().fold(0.0, |deep: f64, (_, height)| deep.max(-height));
     let found = [(Cause::Zeno, late), (Cause::Tunnelling, deep)];

@@ -81,9 +81,10 @@ fn times(points: &[Point]) -> String {
     for curve in GrowthCurve::ALL {
         let theirs = of(points, &curve, peers::NAME);
         for own in of(points, &curve, OURS) {
-            let other = theirs.iter().find(|other| other.x == own.x).map_or(f64::NAN, |other| other.us);
-            let numbers =
-                [own.x.to_string(), format!("{:.2}", own.us), format!("{other:.2}"), format!("{:.2}", other / own.us)];
+            let other = theirs.iter().find(|other| other.x == own.x).map(|other| other.us);
+            let cell = |value: Option<f64>| value.map_or("-".into(), |value| format!("{value:.2}"));
+            let ratio = other.map(|other| other / own.us);
+            let numbers = [own.x.to_string(), cell(Some(own.us)), cell(other), cell(ratio)];
             rows.push([curve.name.to_string()].into_iter().chain(numbers).collect());
         }
     }

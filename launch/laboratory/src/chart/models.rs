@@ -74,7 +74,7 @@ pub fn measure(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
 
 /// Momentum and kinetic energy at the end [N·s, J].
 fn answer(log: &RunLog) -> [f64; 4] {
-    let totals = log.sights.last().map(|sight| sight.totals).unwrap_or_default();
+    let totals = log.samples.last().map(|sample| sample.totals).unwrap_or_default();
     [totals.linear.x, totals.linear.y, totals.linear.z, totals.kinetic]
 }
 

@@ -34,7 +34,7 @@ pub const MOTIONS: [(&str, &str); 11] = [
 /// Steps, coarse to fine [s].
 const STEPS: [f64; 4] = [4e-3, 2e-3, 1e-3, 5e-4];
 /// Index of the step whose error is printed.
-const TOLD: usize = 2;
+const PRINTED: usize = 2;
 /// Errors below this are rounding, and no order is fitted [-].
 const EXACT: f64 = 1e-11;
 /// The reference's error in a step [-].
@@ -70,7 +70,7 @@ pub fn run(out: &Path, progress: &ChartProgress) -> Result<(), Failure> {
                     vec![word(&method), name.into(), h.to_string(), format!("{error:e}"), format!("{:.3}", found.cost)]
                 }));
             }
-            column.push(found.map_or_else(|error| word_of(&error).into(), |found| found.cell()));
+            column.push(found.map_or_else(|error| failure_word(&error).into(), |found| found.cell()));
         }
         columns.push(column);
     }
@@ -88,7 +88,7 @@ pub fn run(out: &Path, progress: &ChartProgress) -> Result<(), Failure> {
 fn reference(scene: &Scene) -> Result<Vec<f64>, PlantError> {
     let mut scene = scene.clone();
     scene.plant.tolerance_step = REFERENCE;
-    end(&scene, Method::EventDriven, STEPS[TOLD]).map(|(state, _)| state)
+    end(&scene, Method::EventDriven, STEPS[PRINTED]).map(|(state, _)| state)
 }
 
 /// Errors and cost of a method.
@@ -120,7 +120,7 @@ fn end(scene: &Scene, method: Method, h: f64) -> Result<(Vec<f64>, f64), PlantEr
 impl MethodResult {
     /// Slope of log error over log step; `None` where the error is rounding.
     pub fn order(&self) -> Option<f64> {
-        if self.errors[TOLD] < EXACT {
+        if self.errors[PRINTED] < EXACT {
             return None;
         }
         let points = STEPS.iter().zip(self.errors).map(|(h, error)| (h.ln(), error.ln()));
@@ -131,12 +131,12 @@ impl MethodResult {
 
     fn cell(&self) -> String {
         let order = self.order().map_or("exact".into(), |order| format!("{order:.1}"));
-        format!("{order}, {:.0e}, {:.1}", self.errors[TOLD], self.cost)
+        format!("{order}, {:.0e}, {:.1}", self.errors[PRINTED], self.cost)
     }
 }
 
 /// Why there is no result.
-fn word_of(error: &PlantError) -> &'static str {
+fn failure_word(error: &PlantError) -> &'static str {
     match error {
         PlantError::Value { .. } => "refused",
         _ => "breaks off",
@@ -168,7 +168,7 @@ mod tests {
                 "damper" => 1e-7, // 2e-4 if a damped joint moves by the mean of its velocities
                 _ => 3e-4,
             };
-            assert!(found.errors[TOLD] < most, "{name}: {:?}", found.errors);
+            assert!(found.errors[PRINTED] < most, "{name}: {:?}", found.errors);
         }
     }
 
@@ -182,13 +182,17 @@ mod tests {
                 assert!((0.85..1.2).contains(&order), "{name}, {method:?}: {order}, {:?}", found.errors);
                 let default =
                     self::found(name, Method::MidpointContact).unwrap_or_else(|error| panic!("{name}: {error}"));
-                assert!(found.errors[TOLD] > 30.0 * default.errors[TOLD], "{name}, {method:?}: {:?}", found.errors);
+                assert!(
+                    found.errors[PRINTED] > 30.0 * default.errors[PRINTED],
+                    "{name}, {method:?}: {:?}",
+                    found.errors
+                );
             }
         }
     }
 
     #[test]
-    fn what_a_method_cannot_do_is_refused() {
+    fn a_method_refuses_scenes_that_it_does_not_support() {
         for method in [Method::ExplicitEuler, Method::MoreauJean, Method::Rk4, Method::Rk4Impact] {
             assert!(matches!(found("damper", method), Err(PlantError::Value { .. })), "{method:?}");
         }

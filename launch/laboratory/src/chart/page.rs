@@ -8,7 +8,7 @@ use super::steps::LOADS;
 use super::{bounds, draw, failures};
 use records::report::plot::escaped;
 use records::report::themed_svg;
-use records::view::page::STYLE;
+use records::view::page::article;
 use shared::output::write_atomically;
 use std::fmt::Write;
 use std::io;
@@ -26,17 +26,18 @@ pub fn write(folder: &Path, chosen: &[ComparisonScene], rows: &[Measurement], re
     }
     let [precision, steps, failures, models] =
         views.map(|view| view.iter().map(|(_, svg)| themed_svg(svg)).collect::<String>());
-    let page = include_str!("page.html")
-        .replace("{{style}}", STYLE)
-        .replace("{{remark}}", &escaped(remark))
-        .replace("{{law}}", &word(&LAW))
-        .replace("{{precision}}", &precision)
-        .replace("{{bounds}}", &bounds(chosen, rows))
-        .replace("{{steps}}", &steps)
-        .replace("{{failures}}", &failures)
-        .replace("{{causes}}", &causes())
-        .replace("{{thresholds}}", &thresholds(rows))
-        .replace("{{models}}", &models);
+    let parts = [
+        ("remark", escaped(remark)),
+        ("law", word(&LAW)),
+        ("precision", precision),
+        ("bounds", bounds(chosen, rows)),
+        ("steps", steps),
+        ("failures", failures),
+        ("causes", causes()),
+        ("thresholds", thresholds(rows)),
+        ("models", models),
+    ];
+    let page = article("Speed against accuracy", include_str!("page.html"), &parts);
     write_atomically(&folder.join("chart.html"), &page)
 }
 
@@ -78,8 +79,13 @@ fn bounds(chosen: &[ComparisonScene], rows: &[Measurement]) -> String {
         let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(cell))).collect();
         format!("<tr>{cells}</tr>\n")
     };
-    lines.iter().enumerate().map(line).collect()
+    let table: String = lines.iter().enumerate().map(line).collect();
+    if table.is_empty() { table } else { format!("{BOUNDS}<div class=\"scroll\"><table>\n{table}</table></div>\n") }
 }
+
+/// Text above the table of costs.
+const BOUNDS: &str = "<p>The cheapest run within the error bound, in CPU time per simulated time, compared with the fastest and the most \
+                      accurate setting of MuJoCo at 1 ms.</p>\n";
 
 /// The legend of the map.
 fn causes() -> String {

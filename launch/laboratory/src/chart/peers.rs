@@ -46,7 +46,7 @@ pub fn measure(
     let mut script = Process::start(&mut command).map_err(|error| fault(format!("python3 does not start: {error}")))?;
     let mut left_out = Vec::new();
     for line in script.stdout().into_iter().flat_map(|out| BufReader::new(out).lines()).map_while(Result::ok) {
-        watch.tell(&line);
+        watch.log(&line);
         if line.split_once(" left out, ").is_some_and(|(engine, _)| !engine.contains(' ')) {
             left_out.push(format!("{line}."));
         }

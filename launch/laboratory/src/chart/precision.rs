@@ -1,6 +1,6 @@
 //! View (i): error against CPU time per simulated second, for steps from coarse to fine.
 
-use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, steps, ways};
+use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, combinations, steps};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::metrics::{Metric, SIGNORINI, metrics};
@@ -14,7 +14,7 @@ use shared::exit::{Exit, Failure};
 
 /// Why a run has no metrics.
 #[derive(Clone, Debug)]
-pub enum Fate {
+pub enum NoMetrics {
     /// The method cannot simulate the scene.
     Refused,
     /// The run broke off.
@@ -27,13 +27,13 @@ pub struct MethodTrial {
     /// The scene.
     pub case: ComparisonScene,
     /// Law and integrator.
-    pub way: Combination,
+    pub combination: Combination,
     /// Step [s].
     pub h: f64,
     /// The scene as it ran.
     pub scene: Scene,
     /// Metrics, or why there are none.
-    pub result: Result<Vec<Metric>, Fate>,
+    pub result: Result<Vec<Metric>, NoMetrics>,
     /// Steps that needed the solver's fallback.
     pub fallbacks: u64,
     /// Where the centre of mass ended [m].
@@ -51,9 +51,9 @@ pub struct MethodTrial {
 pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) -> Result<Vec<MethodTrial>, Failure> {
     let mut plan = Vec::new();
     for case in chosen {
-        for way in ways(case) {
-            let duration = cases::scene(case.name, way, 1e-3, &[])?.duration;
-            plan.extend(steps(case, way, duration, quick).into_iter().map(|h| (*case, way, h)));
+        for combination in combinations(case) {
+            let duration = cases::scene(case.name, combination, 1e-3, &[])?.duration;
+            plan.extend(steps(case, combination, duration, quick).into_iter().map(|h| (*case, combination, h)));
         }
     }
     watch.expect(2 * plan.len());
@@ -64,8 +64,11 @@ pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) ->
         watch.step(Job::Timing)?;
         let (seconds, hash) = time(&trial.scene, &[])?;
         if hash != trial.hash {
-            let message =
-                format!("{} with {}: the timed run differs from the watched one", trial.case.name, trial.way.name());
+            let message = format!(
+                "{} with {}: the timed run differs from the watched one",
+                trial.case.name,
+                trial.combination.name()
+            );
             return Err(Failure::new(Exit::Fault, message));
         }
         trial.seconds = seconds;
@@ -73,12 +76,15 @@ pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) ->
     Ok(trials)
 }
 
-fn run((case, way, h): (ComparisonScene, Combination, f64), progress: &ChartProgress) -> Result<MethodTrial, Failure> {
+fn run(
+    (case, combination, h): (ComparisonScene, Combination, f64),
+    progress: &ChartProgress,
+) -> Result<MethodTrial, Failure> {
     progress.step(Job::Watching)?;
-    let scene = cases::scene(case.name, way, h, &[])?;
+    let scene = cases::scene(case.name, combination, h, &[])?;
     let mut trial = MethodTrial {
         case,
-        way,
+        combination,
         h,
         scene,
         result: Ok(Vec::new()),
@@ -88,8 +94,8 @@ fn run((case, way, h): (ComparisonScene, Combination, f64), progress: &ChartProg
         seconds: f64::NAN,
     };
     match watch(&trial.scene, &[]) {
-        RunEnd::Refused => trial.result = Err(Fate::Refused),
-        RunEnd::Broken(error) => trial.result = Err(Fate::Broken(error)),
+        RunEnd::Refused => trial.result = Err(NoMetrics::Refused),
+        RunEnd::Broken(error) => trial.result = Err(NoMetrics::Broken(error)),
         RunEnd::Done(log) => {
             trial.end = log.end();
             trial.result = Ok(metrics(case.question, &trial.scene, &log));
@@ -106,7 +112,7 @@ impl MethodTrial {
             view: View::Precision,
             scene: self.case.name.into(),
             engine: OURS.into(),
-            method: self.way.name(),
+            method: self.combination.name(),
             dt: self.h,
             metric: metric.into(),
             error,
@@ -115,13 +121,16 @@ impl MethodTrial {
         };
         match &self.result {
             Ok(metrics) => metrics.iter().map(|metric| row(metric.0, metric.1)).collect(),
-            Err(Fate::Broken(_)) => self.case.question.metrics().iter().map(|name| row(name, f64::INFINITY)).collect(),
-            Err(Fate::Refused) => Vec::new(),
+            Err(NoMetrics::Broken(_)) => {
+                self.case.question.metrics().iter().map(|name| row(name, f64::INFINITY)).collect()
+            }
+            Err(NoMetrics::Refused) => Vec::new(),
         }
     }
 }
 
-/// The gate: of a method that converges to Coulomb's law, (19) and the gap hold better with smaller steps.
+/// Whether a method does not converge to Coulomb's law. Under a method that converges, the errors of (19) and of the gap shrink with
+/// the step.
 ///
 /// `runs` are rows of one method in one scene. A method is hollow if it violates (19) or the gap by more than rounding,
 /// and if the violation at its finest step is at least a third of that at its coarsest step.

@@ -31,12 +31,12 @@ pub fn measure(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>
     let mut rows = Vec::new();
     let _core = Core::hold();
     for (name, _, duration) in LOADS {
-        let ways = ways(name, quick);
-        progress.expect(ways.len());
-        for way in ways {
+        let combinations = combinations(name, quick);
+        progress.expect(combinations.len());
+        for combination in combinations {
             progress.step(Job::Timing)?;
-            let mut scene = cases::scene(name, way, H, &[])?;
-            let duration = if way.share() < 1.0 { 0.1 * duration } else { duration };
+            let mut scene = cases::scene(name, combination, H, &[])?;
+            let duration = if combination.share() < 1.0 { 0.1 * duration } else { duration };
             scene.duration = if quick { duration.min(0.4) } else { duration };
             let Some(mut times) = step_times(&scene)? else { continue };
             rows.extend([(MEDIAN, 0.5), (P99, 0.99)].map(|(metric, share)| {
@@ -45,7 +45,7 @@ pub fn measure(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>
                     view: View::Steps,
                     scene: name.into(),
                     engine: OURS.into(),
-                    method: way.name(),
+                    method: combination.name(),
                     dt: H,
                     metric: metric.into(),
                     error: f64::NAN,
@@ -59,12 +59,12 @@ pub fn measure(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>
 }
 
 /// Every integrator, then every law. Laws make no difference in flight. Methods that take milliseconds per step are not used for walking.
-fn ways(name: &str, quick: bool) -> Vec<Combination> {
+fn combinations(name: &str, quick: bool) -> Vec<Combination> {
     let methods = Method::ALL.iter().map(|&method| Combination { law: LAW, method });
     let laws =
         Law::ALL.iter().filter(|&&law| law != LAW && name != "free").map(|&law| Combination { law, method: METHOD });
-    let ways = methods.chain(laws).filter(|way| way.share() == 1.0 || name != "walk");
-    if quick { ways.skip(1).take(3).collect() } else { ways.collect() }
+    let combinations = methods.chain(laws).filter(|combination| combination.share() == 1.0 || name != "walk");
+    if quick { combinations.skip(1).take(3).collect() } else { combinations.collect() }
 }
 
 /// Time of every step [s]. The torques are those of the scene's controller in an earlier run; its states must be reproduced.

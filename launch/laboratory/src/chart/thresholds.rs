@@ -4,7 +4,7 @@
 use super::cases::{Combination, LAW, METHOD, scene, word};
 use super::csv::{Measurement, OURS, View};
 use super::failures::{EXACT, MEASURED};
-use super::trial::{RunEnd, RunLog, Sight, watch};
+use super::trial::{RunEnd, RunLog, StateSample, watch};
 use super::watch::{ChartProgress, Job};
 use messages::load::parse;
 use messages::scene::{Law, Method, Scene};
@@ -123,36 +123,36 @@ fn settles(stiffness: f64, ratio: f64, h: f64) -> Result<bool, Failure> {
     (scene.plant.contact_stiffness, scene.plant.contact_damping_ratio) = (stiffness, ratio);
     (scene.plant.method, scene.plant.dt, scene.rate, scene.duration) = (Method::SemiImplicitEuler, h, 1.0 / h, 4e3 * h);
     let RunEnd::Done(log) = watch(&scene, &[]) else { return Ok(false) };
-    let nudge = |part: &[Sight]| part.iter().fold(0.0, |most: f64, sight| most.max((sight.low + depth).abs()));
-    let (early, late) = (nudge(&log.sights[..100]), nudge(&log.sights[3900..]));
+    let nudge = |part: &[StateSample]| part.iter().fold(0.0, |most: f64, sample| most.max((sample.low + depth).abs()));
+    let (early, late) = (nudge(&log.samples[..100]), nudge(&log.samples[3900..]));
     Ok(late < 2.0 * early && late < 0.01 * depth)
 }
 
 /// μ* of the block that rests at 26°, and of the one that rocks without slipping.
 fn sticking() -> ThresholdResult {
-    let way = Combination { law: LAW, method: METHOD };
+    let combination = Combination { law: LAW, method: METHOD };
     let run = |name: &str, h: f64, friction: f64, duration: f64| -> Result<Option<(Scene, RunLog)>, Failure> {
         let settings = [format!("plant.friction={friction}"), format!("duration={duration:?}")];
-        let scene = scene(name, way, h, &settings)?;
+        let scene = scene(name, combination, h, &settings)?;
         Ok(match watch(&scene, &[]) {
             RunEnd::Done(log) => Some((scene, log)),
             _ => None,
         })
     };
     let slips = |friction: f64| -> Result<bool, Failure> {
-        let way = |(_, log): (Scene, RunLog)| match log.sights.as_slice() {
+        let combination = |(_, log): (Scene, RunLog)| match log.samples.as_slice() {
             [first, .., last] => (last.totals.com - first.totals.com).norm(),
             _ => 0.0,
         };
-        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| way(run) > 1e-9))
+        Ok(run("stick", 1e-3, friction, 0.5)?.is_none_or(|run| combination(run) > 1e-9))
     };
     let rocks = |friction: f64| -> Result<bool, Failure> {
-        let slip = |(_, log): (Scene, RunLog)| log.sights.iter().fold(0.0, |slip: f64, sight| slip.max(sight.slip));
+        let slip = |(_, log): (Scene, RunLog)| log.samples.iter().fold(0.0, |slip: f64, sample| slip.max(sample.slip));
         // A sticking edge has the velocity ω²lh = 2e-5 m/s at the end of a step in which the block turned about it.
         Ok(run("rock", 2e-5, friction, 0.4)?.is_none_or(|run| slip(run) > 1e-4))
     };
     let threshold =
-        |scene, exact, measured| Threshold { scene, method: way.name(), quantity: "μ* [-]", exact, measured };
+        |scene, exact, measured| Threshold { scene, method: combination.name(), quantity: "μ* [-]", exact, measured };
     Ok(vec![
         threshold("stick", 26f64.to_radians().tan(), bisect(0.3, 0.7, slips)?),
         threshold("rock", 12.0 / 65.0, bisect(0.05, 0.6, rocks)?),
@@ -168,7 +168,7 @@ fn painleve() -> ThresholdResult {
             (scene.plant.law, scene.plant.method, scene.plant.friction) = (law, Method::SemiImplicitEuler, friction);
             (scene.plant.dt, scene.rate, scene.duration) = (1e-6, 1e6, 1e-6);
             let RunEnd::Done(log) = watch(&scene, &[]) else { return Ok(true) };
-            Ok(log.sights.last().is_some_and(|sight| sight.load > 0.1))
+            Ok(log.samples.last().is_some_and(|sample| sample.load > 0.1))
         };
         let measured = bisect(0.5, 3.0, |friction| Ok(!jams(friction)?))?;
         let method = Combination { law, method: Method::SemiImplicitEuler }.name();
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stack_is_solved_whatever_its_mass_ratio() {
+    fn a_stack_is_solved_at_every_mass_ratio() {
         for ratio in [1.0, 1e3, 1e6] {
             assert!(stacked(LAW, ratio) < 1e-6, "{ratio}: {}", stacked(LAW, ratio));
         }

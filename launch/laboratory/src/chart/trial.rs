@@ -10,7 +10,7 @@ use std::time::Instant;
 
 /// A sample of the robot's state after a step.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sight {
+pub struct StateSample {
     /// Simulated time [s].
     pub time: f64,
     /// Sums over the whole robot.
@@ -37,7 +37,7 @@ pub struct Sight {
 #[derive(Clone, Debug, Default)]
 pub struct RunLog {
     /// The start and every step after it.
-    pub sights: Vec<Sight>,
+    pub samples: Vec<StateSample>,
     /// Contact points in the middle and at the end of the run [m].
     pub halves: [Vec<Vector3<f64>>; 2],
     /// Worst residual |f_N v_N| of a step.
@@ -68,13 +68,13 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> RunEnd {
     let Ok(mut plant) = Plant::new(scene) else { return RunEnd::Refused };
     let mut pose = Pose::new(plant.model());
     let mut log = RunLog::default();
-    log.sights.reserve(periods(scene) + 1);
-    log.see(&plant, &mut pose, 0.0);
+    log.samples.reserve(periods(scene) + 1);
+    log.record(&plant, &mut pose, 0.0);
     for period in 0..periods(scene) {
         if let Err(error) = plant.advance(torques.get(period).unwrap_or(&Torques::default())) {
             return RunEnd::Broken(error);
         }
-        log.see(&plant, &mut pose, 1.0 / scene.rate);
+        log.record(&plant, &mut pose, 1.0 / scene.rate);
         if period + 1 == periods(scene) / 2 {
             log.halves[0] = points(&plant, &pose);
         }
@@ -165,15 +165,15 @@ fn points(plant: &Plant, pose: &Pose) -> Vec<Vector3<f64>> {
 impl RunLog {
     /// Where the centre of mass ended [m].
     pub fn end(&self) -> Option<Vector3<f64>> {
-        self.sights.last().map(|sight| sight.totals.com)
+        self.samples.last().map(|sample| sample.totals.com)
     }
 
-    fn see(&mut self, plant: &Plant, pose: &mut Pose, period: f64) {
+    fn record(&mut self, plant: &Plant, pose: &mut Pose, period: f64) {
         let (model, truth) = (plant.model(), plant.truth());
         kinematics::pose(model, plant.state(), pose);
         let base = &pose.links[model.base_link];
         let (ahead, axis) = (base.rotation.column(0), base.rotation.column(2));
-        let mut sight = Sight {
+        let mut sample = StateSample {
             time: plant.time_ns() as f64 * 1e-9,
             totals: kinematics::totals(model, plant.state(), pose),
             low: f64::INFINITY,
@@ -181,24 +181,24 @@ impl RunLog {
             tilt: axis.x.atan2(axis.z),
             yaw: ahead.y.atan2(ahead.x),
             spin: base.velocity.angular.y,
-            load: self.sights.last().map_or(0.0, |last| last.load),
-            ..Sight::default()
+            load: self.samples.last().map_or(0.0, |last| last.load),
+            ..StateSample::default()
         };
         for corner in &model.contact_points {
             let arm = pose.lowest(corner);
             let point = pose.reference + arm;
-            if point.z < sight.low {
+            if point.z < sample.low {
                 let velocity = pose.links[corner.link].velocity.at(&arm);
-                (sight.low, sight.ahead) = (point.z, point.x - truth.base_position[0]);
-                sight.slip = velocity.x.hypot(velocity.y);
+                (sample.low, sample.ahead) = (point.z, point.x - truth.base_position[0]);
+                sample.slip = velocity.x.hypot(velocity.y);
             }
-            sight.high = sight.high.max(point.z);
+            sample.high = sample.high.max(point.z);
         }
-        sight.load += truth.contact_force.iter().skip(2).step_by(3).sum::<f64>() * period;
+        sample.load += truth.contact_force.iter().skip(2).step_by(3).sum::<f64>() * period;
         self.signorini = self.signorini.max(truth.signorini);
         self.natural_map = self.natural_map.max(truth.natural_map);
         self.energy_gain = self.energy_gain.max(truth.energy_gain);
         (self.fallbacks, self.hash) = (truth.fallbacks, truth.hash);
-        self.sights.push(sight);
+        self.samples.push(sample);
     }
 }

@@ -1,4 +1,4 @@
-//! Progress of the chart, and the wish to stop.
+//! Progress of the chart, and the flag that stops it.
 
 use shared::exit::{Failure, check_interrupt};
 use shared::progress::BatchProgress;
@@ -32,12 +32,12 @@ impl<'a> ChartProgress<'a> {
         ChartProgress { counter: BatchProgress::new(quiet, 0, 0, "runs"), stop }
     }
 
-    /// More runs are to be done.
+    /// Adds planned runs.
     pub fn expect(&self, runs: usize) {
         self.counter.add_total(runs);
     }
 
-    /// A run begins.
+    /// Counts the start of a run.
     ///
     /// # Errors
     /// Ctrl-C.
@@ -48,11 +48,11 @@ impl<'a> ChartProgress<'a> {
     }
 
     /// Prints a line beside the progress bar.
-    pub fn tell(&self, line: &str) {
+    pub fn log(&self, line: &str) {
         self.counter.log(line);
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         self.counter.finish();
     }

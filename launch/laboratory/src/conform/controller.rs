@@ -26,11 +26,11 @@ const ON_TIME: Duration = Duration::from_secs(1);
 pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let refusals =
         |host: &ProgramSetup, report: &mut RuleReport| refusals::check(host, ProgramRole::Controller, report);
-    report.each(host, &[conversation, succession, refusals, on_time])
+    report.each(host, &[whole_session, succession, refusals, on_time])
 }
 
 /// One session from start to end.
-fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
+fn whole_session(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let environment = host.environment(Pace::Lockstep);
     let mut robot = SimulatedRobot::new(host, &environment)?;
     let start = Instant::now();

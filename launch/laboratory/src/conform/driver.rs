@@ -47,7 +47,7 @@ impl Driver {
     }
 
     /// Waits a short time for new sensors; repeated ones do not count.
-    pub fn look(&mut self) -> Result<bool, String> {
+    pub fn receive_sensors(&mut self) -> Result<bool, String> {
         while let Some(truth) = self.recorder.read().map_err(|error| error.to_string())? {
             self.truths.push(*truth);
         }
@@ -57,7 +57,7 @@ impl Driver {
             return Ok(false);
         }
         let sim_ns = (now.seq.saturating_sub(1) as f64 * 1e9 / self.rate).round() as u64;
-        self.stamps.look(&sensors, Expected { run: 0, ack: 0, sim_ns, sent_ns: [self.since_ns, now_ns()] });
+        self.stamps.check(&sensors, Expected { run: 0, ack: 0, sim_ns, sent_ns: [self.since_ns, now_ns()] });
         if now.run != self.stamp.run {
             self.stamp = Stamp { run: now.run, seq: 0, ..self.stamp };
         }
@@ -68,7 +68,7 @@ impl Driver {
     /// The next sensors, or why there are none.
     pub fn next(&mut self, program: &mut ProgramUnderTest) -> Result<Sensors, String> {
         let start = Instant::now();
-        while !self.look()? {
+        while !self.receive_sensors()? {
             let before = self.sensors.stamp.seq;
             if program.has_ended() {
                 return Err(format!("it ended after sensors {before}: {}", program.end(END_LIMIT)?));
@@ -84,7 +84,7 @@ impl Driver {
     pub fn silence(&mut self) -> Finding {
         let start = Instant::now();
         while start.elapsed() < SILENCE {
-            if self.look()? {
+            if self.receive_sensors()? {
                 return Err(format!("sensors {} came", self.sensors.stamp.seq));
             }
         }
@@ -99,7 +99,7 @@ impl Driver {
         Ok(Command { stamp: self.stamp, torques, ..Command::default() }.sealed())
     }
 
-    pub fn pass_on(&mut self, command: Command) -> Result<(), String> {
+    pub fn send_raw_command(&mut self, command: Command) -> Result<(), String> {
         self.since_ns = now_ns();
         self.port.send_raw(command).map_err(|error| error.to_string())
     }
@@ -108,7 +108,7 @@ impl Driver {
     pub fn drive(&mut self, program: &mut ProgramUnderTest, until: u64) -> Result<(), String> {
         while self.sensors.stamp.seq < until && self.sensors.last == 0 {
             let command = self.answer()?;
-            self.pass_on(command)?;
+            self.send_raw_command(command)?;
             self.next(program)?;
         }
         Ok(())

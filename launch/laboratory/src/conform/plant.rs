@@ -15,7 +15,7 @@ use std::time::{Duration, Instant};
 
 const YOURS: &str = "Your own plant";
 const LOCKSTEP: &str = "A control period, step 3";
-const GATE: &str = "A control period, step 4";
+const VALIDATION: &str = "A control period, step 4";
 /// Simulated time of a run [s].
 const DURATION: f64 = 0.5;
 /// Control periods before an event.
@@ -27,7 +27,7 @@ pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String>
     scene.duration = DURATION;
     let host = &ProgramSetup { command: host.command.clone(), scene, patience: host.patience };
     let refusals = |host: &ProgramSetup, report: &mut RuleReport| refusals::check(host, ProgramRole::Plant, report);
-    report.each(host, &[conversation, succession, refusals, silence, on_time])
+    report.each(host, &[whole_session, succession, refusals, silence, on_time])
 }
 
 /// Commands that must not be accepted before the first good one: description, index into [`REFUSALS`], and the defect.
@@ -45,7 +45,7 @@ const SEALED: [PlantFlaw; 5] = [
 ];
 
 /// One session from start to end.
-fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
+fn whole_session(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let environment = host.environment(Pace::Lockstep);
     let mut driver = Driver::new(host, &environment)?;
     let start = Instant::now();
@@ -72,23 +72,23 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
             if is_sealed {
                 bad.stamp.check = bad.check_sum();
             }
-            driver.pass_on(bad)?;
+            driver.send_raw_command(bad)?;
             refused[*reason] += 1;
-            report.rule(&format!("a command {what} is not taken for one"), GATE, driver.silence());
+            report.rule(&format!("a command {what} is not accepted"), VALIDATION, driver.silence());
         }
     }
-    driver.pass_on(good)?;
+    driver.send_raw_command(good)?;
     let went = driver.next(&mut program).and_then(|_| driver.drive(&mut program, SHORT));
     let went = went.map(|()| String::new());
     if !report.rule("goes on with a good one, in lockstep", LOCKSTEP, went) {
         return Ok(());
     }
-    driver.pass_on(good)?;
+    driver.send_raw_command(good)?;
     refused[4] += 1;
-    report.rule("a command of before is not taken for the answer", GATE, driver.silence());
+    report.rule("an earlier command is not accepted as the answer", VALIDATION, driver.silence());
     driver.stamp = Stamp { epoch: random(), seq: 0, ..driver.stamp };
     let taken = driver.drive(&mut program, 2 * SHORT).map(|()| String::new());
-    report.rule("a controller with another epoch takes over", GATE, taken);
+    report.rule("a controller with another epoch takes over", VALIDATION, taken);
 
     let periods = (DURATION * host.scene.rate).round() as u64;
     let went = driver.drive(&mut program, u64::MAX).and_then(|()| match driver.sensors.stamp.seq {
@@ -100,7 +100,7 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
     }
     let ended = program.end(END_LIMIT).and_then(|ended| ended.in_order(&[]));
     report.rule("then ends in order within 3 s, with exit code 0", YOURS, ended);
-    driver.look()?; // the rest of the truth messages
+    driver.receive_sensors()?; // the rest of the truth messages
     std::mem::take(&mut driver.stamps).report(report, false);
     report.rule(
         "records a Truth with each Sensors, with the same stamp",
@@ -115,12 +115,12 @@ fn conversation(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), Stri
         .map(|(k, why)| format!("{} instead of {} {why}", tally.refused[k], refused[k]))
         .collect();
     let finding = if wrong.is_empty() { Ok(String::new()) } else { Err(wrong.join("; ")) };
-    report.rule("counts every refusal by its reason", GATE, finding);
+    report.rule("counts every refusal by its reason", VALIDATION, finding);
     let takeovers = match tally.takeovers {
         1 => Ok(String::new()),
         other => Err(format!("{other} instead of 1")),
     };
-    report.rule("counts controllers that take over", GATE, takeovers);
+    report.rule("counts controllers that take over", VALIDATION, takeovers);
     Ok(())
 }
 
@@ -180,14 +180,14 @@ fn succession(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String
     let goes_on = driver.drive(&mut program, SHORT).map(|()| String::new());
     report.rule("and the first goes on", "Topics", goes_on);
     program.signal(Signal::SIGTERM);
-    farewell(&mut driver, &mut program, "TERM ends it", END_LIMIT, report, |ended| {
+    check_end(&mut driver, &mut program, "TERM ends it", END_LIMIT, report, |ended| {
         ended.in_order(&[refusals::INTERRUPTED])
     });
     Ok(())
 }
 
 /// Checks that the plant ends in time and in an allowed way, and that its last sensors announce the end.
-fn farewell(
+fn check_end(
     driver: &mut Driver,
     program: &mut ProgramUnderTest,
     what: &str,
@@ -197,13 +197,13 @@ fn farewell(
 ) {
     let start = Instant::now();
     while !program.has_ended() && start.elapsed() < limit {
-        let _ = driver.look();
+        let _ = driver.receive_sensors();
     }
-    let _ = driver.look();
+    let _ = driver.receive_sensors();
     let ended = program.end(Duration::ZERO).and_then(|ended| how(&ended));
     report.rule(&format!("{what} within {:.0} s", limit.as_secs_f64()), YOURS, ended);
     let last = match driver.sensors.last {
-        0 => Err("it left without a word".into()),
+        0 => Err("it ended without a last message".into()),
         _ => Ok(String::new()),
     };
     report.rule("and its last sensors have `last` = 1", YOURS, last);
@@ -218,7 +218,7 @@ fn silence(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     if driver.next(&mut program).and_then(|_| driver.drive(&mut program, SHORT)).is_ok() {
         let limit = environment.patience + END_LIMIT;
         let what = "a silent controller ends it, after its patience, with a sentence,";
-        farewell(&mut driver, &mut program, what, limit, report, Ended::by_refusing);
+        check_end(&mut driver, &mut program, what, limit, report, Ended::by_refusing);
     }
     Ok(())
 }
@@ -242,14 +242,14 @@ fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let (start, span) = (Instant::now(), Duration::from_secs_f64(2.0 * DURATION));
     while start.elapsed() < span {
         let command = driver.answer()?;
-        driver.pass_on(command)?;
-        while !driver.look()? && start.elapsed() < span {}
+        driver.send_raw_command(command)?;
+        while !driver.receive_sensors()? && start.elapsed() < span {}
     }
     let (periods, wanted) = (driver.sensors.stamp.seq, span.as_secs_f64() * host.scene.rate);
     report.note(&format!("in real time {periods} control periods of {wanted:.0} came within {} s", span.as_secs_f64()));
     let until = Instant::now() + Duration::from_millis(300);
     while Instant::now() < until {
-        driver.look()?;
+        driver.receive_sensors()?;
     }
     let limits = [0.01, 0.1].map(|limit: f64| ((limit * host.scene.rate).round() as u32).max(1));
     let wrong = driver.truths.iter().find(|truth| {
@@ -271,7 +271,7 @@ fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
         finding,
     );
     program.signal(Signal::SIGTERM);
-    farewell(&mut driver, &mut program, "TERM ends it", END_LIMIT, report, |ended| {
+    check_end(&mut driver, &mut program, "TERM ends it", END_LIMIT, report, |ended| {
         ended.in_order(&[refusals::INTERRUPTED])
     });
     Ok(())

@@ -46,7 +46,7 @@ impl SimulatedRobot {
             if let Some(command) = self.port.wait().map_err(|error| error.to_string())? {
                 let Stamp { run, seq, sim_ns, mono_ns, .. } = sensors.stamp;
                 let expected = Expected { run, ack: seq, sim_ns, sent_ns: [mono_ns, now_ns()] };
-                self.stamps.look_at_command(&command, expected, self.limit);
+                self.stamps.check_command(&command, expected, self.limit);
                 self.torques = command.torques;
                 return Ok(command);
             }

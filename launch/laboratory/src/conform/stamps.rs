@@ -46,36 +46,36 @@ pub struct Expected {
 
 impl Stamps {
     /// Checks a message; returns whether its check sum is valid.
-    pub fn look<M: Stamped>(&mut self, message: &M, expected: Expected) -> bool {
+    pub fn check<M: Stamped>(&mut self, message: &M, expected: Expected) -> bool {
         let (stamp, before) = (*message.stamp(), self.before);
         self.count += 1;
         let number = stamp.seq;
         if !message.is_sound() {
             let what = if message.is_ours() { "check sum" } else { "magic or schema" };
-            self.tell(0, || format!("the {what} of number {number} is wrong"));
+            self.keep_first(0, || format!("the {what} of number {number} is wrong"));
             return false;
         }
         let is_first = before.seq == 0;
         let begins = before.run != stamp.run;
         let Expected { run, ack, sim_ns, sent_ns: [from, to] } = expected;
         if run != 0 && stamp.run != run {
-            self.tell(1, || format!("number {number} is for run {:x}, not {run:x}", stamp.run));
+            self.keep_first(1, || format!("number {number} is for run {:x}, not {run:x}", stamp.run));
         } else if stamp.run == 0 {
-            self.tell(1, || "the run is number 0".into());
+            self.keep_first(1, || "the run is number 0".into());
         } else if !is_first && stamp.epoch != before.epoch {
-            self.tell(1, || format!("epoch {:x} became {:x} at number {number}", before.epoch, stamp.epoch));
+            self.keep_first(1, || format!("epoch {:x} became {:x} at number {number}", before.epoch, stamp.epoch));
         }
         let next = if begins { 1 } else { before.seq + 1 };
         if number != next {
-            self.tell(2, || format!("received number {number} instead of {next}"));
+            self.keep_first(2, || format!("received number {number} instead of {next}"));
         }
         if stamp.ack != ack {
-            self.tell(3, || format!("number {number} has ack {} instead of {ack}", stamp.ack));
+            self.keep_first(3, || format!("number {number} has ack {} instead of {ack}", stamp.ack));
         }
         if stamp.sim_ns != sim_ns {
-            self.tell(4, || format!("number {number} has sim_ns {} instead of {sim_ns}", stamp.sim_ns));
+            self.keep_first(4, || format!("number {number} has sim_ns {} instead of {sim_ns}", stamp.sim_ns));
         } else if !(from..=to).contains(&stamp.mono_ns) {
-            self.tell(4, || {
+            self.keep_first(4, || {
                 format!("number {number} has mono_ns {}, which is not between {from} and {to}", stamp.mono_ns)
             });
         }
@@ -84,22 +84,22 @@ impl Stamps {
     }
 
     /// Checks a command; returns whether its check sum is valid.
-    pub fn look_at_command(&mut self, command: &Command, expected: Expected, limit: f64) -> bool {
+    pub fn check_command(&mut self, command: &Command, expected: Expected, limit: f64) -> bool {
         let begins = self.before.run != command.stamp.run;
-        if !self.look(command, expected) {
+        if !self.check(command, expected) {
             return false;
         }
         let (number, torque) = (command.stamp.seq, command.torques.torque);
         let before = if begins { [0.0; JOINTS] } else { self.torque };
         if let Some(joint) = torque.iter().position(|torque| !torque.is_finite()) {
-            self.tell(5, || format!("torque[{joint}] of number {number} is {}", torque[joint]));
+            self.keep_first(5, || format!("torque[{joint}] of number {number} is {}", torque[joint]));
             return true;
         }
         for (joint, (&now, &then)) in torque.iter().zip(&before).enumerate() {
             if now.abs() > NONSENSE * limit {
-                self.tell(6, || format!("torque[{joint}] of number {number} is {now} N·m"));
+                self.keep_first(6, || format!("torque[{joint}] of number {number} is {now} N·m"));
             } else if (now - then.clamp(-limit, limit)).abs() > FULL_SWING * limit {
-                self.tell(6, || format!("torque[{joint}] of number {number} jumps from {then} to {now} N·m"));
+                self.keep_first(6, || format!("torque[{joint}] of number {number} jumps from {then} to {now} N·m"));
             }
         }
         self.clamped += usize::from(torque.iter().any(|torque| torque.abs() > limit));
@@ -108,7 +108,7 @@ impl Stamps {
     }
 
     /// Keeps the first violation of a rule.
-    fn tell(&mut self, rule: usize, what: impl FnOnce() -> String) {
+    fn keep_first(&mut self, rule: usize, what: impl FnOnce() -> String) {
         self.broken[rule].get_or_insert_with(what);
     }
 

@@ -1,6 +1,6 @@
 //! Bad commands over the real link: a faulty controller is connected to a real plant.
 
-use super::stage::{FaultTrial, LIMIT, Stage, TrialOutcome, is_finite, walk};
+use super::test_session::{FaultTrial, LIMIT, TestSession, TrialOutcome, is_finite, walk};
 use crate::subject::Subject;
 use controller::Controller;
 use messages::port::{Contract, ControllerPort, Pace, RecorderPort};
@@ -64,7 +64,7 @@ impl CommandFlaw {
 }
 
 /// A faulty controller, a real plant, and a recorder.
-struct Rogue {
+struct FaultyController {
     port: ControllerPort,
     listener: RecorderPort,
     plant: Subject,
@@ -73,19 +73,19 @@ struct Rogue {
     sent: Command,
     /// The newest truth.
     truth: Truth,
-    _stage: Stage,
+    _stage: TestSession,
 }
 
-impl Rogue {
-    fn start(scene: &Scene, settings: &str) -> Result<Rogue, String> {
-        let stage = Stage::empty();
+impl FaultyController {
+    fn start(scene: &Scene, settings: &str) -> Result<FaultyController, String> {
+        let test_session = TestSession::empty();
         let contract = Contract::of(scene, Pace::Lockstep);
-        let port = ControllerPort::open(&stage.session, &contract).map_err(message)?;
-        let listener = RecorderPort::open(&stage.session, &contract).map_err(message)?;
-        let plant = ["plant", "walk", "--set", settings, "--patience", "2", "--session", stage.session.name()];
+        let port = ControllerPort::open(&test_session.session, &contract).map_err(message)?;
+        let listener = RecorderPort::open(&test_session.session, &contract).map_err(message)?;
+        let plant = ["plant", "walk", "--set", settings, "--patience", "2", "--session", test_session.session.name()];
         let (plant, controller) = (Subject::biped(&plant)?, Controller::new(scene).map_err(message)?);
         let (sent, truth) = (Command::default(), Truth::default());
-        Ok(Rogue { port, listener, plant, controller, sent, truth, _stage: stage })
+        Ok(FaultyController { port, listener, plant, controller, sent, truth, _stage: test_session })
     }
 
     /// The next sensors after those answered last.
@@ -125,7 +125,7 @@ impl Rogue {
     fn outcome(&self, how: &str, start: Instant) -> TrialOutcome {
         let refused = self.truth.tally.refused.iter().zip(REFUSALS).filter(|(count, _)| **count > 0);
         let refused: Vec<String> = refused.map(|(count, reason)| format!("{count} {reason}")).collect();
-        let (walked, took) = (self.truth.stamp.sim_ns as f64 * 1e-9, start.elapsed().as_secs_f64());
+        let (walked, took) = (self.truth.stamp.time(), start.elapsed().as_secs_f64());
         TrialOutcome {
             time: None,
             remark: format!("refused: {}; {walked:.0} s walked {how}, in {took:.0} s", refused.join(", ")),
@@ -141,56 +141,56 @@ fn message(error: impl ToString) -> String {
 /// for bit.
 pub fn flood(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
     let (_, scene) = walk(&["duration=100000"])?;
-    let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
+    let (mut faulty, start) = (FaultyController::start(&scene, "duration=100000")?, Instant::now());
     // the same walk without the flood, here
     let mut undisturbed = Simulation::new(&scene, 1, 1).map_err(message)?;
     let mut hashes = vec![0, undisturbed.truth().hash];
-    while rogue.refused() < count {
+    while faulty.refused() < count {
         if start.elapsed() > LONGEST {
-            return Err(format!("after {LONGEST:?} only {} were refused: the machine is too busy", rogue.refused()));
+            return Err(format!("after {LONGEST:?} only {} were refused: the machine is too busy", faulty.refused()));
         }
-        let sensors = rogue.ask()?;
-        let good = rogue.answer(&sensors)?;
+        let sensors = faulty.ask()?;
+        let good = faulty.answer(&sensors)?;
         // none before the first good command: there is no older one and no duplicate yet
-        for _ in 0..if rogue.sent.stamp.ack > 0 { BEFORE } else { 0 } {
+        for _ in 0..if faulty.sent.stamp.ack > 0 { BEFORE } else { 0 } {
             let flaw = CommandFlaw::VARIANTS[random.usize(0..CommandFlaw::VARIANTS.len())];
             // it answers the previous sensors, so that the plant continues to wait for the good command
             let near = Command { stamp: Stamp { ack: sensors.stamp.seq - 1, ..good.stamp }, ..good };
-            rogue.port.send_raw(flaw.spoil(near, &rogue.sent, random)).map_err(message)?;
+            faulty.port.send_raw(flaw.spoil(near, &faulty.sent, random)).map_err(message)?;
             let begin = Instant::now();
             while begin.elapsed() < READ {
                 std::thread::yield_now(); // the plant may need this processor
             }
         }
-        rogue.port.send_raw(good).map_err(message)?;
-        rogue.sent = good;
+        faulty.port.send_raw(good).map_err(message)?;
+        faulty.sent = good;
         let stamp = Stamp { ack: undisturbed.sensors().stamp.seq, ..undisturbed.sensors().stamp };
         undisturbed.receive(&Command { stamp, ..good }.sealed());
         undisturbed.advance().map_err(message)?;
         hashes.push(undisturbed.truth().hash);
-        rogue.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {
+        faulty.listen(|truth| match hashes.get(truth.stamp.seq as usize) == Some(&truth.hash) {
             true => Ok(()),
             false => Err(format!("at period {} the walk differs from the walk without bad commands", truth.stamp.seq)),
         })?;
     }
-    Ok(rogue.outcome("bit for bit as without them", start))
+    Ok(faulty.outcome("bit for bit as without them", start))
 }
 
 /// Every second answer must be refused. The walk continues with the torques of the previous period.
 pub fn every_other(count: u64, random: &mut fastrand::Rng) -> FaultTrial {
     let (_, scene) = walk(&["duration=100000"])?;
-    let (mut rogue, start) = (Rogue::start(&scene, "duration=100000")?, Instant::now());
-    while rogue.refused() < count {
-        let sensors = rogue.ask()?;
-        let good = rogue.answer(&sensors)?;
+    let (mut faulty, start) = (FaultyController::start(&scene, "duration=100000")?, Instant::now());
+    while faulty.refused() < count {
+        let sensors = faulty.ask()?;
+        let good = faulty.answer(&sensors)?;
         let bad = [CommandFlaw::NotANumber, CommandFlaw::Infinite, CommandFlaw::Huge][random.usize(0..3)];
         let is_bad = sensors.stamp.seq > 1 && sensors.stamp.seq % 2 == 0;
-        rogue.port.send_raw(if is_bad { bad.spoil(good, &rogue.sent, random) } else { good }).map_err(message)?;
-        rogue.sent = good;
-        rogue.listen(|truth| match truth.base_position[2] > 0.2 {
+        faulty.port.send_raw(if is_bad { bad.spoil(good, &faulty.sent, random) } else { good }).map_err(message)?;
+        faulty.sent = good;
+        faulty.listen(|truth| match truth.base_position[2] > 0.2 {
             true => Ok(()),
             false => Err(format!("the robot fell at period {}", truth.stamp.seq)),
         })?;
     }
-    Ok(rogue.outcome("upright", start))
+    Ok(faulty.outcome("upright", start))
 }

@@ -1,6 +1,6 @@
 //! Disks and file size limits that are too small for a recording. The robot must keep walking, and the recorded part must be readable.
 
-use super::stage::{FaultTrial, LIMIT, TrialOutcome, is};
+use super::test_session::{FaultTrial, LIMIT, TrialOutcome, is};
 use crate::subject::Subject;
 use shared::exit::Exit;
 use shared::output::temporary_folder;

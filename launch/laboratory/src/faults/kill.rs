@@ -1,6 +1,6 @@
 //! kill −9: at random times, at every system call of start-up, and in a session with restarts.
 
-use super::stage::{FaultTrial, LIMIT, SessionRole, Stage, TrialOutcome, is_finite, send, walk};
+use super::test_session::{FaultTrial, LIMIT, SessionRole, TestSession, TrialOutcome, is_finite, send, walk};
 use crate::subject::{Subject, eventually};
 use messages::clock::now_ns;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort, RecorderPort};
@@ -18,13 +18,13 @@ const SPAN: u64 = 600;
 /// Kills one process of a run at a random time. The others must report it and end.
 pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
-    let stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
+    let test_session = TestSession::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
     let wait = Duration::from_millis(random.u64(0..SPAN));
     std::thread::sleep(wait);
-    let number = stage.wait_for(victim)?;
+    let number = test_session.wait_for(victim)?;
     let start = Instant::now();
     send(number, Signal::SIGKILL)?;
-    let (took, _, output) = stage.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
+    let (took, _, output) = test_session.must_end(start).map_err(|error| format!("killed after {wait:?}: {error}"))?;
     // a killed launcher reports nothing
     match victim {
         SessionRole::Launcher => Ok(took.into()),
@@ -35,13 +35,13 @@ pub fn at_random(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial 
 
 /// The system calls of a role until it waits for the other one: name, and number of calls with this name so far.
 pub fn calls(role: SessionRole) -> Result<Vec<(String, u32)>, String> {
-    let stage = Stage::empty();
+    let test_session = TestSession::empty();
     let folder = temporary_folder("calls").map_err(|error| error.message)?;
     let list = folder.join("calls");
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let mut strace = std::process::Command::new("strace");
     strace.arg("-qq").arg("-o").arg(&list).arg(program);
-    strace.args([role.name(), "walk", "--patience", "0.1", "--session", stage.session.name()]);
+    strace.args([role.name(), "walk", "--patience", "0.1", "--session", test_session.session.name()]);
     Subject::start(&mut strace)?.end(LIMIT * 10)?;
     let text = std::fs::read_to_string(&list).map_err(|error| error.to_string());
     let _ = std::fs::remove_dir_all(&folder);
@@ -59,16 +59,16 @@ pub fn calls(role: SessionRole) -> Result<Vec<(String, u32)>, String> {
 /// Kills a role just before a system call of its start-up, in a session that has another member. The files that it leaves must not block
 /// a new process. Measures the time from the start of the new process to its first exchange.
 pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
-    let stage = Stage::empty();
+    let test_session = TestSession::empty();
     let (_, scene) = walk(&["duration=0.02"])?;
     let arguments =
-        [victim.name(), "walk", "--patience", "1", "--set", "duration=0.02", "--session", stage.session.name()];
+        [victim.name(), "walk", "--patience", "1", "--set", "duration=0.02", "--session", test_session.session.name()];
     let mut strace = std::process::Command::new("strace");
     let (name, count) = call;
     strace.args(["-qq", "-o", "/dev/null", "-e", &format!("inject={name}:signal=KILL:when={count}")]);
     strace.arg(std::env::current_exe().map_err(|error| error.to_string())?).args(arguments);
     let at = |error: String| format!("killed at {name} {count}: {error}");
-    let mut peer = SurvivingPeer::open(victim, &stage, &scene).map_err(at)?;
+    let mut peer = SurvivingPeer::open(victim, &test_session, &scene).map_err(at)?;
     let mut dying = Subject::start(&mut strace)?;
     eventually("the killed process ends", LIMIT * 10, || {
         let _ = peer.answer();
@@ -98,7 +98,7 @@ pub fn at_call(victim: SessionRole, call: &(String, u32)) -> FaultTrial {
     .map_err(at)?;
     let (status, output) = successor.end(LIMIT).map_err(at)?;
     drop(peer);
-    let left = stage.session.shm_files();
+    let left = test_session.session.shm_files();
     match () {
         () if !status.success() => Err(at(format!("its successor ended with {status}: {output}"))),
         () if !left.is_empty() => Err(at(format!("left {}", left[0].display()))),
@@ -121,15 +121,15 @@ enum SurvivorPort {
 }
 
 impl SurvivingPeer {
-    fn open(victim: SessionRole, stage: &Stage, scene: &Scene) -> Result<SurvivingPeer, String> {
+    fn open(victim: SessionRole, test_session: &TestSession, scene: &Scene) -> Result<SurvivingPeer, String> {
         let contract = &Contract::of(scene, Pace::Lockstep);
         let sensors = Simulation::new(scene, 1, 1).map_err(|error| error.to_string())?.sensors();
         let place = match victim {
             SessionRole::Plant => {
-                ControllerPort::open(&stage.session, contract).map(Box::new).map(SurvivorPort::Controller)
+                ControllerPort::open(&test_session.session, contract).map(Box::new).map(SurvivorPort::Controller)
             }
             SessionRole::Controller | SessionRole::Launcher => {
-                PlantPort::open(&stage.session, contract).map(Box::new).map(SurvivorPort::Plant)
+                PlantPort::open(&test_session.session, contract).map(Box::new).map(SurvivorPort::Plant)
             }
         };
         Ok(SurvivingPeer { place: place.map_err(|error| error.to_string())?, sensors, done: false })
@@ -158,9 +158,9 @@ impl SurvivingPeer {
 /// the new process, and for comparison the time that the host takes to start this program.
 pub fn and_respawn(victim: SessionRole, trials: usize, random: &mut fastrand::Rng) -> Result<Vec<FaultTrial>, String> {
     let most = trials.to_string();
-    let mut stage = Stage::run(&["--respawn", &most, "--set", "duration=100000"])?;
-    stage.is_set()?;
-    let mut port = RecorderPort::attach(&stage.session).map_err(|error| error.to_string())?;
+    let mut test_session = TestSession::run(&["--respawn", &most, "--set", "duration=100000"])?;
+    test_session.is_set()?;
+    let mut port = RecorderPort::attach(&test_session.session).map_err(|error| error.to_string())?;
     let mut files = None;
     let mut next = |what: &str, holds: &dyn Fn(&Truth) -> bool| -> Result<Truth, String> {
         let (mut found, mut wrong) = (None, None);
@@ -179,9 +179,9 @@ pub fn and_respawn(victim: SessionRole, trials: usize, random: &mut fastrand::Rn
         host.push(start_of_a_process()?);
         let now = now_ns();
         let before = next("a walk", &|truth| truth.stamp.mono_ns > now && truth.state == 1)?;
-        let files = *files.get_or_insert_with(|| stage.session.shm_files().len());
+        let files = *files.get_or_insert_with(|| test_session.session.shm_files().len());
         std::thread::sleep(Duration::from_millis(random.u64(50..400)));
-        let number = stage.wait_for(victim)?;
+        let number = test_session.wait_for(victim)?;
         let killed = now_ns();
         send(number, Signal::SIGKILL)?;
         let is_new = |truth: &Truth| {
@@ -196,7 +196,7 @@ pub fn and_respawn(victim: SessionRole, trials: usize, random: &mut fastrand::Rn
             "the host starts a program in {}, at most {} ms; the session had {files} files, and has {}",
             of_host[0],
             of_host[1],
-            stage.session.shm_files().len()
+            test_session.session.shm_files().len()
         );
         results.push(time.map(|time| TrialOutcome { time: Some(time), remark }));
         if results.last().is_some_and(Result::is_err) {
@@ -204,8 +204,8 @@ pub fn and_respawn(victim: SessionRole, trials: usize, random: &mut fastrand::Rn
         }
     }
     drop(port);
-    send(stage.wait_for(SessionRole::Launcher)?, Signal::SIGTERM)?;
-    stage.must_end(Instant::now())?;
+    send(test_session.wait_for(SessionRole::Launcher)?, Signal::SIGTERM)?;
+    test_session.must_end(Instant::now())?;
     Ok(results)
 }
 

@@ -1,6 +1,6 @@
 //! Mount namespaces with a small or private /dev/shm.
 
-use super::stage::{FaultTrial, LIMIT, TrialOutcome};
+use super::test_session::{FaultTrial, LIMIT, TrialOutcome};
 use crate::subject::Subject;
 use nix::mount::{MsFlags, mount};
 use nix::sched::{CloneFlags, unshare};

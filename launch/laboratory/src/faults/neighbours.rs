@@ -1,6 +1,6 @@
 //! Disturbances from outside a session: concurrent launchers, foreign files in place of session files, and a controller with much output.
 
-use super::stage::{FaultTrial, LIMIT, TrialOutcome, is};
+use super::test_session::{FaultTrial, LIMIT, TrialOutcome, is};
 use crate::subject::Subject;
 use messages::session::Session;
 use nix::sys::stat::Mode;
@@ -32,15 +32,15 @@ pub fn race() -> FaultTrial {
 
 /// A pipe, a link or a folder in place of a session's member list must be reported. The
 /// program must neither wait for the pipe nor follow the link.
-pub fn laid(random: &mut fastrand::Rng) -> FaultTrial {
+pub fn foreign_file(random: &mut fastrand::Rng) -> FaultTrial {
     let session = Session::unique();
     let list = Path::new("/dev/shm").join(session.prefix() + "members");
-    let laid = match random.u32(0..3) {
+    let foreign_file = match random.u32(0..3) {
         0 => mkfifo(&list, Mode::S_IRWXU).map_err(Into::into),
         1 => symlink("/dev/zero", &list),
         _ => std::fs::create_dir(&list),
     };
-    laid.map_err(|error| error.to_string())?;
+    foreign_file.map_err(|error| error.to_string())?;
     let start = Instant::now();
     let ended = Subject::biped(&["run", "walk", "--quiet", "--session", session.name()])?.end(LIMIT);
     let took = start.elapsed();
@@ -54,7 +54,7 @@ pub fn laid(random: &mut fastrand::Rng) -> FaultTrial {
 }
 
 /// The standard error of a controller must be read to its end, even if it contains non-text bytes and an endless line.
-pub fn loud(random: &mut fastrand::Rng) -> FaultTrial {
+pub fn much_output(random: &mut fastrand::Rng) -> FaultTrial {
     let program = std::env::current_exe().map_err(|error| error.to_string())?;
     let bytes = random.u32(1 << 20..1 << 24);
     let controller = format!(

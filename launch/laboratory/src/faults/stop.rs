@@ -1,6 +1,6 @@
 //! SIGSTOP and SIGCONT: processes that are alive but silent.
 
-use super::stage::{FaultTrial, LIMIT, SessionRole, Stage, TrialOutcome, is, is_finite, send};
+use super::test_session::{FaultTrial, LIMIT, SessionRole, TestSession, TrialOutcome, is, is_finite, send};
 use crate::subject::eventually;
 use messages::port::RecorderPort;
 use nix::sys::signal::Signal;
@@ -19,15 +19,15 @@ const WINDOW: Duration = Duration::from_secs(3);
 pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand::Rng) -> FaultTrial {
     let folder = temporary_folder("stop").map_err(|error| error.message)?;
     let out = folder.to_string_lossy().into_owned();
-    let mut stage = Stage::run(&["--set", LENGTH, "--out", &out])?;
-    stage.is_set()?;
-    let number = stage.wait_for(victim)?;
+    let mut test_session = TestSession::run(&["--set", LENGTH, "--out", &out])?;
+    test_session.is_set()?;
+    let number = test_session.wait_for(victim)?;
     send(number, Signal::SIGSTOP)?;
     let pause = Duration::from_millis(random.u64(5..2000));
     std::thread::sleep(pause);
     let start = Instant::now();
     send(number, Signal::SIGCONT)?;
-    let ended = stage.must_end_some_time(start);
+    let ended = test_session.must_end_some_time(start);
     let hash = hash(&folder);
     let _ = std::fs::remove_dir_all(&folder);
     let (_, status, output) = ended?;
@@ -42,7 +42,7 @@ pub fn and_continue(victim: SessionRole, reference: &str, random: &mut fastrand:
 pub fn reference() -> Result<String, String> {
     let folder = temporary_folder("reference").map_err(|error| error.message)?;
     let out = folder.to_string_lossy().into_owned();
-    let run = Stage::run(&["--set", LENGTH, "--out", &out])?;
+    let run = TestSession::run(&["--set", LENGTH, "--out", &out])?;
     run.must_end_some_time(Instant::now())?;
     let hash = hash(&folder);
     let _ = std::fs::remove_dir_all(&folder);
@@ -60,12 +60,12 @@ fn hash(folder: &std::path::Path) -> Result<String, String> {
 pub fn for_ever(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
     let patience = Duration::from_secs(1);
     let pace: &[&str] = if random.bool() { &["--realtime"] } else { &[] };
-    let mut stage = Stage::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
-    stage.is_set()?;
+    let mut test_session = TestSession::run(&[pace, &["--patience", "1", "--set", "duration=1000"]].concat())?;
+    test_session.is_set()?;
     std::thread::sleep(Duration::from_millis(random.u64(0..500)));
-    let number = stage.wait_for(victim)?;
+    let number = test_session.wait_for(victim)?;
     send(number, Signal::SIGSTOP)?;
-    let (took, status, output) = stage.must_end(Instant::now() + patience)?;
+    let (took, status, output) = test_session.must_end(Instant::now() + patience)?;
     match output.contains("silent") || output.contains("answered within") || output.contains("sent sensors within") {
         true if !is(status, Exit::Ok) => Ok(took.into()),
         _ => Err(format!("{status}, and no message names the silent process: {output}")),
@@ -75,11 +75,12 @@ pub fn for_ever(victim: SessionRole, random: &mut fastrand::Rng) -> FaultTrial {
 /// Lateness of the loop in real time, alternately with a reading and with a stopped recorder. Medians are used because the load of the
 /// machine varies.
 pub fn the_recorder(rounds: usize) -> FaultTrial {
-    let mut stage = Stage::run(&["--realtime", "--set", "duration=100000", "--set", "controller.gait=\"stand\""])?;
-    stage.is_set()?;
+    let mut test_session =
+        TestSession::run(&["--realtime", "--set", "duration=100000", "--set", "controller.gait=\"stand\""])?;
+    test_session.is_set()?;
     // The launcher records. This process is a second recorder, which continues to read.
-    let launcher = stage.wait_for(SessionRole::Launcher)?;
-    let mut port = RecorderPort::attach(&stage.session).map_err(|error| error.to_string())?;
+    let launcher = test_session.wait_for(SessionRole::Launcher)?;
+    let mut port = RecorderPort::attach(&test_session.session).map_err(|error| error.to_string())?;
     let mut listen = |span: Duration| -> Result<[f64; 2], String> {
         let (mut late, start) = (vec![], Instant::now());
         while start.elapsed() < span {
@@ -89,7 +90,7 @@ pub fn the_recorder(rounds: usize) -> FaultTrial {
             }
             std::thread::sleep(Duration::from_millis(20));
         }
-        Ok([at(&mut late, 0.5), at(&mut late, 0.99)])
+        Ok([quantile(&mut late, 0.5), quantile(&mut late, 0.99)])
     };
     let (mut reading, mut stalled) = ([vec![], vec![]], [vec![], vec![]]);
     for _ in 0..rounds {
@@ -107,8 +108,8 @@ pub fn the_recorder(rounds: usize) -> FaultTrial {
     }
     drop(port);
     send(launcher, Signal::SIGTERM)?;
-    stage.must_end(Instant::now())?;
-    let [from, to] = [reading, stalled].map(|both| both.map(|mut values| at(&mut values, 0.5)));
+    test_session.must_end(Instant::now())?;
+    let [from, to] = [reading, stalled].map(|both| both.map(|mut values| quantile(&mut values, 0.5)));
     let ratio = [to[0] / from[0], to[1] / from[1]];
     let remark = format!(
         "median {:.1} → {:.1} µs (×{:.2}), p99 {:.0} → {:.0} µs (×{:.2}), {rounds} turns",
@@ -121,21 +122,21 @@ pub fn the_recorder(rounds: usize) -> FaultTrial {
 }
 
 /// A quantile.
-fn at(values: &mut [f64], share: f64) -> f64 {
+fn quantile(values: &mut [f64], share: f64) -> f64 {
     values.sort_unstable_by(f64::total_cmp);
     values.get((values.len() as f64 * share) as usize).copied().unwrap_or(f64::NAN)
 }
 
 /// Stops the launcher for good. Its processes must detect this and go on without a recorder.
 pub fn the_launcher_for_ever() -> FaultTrial {
-    let mut stage = Stage::run(&["--realtime", "--set", "duration=8"])?;
-    stage.is_set()?;
-    let launcher = stage.wait_for(SessionRole::Launcher)?;
+    let mut test_session = TestSession::run(&["--realtime", "--set", "duration=8"])?;
+    test_session.is_set()?;
+    let launcher = test_session.wait_for(SessionRole::Launcher)?;
     send(launcher, Signal::SIGSTOP)?;
     eventually("plant and controller end by themselves", LIMIT * 5, || {
-        stage.find(SessionRole::Plant).is_empty() && stage.find(SessionRole::Controller).is_empty()
+        test_session.find(SessionRole::Plant).is_empty() && test_session.find(SessionRole::Controller).is_empty()
     })?;
     let start = Instant::now();
     send(launcher, Signal::SIGCONT)?;
-    Ok(stage.must_end(start)?.0.into())
+    Ok(test_session.must_end(start)?.0.into())
 }

@@ -9,7 +9,7 @@ use shared::exit::{Exit, Failure};
 use std::time::Instant;
 
 /// Polls between two readings of the clock.
-const LOOKS: u32 = 1 << 12;
+const POLLS: u32 = 1 << 12;
 
 /// The plant's end.
 pub enum BarePlant {
@@ -46,11 +46,11 @@ impl BarePlant {
     pub fn ask(&mut self, seq: u32) -> Result<(), Failure> {
         let stamp = Stamp { seq: seq.into(), ..Stamp::default() };
         self.send(Sensors { stamp, ..Sensors::default() })?;
-        let mut look = || match self {
+        let mut poll = || match self {
             BarePlant::Bare(port) => port.poll(),
             BarePlant::Ours(port) => port.wait(),
         };
-        while receive(&mut look)?.stamp.ack != stamp.seq {}
+        while receive(&mut poll)?.stamp.ack != stamp.seq {}
         Ok(())
     }
 
@@ -92,11 +92,11 @@ impl BareController {
     /// A link that breaks, or no question in time.
     pub fn serve(&mut self) -> Result<(), Failure> {
         loop {
-            let mut look = || match self {
+            let mut poll = || match self {
                 BareController::Bare(port) => port.poll(),
                 BareController::Ours(port) => port.wait(),
             };
-            let Sensors { stamp, last, .. } = receive(&mut look)?;
+            let Sensors { stamp, last, .. } = receive(&mut poll)?;
             if last != 0 {
                 return Ok(());
             }
@@ -111,14 +111,14 @@ impl BareController {
 
 /// Polls until there is a message.
 #[inline]
-fn receive<M>(look: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
+fn receive<M>(poll: &mut impl FnMut() -> Result<Option<M>, PortError>) -> Result<M, Failure> {
     let mut start = None;
-    for looks in 1_u32.. {
-        if let Some(message) = look()? {
+    for polls in 1_u32.. {
+        if let Some(message) = poll()? {
             return Ok(message);
         }
         std::hint::spin_loop();
-        if looks % LOOKS == 0 && start.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
+        if polls % POLLS == 0 && start.get_or_insert_with(Instant::now).elapsed() > PATIENCE {
             break;
         }
     }

@@ -1,7 +1,7 @@
 //! The context of all measurements: their extent, the other process, the progress display and the stop flag.
 
 use super::lines::{self, Lines};
-use super::peer::Peer;
+use super::second_process::SecondProcess;
 use messages::session::Session;
 use sessions::children::SessionCleanup;
 use shared::exit::{Exit, Failure, check_interrupt};
@@ -40,7 +40,7 @@ impl Plan {
 ///
 /// # Errors
 /// The failure of the function.
-pub fn apart(job: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
+pub fn on_new_thread(job: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
     let ended = std::thread::scope(|scope| scope.spawn(job).join());
     ended.unwrap_or_else(|_| Err(Failure::new(Exit::Fault, "the thread of the measurement failed")))
 }
@@ -51,7 +51,7 @@ pub struct Bench<'a> {
     /// Two shared cache lines, and the file number by which the other process, started later, opens them.
     pub lines: &'static Lines,
     pub number: RawFd,
-    pub peer: Peer,
+    pub peer: SecondProcess,
     /// All sessions of the measurement; they are removed when the other process has ended.
     pub sessions: Vec<SessionCleanup>,
     pub stop: &'a AtomicBool,
@@ -66,7 +66,7 @@ impl<'a> Bench<'a> {
     pub fn start(plan: Plan, quiet: bool, stop: &'a AtomicBool) -> Result<Bench<'a>, Failure> {
         let counter = BatchProgress::new(quiet, 0, 0, "measurements");
         let (file, lines) = lines::create()?; // open while the other process starts
-        let (number, peer) = (file.as_raw_fd(), Peer::start()?);
+        let (number, peer) = (file.as_raw_fd(), SecondProcess::start()?);
         Ok(Bench { plan, lines, number, peer, sessions: vec![], stop, counter })
     }
 
@@ -104,7 +104,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Starts a group of measurements.
-    pub fn tell(&self, what: &str) {
+    pub fn begin_group(&self, what: &str) {
         self.counter.log_without_bar(&format!("measuring {what}"));
     }
 }

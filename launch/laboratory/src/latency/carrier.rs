@@ -4,8 +4,8 @@ use super::bare;
 use super::bench::Bench;
 use super::initiator::Initiator;
 use super::lines::Wake;
-use super::peer::Order;
 use super::results::Results;
+use super::second_process::Order;
 use super::sockets::{Meeting, SIZE, Socket};
 use super::spread::Spread;
 use super::terms::null_plant;
@@ -65,7 +65,7 @@ impl Carrier {
 /// # Errors
 /// A link that breaks, or Ctrl-C.
 pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> {
-    bench.tell("round trips without a plant");
+    bench.begin_group("round trips without a plant");
     for _ in 0..bench.plan.rounds {
         for (carrier, name) in Carrier::ALL {
             bench.step(name)?;

@@ -14,7 +14,7 @@ use std::sync::atomic::{AtomicU32, Ordering::Acquire, Ordering::Release};
 use std::time::Instant;
 
 /// Polls between two readings of the clock.
-const LOOKS: u32 = 1 << 14;
+const POLLS: u32 = 1 << 14;
 
 /// The value that announces the end.
 const END: u32 = u32::MAX;
@@ -123,7 +123,7 @@ impl Line {
     fn wait(&self, before: u32, wake: Wake) -> Result<u32, Failure> {
         let start = Instant::now();
         let limit = futex::Timespec { tv_sec: 1, tv_nsec: 0 };
-        for looks in 1_u32.. {
+        for polls in 1_u32.. {
             let found = self.0.load(Acquire);
             if found != before {
                 return Ok(found);
@@ -133,7 +133,7 @@ impl Line {
                 // woken, changed or timed out: the next poll decides
                 Wake::Futex => drop(futex::wait(&self.0, futex::Flags::empty(), found, Some(&limit))),
             }
-            if (wake == Wake::Futex || looks % LOOKS == 0) && start.elapsed() > PATIENCE {
+            if (wake == Wake::Futex || polls % POLLS == 0) && start.elapsed() > PATIENCE {
                 break;
             }
         }

@@ -4,8 +4,8 @@ use super::bench::Bench;
 use super::floor::{Floor, PERIOD_NS, late};
 use super::host::Usage;
 use super::initiator::Initiator;
-use super::peer::Order;
 use super::results::Results;
+use super::second_process::Order;
 use super::spread::Spread;
 use super::terms::null_plant;
 use super::watch::HostWatch;
@@ -27,7 +27,7 @@ pub const WALK: &str = "1 kHz, walk";
 /// Metric of the host's floor in each section.
 pub const FLOOR: &str = "wake of the host's floor";
 /// Interval between two readings of the truth topic; its buffer holds 4 s.
-const LOOK: Duration = Duration::from_millis(20);
+const TRUTH_POLL: Duration = Duration::from_millis(20);
 /// Time for the controller to receive the plant's end message.
 const GOODBYE: Duration = Duration::from_secs(1);
 
@@ -36,7 +36,7 @@ const GOODBYE: Duration = Duration::from_secs(1);
 /// # Errors
 /// A link that breaks, a refusal of required real time, or Ctrl-C.
 pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> Result<(), Failure> {
-    bench.tell("1 kHz without a plant");
+    bench.begin_group("1 kHz without a plant");
     bench.step(LINK)?;
     minimize_timer_slack();
     let (session, waiting) = (bench.session()?, Waiting::Hybrid);
@@ -76,7 +76,7 @@ pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
 /// # Errors
 /// A role that fails, a robot that falls, or Ctrl-C.
 pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> Result<(), Failure> {
-    bench.tell("the walk at 1 kHz");
+    bench.begin_group("the walk at 1 kHz");
     bench.step(WALK)?;
     let (session, seconds) = (bench.session()?, bench.plan.paced_s);
     let contract = Contract::of(&super::walk::scene(seconds)?, Pace::RealTime);
@@ -93,7 +93,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     let (mut watch, mut floor, mut before, mut after) = (HostWatch::new()?, None, Usage::default(), Usage::default());
     let mut ended_early = false;
     loop {
-        std::thread::sleep(LOOK);
+        std::thread::sleep(TRUTH_POLL);
         let ended = roles.iter_mut().map(|role| role.try_wait().is_some()).collect::<Vec<_>>()[0];
         while let Some(truth) = port.read()? {
             watch.take(&truth);

@@ -4,7 +4,7 @@ use super::draw;
 use super::results::{Results, micros};
 use records::report::plot::escaped;
 use records::report::themed_svg;
-use records::view::page::STYLE;
+use records::view::page::article;
 use shared::exit::Failure;
 use shared::output::{MARK, prepare_folder, write_atomically};
 use std::fmt::Write;
@@ -30,13 +30,14 @@ pub fn write(folder: &Path, results: &Results) -> io::Result<()> {
     for (name, svg) in &drawings {
         write_atomically(&folder.join(name).with_extension("svg"), svg)?;
     }
-    let page = include_str!("page.html")
-        .replace("{{style}}", STYLE)
-        .replace("{{host}}", &escaped(&results.host.to_string()))
-        .replace("{{drawings}}", &drawings.iter().map(|(_, svg)| themed_svg(svg)).collect::<String>())
-        .replace("{{targets}}", &targets(results))
-        .replace("{{series}}", &series(results))
-        .replace("{{counts}}", &counts(results));
+    let parts = [
+        ("host", escaped(&results.host.to_string())),
+        ("drawings", drawings.iter().map(|(_, svg)| themed_svg(svg)).collect()),
+        ("targets", targets(results)),
+        ("series", series(results)),
+        ("counts", counts(results)),
+    ];
+    let page = article("Latency and jitter", include_str!("page.html"), &parts);
     write_atomically(&folder.join("latency.html"), &page)
 }
 

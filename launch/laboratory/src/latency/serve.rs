@@ -2,7 +2,7 @@
 
 use super::bare;
 use super::lines;
-use super::peer::Order;
+use super::second_process::Order;
 use super::sockets::Socket;
 use super::terms::{LOST, PATIENCE, null_plant};
 use super::walk;

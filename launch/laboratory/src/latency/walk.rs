@@ -2,8 +2,8 @@
 
 use super::bench::Bench;
 use super::initiator::Initiator;
-use super::peer::Order;
 use super::results::Results;
+use super::second_process::Order;
 use super::spread::Spread;
 use messages::clock::now_ns;
 use messages::load::load;
@@ -46,7 +46,7 @@ impl<E: Into<Failure>> From<E> for End {
 /// # Errors
 /// A link that breaks, or Ctrl-C.
 pub fn measure(bench: &mut Bench, results: &mut Results) -> Result<(), Failure> {
-    bench.tell("the walk in lockstep");
+    bench.begin_group("the walk in lockstep");
     let seconds = bench.plan.walk_s;
     let scene = scene(seconds)?;
     for (waiting, section) in WAYS {

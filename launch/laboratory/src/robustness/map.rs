@@ -51,7 +51,7 @@ fn legend() -> [Mark; 5] {
         area(RIGHT).label("staggers"),
         area(ZMP).label("falls"),
         Mark::line(speck.clone(), INK).label("half of the runs stay up"),
-        Mark::dashes(speck.clone(), COM).label("commands as old on average as the servo bears, by linear analysis"),
+        Mark::dashes(speck.clone(), COM).label("mean age of commands at which the servo alone is unstable"),
     ]
 }
 

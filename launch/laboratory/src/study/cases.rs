@@ -53,7 +53,7 @@ fn margins() -> Vec<StudyCase> {
     cases.push(case("no drive inertia", "walk", &["plant.drive_inertia=0"]));
     cases.push(case("the paper's sagittal rule", "walk-literal", &[]));
     cases.push(case("the paper, all at once", "paper", &[]));
-    cases.push(case("without a look at the robot (control)", "walk", &["controller.com_feedback=0"]));
+    cases.push(case("without feedback from the robot (control)", "walk", &["controller.com_feedback=0"]));
     cases.push(case(
         "without that and without foot placement (control)",
         "walk",

@@ -78,12 +78,12 @@ fn episode(family: ProblemFamily, seed: u64, count: usize, stop: &AtomicBool) ->
     Ok(tallies)
 }
 
-/// Solves `count` problems, the same number of each family, on all cores. Calls `told` with the number of problems solved since
+/// Solves `count` problems, the same number of each family, on all cores. Calls `report` with the number of problems solved since
 /// the last call.
 ///
 /// # Errors
 /// As [`episode`].
-pub fn solve(count: usize, stop: &AtomicBool, told: impl Fn(u64) + Sync) -> Result<Vec<[SolverTally; 2]>, Failure> {
+pub fn solve(count: usize, stop: &AtomicBool, report: impl Fn(u64) + Sync) -> Result<Vec<[SolverTally; 2]>, Failure> {
     let each = count.div_ceil(ProblemFamily::VARIANTS.len());
     let length = (each / EPISODES).clamp(EPISODE.0, EPISODE.1);
     ProblemFamily::VARIANTS
@@ -95,7 +95,7 @@ pub fn solve(count: usize, stop: &AtomicBool, told: impl Fn(u64) + Sync) -> Resu
                 .map(|k| {
                     let count = length.min(each - k * length);
                     let tallies = episode(family, k as u64, count, stop)?;
-                    told(count as u64);
+                    report(count as u64);
                     Ok(tallies)
                 })
                 .try_reduce(Default::default, |a, b| Ok(sum(a, b)))

@@ -7,7 +7,7 @@ mod limit;
 mod trial;
 
 use super::args::{Direction, StudyArgs};
-use super::tables::{hand_out, table};
+use super::tables::{publish, table};
 use clap::ValueEnum;
 use limit::Pendulum;
 use messages::load::load;
@@ -55,9 +55,9 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         walks.extend((0..count as u64).map(|k| (duration, most, first.wrapping_add(k))));
     }
     let counter = BatchProgress::new(args.quiet, phases.len() + walks.len(), 0, "phases and walks");
-    let borne: Vec<f64> = phases
+    let survived: Vec<f64> = phases
         .par_iter()
-        .map(|&(scene, direction, share)| borne(scene, direction, share, stop).inspect(|_| counter.add_done(1)))
+        .map(|&(scene, direction, share)| survived(scene, direction, share, stop).inspect(|_| counter.add_done(1)))
         .collect::<Result<_, _>>()?;
     let ends: Vec<(Option<f64>, f64)> = walks
         .par_iter()
@@ -67,13 +67,13 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         })
         .collect::<Result<_, _>>()?;
     counter.finish();
-    let mut singles = borne.chunks(shares.len());
+    let mut singles = survived.chunks(shares.len());
     let mut rows = vec![headings(&["gait", "direction", "least", "mean", "limit, least", "limit, mean", "by phase"])];
     for (scene, (_, gait)) in scenes.iter().zip(GAITS) {
         let pendulum = Pendulum::of(scene, stop)?;
-        for (&direction, borne) in directions.iter().zip(&mut singles) {
+        for (&direction, survived) in directions.iter().zip(&mut singles) {
             let limits: Vec<f64> = shares.iter().map(|&share| pendulum.limit(direction, share)).collect();
-            rows.push(row(gait, direction, borne, &limits));
+            rows.push(row(gait, direction, survived, &limits));
         }
     }
     let mut walked = vec![headings(&["walks", "pushed every 5 s by up to", "fell", "at s", "greatest yaw °"])];
@@ -87,23 +87,23 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         walked.push([&cells[..], &[falls.join(" "), format!("{yaw:.0}")]].concat());
     }
     let text = format!("{}\n{}", table(&rows), table(&walked));
-    hand_out(args, &text, &[("", csv::text(&rows)), ("-walks", csv::text(&walked))])
+    publish(args, &text, &[("", csv::text(&rows)), ("-walks", csv::text(&walked))])
 }
 
 /// Impulse [N·s] up to which the robot does not fall, for a push at `share` of a period after [`BEGIN`].
-fn borne(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> Result<f64, Failure> {
+fn survived(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> Result<f64, Failure> {
     let period = scene.controller.as_ref().map_or(0.0, |controller| controller.period);
     let time = BEGIN + share * period;
     let scene = Scene { duration: time + AFTER, ..scene.clone() };
-    let mut borne = 0.0;
-    while borne < GREATEST {
-        let impulse = direction.unit().map(|part| part * (borne + GROWTH));
+    let mut survived = 0.0;
+    while survived < GREATEST {
+        let impulse = direction.unit().map(|part| part * (survived + GROWTH));
         if disturbed(&scene, &[TimedPush { time, impulse }], stop)?.fall.is_some() {
             break;
         }
-        borne += GROWTH;
+        survived += GROWTH;
     }
-    Ok(borne)
+    Ok(survived)
 }
 
 /// Time of the fall [s] of a walk with random pushes up to `most` [N·s], and its greatest yaw [deg].
@@ -124,17 +124,17 @@ fn headings(names: &[&str]) -> Vec<String> {
     names.iter().map(|name| (*name).into()).collect()
 }
 
-fn row(gait: &str, direction: Direction, borne: &[f64], limits: &[f64]) -> Vec<String> {
+fn row(gait: &str, direction: Direction, survived: &[f64], limits: &[f64]) -> Vec<String> {
     let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
     let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let number = |value: f64| if value.is_finite() { format!("{value:.1}") } else { "–".into() };
     vec![
         gait.into(),
         format!("{direction:?}").to_lowercase(),
-        number(least(borne)),
-        format!("{:.2}", mean(borne)),
+        number(least(survived)),
+        format!("{:.2}", mean(survived)),
         number(least(limits)),
         number(mean(limits)),
-        borne.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" "),
+        survived.iter().map(|value| format!("{value:.1}")).collect::<Vec<_>>().join(" "),
     ]
 }

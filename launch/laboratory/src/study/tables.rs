@@ -27,7 +27,7 @@ pub fn table(rows: &[Vec<String>]) -> String {
 ///
 /// # Errors
 /// A folder that cannot be written.
-pub fn hand_out(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
+pub fn publish(args: &StudyArgs, markdown: &str, tables: &[(&str, String)]) -> Result<(), Failure> {
     print_text(markdown);
     match &args.out {
         None => Ok(()),

@@ -56,7 +56,7 @@ impl DerivedState {
         let zmp = if load > 0.0 { moment / load } else { Vector2::repeat(f64::NAN) };
         let trunk = robot.bodies.get(robot.trunk).map(|body| (states[robot.trunk].pose, body));
         DerivedState {
-            time: truth.stamp.sim_ns as f64 * 1e-9,
+            time: truth.stamp.time(),
             com,
             com_velocity,
             soles: robot.feet.as_ref().map(|feet| feet.each_ref().map(|foot| sole(robot, truth, states, foot, zmp))),

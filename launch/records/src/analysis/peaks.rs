@@ -13,7 +13,7 @@ pub struct Peaks {
     pub signorini: f64,
     /// Age of the applied command [control periods].
     pub age: u32,
-    /// Delay from sensor message to command [ns].
+    /// Delay from sensor message to command; 0 for the first command of a controller, which also waits for its start [ns].
     pub reply_ns: u64,
     /// Delay of the start of a control period [ns].
     pub late_ns: u64,
@@ -22,7 +22,8 @@ pub struct Peaks {
 impl Peaks {
     /// The values of one record.
     pub fn new(truth: &Truth) -> Peaks {
-        let &Truth { torque, natural_map, signorini, age, reply_ns, late_ns, .. } = truth;
+        let &Truth { torque, natural_map, signorini, age, late_ns, .. } = truth;
+        let reply_ns = if truth.command.seq > 1 { truth.reply_ns } else { 0 };
         Peaks { torque, natural_map, signorini, age, reply_ns, late_ns }
     }
 

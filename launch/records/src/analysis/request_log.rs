@@ -53,7 +53,7 @@ impl RequestRecord {
     /// The record of a wire message.
     pub fn new(served: &Served) -> RequestRecord {
         let mut record = RequestRecord {
-            time_s: served.stamp.sim_ns as f64 * 1e-9,
+            time_s: served.stamp.time(),
             kind: REQUESTS.get(served.request.kind as usize).copied().unwrap_or("unknown"),
             answer: Verdict::text(served.verdict),
             body: None,

@@ -73,6 +73,7 @@ impl SyntheticWalk {
         truth.wait_ns = (4_000.0 * (1.0 + noise(10)) / noise(11).max(0.001).powf(0.5)) as u64;
         truth.hash = 0x0123_4567_89ab_cdef ^ seq;
         truth.telemetry = self.telemetry(&plan, time);
+        truth.command = Stamp { seq, ack: seq, ..truth.stamp };
         truth
     }
 

@@ -18,15 +18,15 @@ const MAX_QUEUED_BATCHES: usize = 4;
 
 /// The records of a file, in order.
 pub(super) struct RecordStream {
-    batches: Receiver<Result<Batch, McapError>>,
+    batches: Receiver<Result<RecordBatch, McapError>>,
     /// The current batch, and the index of its next record.
-    batch: Batch,
+    batch: RecordBatch,
     next: usize,
 }
 
 /// Several records in one buffer.
 #[derive(Default)]
-struct Batch {
+struct RecordBatch {
     bytes: Vec<u8>,
     /// Opcode and end of each record in `bytes`.
     ends: Vec<(u8, usize)>,
@@ -34,7 +34,7 @@ struct Batch {
     bytes_read: u64,
 }
 
-impl Batch {
+impl RecordBatch {
     fn push(&mut self, opcode: u8, data: &[u8]) {
         self.bytes.extend_from_slice(data);
         self.ends.push((opcode, self.bytes.len()));
@@ -50,7 +50,7 @@ impl RecordStream {
                 let _ = to.send(Err(error));
             }
         });
-        RecordStream { batches, batch: Batch::default(), next: 0 }
+        RecordStream { batches, batch: RecordBatch::default(), next: 0 }
     }
 
     /// Opcode and content of the next record. `None` at the end.
@@ -77,9 +77,9 @@ impl RecordStream {
 }
 
 /// Reads until the end of the file, or until the receiver is dropped.
-fn read(mut file: File, to: &SyncSender<Result<Batch, McapError>>) -> Result<(), McapError> {
+fn read(mut file: File, to: &SyncSender<Result<RecordBatch, McapError>>) -> Result<(), McapError> {
     let mut records = LinearReader::new_with_options(options().with_emit_chunks(true));
-    let mut batch = Batch::default();
+    let mut batch = RecordBatch::default();
     let end = loop {
         match records.next_event() {
             Some(Ok(LinearReadEvent::ReadRequest(wanted))) => match file.read(records.insert(wanted)) {
@@ -100,7 +100,7 @@ fn read(mut file: File, to: &SyncSender<Result<Batch, McapError>>) -> Result<(),
         }
         if batch.bytes.len() > BATCH_BYTES {
             let room = (Vec::with_capacity(batch.bytes.capacity()), Vec::with_capacity(batch.ends.capacity()));
-            let next = Batch { bytes: room.0, ends: room.1, bytes_read: batch.bytes_read };
+            let next = RecordBatch { bytes: room.0, ends: room.1, bytes_read: batch.bytes_read };
             if to.send(Ok(std::mem::replace(&mut batch, next))).is_err() {
                 return Ok(());
             }
@@ -127,7 +127,7 @@ fn options() -> LinearReaderOptions {
 }
 
 /// Adds the records of a chunk to a batch, as many as are valid.
-fn unpack(chunk: &[u8], batch: &mut Batch) -> McapResult<()> {
+fn unpack(chunk: &[u8], batch: &mut RecordBatch) -> McapResult<()> {
     let Record::Chunk { header, data } = mcap::parse_record(op::CHUNK, chunk)? else { return Ok(()) };
     if header.compression.is_empty() {
         check_lengths(&data)?;

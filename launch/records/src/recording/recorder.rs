@@ -224,7 +224,7 @@ impl McapRecorder {
     }
 
     fn end(&self, exit: Exit, why: &str, stamp: &Stamp) -> RecordingEnd {
-        let time = stamp.sim_ns as f64 * 1e-9;
+        let time = stamp.time();
         RecordingEnd { message: format!("the recording {} ends at {time:.3} s: {why}", self.path.display()), exit }
     }
 }

@@ -122,7 +122,7 @@ fn controller(reader: &mut RecordingReader, stop: &AtomicBool) -> Result<Compari
                 lost if lost >= between => last.ack.saturating_add(1)..=command.ack, // empty if a command is repeated
                 0 => command.ack..=command.ack,
                 _ => {
-                    let time = stamp.sim_ns as f64 * 1e-9;
+                    let time = stamp.time();
                     let reason = "sensors and commands were lost together, so the inputs of the controller are unknown";
                     comparison.ended_early = Some(format!("comparison ended at {time:.3} s: {reason}"));
                     return Ok(comparison);

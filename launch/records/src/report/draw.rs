@@ -189,10 +189,21 @@ fn write_ticks(axis: &PlotAxis, labels: usize) -> impl Fn(&f64) -> String + use<
     move |value| match ticks {
         Ticks::Plain if value.abs() < 1e-9 * step => "0".into(),
         Ticks::Plain => format!("{value:.decimals$}"),
-        Ticks::Powers if (value - value.round()).abs() > 1e-6 => String::new(),
+        Ticks::Powers if (value - value.round()).abs() > 1e-6 => between_powers(*value),
         Ticks::Powers if (-0.5..4.5).contains(value) => format!("{:.0}", 10f64.powf(*value)),
+        Ticks::Powers if value.round() == -1.0 => "0.1".into(),
         Ticks::Powers => format!("1e{value:.0}"),
         Ticks::None => String::new(),
+    }
+}
+
+/// Label of a tick between two powers of ten; none where it would be long.
+fn between_powers(logarithm: f64) -> String {
+    match logarithm.floor() {
+        -1.0 => format!("{:.2}", 10f64.powf(logarithm)),
+        0.0 => format!("{:.1}", 10f64.powf(logarithm)),
+        1.0..=3.0 => format!("{:.0}", 10f64.powf(logarithm)),
+        _ => String::new(),
     }
 }
 

@@ -96,8 +96,10 @@ fn energy(analysis: &RunAnalysis) -> String {
     let begin = analysis.gait.steps.first().map_or(0.0, |step| step.start);
     let robot: Vec<(f64, f64)> =
         series(&analysis.rows, measured).into_iter().filter(|point| point.0 >= begin).collect();
-    let estimated = series(&analysis.rows, |row| row.truth.telemetry.energy[1]);
-    let reference = series(&analysis.rows, |row| row.truth.telemetry.energy_ref[1]);
+    // before the first command there is no telemetry
+    let planned = |row: &TrajectoryRow, energy: f64| if row.truth.command.seq > 0 { energy } else { f64::NAN };
+    let estimated = series(&analysis.rows, |row| planned(row, row.truth.telemetry.energy[1]));
+    let reference = series(&analysis.rows, |row| planned(row, row.truth.telemetry.energy_ref[1]));
     let all = || estimated.iter().chain(&reference);
     let frame = Frame {
         title: "Energy of the lateral pendulum".into(),

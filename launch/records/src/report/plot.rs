@@ -155,7 +155,7 @@ impl Mark {
     }
 }
 
-/// The range of the values, at min_width `min_width` wide, extended on both sides by the fraction `margin`.
+/// The range of the values, at least `min_width` wide, extended on both sides by the fraction `margin`.
 pub fn padded_range(values: impl IntoIterator<Item = f64>, margin: f64, min_width: f64) -> Range<f64> {
     let (low, high) = (values.into_iter().filter(|value| value.is_finite()))
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), value| (low.min(value), high.max(value)));

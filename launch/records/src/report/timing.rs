@@ -41,9 +41,9 @@ fn panel(title: &str, histogram: &Histogram, colour: RGBColor) -> String {
         marks.push(Mark::dashes(vec![(position, axis.range.start), (position, axis.range.end)], INK));
     }
     let frame = Frame {
-        title: format!("{title}: median {median:.1} us, 99 % {tail:.1} us"),
+        title: format!("{title}: median {median:.1} µs, 99 % {tail:.1} µs"),
         height: 300,
-        x: PlotAxis::powers("time per control period [us]", low..high),
+        x: PlotAxis::powers("time per control period [µs]", low..high),
         y: axis,
     };
     plot(&frame, &marks)

@@ -21,6 +21,8 @@ pub fn frame(
         .map_or([f64::NAN; 3], |lateral| [lateral.position, lateral.velocity, lateral.support as f64]);
     let soles = derived.soles.iter().flatten();
     let tally = &truth.tally;
+    // before the first command there is no telemetry
+    let planned = |energies: [f64; 2]| if truth.command.seq > 0 { energies.to_vec() } else { vec![f64::NAN; 2] };
     let forces = &truth.contact_force[..3 * robot.contacts.len()];
     let ground_force = [0, 1, 2].map(|axis| forces.iter().skip(axis).step_by(3).sum::<f64>());
     vec![
@@ -39,8 +41,8 @@ pub fn frame(
         ("force", forces.to_vec()),
         ("ground", ground_force.to_vec()),
         ("torque", peaks.torque[..joints].to_vec()),
-        ("energy", truth.telemetry.energy.to_vec()),
-        ("reference", truth.telemetry.energy_ref.to_vec()),
+        ("energy", planned(truth.telemetry.energy)),
+        ("reference", planned(truth.telemetry.energy_ref)),
         ("residual", vec![peaks.natural_map, peaks.signorini]),
         ("age", vec![f64::from(peaks.age)]),
         ("reply", vec![peaks.reply_ns as f64 * 1e-6]),

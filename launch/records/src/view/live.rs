@@ -184,7 +184,7 @@ impl LivePage {
         match ask(&self.session, request.into_ask(self.trunk)) {
             Ok(reply) if reply.verdict == Verdict::Done as u64 => {
                 let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
-                text(200, &format!("done at t {:.2} s: {state}", reply.stamp.sim_ns as f64 * 1e-9))
+                text(200, &format!("done at t {:.2} s: {state}", reply.stamp.time()))
             }
             Ok(reply) => text(409, &format!("refused: {}", Verdict::text(reply.verdict))),
             Err(error) => text(409, &error.to_string()),

@@ -7,7 +7,7 @@ use serde_json::Value;
 use sha2::{Digest, Sha256};
 
 /// Style sheet of every page that the program writes.
-pub const STYLE: &str = include_str!("../../page/page.css");
+const STYLE: &str = include_str!("../../page/page.css");
 /// Style sheet of the 3-D view.
 const VIEW_STYLE: &str = concat!(include_str!("../../page/vendor/uplot.min.css"), include_str!("../../page/view.css"));
 /// Third-party libraries; see `page/vendor/README.md`.
@@ -90,6 +90,12 @@ impl ViewPage<'_> {
         ];
         fill(include_str!("../../page/page.html"), &parts)
     }
+}
+
+/// A page without the 3-D view. `article` is its HTML from below the heading on, with placeholders for `parts`.
+pub fn article(title: &str, article: &str, parts: &[(&str, String)]) -> String {
+    let parts = [("title", title.into()), ("style", STYLE.into()), ("article", fill(article, parts))];
+    fill(include_str!("../../page/article.html"), &parts)
 }
 
 /// Replaces placeholders such as `{{title}}`. The inserted text is not searched for placeholders.

@@ -1,6 +1,6 @@
 //! A new controller in C or C++.
 
-use super::{NewFile, Template, code, in_clone, usage};
+use super::template::{NewFile, Template, code, in_clone, usage};
 use controller::foreign;
 use messages::describe;
 use shared::exit::Failure;

@@ -1,6 +1,6 @@
 //! A new controller and a new plant in Python.
 
-use super::{NewFile, Template};
+use super::template::{NewFile, Template};
 use crate::export::mjcf;
 use controller::foreign;
 use messages::load::built_in;

@@ -1,6 +1,6 @@
 //! A new controller in Rust.
 
-use super::{NewFile, Template, code, in_clone, usage};
+use super::template::{NewFile, Template, code, in_clone, usage};
 use controller::foreign;
 use shared::exit::Failure;
 use std::path::Path;

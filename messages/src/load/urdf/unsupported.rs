@@ -72,7 +72,7 @@ fn has_stops(joint: Node) -> Parsed<bool> {
     let far = match attribute(joint, "type")? {
         "revolute" => FREE_ANGLE,
         "prismatic" => FREE_TRAVEL,
-        _ => return Ok(false), // a continuous joint has no stops, whatever the file says
+        _ => return Ok(false), // a continuous joint has no stops, even if the file has limits
     };
     // By the format a missing limit is 0. If both are missing, the joint has no stops.
     let has_limits = ["lower", "upper"].iter().any(|key| limit.attribute(*key).is_some());

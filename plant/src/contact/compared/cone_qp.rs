@@ -10,6 +10,9 @@ use clarabel::algebra::CscMatrix;
 use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, SupportedConeT};
 use std::cmp::Ordering;
 
+/// Iterations of the external solver at most. The limit only ends a program without a minimum.
+const MAX_ITERATIONS: u32 = 100;
+
 /// It has no state.
 #[derive(Clone, Debug, Default)]
 pub(super) struct ConeQp;
@@ -64,7 +67,7 @@ impl ConeQp {
             tol_gap_abs: CLARABEL_TOLERANCE,
             tol_gap_rel: CLARABEL_TOLERANCE,
             tol_feas: CLARABEL_TOLERANCE,
-            max_iter: 100,
+            max_iter: MAX_ITERATIONS,
             ..DefaultSettings::default()
         };
         let (energy, rows) = (CscMatrix::from(&energy), CscMatrix::from(&rows));

@@ -44,7 +44,7 @@ struct Hinge {
     rest: f64,
 }
 
-struct World {
+struct RapierWorld {
     gravity: Vector,
     parameters: IntegrationParameters,
     pipeline: PhysicsPipeline,
@@ -60,10 +60,10 @@ struct World {
     handles: Vec<RigidBodyHandle>,
 }
 
-impl World {
-    fn new(scene: &Scene, dt: f64) -> Result<World, Box<dyn Error>> {
+impl RapierWorld {
+    fn new(scene: &Scene, dt: f64) -> Result<RapierWorld, Box<dyn Error>> {
         let parameters = IntegrationParameters { dt, ..Default::default() };
-        let mut world = World {
+        let mut world = RapierWorld {
             gravity: Vector::from(scene.gravity),
             parameters,
             pipeline: PhysicsPipeline::new(),
@@ -196,7 +196,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let (steps, stride): (usize, usize) = (steps.parse()?, stride.parse()?);
     let scene: Scene = serde_json::from_reader(std::io::stdin())?;
-    let mut world = World::new(&scene, dt.parse()?)?;
+    let mut world = RapierWorld::new(&scene, dt.parse()?)?;
     if mode == "time" {
         let start = ThreadTime::now();
         (0..steps).for_each(|_| world.step());

@@ -56,7 +56,7 @@ pub fn precision(case: &ComparisonScene, rows: &[Measurement]) -> Option<String>
         .filter_map(|curve| curve.points.last().map(|end| (*end, curve)))
         .collect();
     let unit = (y.end - y.start) / HEIGHT[1];
-    let heights = apart(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), LINE * unit, y.start, y.end);
+    let heights = spread_out(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), LINE * unit, y.start, y.end);
     let at = right + 0.045 * width;
     for ((end, curve), height) in ends.iter().zip(heights) {
         let colour = curve.family.colour(curve.hollow);
@@ -171,7 +171,7 @@ fn short(label: &str) -> String {
 }
 
 /// Places between `low` and `high`, at least `gap` apart, as close as possible to the wanted ones.
-fn apart(wanted: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
+fn spread_out(wanted: &[f64], gap: f64, low: f64, high: f64) -> Vec<f64> {
     let mut order: Vec<usize> = (0..wanted.len()).collect();
     order.sort_by(|&a, &b| wanted[a].total_cmp(&wanted[b]));
     let mut places = wanted.to_vec();
@@ -199,7 +199,7 @@ mod tests {
 
     #[test]
     fn labels_keep_their_distance_and_their_order() {
-        let places = apart(&[0.0, 0.1, 0.05, 5.0], 1.0, -3.0, 7.0);
+        let places = spread_out(&[0.0, 0.1, 0.05, 5.0], 1.0, -3.0, 7.0);
         let mut sorted = places.clone();
         sorted.sort_by(f64::total_cmp);
         assert!(sorted.windows(2).all(|pair| pair[1] - pair[0] > 0.95), "{places:?}");

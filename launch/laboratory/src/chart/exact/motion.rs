@@ -47,7 +47,7 @@ pub struct Puck {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PuckPose {
     /// Displacement of the centre of mass [m].
-    pub travel: Vector3<f64>,
+    pub displacement: Vector3<f64>,
     /// Angle by which the puck has turned [rad].
     pub yaw: f64,
 }
@@ -68,7 +68,7 @@ impl Puck {
     /// Displacement at a time before it comes to rest.
     pub fn at(&self, time: f64) -> PuckPose {
         let [x, y, yaw, ..] = self.after(time, STEPS);
-        PuckPose { travel: Vector3::new(x, y, 0.0), yaw }
+        PuckPose { displacement: Vector3::new(x, y, 0.0), yaw }
     }
 
     /// Position and yaw, then their rates.
@@ -122,7 +122,7 @@ impl Ball {
     }
 
     /// Displacement of its centre of mass along x at an angle [m].
-    pub fn way(&self, angle: f64) -> f64 {
+    pub fn displacement(&self, angle: f64) -> f64 {
         self.radius * (angle - self.start) - self.offset * (angle.sin() - self.start.sin())
     }
 

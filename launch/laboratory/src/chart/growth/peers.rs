@@ -48,7 +48,7 @@ fn measured(
         return Err(fault(format!("{} failed ({}): {last}", script.display(), output.status)));
     }
     let text = String::from_utf8_lossy(&output.stdout);
-    text.lines().filter(|line| line.contains("left out")).for_each(|line| watch.tell(line));
+    text.lines().filter(|line| line.contains("left out")).for_each(|line| watch.log(line));
     let times = text.lines().filter_map(|line| line.strip_prefix("us ")?.parse().ok());
     Ok(scenes.iter().zip(times).map(|((x, _), us)| Point { curve: curve.name, engine: NAME, x: *x, us }).collect())
 }

@@ -8,7 +8,7 @@ use shared::exit::Failure;
 /// Steps of a run.
 const STEPS: f64 = 100.0;
 /// Law and integrator: the one that corresponds to MuJoCo's Euler.
-const WAY: Combination = Combination { law: LAW, method: Method::SemiImplicitEuler };
+const COMBINATION: Combination = Combination { law: LAW, method: Method::SemiImplicitEuler };
 
 /// A growing quantity. The exponent is fitted for values from `from` on.
 pub struct GrowthCurve {
@@ -44,7 +44,7 @@ impl GrowthCurve {
             axis: "step [ms]",
             from: 0.1,
             values: &[0.1, 0.2, 0.5, 1.0, 2.0, 5.0, 10.0],
-            scene: |milliseconds| scene("stand0", WAY, 1e-3 * milliseconds, &[]),
+            scene: |milliseconds| scene("stand0", COMBINATION, 1e-3 * milliseconds, &[]),
         },
     ];
 
@@ -63,10 +63,10 @@ impl GrowthCurve {
 }
 
 /// A scene of these bodies.
-fn of(bodies: Vec<Body>, base: Base) -> Scene {
+fn scene_of(bodies: Vec<Body>, base: Base) -> Scene {
     let mut scene = Scene { bodies, ..Scene::default() };
     scene.plant.base = base;
-    (scene.plant.law, scene.plant.method) = (WAY.law, WAY.method);
+    (scene.plant.law, scene.plant.method) = (COMBINATION.law, COMBINATION.method);
     (scene.plant.dt, scene.plant.drive_inertia) = (1e-3, 0.0);
     scene
 }
@@ -94,7 +94,7 @@ fn table(points: usize) -> Scene {
             ..Body::default()
         });
     }
-    let mut scene = of(bodies, Base::Quaternion);
+    let mut scene = scene_of(bodies, Base::Quaternion);
     scene.initial.clearance = Some(0.0).filter(|_| points > 0);
     scene
 }
@@ -114,7 +114,7 @@ fn chain(links: usize) -> Scene {
             ..Body::default()
         });
     }
-    let mut scene = of(bodies, Base::Fixed);
+    let mut scene = scene_of(bodies, Base::Fixed);
     scene.initial.joints = vec![0.2; links];
     scene
 }

@@ -21,7 +21,7 @@ struct ScenesFile {
     scenes: Vec<Entry>,
 }
 
-/// A scene and what is measured on it.
+/// A scene and its measurements.
 #[derive(Serialize)]
 struct Entry {
     name: &'static str,

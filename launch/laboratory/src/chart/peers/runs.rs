@@ -4,7 +4,7 @@ use super::resolved;
 use crate::chart::cases::{self, Combination, ComparisonScene, LAW, METHOD, Question};
 use crate::chart::csv::{Measurement, View};
 use crate::chart::metrics::{self, Metric};
-use crate::chart::trial::{RunLog, Sight};
+use crate::chart::trial::{RunLog, StateSample};
 use messages::scene::Scene;
 use nalgebra::{Point3, Quaternion, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
@@ -106,43 +106,43 @@ fn width(question: Question, scene: &Scene) -> usize {
 fn log<'a>(question: Question, scene: &Scene, rows: impl ExactSizeIterator<Item = &'a [f64]>, period: f64) -> RunLog {
     let (mut log, last) = (RunLog::default(), rows.len() - 1);
     for (i, row) in rows.enumerate() {
-        let mut sight = Sight { time: i as f64 * period, ..Sight::default() };
+        let mut sample = StateSample { time: i as f64 * period, ..StateSample::default() };
         if question == Question::Flight {
-            sight.totals.kinetic = row[0];
+            sample.totals.kinetic = row[0];
         } else {
-            let points = see(scene, row, &mut sight);
+            let points = record_poses(scene, row, &mut sample);
             if i == last / 2 {
                 log.halves[0] = points;
             } else if i == last {
                 log.halves[1] = points;
             }
         }
-        log.sights.push(sight);
+        log.samples.push(sample);
     }
     log
 }
 
 /// Enters the poses of the bodies that may touch the ground; returns their contact points, of a ball its lowest point [m].
-fn see(scene: &Scene, row: &[f64], sight: &mut Sight) -> Vec<Vector3<f64>> {
+fn record_poses(scene: &Scene, row: &[f64], sample: &mut StateSample) -> Vec<Vector3<f64>> {
     let touching = || scene.bodies.iter().filter(|body| body.contact_spheres().next().is_some());
     let poses = row.chunks_exact(7).map(|pose| {
         let turn = UnitQuaternion::new_normalize(Quaternion::new(pose[3], pose[4], pose[5], pose[6]));
         Translation3::new(pose[0], pose[1], pose[2]) * turn
     });
     let mut points = Vec::new();
-    (sight.low, sight.high) = (f64::INFINITY, f64::NEG_INFINITY);
+    (sample.low, sample.high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (first, (body, pose)) in touching().zip(poses).enumerate() {
         if first == 0 {
             let (ahead, axis) = (pose * Vector3::x(), pose * Vector3::z());
-            sight.totals.com = pose.translation.vector; // of a single body, whose origin it is
-            (sight.tilt, sight.yaw) = (axis.x.atan2(axis.z), ahead.y.atan2(ahead.x));
+            sample.totals.com = pose.translation.vector; // of a single body, whose origin it is
+            (sample.tilt, sample.yaw) = (axis.x.atan2(axis.z), ahead.y.atan2(ahead.x));
         }
         for ball in body.contact_spheres() {
             let point = (pose * Point3::from(ball.at)).coords - Vector3::z() * ball.radius;
-            if point.z < sight.low {
-                (sight.low, sight.ahead) = (point.z, point.x - sight.totals.com.x);
+            if point.z < sample.low {
+                (sample.low, sample.ahead) = (point.z, point.x - sample.totals.com.x);
             }
-            sight.high = sight.high.max(point.z);
+            sample.high = sample.high.max(point.z);
             points.push(point);
         }
     }
@@ -187,7 +187,7 @@ mod tests {
             let RunEnd::Done(log) = watch(&scene, &[]) else { panic!("{} breaks off", case.name) };
             let mut plant = Plant::new(&scene).expect("a plant");
             let mut trace = row(&plant, &scene, case.question);
-            for _ in 1..log.sights.len() {
+            for _ in 1..log.samples.len() {
                 plant.advance(&messages::wire::Torques::default()).expect("a step");
                 trace.extend(row(&plant, &scene, case.question));
             }

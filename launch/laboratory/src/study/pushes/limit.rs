@@ -69,7 +69,7 @@ impl Pendulum {
         in_process(&scene, |truth| {
             check_interrupt(stop)?;
             recorder.push(truth);
-            if truth.stamp.sim_ns as f64 * 1e-9 >= BEGIN {
+            if truth.stamp.time() >= BEGIN {
                 states.push(truth.telemetry);
             }
             Ok(())

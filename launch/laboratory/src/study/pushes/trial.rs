@@ -42,7 +42,7 @@ pub fn disturbed(scene: &Scene, pushes: &[TimedPush], stop: &AtomicBool) -> Resu
     let end = in_process_with(scene, |truth, simulation| {
         check_interrupt(stop)?;
         recorder.push(truth);
-        time = truth.stamp.sim_ns as f64 * 1e-9;
+        time = truth.stamp.time();
         turned = turned.max(yaw(truth.base_orientation).to_degrees().abs());
         while let Some(push) = pushes.get(next).filter(|push| push.time <= time) {
             simulation.push(base, push.impulse, DURATION);

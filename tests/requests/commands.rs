@@ -54,7 +54,7 @@ fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_
 }
 
 #[test]
-fn a_refused_request_names_what_is_possible() {
+fn a_refused_request_names_the_allowed_values() {
     let walk = walking("refuses", &[]);
     for (command, words) in [
         (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
@@ -97,7 +97,7 @@ fn requests_to_a_run_are_in_its_summary() {
         (&4.into(), &0.5.into(), &0.1.into())
     );
     for (one, reply) in last.iter().zip(&replies) {
-        let time = reply.stamp.sim_ns as f64 * 1e-9;
+        let time = reply.stamp.time();
         assert!((one["time_s"].as_f64().expect("a time") - time).abs() < 1e-9, "{one} at {time}");
     }
     assert!(table.contains("requests "), "{table}");

@@ -64,8 +64,8 @@ fn limp(asked: &Stamp) -> Torque {
 
 #[test]
 fn bad_commands_never_reach_the_robot_and_are_counted_by_reason() {
-    type Answer = fn(&Stamp) -> Torque;
-    let cases: [(&str, &str, Answer); 4] = [
+    type MakeCommand = fn(&Stamp) -> Torque;
+    let cases: [(&str, &str, MakeCommand); 4] = [
         ("nan", "not finite", |asked| Torque { torques: Torques { torque: [f64::NAN; 8] }, ..limp(asked) }),
         ("run", "for another run", |asked| Torque { stamp: Stamp { run: 1, ..reply(asked) }, ..limp(asked) }),
         ("huge", "four times", |asked| Torque { torques: Torques { torque: [1e9; 8] }, ..limp(asked) }),

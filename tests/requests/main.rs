@@ -20,7 +20,7 @@ fn walking(name: &str, extra: &[&str]) -> Running {
 }
 
 fn seconds(truth: &Truth) -> f64 {
-    truth.stamp.sim_ns as f64 * 1e-9
+    truth.stamp.time()
 }
 
 #[test]

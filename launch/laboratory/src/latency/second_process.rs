@@ -15,7 +15,7 @@ use std::time::Duration;
 /// Time limit for the other process to end by itself.
 const GRACE: Duration = Duration::from_secs(1);
 
-/// An order: what the other process does until the end is announced.
+/// An order: the task of the other process until the end is announced.
 #[derive(Serialize, Deserialize)]
 pub enum Order {
     /// Answer over two cache lines.
@@ -33,19 +33,19 @@ pub enum Order {
 }
 
 /// The first process's handle of the other process.
-pub struct Peer {
+pub struct SecondProcess {
     process: Process,
     /// Standard input of the other process. When it is closed, the other process ends.
     orders: Option<ChildStdin>,
     answers: BufReader<ChildStdout>,
 }
 
-impl Peer {
+impl SecondProcess {
     /// Starts the other process.
     ///
     /// # Errors
     /// A system that cannot start it.
-    pub fn start() -> Result<Peer, Failure> {
+    pub fn start() -> Result<SecondProcess, Failure> {
         let failed = |error: &dyn std::fmt::Display| {
             Failure::new(Exit::Fault, format!("the other process of the measurement cannot be started: {error}"))
         };
@@ -55,7 +55,9 @@ impl Peer {
         };
         let mut process = start().map_err(|error| failed(&error))?;
         match (process.stdin(), process.stdout()) {
-            (orders @ Some(_), Some(answers)) => Ok(Peer { process, orders, answers: BufReader::new(answers) }),
+            (orders @ Some(_), Some(answers)) => {
+                Ok(SecondProcess { process, orders, answers: BufReader::new(answers) })
+            }
             _ => Err(failed(&"it has no pipes")),
         }
     }
@@ -74,7 +76,7 @@ impl Peer {
     }
 }
 
-impl Drop for Peer {
+impl Drop for SecondProcess {
     /// Lets the second process end regularly, and kills it if it does not.
     fn drop(&mut self) {
         drop(self.orders.take());

@@ -1,16 +1,16 @@
 //! Parallel trials, for those that mostly wait.
 
 use super::memory;
-use super::stage::FaultTrial;
+use super::test_session::FaultTrial;
 use shared::progress::BatchProgress;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Number of parallel trials.
-const ABREAST: usize = 4;
+const WORKERS: usize = 4;
 
-/// Runs trials that mostly wait, [`ABREAST`] in parallel. Each worker has its own shared memory. If the system does not permit this, the
+/// Runs trials that mostly wait, [`WORKERS`] in parallel. Each worker has its own shared memory. If the system does not permit this, the
 /// trials run one after the other.
-pub fn side_by_side(
+pub fn in_parallel(
     count: usize,
     random: &mut fastrand::Rng,
     quiet: bool,
@@ -36,7 +36,7 @@ pub fn side_by_side(
         outcomes
     };
     let mut all = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..ABREAST.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
+        let workers: Vec<_> = (0..WORKERS.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
         let failed = || vec![(count, Err("the thread of the trials failed".into()))];
         workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|_| failed())).collect::<Vec<_>>()
     });

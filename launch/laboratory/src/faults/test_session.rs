@@ -63,25 +63,25 @@ impl SessionRole {
 }
 
 /// A session under test and its launcher.
-pub struct Stage {
+pub struct TestSession {
     /// The session's name is an argument of each of its processes.
     pub session: Session,
     launcher: Option<Subject>,
 }
 
-impl Stage {
+impl TestSession {
     /// A session without processes.
-    pub fn empty() -> Stage {
-        Stage { session: Session::unique(), launcher: None }
+    pub fn empty() -> TestSession {
+        TestSession { session: Session::unique(), launcher: None }
     }
 
     /// `biped run walk` with more arguments.
-    pub fn run(arguments: &[&str]) -> Result<Stage, String> {
-        let mut stage = Stage::empty();
-        let name = stage.session.name().to_string();
+    pub fn run(arguments: &[&str]) -> Result<TestSession, String> {
+        let mut test_session = TestSession::empty();
+        let name = test_session.session.name().to_string();
         let all = [&["run", "walk", "--quiet", "--session", &name], arguments].concat();
-        stage.launcher = Some(Subject::biped(&all)?);
-        Ok(stage)
+        test_session.launcher = Some(Subject::biped(&all)?);
+        Ok(test_session)
     }
 
     /// Waits until the controller drives the plant.
@@ -151,7 +151,7 @@ impl Stage {
     }
 }
 
-impl Drop for Stage {
+impl Drop for TestSession {
     /// Removes the remains of a failed trial.
     fn drop(&mut self) {
         self.launcher = None;
@@ -161,7 +161,7 @@ impl Drop for Stage {
     }
 }
 
-/// Sends a signal to a process of a stage.
+/// Sends a signal to a process of a test session.
 pub fn send(number: u32, signal: Signal) -> Result<(), String> {
     let number = i32::try_from(number).map_err(|error| error.to_string())?;
     kill(Pid::from_raw(number), signal).map_err(|error| format!("{signal} cannot be sent: {error}"))
