@@ -65,7 +65,7 @@ enum CliCommand {
     /// Solve the contact problem that ended a run with each contact law
     Contact(contact::ContactArgs),
     /// Start the plant of a session
-    Plant(roles::RoleArgs),
+    Plant(roles::PlantArgs),
     /// Start the controller of a session
     Controller(roles::RoleArgs),
     /// Make a controller, scene or robot of your own to begin from
@@ -154,7 +154,7 @@ fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(
         Some(CliCommand::Controller(args)) => roles::controller(&args, stop),
         Some(CliCommand::New(args)) => scaffold::run(&args, chart::peer_files),
         Some(CliCommand::Session(args)) => environment::run(&args, stop),
-        Some(CliCommand::Control(command)) => control::run(command),
+        Some(CliCommand::Control(command)) => control::run(command, stop),
         Some(CliCommand::View(args)) => view::run(&args, stop),
         Some(CliCommand::Top(args)) => top::run(&args, stop),
         Some(CliCommand::Conform(args)) => conform::run(&args, stop),
