@@ -10,6 +10,7 @@
 
 #![cfg_attr(fuzzing, no_main, allow(dead_code, reason = "the fuzzer has its own entry point"))]
 
+mod arguments;
 #[cfg(fuzzing)]
 mod fuzz;
 mod help;
@@ -125,7 +126,7 @@ fn main() -> ExitCode {
             "the handler of Ctrl-C cannot be installed; Ctrl-C will end the program without a summary: {error}"
         ));
     }
-    let matches = help::grouped::<Cli>().get_matches();
+    let matches = arguments::matches(help::grouped::<Cli>());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match dispatch(cli, &stop) {
         Ok(()) => Exit::Ok.into(),
