@@ -10,6 +10,7 @@
 
 #![cfg_attr(fuzzing, no_main, allow(dead_code, reason = "the fuzzer has its own entry point"))]
 
+mod arguments;
 #[cfg(fuzzing)]
 mod fuzz;
 mod help;
@@ -65,7 +66,7 @@ enum CliCommand {
     /// Solve a contact problem that ended a run, with each contact law
     Contact(contact::ContactArgs),
     /// Start the plant of a session
-    Plant(roles::RoleArgs),
+    Plant(roles::PlantArgs),
     /// Start the controller of a session
     Controller(roles::RoleArgs),
     /// Make a controller, plant, scene or robot of your own to begin from
@@ -125,7 +126,7 @@ fn main() -> ExitCode {
             "the handler of Ctrl-C cannot be installed; Ctrl-C will end the program without a summary: {error}"
         ));
     }
-    let matches = help::grouped::<Cli>().get_matches();
+    let matches = arguments::matches(help::grouped::<Cli>());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match dispatch(cli, &stop) {
         Ok(()) => Exit::Ok.into(),
@@ -154,7 +155,7 @@ fn dispatch(Cli { command, quiet, .. }: Cli, stop: &Arc<AtomicBool>) -> Result<(
         Some(CliCommand::Controller(args)) => roles::controller(&args, stop),
         Some(CliCommand::New(args)) => scaffold::run(&args, chart::peer_files),
         Some(CliCommand::Session(args)) => environment::run(&args, stop),
-        Some(CliCommand::Control(command)) => control::run(command),
+        Some(CliCommand::Control(command)) => control::run(command, stop),
         Some(CliCommand::View(args)) => view::run(&args, stop),
         Some(CliCommand::Top(args)) => top::run(&args, stop),
         Some(CliCommand::Conform(args)) => conform::run(&args, stop),

@@ -2,6 +2,8 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+use std::ffi::OsStr;
+use std::os::unix::ffi::OsStrExt;
 use std::process::{Command, Output};
 
 /// Exit code and standard error of `biped ARGUMENTS`.
@@ -55,6 +57,35 @@ fn ground_that_cannot_be_is_refused() {
         format!("tiles=[{}]", tiles.join(","))
     };
     ground(&tiles(501), &["number of plant.ground.tiles = 501", "at most 500 tiles"]);
+}
+
+#[test]
+fn an_argument_that_is_no_text_is_shown_with_escapes_in_a_sentence() {
+    let run = |arguments: &[&[u8]]| {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+        command.args(arguments.iter().map(|argument| OsStr::from_bytes(argument)));
+        let output = command.output().expect("the program starts");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let sentence =
+        |shown: &str| (Some(2), format!("error: an argument must be UTF-8 text, and this is not: {shown}\n"));
+    let help = Command::new(env!("CARGO_BIN_EXE_biped")).arg("--help").output().expect("the program starts").stdout;
+    let help = String::from_utf8(help).expect("text");
+    let commands =
+        help.lines().filter_map(|line| line.strip_prefix("  ")?.split_once("  ")).map(|(name, _)| name.trim());
+    let commands: Vec<&str> = commands.filter(|name| !name.is_empty() && !name.starts_with('-')).collect();
+    assert!(commands.len() > 25 && commands.contains(&"sweep"), "{commands:?}");
+    for command in commands {
+        assert_eq!(run(&[command.as_bytes(), b"--no\xff"]), sentence("--no\\xff"), "{command}");
+    }
+    for command in ["run", "plant", "controller", "push", "list", "doctor", "study", "model", "export", "sweep"] {
+        assert_eq!(run(&[command.as_bytes(), b"\xff\xc3"]), sentence("\\xff\\xc3"), "{command}");
+    }
+    assert_eq!(run(&[b"r\xc3\xa9\xff"]), sentence("ré\\xff"));
+    assert_eq!(run(&[b"run", b"walk", b"--set=\xffa"]), sentence("--set=\\xffa"));
+    // Other mistakes are told as such, also beside a path of any bytes.
+    let (code, errors) = run(&[b"run", b"walk", b"--out", b"/tmp/\xff", b"--bogus"]);
+    assert!(code == Some(2) && errors.contains("unexpected argument '--bogus'"), "{errors}");
 }
 
 /// Reading /dev/zero to its end would use all memory.

@@ -3,7 +3,7 @@
 use crate::error::ControllerError;
 use crate::tick::Controller;
 use messages::controller_session::{ControllerSession, ControllerSessionError, Event};
-use messages::port::{ControllerPort, Verdict};
+use messages::port::ControllerPort;
 use messages::scene::Scene;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
@@ -28,8 +28,7 @@ pub fn run(scene: &Scene, port: ControllerPort, patience: Duration, stop: &Atomi
     let mut session = ControllerSession::over(port, patience);
     let mut has_run = false;
     while !stop.load(Relaxed) {
-        let set = |period, speed| controller.set(period, speed).map_or(Verdict::OutOfRange, |()| Verdict::Done);
-        session.serve(set).map_err(ControllerSessionError::from)?;
+        session.serve(|period, speed| controller.answer_set(period, speed)).map_err(ControllerSessionError::from)?;
         match session.poll()? {
             Event::Idle => {}
             Event::Goodbye => return Ok(()),

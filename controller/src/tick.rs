@@ -11,7 +11,7 @@ use crate::scaled_parameters::ScaledParameters;
 use crate::servo::{ServoModel, ServoState};
 use crate::support::{Chain, Joints, Task, mirror};
 use messages::scene::{ControllerScene, Scene};
-use messages::wire::{Encoders, JOINTS, Telemetry, Torques};
+use messages::wire::{Encoders, JOINTS, Telemetry, Torques, Verdict};
 
 /// The constant part of the controller.
 #[derive(Clone)]
@@ -122,6 +122,11 @@ impl Controller {
         model.gait = GaitModel::new(&scene, &model.chain, &model.constants, model.servo.period);
         model.scene = scene;
         Ok(())
+    }
+
+    /// As [`Controller::set`], as the answer to a request.
+    pub fn answer_set(&mut self, period: Option<f64>, speed: Option<f64>) -> Verdict {
+        self.set(period, speed).map_or(Verdict::OutOfRange, |()| Verdict::Done)
     }
 
     /// State of the controller in the last control period, for recording.

@@ -92,10 +92,30 @@ impl Action {
     }
 }
 
+impl Request {
+    /// The request with the number of the other user who asks through a share. The stamp of an owner's request has zero there.
+    pub fn on_behalf_of(mut self, user: Option<u32>) -> Request {
+        self.stamp.epoch = user.map_or(0, |user| u64::from(user) + 1);
+        self
+    }
+
+    /// Number of the other user who asks through a share.
+    pub fn other_user(&self) -> Option<u32> {
+        u32::try_from(self.stamp.epoch.checked_sub(1)?).ok()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::wire::REQUESTS;
+
+    #[test]
+    fn a_request_carries_the_user_for_whom_it_is_forwarded() {
+        for user in [None, Some(0), Some(1000), Some(u32::MAX)] {
+            assert_eq!(Action::Pause.encode().on_behalf_of(user).sealed().other_user(), user);
+        }
+    }
 
     #[test]
     fn every_action_survives_encoding_and_decoding() {

@@ -66,6 +66,9 @@ pub enum PortError {
         /// Plant or controller.
         role: &'static str,
     },
+    /// A session cannot be shared, or is not shared with this user.
+    #[error("{0}")]
+    Share(String),
     /// Shared memory is missing, full or unusable.
     #[error("shared memory: {0}")]
     SharedMemory(String),
@@ -75,7 +78,7 @@ impl PortError {
     /// The exit code with which a process ends that cannot go on: docs/WIRE.md lists them.
     pub fn exit_code(&self) -> u8 {
         match self {
-            PortError::SessionName { .. } => 2,
+            PortError::SessionName { .. } | PortError::Share(_) => 2,
             PortError::NoSession { .. } | PortError::Absent { .. } => 3,
             PortError::Incompatible { .. }
             | PortError::Foreign { .. }
@@ -93,6 +96,6 @@ impl PortError {
 
 /// How to find the right session.
 fn advice(other: Option<&str>) -> String {
-    let of_other = |user| format!("the session of that name belongs to user {user}, and only that user can join it");
+    let of_other = |user| format!("the session of that name belongs to user {user}; ask them for --share GROUP");
     other.map_or_else(|| "`biped doctor` lists the running sessions".into(), of_other)
 }

@@ -42,7 +42,7 @@ pub use controller::ControllerPort;
 pub use node::REQUIRED_SHM;
 pub use plant::PlantPort;
 pub use recorder::RecorderPort;
-pub use service::{PendingRequest, ask};
+pub use service::{PendingRequest, ask, ask_for};
 pub use waiting::Waiting;
 
 /// Transport of the messages. All processes of a session need this version.

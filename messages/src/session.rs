@@ -11,15 +11,19 @@
 //! | files in shared memory that belong to this user only | `session/private_file.rs` |
 //! | free shared memory | `session/shm_usage.rs` |
 //! | the scene of a session, for observers | `session/scene.rs` |
+//! | a socket for the members of a group | `session/share.rs` |
 
 mod membership;
 mod private_file;
 mod scene;
+mod share;
 mod shm_usage;
 mod stale_files;
 mod stale_session;
 
 pub use membership::Membership;
+pub use private_file::owner as user_name;
+pub use share::{ShareListener, SharedSession, group};
 pub use shm_usage::{REQUIRED_FILES, SHARED_MEMORY, ShmUsage};
 pub use stale_session::StaleSession;
 
@@ -87,13 +91,17 @@ impl Session {
 
     /// Another user who has a session of this name. Each user has separate sessions.
     pub(crate) fn other_owner(&self) -> Option<String> {
+        self.other_owners().next().map(private_file::owner)
+    }
+
+    /// Numbers of the other users who have a session of this name.
+    fn other_owners(&self) -> impl Iterator<Item = u32> {
         let lists = files("biped_").into_iter().filter(|path| path.to_string_lossy().ends_with(MEMBERS));
-        let mut owners = lists.filter_map(|path| {
+        lists.filter_map(|path| {
             let user = path.symlink_metadata().ok()?.uid();
             let theirs = path.file_name()?.to_str()? == self.prefix_of(user) + MEMBERS;
-            (theirs && user != getuid().as_raw()).then(|| private_file::owner(user))
-        });
-        owners.next()
+            (theirs && user != getuid().as_raw()).then_some(user)
+        })
     }
 
     /// Removes the access of other users to the session's files. iceoryx2 0.10 lets everybody write to the file that counts its nodes.

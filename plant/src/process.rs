@@ -3,12 +3,14 @@
 //! [`drive`] is the loop over the control periods. The caller exchanges the messages, with a controller in another process
 //! ([`run`]) or in this one. The results are the same.
 
+mod answer_wait;
 mod connection;
 mod control_loop;
 mod error;
 mod log;
 mod request_handler;
 
+pub use answer_wait::{AnswerWait, Waited};
 pub use control_loop::{ExchangeOutcome, PeriodTiming, drive};
 pub use error::{Options, PlantProcessError};
 pub use request_handler::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};

@@ -1,18 +1,4 @@
-//! How `serde` writes the parts of a snapshot whose types come from other crates.
-
-/// A vector as three numbers.
-pub mod vector {
-    use nalgebra::Vector3;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
-
-    pub fn serialize<S: Serializer>(vector: &Vector3<f64>, serializer: S) -> Result<S::Ok, S::Error> {
-        <[f64; 3]>::from(*vector).serialize(serializer)
-    }
-
-    pub fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vector3<f64>, D::Error> {
-        <[f64; 3]>::deserialize(deserializer).map(Vector3::from)
-    }
-}
+//! How `serde` writes a part of a snapshot whose type comes from another crate.
 
 /// A generator of random numbers as its state.
 pub mod random {

@@ -95,15 +95,20 @@ fn every_run_of_a_sweep_is_that_of_a_single_run_with_the_same_digits() {
 #[test]
 fn seeds_change_random_quantities_and_nothing_else() {
     let folder = fresh_path("sweep");
-    let table = |arguments: &[&str], name: &str| {
+    let run = |arguments: &[&str], name: &str| {
         sweep(&[&["walk", "--set", "duration=1"], arguments].concat(), &folder.join(name));
         read(&folder.join(name).join("sweep.csv"))
     };
-    let table = table(&["link.loss=0,0.2", "seeds=2"], "random");
+    let table = run(&["link.loss=0,0.2", "seeds=2"], "random");
     assert_eq!(column(&table, "seed"), ["1", "2", "1", "2"]);
     let hashes = column(&table, "trajectory_hash");
     assert!(hashes[0] == hashes[1] && hashes[2] != hashes[3], "{hashes:?}");
     let single = common::run("walk", &["duration=1", "link.loss=0.2", "link.seed=2", "plant.seed=2"]);
     assert_eq!(single.hash(), hashes[3]);
+    let table = run(&["plant.ground.random.height=0,0.002", "seeds=2"], "tiles");
+    let hashes = column(&table, "trajectory_hash");
+    assert!(hashes[0] == hashes[1] && hashes[2] != hashes[3], "{hashes:?}");
+    let tiles = ["duration=1", "plant.ground.random.height=0.002", "plant.ground.random.seed=2"];
+    assert_eq!(common::run("walk", &tiles).hash(), hashes[3]);
     std::fs::remove_dir_all(folder).expect("our own folder");
 }

@@ -98,7 +98,7 @@ impl Walk {
 
     /// Other set-points of the gait: period of two steps [s] and walking speed [m/s].
     fn set(&mut self, period: Option<f64>, speed: Option<f64>) -> Verdict {
-        self.controller.set(period, speed).map_or(Verdict::OutOfRange, |()| Verdict::Done)
+        self.controller.answer_set(period, speed)
     }
 
     /// The torques of one control period. A new run starts a new controller.

@@ -22,6 +22,8 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+if sys.version_info < (3, 11):
+    sys.exit("run.py needs Python 3.11 or later, as the versions of NumPy and of the engines below do")
 HERE = Path(__file__).resolve().parent
 PACKAGES = {
     "mujoco": ["mujoco-core==4.0.0"],

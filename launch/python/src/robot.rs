@@ -1,12 +1,12 @@
 //! A plant of one's own in a session, in lockstep: the protocol of docs/WIRE.md around a [`PlantPort`] and a [`CommandPipeline`].
 
 use biped_c::failure::{BIPED_NO_PLANT, BIPED_STOPPED, CallFailure};
-use messages::clock::{Timeout, now_ns, random};
+use messages::clock::{now_ns, random};
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Action, Pace, PlantPort, Verdict};
 use messages::wire::{Encoders, PlantState, Reply, Sensors, Stamp, Torques, Truth};
 use plant::command_pipeline::CommandPipeline;
-use std::time::Duration;
+use plant::process::{AnswerWait, Waited};
 
 /// A plant's end of a session.
 pub struct Robot {
@@ -18,7 +18,7 @@ pub struct Robot {
     rate: f64,
     periods: u64,
     has_controller: bool,
-    patience: Duration,
+    wait: AnswerWait,
     /// When the last command was taken [ns], and how long the plant had waited for it [ns].
     answered_ns: u64,
     wait_ns: u64,
@@ -39,7 +39,7 @@ impl Robot {
             rate: scene.rate,
             periods: scene.periods(),
             has_controller: scene.controller.is_some(),
-            patience,
+            wait: AnswerWait::new(patience),
             answered_ns: 0,
             wait_ns: 0,
         })
@@ -70,7 +70,7 @@ impl Robot {
         }
         self.refuse_requests()?;
         if self.has_controller {
-            self.wait(keeps_waiting)?;
+            self.wait_for_answer(keeps_waiting)?;
         }
         (self.answered_ns, self.wait_ns) = (now_ns(), now_ns() - sent);
         Ok(Some(self.commands.torques(&self.sensors)))
@@ -121,36 +121,21 @@ impl Robot {
     }
 
     /// Waits for the answer to the last sensors; at first, for one that is accepted.
-    fn wait(&mut self, mut keeps_waiting: impl FnMut() -> bool) -> Result<(), CallFailure> {
-        let mut timeout = Timeout::new("controller", self.patience);
+    fn wait_for_answer(&mut self, mut keeps_waiting: impl FnMut() -> bool) -> Result<(), CallFailure> {
+        self.wait.begin(self.sensors.stamp.mono_ns);
         loop {
-            let asked = self.sensors.stamp;
-            match self.port.wait()? {
-                Some(command) => {
-                    self.commands.receive(&command, asked.seq);
-                    if command.answers(&asked) && self.commands.has_command() {
-                        return Ok(());
-                    }
-                }
-                None => {
+            match self.wait.poll(&mut self.port, &mut self.commands, &self.sensors)? {
+                Waited::Answered => return Ok(()),
+                Waited::Received => (),
+                Waited::Nothing => {
                     self.refuse_requests()?;
-                    if now_ns() - asked.mono_ns > PlantPort::HEARTBEAT_NS {
-                        self.sensors.stamp.mono_ns = now_ns();
-                        self.port.send(self.sensors)?;
-                    }
+                    self.wait.heartbeat(&self.port, &self.sensors)?;
                     if !keeps_waiting() {
                         return Err(CallFailure::new(BIPED_STOPPED, "interrupted"));
                     }
                 }
             }
-            if timeout.has_expired() {
-                let (limit, tally) = (self.patience, self.commands.tally().to_string());
-                let refused = if tally.is_empty() { tally } else { format!("; {tally}") };
-                return Err(CallFailure::new(
-                    BIPED_NO_PLANT,
-                    format!("no controller answered within {limit:?}{refused}"),
-                ));
-            }
+            self.wait.check(&self.commands).map_err(|error| CallFailure::new(BIPED_NO_PLANT, error.to_string()))?;
         }
     }
 

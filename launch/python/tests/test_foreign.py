@@ -1,17 +1,19 @@
 """Claims about the controllers in controller/foreign/python: they run with this package alone."""
 
+import importlib
 import importlib.util
 import json
 import os
 import subprocess
 import sys
 import tempfile
-import tomllib
 import unittest
 from pathlib import Path
 
 import biped
 import program
+
+tomllib = importlib.import_module("tomllib" if sys.version_info >= (3, 11) else "tomli")
 
 ROOT = Path(__file__).parents[3]
 CONTROLLERS = ROOT / "controller" / "foreign" / "python"

@@ -1,14 +1,18 @@
 //! `biped top`: monitors a running session in the terminal. On a terminal it updates the display in place. Otherwise it
 //! prints a line per second.
 
+mod shared_display;
+
 use crate::summary::table::scientific;
 use clap::Args;
 use console::{Style, Term, truncate_str};
 use messages::port::RecorderPort;
 use messages::session::Session;
 use messages::wire::{PHASES, REFUSALS, STATES, Truth};
-use shared::args::SessionArgs;
+use shared::args::{Reachable, SessionArgs};
 use shared::exit::Failure;
+pub use shared_display::SharedDisplay;
+use shared_display::show_shared;
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::{Duration, Instant};
@@ -18,7 +22,7 @@ const DISPLAY_INTERVAL: Duration = Duration::from_millis(250);
 /// Interval between lines if the output is not a terminal.
 const LINE_INTERVAL: Duration = Duration::from_secs(1);
 /// Time between reads of the session.
-const POLL_INTERVAL: Duration = Duration::from_millis(2);
+pub const POLL_INTERVAL: Duration = Duration::from_millis(2);
 /// A session without other members has ended after this time without records.
 const END_TIMEOUT: Duration = Duration::from_secs(1);
 
@@ -34,19 +38,19 @@ pub struct TopArgs {
 /// # Errors
 /// If the session does not exist.
 pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
-    let session = args.session.find()?;
-    let mut port = RecorderPort::attach(&session)?;
+    let session = match args.session.reach(SessionArgs::find)? {
+        Reachable::Own(session) => session,
+        Reachable::Shared(shared) => return show_shared(&shared, stop),
+    };
+    let mut display = Display::attach(&session)?;
     let mut term = Term::stdout();
     let interval = if term.is_term() { DISPLAY_INTERVAL } else { LINE_INTERVAL };
-    let (mut statistics, mut shown_lines) = (Interval::new(), 0);
-    while !stop.load(Relaxed) && !has_ended(&session, statistics.received) {
-        while let Some(truth) = port.read()? {
-            statistics.push(&truth);
-        }
-        if statistics.started.elapsed() < interval {
+    let mut shown_lines = 0;
+    while !stop.load(Relaxed) && !has_ended(&session, display.statistics.received) {
+        let Some(statistics) = display.poll(interval)? else {
             std::thread::sleep(POLL_INTERVAL);
             continue;
-        }
+        };
         let written = if term.is_term() {
             let lines = statistics.lines(&session);
             let width = usize::from(term.size().1); // a wrapped line would count as two when it is cleared
@@ -60,9 +64,32 @@ pub fn run(args: &TopArgs, stop: &AtomicBool) -> Result<(), Failure> {
         if written.is_err() {
             break; // the reader of a pipe has closed it
         }
-        statistics = Interval { latest: statistics.latest, received: statistics.received, ..Interval::new() };
     }
     Ok(())
+}
+
+/// What is read from a session for its display.
+struct Display {
+    port: RecorderPort,
+    statistics: Interval,
+}
+
+impl Display {
+    fn attach(session: &Session) -> Result<Display, Failure> {
+        Ok(Display { port: RecorderPort::attach(session)?, statistics: Interval::new() })
+    }
+
+    /// Reads the session. At the end of an interval, returns its statistics, and begins another one.
+    fn poll(&mut self, interval: Duration) -> Result<Option<Interval>, Failure> {
+        while let Some(truth) = self.port.read()? {
+            self.statistics.push(&truth);
+        }
+        if self.statistics.started.elapsed() < interval {
+            return Ok(None);
+        }
+        let Interval { latest, received, .. } = self.statistics;
+        Ok(Some(std::mem::replace(&mut self.statistics, Interval { latest, received, ..Interval::new() })))
+    }
 }
 
 /// True if a session has no other members and has sent no record for [`END_TIMEOUT`].

@@ -3,13 +3,16 @@
 use clap::{ArgGroup, Args, Subcommand};
 use controller::Controller;
 use messages::load::parse;
-use messages::port::{Action, Verdict, ask};
+use messages::port::{Action, Verdict, ask_for};
 use messages::scene::Scene;
+use messages::session::Session;
 use messages::wire::STATES;
 use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
-use shared::args::SessionArgs;
+use shared::args::{Reachable, SessionArgs};
 use shared::exit::{Exit, Failure};
 use shared::output::print_text;
+use shared::share::{self, Wanted};
+use std::sync::atomic::AtomicBool;
 
 /// Arguments of `biped pause`, `resume` and `rearm`.
 #[derive(Args)]
@@ -97,23 +100,47 @@ pub enum ControlCommand {
 ///
 /// # Errors
 /// If the session or its control service is missing, or the request is refused.
-pub fn run(command: ControlCommand) -> Result<(), Failure> {
-    let session = command.session().find_named()?;
-    let name = session.name();
-    let scene = || session.scene().and_then(|text| parse(&text, name).ok());
-    let what = match &command {
-        ControlCommand::Pause(_) => Action::Pause,
-        ControlCommand::Resume(_) => Action::Resume,
-        ControlCommand::Rearm(_) => Action::Rearm,
-        ControlCommand::Step(args) => Action::Step { periods: args.periods },
-        ControlCommand::Reset(args) => Action::Reset { seed: args.seed },
-        ControlCommand::Set(args) => Action::Set { period: args.period, speed: args.speed },
-        ControlCommand::Push(args) => {
-            let body = body_index(&args.body, scene)?;
-            Action::Push { body, impulse: args.impulse, duration: args.duration }
+pub fn run(command: ControlCommand, stop: &AtomicBool) -> Result<(), Failure> {
+    let reachable = command.session().reach(SessionArgs::find_named)?;
+    let wanted = match command {
+        ControlCommand::Pause(_) => Wanted::Pause,
+        ControlCommand::Resume(_) => Wanted::Resume,
+        ControlCommand::Rearm(_) => Wanted::Rearm,
+        ControlCommand::Step(args) => Wanted::Step { periods: args.periods },
+        ControlCommand::Reset(args) => Wanted::Reset { seed: args.seed },
+        ControlCommand::Set(args) => Wanted::Set { period: args.period, speed: args.speed },
+        ControlCommand::Push(args) => Wanted::Push { body: args.body, impulse: args.impulse, duration: args.duration },
+    };
+    let answer = match reachable {
+        Reachable::Own(session) => carry_out(&session, wanted, None)?,
+        Reachable::Shared(shared) => {
+            let mut stream = share::send(&shared, &wanted)?;
+            let none = || Failure::new(Exit::PeerMissing, format!("session {} ended without an answer", shared.name()));
+            share::read_answer(&shared, &mut stream, stop)?.ok_or_else(none)?
         }
     };
-    let reply = ask(&session, what)?;
+    print_text(format_args!("{answer}\n"));
+    Ok(())
+}
+
+/// Sends a request to a session of this user, for the other user of this number if there is one. Returns the answer in words.
+///
+/// # Errors
+/// As [`run`].
+pub fn carry_out(session: &Session, wanted: Wanted, user: Option<u32>) -> Result<String, Failure> {
+    let name = session.name();
+    let scene = || session.scene().and_then(|text| parse(&text, name).ok());
+    let what = match wanted {
+        Wanted::Pause => Action::Pause,
+        Wanted::Resume => Action::Resume,
+        Wanted::Rearm => Action::Rearm,
+        Wanted::Step { periods } => Action::Step { periods },
+        Wanted::Reset { seed } => Action::Reset { seed },
+        Wanted::Set { period, speed } => Action::Set { period, speed },
+        Wanted::Push { body, impulse, duration } => Action::Push { body: body_index(&body, scene)?, impulse, duration },
+        Wanted::Top => return Err(Failure::new(Exit::Usage, "top is not a request")),
+    };
+    let reply = ask_for(session, what, user)?;
     if reply.verdict != Verdict::Done as u64 {
         let role = if what.is_for_controller() { "controller" } else { "plant" };
         let words = refusal(what, scene).unwrap_or_else(|| Verdict::text(reply.verdict).into());
@@ -129,8 +156,7 @@ pub fn run(command: ControlCommand) -> Result<(), Failure> {
         }
         _ => format!("t {time:.3} s, {state}"),
     };
-    print_text(format_args!("session {name}: {result}\n"));
-    Ok(())
+    Ok(format!("session {name}: {result}"))
 }
 
 impl ControlCommand {

@@ -14,6 +14,7 @@ pub mod resource_limits;
 pub mod roles;
 pub mod run;
 pub mod scaffold;
+pub mod share;
 pub mod swap;
 pub mod tunnel;
 pub mod wire;

@@ -3,6 +3,7 @@
 use crate::children;
 use crate::open::open_with_timeout;
 use crate::realtime;
+use crate::share::ShareArgs;
 use clap::Args;
 use messages::peer_environment::PeerEnvironment;
 use messages::port::{Contract, ControllerPort, Pace, PlantPort};
@@ -14,7 +15,16 @@ use shared::exit::{Failure, check_interrupt};
 use shared::output::log;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Arguments of `biped plant` and `biped controller`.
+/// Arguments of `biped plant`.
+#[derive(Args)]
+pub struct PlantArgs {
+    #[command(flatten)]
+    role: RoleArgs,
+    #[command(flatten)]
+    share: ShareArgs,
+}
+
+/// Arguments of `biped controller`, and most of those of `biped plant`.
 #[derive(Args)]
 pub struct RoleArgs {
     /// Built-in scene (see `biped list`) or path of a TOML file. Without it, session and scene come from the environment
@@ -71,11 +81,13 @@ const SESSION: &str = "biped";
 ///
 /// # Errors
 /// Why the role failed, with an exit code.
-pub fn plant(args: &RoleArgs, stop: &AtomicBool) -> Result<(), Failure> {
+pub fn plant(PlantArgs { role: args, share }: &PlantArgs, stop: &AtomicBool) -> Result<(), Failure> {
+    share.check(true)?;
     let (environment, shared) = prepare(args, 0, stop)?;
     let PeerEnvironment { session, contract, patience, scene, .. } = &environment;
     let port = open_with_timeout(|| PlantPort::open(session, contract))?.sharing(shared);
     environment.publish()?;
+    let _share = share.open(session)?;
     apply_realtime(args)?;
     if args.parent.is_some() {
         wait_for_release(stop);

@@ -38,6 +38,7 @@ const ENERGY_WARNING: f64 = 0.02;
 /// Why the run failed, with an exit code. A fall is a failure.
 pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
     args.system.check_pace(args.pace.pace())?;
+    args.share.check(args.session.is_some())?;
     let start = Instant::now() - processor_time(); // includes the start of the program
     let named_scene = args.scene.load()?;
     let plan = args.smallest.then(|| smallest(&named_scene)).transpose()?;

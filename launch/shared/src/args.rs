@@ -6,7 +6,7 @@ use clap::Args;
 use messages::load::load;
 use messages::port::Pace;
 use messages::scene::Scene;
-use messages::session::Session;
+use messages::session::{Session, SharedSession};
 use std::ops::RangeInclusive;
 use std::time::Duration;
 
@@ -101,6 +101,15 @@ pub struct SessionArgs {
     session: Option<String>,
 }
 
+/// A session that a command can look at or talk to.
+#[derive(Clone, Debug)]
+pub enum Reachable {
+    /// A session of this user.
+    Own(Session),
+    /// A session that another user shares.
+    Shared(SharedSession),
+}
+
 impl SessionArgs {
     /// The session to observe: the one with the given name, or the only one that is running.
     ///
@@ -117,6 +126,36 @@ impl SessionArgs {
     /// As [`SessionArgs::find`].
     pub fn find_named(&self) -> Result<Session, Failure> {
         self.given().unwrap_or_else(|| single_named(Session::running()))
+    }
+
+    /// As [`SessionArgs::find`] or [`SessionArgs::find_named`], or a session that another user shares: `OWNER/NAME`, or a name that no
+    /// session of this user has.
+    ///
+    /// # Errors
+    /// As both, and if several users share a session of that name.
+    pub fn reach(&self, own: fn(&SessionArgs) -> Result<Session, Failure>) -> Result<Reachable, Failure> {
+        let given = self.session.as_deref().unwrap_or_default();
+        if let Some((owner, name)) = given.split_once('/') {
+            let shared = SharedSession::of(owner, name)?;
+            return Ok(shared.own().cloned().map_or(Reachable::Shared(shared), Reachable::Own));
+        }
+        let session = own(self)?;
+        if session.is_running() {
+            return Ok(Reachable::Own(session));
+        }
+        let mut others = SharedSession::of_others(&session);
+        if others.len() > 1 {
+            others.retain(|other| other.connect().is_ok());
+        }
+        match others.len() {
+            0 => Ok(Reachable::Own(session)), // which says that it is not running
+            1 => Ok(Reachable::Shared(others.remove(0))),
+            _ => {
+                let names: Vec<_> = others.iter().map(SharedSession::name).collect();
+                let which = format!("{} users share a session of that name: choose {}", names.len(), names.join(" | "));
+                Err(Failure::new(Exit::Usage, which))
+            }
+        }
     }
 
     fn given(&self) -> Option<Result<Session, Failure>> {

@@ -7,4 +7,5 @@ pub mod exit;
 pub mod list;
 pub mod output;
 pub mod progress;
+pub mod share;
 pub mod unsolved_problem;

@@ -80,6 +80,14 @@ pub struct PendingRequest {
 /// # Errors
 /// [`PortError::NoSession`] if the session is not running, [`PortError::Absent`] if the control service does not answer.
 pub fn ask(session: &Session, what: Action) -> Result<Reply, PortError> {
+    ask_for(session, what, None)
+}
+
+/// As [`ask`], for another user of this number.
+///
+/// # Errors
+/// As [`ask`].
+pub fn ask_for(session: &Session, what: Action, user: Option<u32>) -> Result<Reply, PortError> {
     let (name, role) = if what.is_for_controller() { (CONTROLLER, "controller") } else { (PLANT, "plant") };
     let no_answer = || PortError::Absent { session: session.name().into(), role };
     let node = SessionNode::attach(session)?;
@@ -87,7 +95,7 @@ pub fn ask(session: &Session, what: Action) -> Result<Reply, PortError> {
     let client =
         client.client_builder().create().map_err(|e| PortError::failed("connecting to a control service", e))?;
     let start = Instant::now();
-    let request = what.encode().sealed();
+    let request = what.encode().on_behalf_of(user).sealed();
     let mut pending = client.send_copy(request).map_err(|e| PortError::failed("sending a request", e))?;
     while start.elapsed() < REPLY_TIMEOUT {
         if let Some(reply) = pending.receive().map_err(|e| PortError::failed("reading a reply", e))? {

@@ -71,7 +71,7 @@ pub(super) fn remove(path: &Path) {
 }
 
 /// Name of a user, or the number if the user has no name.
-pub(super) fn owner(number: u32) -> String {
+pub fn owner(number: u32) -> String {
     let user = User::from_uid(Uid::from_raw(number)).ok().flatten();
     user.map_or_else(|| number.to_string(), |user| user.name)
 }

@@ -1,14 +1,15 @@
 //! The plant's side of the exchange with its controller, in lockstep or in real time.
 
+use super::answer_wait::{AnswerWait, Waited};
 use super::control_loop::{ExchangeOutcome, PeriodTiming};
 use super::error::{Options, PlantProcessError};
 use super::log::PlantLog;
 use super::request_handler::RequestHandler;
 use crate::Simulation;
-use messages::clock::{Timeout, now_ns, sleep_until};
+use messages::clock::{now_ns, sleep_until};
 use messages::port::{Pace, PlantPort};
 use messages::scene::Scene;
-use messages::wire::{PlantState, Sensors, Stamp};
+use messages::wire::{PlantState, Sensors};
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Duration;
 
@@ -20,8 +21,7 @@ pub(super) struct ControllerConnection<'a> {
     pub port: PlantPort,
     pace: Pace,
     stop: &'a AtomicBool,
-    timeout: Timeout,
-    patience: Duration,
+    wait: AnswerWait,
     has_controller: bool,
     /// Control period in real time [ns].
     period_ns: u64,
@@ -29,8 +29,6 @@ pub(super) struct ControllerConnection<'a> {
     deadline: u64,
     requests: RequestHandler,
     log: PlantLog,
-    /// When sensors were last sent [ns].
-    last_sent_ns: u64,
 }
 
 impl<'a> ControllerConnection<'a> {
@@ -39,14 +37,12 @@ impl<'a> ControllerConnection<'a> {
             port,
             pace: options.pace,
             stop,
-            timeout: Timeout::new("controller", options.patience),
-            patience: options.patience,
+            wait: AnswerWait::new(options.patience),
             has_controller: scene.controller.is_some(),
             period_ns: ((1e9 / scene.rate / options.speed).round() as u64).max(1),
             deadline: 0,
             requests: RequestHandler::default(),
             log: PlantLog::default(),
-            last_sent_ns: 0,
         }
     }
 
@@ -81,28 +77,19 @@ impl<'a> ControllerConnection<'a> {
         simulation: &mut Simulation,
         sensors: &Sensors,
     ) -> Result<ExchangeOutcome, PlantProcessError> {
-        self.timeout.restart();
-        self.last_sent_ns = sensors.stamp.mono_ns;
+        self.wait.begin(sensors.stamp.mono_ns);
         while self.has_controller {
-            match self.port.wait()? {
-                Some(command) => {
-                    simulation.receive(&command);
-                    if command.answers(&sensors.stamp) && simulation.commands().has_command() {
-                        break;
-                    }
-                }
-                None if self.serve(simulation, sensors)? == ExchangeOutcome::Restart => {
+            match self.wait.poll(&mut self.port, simulation.commands(), sensors)? {
+                Waited::Answered => break,
+                Waited::Received => (),
+                Waited::Nothing if self.serve(simulation, sensors)? == ExchangeOutcome::Restart => {
                     return Ok(ExchangeOutcome::Restart);
                 }
-                None => self.heartbeat(sensors)?,
+                Waited::Nothing => self.wait.heartbeat(&self.port, sensors)?,
             }
             self.log.update(simulation); // reports why no command has been accepted yet
             self.check_stop()?;
-            if self.timeout.has_expired() {
-                let counters = simulation.commands().tally().to_string();
-                let counters = if counters.is_empty() { counters } else { format!("; {counters}") };
-                return Err(PlantProcessError::NoController(self.patience, counters));
-            }
+            self.wait.check(simulation.commands())?;
         }
         Ok(ExchangeOutcome::Advance { late_ns: 0 })
     }
@@ -137,8 +124,8 @@ impl<'a> ControllerConnection<'a> {
     /// A plant whose drives are off waits for a request to re-arm them, up to the timeout.
     fn check_abandoned(&mut self, simulation: &mut Simulation) -> Result<(), PlantProcessError> {
         if simulation.state() != PlantState::Fault {
-            self.timeout.restart();
-        } else if self.timeout.has_expired() {
+            self.wait.restart();
+        } else if self.wait.is_over() {
             return Err(PlantProcessError::Silent(simulation.commands().age()));
         }
         Ok(())
@@ -160,20 +147,10 @@ impl<'a> ControllerConnection<'a> {
             }
             self.check_stop()?;
             self.deadline = if self.deadline == 0 { 0 } else { now_ns() };
-            self.timeout.restart();
-            self.heartbeat(sensors)?;
+            self.wait.restart();
+            self.wait.heartbeat(&self.port, sensors)?;
             std::thread::sleep(PAUSE_POLL);
         }
-    }
-
-    /// Sends the same sensors again from time to time. The controller learns that the plant is alive, and a connection that
-    /// loses messages, such as one to another machine, gets another chance. The controller repeats its answer.
-    fn heartbeat(&mut self, sensors: &Sensors) -> Result<(), PlantProcessError> {
-        if now_ns() - self.last_sent_ns > PlantPort::HEARTBEAT_NS {
-            self.last_sent_ns = now_ns();
-            self.port.send(Sensors { stamp: Stamp { mono_ns: self.last_sent_ns, ..sensors.stamp }, ..*sensors })?;
-        }
-        Ok(())
     }
 
     fn check_stop(&self) -> Result<(), PlantProcessError> {

@@ -17,7 +17,6 @@ pub(super) struct EventContact {
     /// Height of the tile under it [m].
     pub tile: f64,
     /// Direction of slip.
-    #[serde(with = "crate::serial::vector")]
     pub slip_direction: Vector3<f64>,
     /// Speed of slip [m/s].
     pub speed: f64,

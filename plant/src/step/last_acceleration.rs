@@ -18,9 +18,7 @@ pub(super) struct LastAcceleration {
     flights: usize,
     h: f64,
     /// Angular acceleration of the base [rad/s²], and its centre of mass relative to its frame [m].
-    #[serde(with = "crate::serial::vector")]
     turn: Vector3<f64>,
-    #[serde(with = "crate::serial::vector")]
     arm: Vector3<f64>,
     /// False at the start and after an impact.
     pub known: bool,

@@ -40,11 +40,9 @@ impl BaseCentre {
 }
 
 /// A state and its pose.
-#[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug)]
 pub(super) struct PosedState {
     pub state: State,
-    /// Follows from the state, so it is not stored.
-    #[serde(skip)]
     pub pose: Pose,
 }
 

@@ -52,7 +52,6 @@ pub(super) struct Settings {
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 pub(super) struct Push {
     pub link: usize,
-    #[serde(with = "crate::serial::vector")]
     pub force: Vector3<f64>,
     pub steps: std::ops::Range<u64>,
 }

@@ -9,10 +9,11 @@ use crate::model::Model;
 use crate::truth::Record;
 use messages::scene::PlantScene;
 
-/// State of the robot, with the memories of its contacts and drives.
+/// State of the robot, with the memories of its contacts and drives. In a snapshot the robot has a state without its pose, which follows
+/// from it.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
-pub(super) struct StepState {
-    pub now: PosedState,
+pub(super) struct StepState<Robot = PosedState> {
+    pub now: Robot,
     pub drives: Drives,
     pub memory: Memory,
     pub last_acceleration: LastAcceleration,
@@ -21,6 +22,21 @@ pub(super) struct StepState {
     /// Length of the next step, as the step size control chose it [s].
     pub next_step: f64,
     pub record: Record,
+}
+
+impl<Robot> StepState<Robot> {
+    /// The same memories with the robot held as another type.
+    pub fn with<Other>(&self, now: Other) -> StepState<Other> {
+        StepState {
+            now,
+            drives: self.drives.clone(),
+            memory: self.memory.clone(),
+            last_acceleration: self.last_acceleration.clone(),
+            event_contacts: self.event_contacts.clone(),
+            next_step: self.next_step,
+            record: self.record,
+        }
+    }
 }
 
 impl StepState {

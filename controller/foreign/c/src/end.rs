@@ -75,7 +75,7 @@ impl ControllerHandle {
     pub(crate) fn wait_until_stopped(&mut self) -> Result<c_int, CallFailure> {
         let mut walker = self.walker.take();
         let set = |period, speed| match &mut walker {
-            Some((.., planner)) => planner.set(period, speed).map_or(Verdict::OutOfRange, |()| Verdict::Done),
+            Some((.., planner)) => planner.answer_set(period, speed),
             None => Verdict::NotServed,
         };
         let outcome = self.wait(|| !STOP.load(Relaxed), set);

@@ -54,7 +54,7 @@ impl fmt::Display for CallFailure {
 impl From<PortError> for CallFailure {
     fn from(error: PortError) -> CallFailure {
         let code = match &error {
-            PortError::SessionName { .. } => BIPED_MISUSE,
+            PortError::SessionName { .. } | PortError::Share(_) => BIPED_MISUSE,
             PortError::Incompatible { .. }
             | PortError::Foreign { .. }
             | PortError::Taken { .. }

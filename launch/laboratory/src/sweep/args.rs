@@ -11,7 +11,8 @@ pub struct SweepArgs {
     #[command(flatten)]
     pub(super) scene: SceneArgs,
     /// Keys with their values (see `biped list --keys`): a list a,b,c, a range a:b:n of n values from a to b, or log:a:b:n. The
-    /// scene is run with every combination. seeds=N repeats each with N seeds of its random numbers
+    /// scene is run with every combination. seeds=N repeats each with the seeds 1 to N of
+    /// its random numbers: link.seed, plant.seed and plant.ground.random.seed
     #[arg(value_name = "KEY=RANGE", required_unless_present = "edge")]
     pub(super) ranges: Vec<String>,
     /// Find the values of a key at which survival changes: at first among 21 values from a to b (a:b:n for another number), then

@@ -57,7 +57,7 @@ impl Grid {
         let scenes: Vec<(u64, bool)> = scenes.into_iter().collect::<Result<_, _>>()?; // the first failure, each time the same
         if grid.axes.last().is_some_and(|axis| axis.key == SEED) && !scenes.iter().any(|(_, random)| *random) {
             let words = format!(
-                "nothing in {} is random; link.jitter_ms, link.loss, link.reorder and plant.stale_probability are",
+                "nothing in {} is random; link.jitter_ms, link.loss, link.reorder, plant.stale_probability and plant.ground.random.height are",
                 grid.name
             );
             return Err(refused("seeds", words));
@@ -132,7 +132,8 @@ impl Grid {
 /// Whether a seed changes a run of the scene.
 fn is_random(scene: &Scene) -> bool {
     let link = &scene.link;
-    let chances = [link.jitter_ms, link.loss, link.reorder, scene.plant.stale_probability];
+    let heights = scene.plant.ground.random.height;
+    let chances = [link.jitter_ms, link.loss, link.reorder, scene.plant.stale_probability, heights];
     chances.iter().any(|chance| *chance > 0.0)
 }
 

@@ -6,7 +6,7 @@ use shared::exit::Failure;
 
 /// Name of the axis of seeds, and the keys that it sets.
 pub const SEED: &str = "seed";
-pub const SEED_KEYS: [&str; 2] = ["link.seed", "plant.seed"];
+pub const SEED_KEYS: [&str; 3] = ["link.seed", "plant.seed", "plant.ground.random.seed"];
 /// Most seeds of each combination.
 const MOST_SEEDS: usize = 1000;
 /// Values that `--edge` compares at first unless a number is given: steps of a twentieth of the range.
@@ -27,7 +27,7 @@ pub fn axes(args: &SweepArgs) -> Result<Vec<Axis>, Failure> {
         }
     }
     if axes.iter().any(|axis| axis.key == SEED) {
-        let words = "write seeds=N for the seeds from 1 to N, or choose those of link.seed or plant.seed";
+        let words = "write seeds=N for the seeds from 1 to N, or choose those of link.seed, plant.seed or plant.ground.random.seed";
         return Err(refused(SEED, words.into()));
     }
     axes.extend(count.map(|count| Axis { key: SEED.into(), values: (1..=count).map(|k| k.to_string()).collect() }));

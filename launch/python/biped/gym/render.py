@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
-import tomllib
+import sys
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .. import Scene
+
+if sys.version_info >= (3, 11):
+    import tomllib
+else:
+    import tomli as tomllib
 
 _SIZE, _SCALE = (480, 480), 500.0  # [pixels], [pixels/m]
 _AZIMUTH, _ELEVATION = np.radians(-60.0), np.radians(12.0)

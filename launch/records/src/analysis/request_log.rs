@@ -2,6 +2,7 @@
 //! reproducible together with this list.
 
 use messages::port::{Action, Verdict};
+use messages::session::user_name;
 use messages::wire::{REQUESTS, Served};
 use serde::Serialize;
 
@@ -26,6 +27,9 @@ pub struct RequestRecord {
     pub kind: &'static str,
     /// `done`, or the reason for the refusal.
     pub answer: &'static str,
+    /// The other user who sent it through a share.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub user: Option<String>,
     /// Push: index of the body in the scene.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub body: Option<usize>,
@@ -56,6 +60,7 @@ impl RequestRecord {
             time_s: served.stamp.time(),
             kind: REQUESTS.get(served.request.kind as usize).copied().unwrap_or("unknown"),
             answer: Verdict::text(served.verdict),
+            user: served.request.other_user().map(user_name),
             body: None,
             impulse_ns: None,
             over_s: None,
@@ -92,7 +97,8 @@ impl RequestRecord {
             true => String::new(),
             false => format!(" (refused: {answer})"),
         };
-        format!("{kind}{values} at {time_s:.3} s{refused}")
+        let user = self.user.as_ref().map_or(String::new(), |user| format!(" by {user}"));
+        format!("{kind}{values} at {time_s:.3} s{user}{refused}")
     }
 }
 

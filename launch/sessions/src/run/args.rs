@@ -1,6 +1,7 @@
 //! Arguments of `biped run`.
 
 use crate::realtime::RealtimeArgs;
+use crate::share::ShareArgs;
 use crate::swap::Swap;
 use clap::Args;
 use clap::builder::NonEmptyStringValueParser;
@@ -25,6 +26,8 @@ pub struct RunArgs {
     /// Name of the session, for `biped pause`, `push` and other requests; by default a unique name
     #[arg(long, conflicts_with = "in_process")]
     pub(super) session: Option<String>,
+    #[command(flatten)]
+    pub(super) share: ShareArgs,
     /// Restart a crashed plant or controller, at most this many times. A new plant starts a new run; a new controller
     /// continues the walk within the step
     #[arg(long, default_value_t = 0, value_name = "TIMES", conflicts_with = "in_process")]
@@ -58,6 +61,7 @@ impl RunArgs {
             pace: PaceArgs { realtime: false, speed: 1.0, patience: DEFAULT_PATIENCE },
             system: RealtimeArgs::default(),
             session: None,
+            share: ShareArgs::default(),
             respawn: 0,
             controller: None,
             plant: None,

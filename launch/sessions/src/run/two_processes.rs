@@ -71,6 +71,7 @@ pub fn run(args: &RunArgs, scene: &Scene, monitor: &mut RunMonitor, stop: &Atomi
     if !member.try_lead() {
         return Err(already_running(&cleanup.0));
     }
+    let _share = args.share.open(&cleanup.0)?;
     let controller = scene.controller.is_some().then(|| start(1)).transpose()?;
     let mut port = open_with_timeout(|| RecorderPort::open(&cleanup.0, &contract))?;
     environment.publish()?;

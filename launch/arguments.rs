@@ -1,0 +1,42 @@
+//! The arguments of the command line.
+
+use crate::exit::Exit;
+use clap::error::ErrorKind;
+use clap::{ArgMatches, Command};
+use shared::output::{log, shortened};
+use std::ffi::OsString;
+use std::os::unix::ffi::OsStrExt;
+
+/// What stands in a text for bytes that are none.
+const REPLACEMENT: char = '\u{fffd}';
+
+/// Parses the arguments, or ends the program. A path may have any bytes. All other arguments must be text.
+pub fn matches(command: Command) -> ArgMatches {
+    command.try_get_matches().unwrap_or_else(|error| {
+        let is_about_bytes = error.kind() == ErrorKind::InvalidUtf8 || error.to_string().contains(REPLACEMENT);
+        let bad: Vec<String> = std::env::args_os().skip(1).filter(|one| one.to_str().is_none()).map(escaped).collect();
+        if !is_about_bytes || bad.is_empty() {
+            error.exit();
+        }
+        let words = format!("error: an argument must be UTF-8 text, and this is not: {}", bad.join(" "));
+        log(shortened(&words));
+        std::process::exit(Exit::Usage as i32)
+    })
+}
+
+/// The argument with its bytes that are no text as `\xff`.
+fn escaped(argument: OsString) -> String {
+    let chunks = argument.as_bytes().utf8_chunks();
+    chunks.map(|chunk| format!("{}{}", chunk.valid(), chunk.invalid().escape_ascii())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::os::unix::ffi::OsStringExt;
+
+    #[test]
+    fn only_bytes_that_are_no_text_are_escaped() {
+        assert_eq!(escaped(OsString::from_vec(b"sc\xc3\xa9ne\xff\xc3.toml".to_vec())), "scéne\\xff\\xc3.toml");
+    }
+}
