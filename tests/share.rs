@@ -179,7 +179,8 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
     let summary: Value = serde_json::from_str(&summary).expect("JSON");
     let requests = summary["requests"].as_array().expect("a list");
     assert!(requests.len() > 12, "{requests:?}");
-    assert!(requests.iter().all(|request| request["user"] == MEMBER.to_string()), "{requests:?}");
+    let by = MEMBER.to_string();
+    assert!(requests.iter().all(|request| request["user"] == by.as_str()), "{requests:?}");
     let (code, printed) = place.run(owner, &["convert", "walk.mcap", "--csv", "csv"]);
     assert_eq!(code, Some(0), "{printed}");
     let served = std::fs::read_to_string(place.folder.join("csv/served.csv")).expect("a table");

@@ -16,7 +16,7 @@ pub struct EncoderModel {
 }
 
 /// Last reading, wire order.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct EncoderState {
     /// Angles [rad].
     pub angle: Joints,

@@ -63,4 +63,4 @@ pub mod tick;
 pub use error::ControllerError;
 #[doc(no_inline)]
 pub use messages;
-pub use tick::Controller;
+pub use tick::{Controller, ControllerSnapshot};

@@ -38,7 +38,7 @@ pub struct ServoModel {
 }
 
 /// State of the eight servos, support order.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub struct ServoState {
     /// d̂ [N·m].
     pub disturbance: Joints,

@@ -31,7 +31,7 @@ impl SwingHeight {
 pub const MINIMUM_JERK_PEAK: f64 = 5.7735;
 
 /// Position, velocity and acceleration along one axis: the state of a minimum-jerk motion.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct MinimumJerkState {
     /// Position [m].
     pub x: f64,

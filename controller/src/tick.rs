@@ -1,5 +1,9 @@
 //! One control period: from encoder counts to joint torques, through all levels of section 3 of the paper.
 
+mod snapshot;
+
+pub use snapshot::ControllerSnapshot;
+
 use crate::ankle::Ankle;
 use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
@@ -27,7 +31,7 @@ struct ControllerModel {
 }
 
 /// The variable part of the controller.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 struct ControllerState {
     encoder: EncoderState,
     /// Whether the right foot supports.

@@ -46,7 +46,7 @@ pub struct GaitModel {
 }
 
 /// State of a gait, in the support frame S.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, serde::Serialize, serde::Deserialize)]
 pub struct GaitState {
     /// Phase of the gait.
     pub phase: Phase,
@@ -71,7 +71,7 @@ pub struct GaitState {
 }
 
 /// Corrections learned from step to step, because the model does not describe the landing exactly.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct Corrections {
     /// Overshoot of the landing position [m].
     pub landing: f64,

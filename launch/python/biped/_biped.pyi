@@ -223,7 +223,17 @@ class PlantBatch:
 
 @final
 class ControllerSnapshot:
-    """The state of a controller, from :meth:`Controller.snapshot`."""
+    """The state of a controller, from :meth:`Controller.snapshot`. It cannot be changed. It can be copied, pickled and sent to another process."""
+
+    @staticmethod
+    def from_bytes(scene: Scene, data: bytes) -> ControllerSnapshot:
+        """The snapshot of a controller of this scene, from :meth:`to_bytes`.
+
+        :raises InputError: of another scene, from another version, or damaged
+        """
+
+    def to_bytes(self) -> bytes:
+        """The state as bytes, with the version of this package and a hash of the scene."""
 
 @final
 class Controller:

@@ -3,6 +3,7 @@
 use crate::arrays::{OutputArray, counts, record};
 use crate::error::{ControllerError, Error, InputError};
 use crate::scene::Scene;
+use crate::snapshot::ControllerSnapshot;
 use messages::wire::{Encoders, JOINTS};
 use numpy::{Ix1, PyArray1};
 use pyo3::prelude::*;
@@ -14,24 +15,6 @@ pub struct Controller {
     scene: Py<Scene>,
     controller: Mutex<controller::Controller>,
     torques: OutputArray<f64, Ix1>,
-}
-
-/// The state of a controller, from :meth:`Controller.snapshot`.
-#[pyclass(frozen, module = "biped")]
-pub struct ControllerSnapshot {
-    scene: Py<Scene>,
-    controller: controller::Controller,
-}
-
-#[pymethods]
-impl ControllerSnapshot {
-    fn __copy__(this: Py<Self>) -> Py<Self> {
-        this
-    }
-
-    fn __deepcopy__(this: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
-        this
-    }
 }
 
 fn unfit(error: controller::ControllerError) -> PyErr {
@@ -76,7 +59,7 @@ impl Controller {
 
     /// The present state, with the set-points.
     fn snapshot(&self, py: Python<'_>) -> PyResult<ControllerSnapshot> {
-        Ok(ControllerSnapshot { scene: self.scene.clone_ref(py), controller: self.lock()?.clone() })
+        Ok(ControllerSnapshot { scene: self.scene.clone_ref(py), state: self.lock()?.snapshot() })
     }
 
     /// Returns to a state of this controller, or of another controller of an equal scene.
@@ -84,8 +67,7 @@ impl Controller {
         if snapshot.scene.get().scene != self.scene.get().scene {
             return Err(InputError::new_err("the snapshot is of a controller of another scene"));
         }
-        self.lock()?.clone_from(&snapshot.controller);
-        Ok(())
+        self.lock()?.restore(&snapshot.state).map_err(unfit)
     }
 
     #[getter]

@@ -40,7 +40,7 @@ mod _biped {
     #[pymodule_export]
     use crate::batch::PlantBatch;
     #[pymodule_export]
-    use crate::controller::{Controller, ControllerSnapshot};
+    use crate::controller::Controller;
     #[pymodule_export]
     use crate::error::{
         AbsentError, ControllerError, EndedError, Error, InputError, RecordingError, RefusedError, SceneError,
@@ -59,5 +59,5 @@ mod _biped {
     #[pymodule_export]
     use crate::session::Session;
     #[pymodule_export]
-    use crate::snapshot::Snapshot;
+    use crate::snapshot::{ControllerSnapshot, Snapshot};
 }

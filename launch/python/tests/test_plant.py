@@ -1,11 +1,11 @@
 """Claims about plant and controller in process: bits, snapshots, refusals."""
 
-import copy
 import os
 import pickle
 import signal
 import subprocess
 import sys
+import threading
 import time
 import unittest
 import warnings
@@ -21,14 +21,6 @@ def published(scene):
     """The published hashes of the first second and of the whole run."""
     rows = (line.split() for line in HASHES.read_text().splitlines()[1:])
     return next([int(hash, 16) for hash in row[1:3]] for row in rows if row[0] == scene)
-
-
-def springs(plant, periods):
-    """Springs hold the robot for some periods. Returns the hash."""
-    start = np.array(plant.scene.start)
-    for _ in range(periods):
-        plant.step(np.clip(800 * (start - plant.angles), -40, 40))
-    return plant.hash
 
 
 def run(plant, controller, periods=None):
@@ -82,52 +74,6 @@ class Bits(unittest.TestCase):
         with self.assertRaisesRegex(biped.InputError, "another scene"):
             biped.Plant(biped.Scene("stand")).restore(snapshots[0])
 
-    def test_a_snapshot_goes_on_with_the_same_bits_in_another_process(self):
-        settings = {"duration": 2, "link.delay_ms": 3, "link.jitter_ms": 2, "link.loss": 0.1, "plant.stale_probability": 0.1}
-        plant = biped.Plant(biped.Scene("stand", settings))
-        springs(plant, 300)
-        plant.push([0, 2, 0], duration=0.5)  # still acts
-        springs(plant, 100)
-        snapshot = plant.snapshot()
-        for same in [copy.deepcopy(snapshot), copy.copy(snapshot), pickle.loads(pickle.dumps(snapshot))]:
-            plant.restore(same)
-            self.assertEqual(plant.time, 0.4)
-        sent = pickle.dumps((plant.scene, snapshot))
-        there = subprocess.run([sys.executable, __file__, "go on"], input=sent, capture_output=True, check=True)
-        self.assertEqual(int(there.stdout), springs(plant, 1000))
-        plant.reset()
-        self.assertNotEqual(int(there.stdout), springs(plant, 1400), "the push and the state count")
-
-    def test_the_bytes_of_a_snapshot_hold_the_state_of_every_scene_and_method(self):
-        methods = ["ExplicitEuler", "SemiImplicitEuler", "MoreauJean", "MidpointContact", "MidpointMoreau", "ImplicitMidpoint"]
-        methods += ["StepDoubling", "Rk4", "Rk4Impact", "EventDriven"]
-        cases = [(name, []) for name in biped.Scene.built_in()] + [("stand", [f"plant.method={method}"]) for method in methods]
-        for name, settings in cases:
-            scene = biped.Scene(name, "duration=1000", *settings)
-            plant, other = biped.Plant(scene), biped.Plant(scene)
-            plant.step(periods=150)
-            other.restore(biped.Snapshot.from_bytes(scene, plant.snapshot().to_bytes()))
-            for subject in [plant, other]:
-                subject.step(periods=150)
-            self.assertEqual(plant.hash, other.hash, f"{name} {settings}")
-            np.testing.assert_array_equal(plant.truth().contact_force, other.truth().contact_force)
-
-    def test_a_snapshot_of_another_scene_or_version_or_a_damaged_one_is_refused(self):
-        scene = biped.Scene("stand")
-        data = biped.Plant(scene).snapshot().to_bytes()
-        biped.Plant(scene).restore(biped.Snapshot.from_bytes(scene, data))
-        other = biped.Scene("stand", "plant.friction=0.3")
-        version = data.replace(b"0.", b"9.", 1)
-        for of, wrong, words in [
-            (other, data, "is of another scene than stand: use a scene with equal settings"),
-            (scene, version, r"is of biped 9\..*, but this is biped 0\."),
-            (scene, data[:-1], "no snapshot of a plant, or they are damaged"),
-            (scene, data[:200] + bytes([data[200] ^ 1]) + data[201:], "damaged"),
-            (scene, b"", "no snapshot"),
-        ]:
-            with self.assertRaisesRegex(biped.InputError, words):
-                biped.Snapshot.from_bytes(of, wrong)
-
     def test_a_batch_has_the_bits_of_single_plants(self):
         scene = biped.Scene("stand", "duration=0.4")
         batch = biped.PlantBatch([biped.Plant(scene) for _ in range(5)])
@@ -145,6 +91,38 @@ class Bits(unittest.TestCase):
             batch.step(np.where(np.arange(40).reshape(5, 8) == 26, np.nan, 0.0))
         with self.assertRaisesRegex(biped.Error, "twice in one call"):
             biped.PlantBatch([single, single])
+
+    def test_a_batch_has_the_same_bits_on_one_processor_and_on_all(self):
+        program = (
+            "import biped, numpy as np\n"
+            "batch = biped.PlantBatch([biped.Plant(biped.Scene('stand', 'duration=0.3')) for _ in range(9)])\n"
+            "for row in np.random.default_rng(2).normal(0, 5, (200, 9, 8)): batch.step(row)\n"
+            "print(*[plant.hash for plant in batch.plants])"
+        )
+        processors = os.sched_getaffinity(0)
+        results = []
+        for some in [{min(processors)}, processors]:
+            settle = f"import os; os.sched_setaffinity(0, {some})\n"
+            results.append(subprocess.run([sys.executable, "-c", settle + program], capture_output=True, check=True).stdout)
+        self.assertEqual(results[0], results[1])
+        self.assertEqual(len(set(results[0].split())), 9, "each plant has torques of its own")
+
+    def test_a_plant_in_use_ends_the_batch_with_a_sentence_and_no_plant_steps(self):
+        scene = biped.Scene("stand", "duration=1000")
+        busy = biped.Plant(scene)
+        batch = biped.PlantBatch([biped.Plant(scene), busy])
+        worker = threading.Thread(target=lambda: busy.step(periods=50_000))
+        worker.start()
+        refused = []
+        while worker.is_alive() and not refused:
+            try:
+                batch.plants[0].reset()
+                batch.step(np.zeros((2, 8)))
+            except biped.Error as error:
+                refused.append((str(error), batch.plants[0].time))
+        worker.join()
+        self.assertEqual(refused, [("this plant is in use by another thread, or twice in one call: give each thread its own plant", 0.0)])
+        batch.step()
 
     def test_plants_that_fail_are_named_and_all_others_step(self):
         scene = biped.Scene("stand", "duration=0.4")
@@ -300,10 +278,4 @@ class Words(unittest.TestCase):
 
 
 if __name__ == "__main__":
-    if sys.argv[1:] == ["go on"]:
-        scene, snapshot = pickle.loads(sys.stdin.buffer.read())
-        plant = biped.Plant(scene)
-        plant.restore(snapshot)
-        print(springs(plant, 1000))
-    else:
-        unittest.main()
+    unittest.main()

@@ -24,6 +24,7 @@ macro_rules! named {
 
 named! {
     /// Phase of the controller's gait.
+    #[derive(serde::Serialize, serde::Deserialize)]
     Phase,
     /// Names of [`Phase`], the number in [`Telemetry::phase`](super::Telemetry).
     PHASES:
