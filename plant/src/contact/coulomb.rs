@@ -158,10 +158,8 @@ impl Coulomb {
             if ended {
                 // a solution may still gain its last digits, but not by many steps
                 let limits = if self.best.error <= SOLVED { Limits::EARLY } else { limits };
-                return self.newton_from(true, true, Weight::Balanced, limits)
-                    || self.best.error <= SOLVED
-                    || self.newton_from(false, false, Weight::Balanced, limits)
-                    || self.best.error <= SOLVED;
+                let solved = self.newton_from(true, true, Weight::Balanced, limits) || self.best.error <= SOLVED;
+                return solved || self.newton_from(false, false, Weight::Balanced, limits) || self.best.error <= SOLVED;
             }
             if self.tried != self.guess.modes {
                 self.tried.clone_from(&self.guess.modes);
