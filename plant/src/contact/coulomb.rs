@@ -156,8 +156,6 @@ impl Coulomb {
             self.initial.clone_from(&self.iterate.f);
             self.keep_best(true);
             if ended {
-                // a solution may still gain its last digits, but not by many steps
-                let limits = if self.best.error <= SOLVED { Limits::EARLY } else { limits };
                 let solved = self.newton_from(true, true, Weight::Balanced, limits) || self.best.error <= SOLVED;
                 return solved || self.newton_from(false, false, Weight::Balanced, limits) || self.best.error <= SOLVED;
             }
