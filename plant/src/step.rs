@@ -25,6 +25,7 @@ mod event_contact;
 mod free;
 mod ground;
 mod impact;
+mod landing;
 mod last_acceleration;
 mod midpoint;
 mod midpoint_contact;

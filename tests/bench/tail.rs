@@ -46,7 +46,9 @@ pub fn print() {
     let periods = problems.len();
     println!("\n{periods} periods of the walk, each the least of {RUNS} runs [µs]");
     println!("{:<18}{:>9}{:>9}{:>9}{:>9}{:>14}", "", "median", "99 %", "99.9 %", "max", "max / median");
-    for (name, least) in ["plant step", "controller tick"].into_iter().zip(&least) {
+    let aligned = walk(&Doing::Walking.scene(&["plant.law=Aligned".to_string()]), RUNS).least;
+    for (name, least) in [("plant step", &least[0]), ("the same, Aligned", &aligned[0]), ("controller tick", &least[1])]
+    {
         let [median, p99, p99_9, max] = quantiles(least);
         println!("{name:<18}{median:>9.2}{p99:>9.2}{p99_9:>9.2}{max:>9.2}{:>14.1}", max / median);
     }

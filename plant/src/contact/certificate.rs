@@ -59,8 +59,9 @@ impl Scales {
 
     /// The natural map of one contact. f and F may have any common unit, and so may v and V. Where the direction of slip is `given`,
     /// friction acts against that direction at every velocity.
+    #[inline]
     pub fn natural_map(self, f: [f64; 3], v: [f64; 3], friction: f64, given: [f64; 2]) -> f64 {
-        let nan = f.iter().chain(&v).fold(0.0, |sum, x| sum + 0.0 * x); // NaN if any number is NaN, because the comparisons below would hide it
+        let nan = 0.0 * ((f[0] + f[1] + f[2]) + (v[0] + v[1] + v[2])); // NaN if any number is NaN, because the comparisons below would hide it
         if self.speed == 0.0 || self.impulse == 0.0 {
             let violates = v.iter().any(|v| *v != 0.0) && f.iter().any(|f| *f != 0.0) || v[0] < 0.0;
             return if violates { f64::INFINITY } else { 0.0 } + nan;
@@ -105,15 +106,26 @@ pub(crate) fn relative(x: f64, scale: f64) -> f64 {
     if x == 0.0 { 0.0 } else { x / scale }
 }
 
-/// The greatest Σ|A f| of some rows, plus the greatest `speed` without impulse of all rows that are coupled with them. b is a small
-/// difference of such speeds, so it has their rounding.
-pub(super) fn largest_row_sum(delassus: &[f64], f: &[f64], rows: Range<usize>, speed: impl Fn(usize) -> f64) -> f64 {
-    let row = |row: usize| {
-        let a = &delassus[row * f.len()..][..f.len()];
-        let coupled = (0..f.len()).filter(|&k| a[k] != 0.0).map(&speed).fold(0.0, f64::max);
-        a.iter().zip(f).map(|(a, f)| (a * f).abs()).sum::<f64>() + coupled
-    };
-    rows.map(row).fold(0.0, f64::max)
+/// The greatest Σ|A f| of up to three rows of one contact, plus the greatest `speed` without impulse of all rows that are coupled with them,
+/// in units of `scale`. b is a small difference of such speeds, so it has their rounding. A is read by columns, so that the rows are summed
+/// side by side.
+pub(super) fn largest_row_sum(
+    delassus: &[f64],
+    f: &[f64],
+    rows: Range<usize>,
+    speed: impl Fn(usize) -> f64,
+    scale: f64,
+) -> f64 {
+    let mut sums = [[0.0; 2]; 3];
+    for (k, (column, f)) in delassus.chunks_exact(f.len().max(1)).zip(f).enumerate() {
+        let speed = speed(k);
+        for ([sum, coupled], a) in sums.iter_mut().zip(&column[rows.clone()]) {
+            *sum += (a * f).abs();
+            let own = if *a == 0.0 { 0.0 } else { speed };
+            *coupled = if own > *coupled { own } else { *coupled };
+        }
+    }
+    sums.iter().map(|[sum, coupled]| sum + coupled / scale).fold(0.0, f64::max)
 }
 
 /// V of each contact: the greatest speed of all contacts that are coupled with it, directly or through others. Each contact's speed follows
@@ -171,7 +183,7 @@ impl Evaluator {
             let inverse_mass = rows.clone().map(|row| problem.delassus[row * (m + 1)]).fold(0.0, f64::max);
             let (friction, given) = (problem.friction[i], problem.given_slip(i));
             let scales = Scales::of(speed, inverse_mass, f);
-            let sum = || largest_row_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs());
+            let sum = || largest_row_sum(&problem.delassus, impulse, rows, |row| problem.drift[row].abs(), 1.0);
             let map = of_contact(scales, inverse_mass, [f, v], friction, given, sum);
             residual.natural_map = max_or_nan(residual.natural_map, map);
             let work = (f[0] * v[0]).abs();

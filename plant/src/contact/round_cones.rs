@@ -28,6 +28,8 @@ pub(super) struct RoundCones {
     pub inverse_mass: Vec<f64>,
     /// V of each contact [m/s]; see [`super::certificate`].
     speeds: Vec<f64>,
+    /// |b| of each row [m/s].
+    row_speeds: Vec<f64>,
     /// Largest scaled drift.
     pub size: f64,
 }
@@ -67,6 +69,8 @@ impl RoundCones {
                 scaled.iter_mut().zip(a).zip(inverse).for_each(|((scaled, a), inverse)| *scaled = a * (own * inverse));
             }
         }
+        self.row_speeds.clear();
+        self.row_speeds.extend(self.drift.iter().enumerate().map(|(row, b)| b.abs() * self.scale[row / 3]));
         self.size = self.drift.iter().fold(0.0, |size, b| b.abs().max(size));
         self.link.clear();
         self.link.extend((0..problem.contacts).map(|i| problem.link.get(i).copied().unwrap_or(i)));
@@ -91,8 +95,8 @@ impl RoundCones {
         for i in 0..self.contacts {
             let (own_f, own_v, inverse_mass) = (contact_rows(f, i), contact_rows(v, i), self.inverse_mass[i]);
             let scales = Scales::of(self.speed(i), inverse_mass, own_f);
-            let speed = |row: usize| self.drift[row].abs() * self.scale[row / 3] / self.scale[i];
-            let sum = || largest_row_sum(&self.delassus, f, 3 * i..3 * i + 3, speed);
+            let sum =
+                || largest_row_sum(&self.delassus, f, 3 * i..3 * i + 3, |row| self.row_speeds[row], self.scale[i]);
             let map = of_contact(scales, inverse_mass, [own_f, own_v], self.friction[i], self.slip_direction[i], sum);
             worst = max_or_nan(worst, map);
         }

@@ -1,9 +1,10 @@
 //! The midpoint rule with contact: forces at the middle of the step, the contact law at its end, and landings located in time.
 
 use super::Plant;
+use super::landing::{Landing, LandingSearch};
 use super::midpoint::update_mean;
 use super::posed_state::BaseCentre;
-use super::prediction::{Prediction, first_root};
+use super::prediction::Prediction;
 use super::step_state::StepState;
 use super::workspace::Workspace;
 use crate::error::PlantError;
@@ -35,13 +36,6 @@ struct Part {
     whole: f64,
     /// Whether points that land in this part are ignored.
     skips_landings: bool,
-}
-
-/// Time of a landing since the beginning of a part [s], and the gap then [m].
-#[derive(Clone, Copy, Debug)]
-struct Landing {
-    time: f64,
-    gap: f64,
 }
 
 impl Plant {
@@ -187,7 +181,7 @@ impl Plant {
 
     /// Advances to the first landing, if there is one. Else the end of the step is computed.
     ///
-    /// The gap is nearly a parabola in time. Its beginning is known, and each trial gives its curvature.
+    /// The gap at its end depends on the length of the part; see [`LandingSearch`].
     fn advance_to_landing(&mut self, rest: Part) -> Result<Option<Landing>, PlantError> {
         self.predict_free_motion(rest)?;
         let Plant {
@@ -215,6 +209,7 @@ impl Plant {
         if landing.iter().any(|&id| gap(id) <= LANDED * world.model.length) {
             return Ok(Some(Landing { time: 0.0, gap: 0.0 }));
         }
+        let mut search = LandingSearch::new();
         for trial in 1.. {
             self.find_end(Part { h: time, skips_landings: true, ..rest })?;
             let Plant { world, state: StepState { now, .. }, work: Workspace { middle, landing, .. }, .. } = self;
@@ -230,7 +225,7 @@ impl Plant {
                 return Ok(Some(Landing { time, gap }));
             }
             let start = world.input.ground.gap(&world.model, &now.pose, first);
-            time = first_root(start, rate, (gap - start - rate * time) / (time * time)).min(h);
+            time = search.next(Landing { time, gap }, [start, rate], h);
             self.state.memory.copy(&self.work.remembered);
         }
         Ok(None)

@@ -9,6 +9,7 @@
 //!
 //! The condition Kᵀ(ẋ₋ + ẋ₊) = 0 would be second order as well, but a velocity error would alternate in sign for ever.
 
+use super::landing::first_root;
 use super::posed_state::PosedState;
 use super::settings::World;
 use super::touches::Touches;
@@ -99,11 +100,6 @@ impl<'a> Prediction<'a> {
             }
         }
     }
-}
-
-/// Time at which a point meets the ground: gap + rate t + bend t² = 0, with rate < 0.
-pub(super) fn first_root(gap: f64, rate: f64, curvature: f64) -> f64 {
-    2.0 * gap / (-rate + (rate * rate - 4.0 * curvature * gap).max(0.0).sqrt())
 }
 
 /// Direction of the slip if it is steady, else zero. A slip is steady if its mean hardly differs from the slip at the beginning and

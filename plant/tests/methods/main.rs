@@ -2,12 +2,14 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod account;
 mod bounces;
 mod cases;
 mod comparison;
 mod flight;
 mod ground;
 mod preparation;
+mod stability;
 mod step_size;
 mod support;
 mod throws;

@@ -170,7 +170,12 @@ impl PatchNewton {
                 match own.mode {
                     ContactMode::Open | ContactMode::Patch => {}
                     ContactMode::Sticking => unknowns.extend([0, 1, 2].map(|row| Unknown::Sticking { contact, row })),
-                    ContactMode::Sliding => unknowns.extend([Unknown::ConeEdge(contact), Unknown::Transverse(contact)]),
+                    ContactMode::Sliding => {
+                        unknowns.push(Unknown::ConeEdge(contact));
+                        if cones.slip_direction[contact] == [0.0; 2] {
+                            unknowns.push(Unknown::Transverse(contact)); // else friction has a given direction
+                        }
+                    }
                 }
             }
         }

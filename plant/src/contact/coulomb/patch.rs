@@ -42,6 +42,11 @@ pub(super) struct LinkContacts {
     pub basis_of: (u64, usize),
 }
 
+/// The first rows of each contact.
+fn used(basis: &mut [Rows], rows: usize) -> impl Iterator<Item = &mut [f64; LINK_DOFS]> {
+    basis.iter_mut().flat_map(move |own| &mut own[..rows])
+}
+
 /// Q by contact, and the weights of normal and friction impulses; workspace.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Patch {
@@ -109,14 +114,14 @@ impl Patch {
             diagonal[pivot.0][pivot.1] = 0.0;
             group.rank += 1;
         }
-        let rows = basis[contacts].as_flattened_mut();
+        let own = &mut basis[contacts];
         for c in 0..group.rank {
             for d in (0..c).chain(0..c) {
-                let along: f64 = rows.iter().map(|row| row[c] * row[d]).sum();
-                rows.iter_mut().for_each(|row| row[c] -= along * row[d]);
+                let along: f64 = used(own, rows).map(|row| row[c] * row[d]).sum();
+                used(own, rows).for_each(|row| row[c] -= along * row[d]);
             }
-            let norm = rows.iter().map(|row| row[c] * row[c]).sum::<f64>().sqrt();
-            rows.iter_mut().for_each(|row| row[c] /= norm);
+            let norm = used(own, rows).map(|row| row[c] * row[c]).sum::<f64>().sqrt();
+            used(own, rows).for_each(|row| row[c] /= norm);
         }
     }
 

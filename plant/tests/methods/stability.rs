@@ -1,0 +1,37 @@
+//! Explicit methods and stiff joints: the limit of stability.
+
+use biped_plant::Plant;
+use messages::scene::{Method, Scene};
+use messages::wire::Torques;
+
+/// A rod of inertia 1 kg·m² about its fixed hinge, with this spring [N·m/rad] and damper [N·m·s/rad], turning at .1 rad/s.
+fn rod(method: Method, stiffness: f64, damping: f64) -> Scene {
+    let text = format!(
+        "[plant]\nbase = \"fixed\"\ngravity = 0.0\ndrive_inertia = 0.0\n[initial]\njoint_rates = [0.1]\n[[bodies]]\nname = \"wall\"\nmass = 1.0\n\
+         size = [0.1, 0.1, 0.1]\n[[bodies]]\nname = \"rod\"\nmass = 1.0\nsize = [0.1, 0.1, 0.1]\ninertia = [1.0, 1.0, 1.0]\njoint = {{ \
+         parent = \"wall\", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0], stiffness = {stiffness:e}, damping = {damping:e} }}\n"
+    );
+    let mut scene = messages::load::parse(&text, "a test").expect("a scene");
+    (scene.plant.method, scene.plant.dt, scene.rate) = (method, 1e-3, 1e3);
+    scene
+}
+
+/// Just below its limit of h d/H a damper brings the joint to rest; just above it the scene is refused. Without the refusal each step would
+/// turn the joint back by more than it had turned.
+#[test]
+fn a_damper_is_refused_from_the_step_at_which_it_would_add_energy() {
+    for (method, limit) in
+        [(Method::ExplicitEuler, 2.0), (Method::MoreauJean, 2.0), (Method::Rk4, 2.78), (Method::Rk4Impact, 2.78)]
+    {
+        let at = |part: f64| {
+            Plant::new(&rod(method, 0.0, part * limit / 1e-3)).map(|mut plant| {
+                (0..2000).for_each(|_| _ = plant.advance(&Torques::default()).expect("a step"));
+                plant.state().xdot[0].abs()
+            })
+        };
+        let [below, above] = [0.99, 1.01].map(at);
+        println!("{method:?}: {below:?} rad/s after 2000 steps, {above:?}");
+        assert!(below.as_ref().is_ok_and(|rate| *rate < 1e-6), "{method:?}: {below:?}");
+        assert!(above.is_err_and(|error| error.to_string().contains("of the joint of body `rod`")), "{method:?}");
+    }
+}
