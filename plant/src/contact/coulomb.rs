@@ -42,8 +42,9 @@ use iterate::{Guess, Iterate, Limits, Start, Weight};
 use messages::scene::Law;
 use newton::PatchNewton;
 
-/// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten.
-const MAX_MINIMA: u32 = 50;
+/// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten. Two feet that press against
+/// each other need up to 80.
+const MAX_MINIMA: u32 = 200;
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]

@@ -1,4 +1,5 @@
-//! Claim: the cascade needs each of its stages. Without any one of them, some problem of a robot on two feet stays unsolved.
+//! Claim: the cascade needs each of its stages. Without energy minima some problem of a robot on two feet stays unsolved, and without
+//! interior points it takes many times the linear systems.
 
 use super::super::Solver;
 use super::super::round_cones::apply_delassus;
@@ -8,7 +9,7 @@ use crate::Plant;
 use messages::scene::Scene;
 use messages::wire::Torques;
 
-/// Seeds of problems, one in fifty thousand, that Newton's method and energy minima do not solve.
+/// Seeds of problems, one in fifty thousand, that Newton's method and 50 energy minima do not solve.
 const POINTS: [u64; 4] = [55710, 125620, 156218, 170201];
 /// Seeds of problems, one in eight thousand, that Newton's method and interior points do not solve.
 const MINIMA: [u64; 8] = [8541, 10790, 14114, 16369, 53497, 57084, 57127, 69360];
@@ -31,19 +32,19 @@ fn problem(seed: u64) -> Problem {
     problem
 }
 
-/// Whether some of the stages solve a problem without a memory.
-fn solves(problem: &Problem, solver: impl FnOnce(&mut Coulomb) -> bool) -> bool {
+/// Solves a problem by some of the stages, without a memory. Returns the number of linear systems, or `None` if it stays unsolved.
+fn systems(problem: &Problem, solver: impl FnOnce(&mut Coulomb) -> bool) -> Option<u32> {
     let mut coulomb = Coulomb::default();
     coulomb.cones.set(problem, Law::Cone);
     coulomb.newton.set_problem(&coulomb.cones);
     coulomb.recall(problem, &Memory::default());
     coulomb.begin();
-    solver(&mut coulomb) || coulomb.best.error <= PROMISED
+    (solver(&mut coulomb) || coulomb.best.error <= PROMISED).then_some(coulomb.iterate.steps)
 }
 
 /// Number of problems that some of the stages leave unsolved.
 fn missed(problems: &[Problem], solver: impl Fn(&mut Coulomb) -> bool) -> usize {
-    problems.iter().filter(|problem| !solves(problem, &solver)).count()
+    problems.iter().filter(|problem| systems(problem, &solver).is_none()).count()
 }
 
 #[test]
@@ -58,10 +59,6 @@ fn every_stage_solves_problems_that_the_others_leave() {
     }
     let without = [
         ("all but Newton's method", missed(&any, |solver| solver.newton_from_memory(Limits::NORMAL))),
-        (
-            "interior points",
-            missed(&points, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.energy_minima()),
-        ),
         ("minima", missed(&minima, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.interior_points())),
     ];
     println!("left unsolved without {without:?}");
@@ -69,6 +66,21 @@ fn every_stage_solves_problems_that_the_others_leave() {
         without.iter().all(|(_, left)| *left > 0),
         "a control detects nothing, choose harder problems: {without:?}"
     );
+}
+
+#[test]
+fn interior_points_save_most_of_the_minima() {
+    let problems: Vec<_> = POINTS.into_iter().chain(0..1000).map(problem).collect();
+    let total = |solver: fn(&mut Coulomb) -> bool| -> u32 {
+        let hard = problems
+            .iter()
+            .filter(|problem| systems(problem, |solver| solver.newton_from_memory(Limits::NORMAL)).is_none());
+        hard.map(|problem| systems(problem, solver).unwrap_or_else(|| panic!("unsolved"))).sum()
+    };
+    let [with, without] =
+        [total(|solver| solver.interior_points() || solver.energy_minima()), total(|solver| solver.energy_minima())];
+    println!("{with} linear systems with interior points, {without} without");
+    assert!(2 * with < without, "{with} and {without} linear systems");
 }
 
 /// The feet do not move, and impulses with large internal parts hold them. Without patches, the solver finds more of those internal parts
@@ -106,4 +118,16 @@ fn delassus_times(problem: &Problem, f: &[f64]) -> Vec<f64> {
     let mut v = Vec::new();
     apply_delassus(&problem.delassus, &vec![0.0; f.len()], f, &mut v);
     v
+}
+
+/// Three steps of walks with .9, 1.25 and 2.85 kg on the trunk, in which both feet press against each other. The shift creeps towards its
+/// limit, with a residual of 1e-5 after 50 minima, until the relaxation grows.
+#[test]
+fn many_minima_solve_feet_that_press_against_each_other() {
+    let recorded = include_str!("../../../tests/data/pressing_feet.json");
+    let problems: Vec<Problem> = serde_json::from_str(recorded).unwrap_or_else(|error| panic!("{error}"));
+    assert_eq!(problems.len(), 3);
+    assert_eq!(missed(&problems, Coulomb::energy_minima), 0);
+    let others = missed(&problems, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.interior_points());
+    assert_eq!(others, 3, "they need the minima");
 }

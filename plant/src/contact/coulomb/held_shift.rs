@@ -11,7 +11,7 @@ use super::super::round_cones::contact_rows;
 use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PROGRESS};
 
 /// Minima without progress before the relaxation changes.
-const PATIENCE: u32 = 2;
+const PATIENCE: u32 = 6;
 
 /// The held |v_F| of each contact; workspace.
 #[derive(Clone, Debug, Default)]
