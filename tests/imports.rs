@@ -56,7 +56,7 @@ impl Crate {
 
     /// Adds the module of a file, and the modules below it, whose files are in `folder`.
     fn add_file(&mut self, file: &Path, folder: &Path, path: Names, read: &dyn Fn(&Path) -> Option<String>) {
-        let text = read(file).unwrap_or_else(|| panic!("there is no {}", file.display()));
+        let text = read(file).expect("every module has a file");
         self.add_items(file, folder, path, syn::parse_file(&text).expect("Rust").items, read);
     }
 
@@ -105,7 +105,7 @@ impl Crate {
                 let module = &self.0[from];
                 match module.imported.get(first).filter(|import| import.first() != Some(first)) {
                     Some(import) => Some([self.absolute(from, import)?, rest.to_vec()].concat()),
-                    None => module.defined.contains(first).then(|| below),
+                    None => module.defined.contains(first).then_some(below),
                 }
             }
         }

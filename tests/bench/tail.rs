@@ -46,7 +46,7 @@ pub fn print() {
     let periods = problems.len();
     println!("\n{periods} periods of the walk, each the least of {RUNS} runs [µs]");
     println!("{:<18}{:>9}{:>9}{:>9}{:>9}{:>14}", "", "median", "99 %", "99.9 %", "max", "max / median");
-    let aligned = walk(&Doing::Walking.scene(&["plant.law=Aligned".to_string()]), RUNS).least;
+    let aligned = walk(&Activity::Walking.scene(&["plant.law=Aligned".to_string()]), RUNS).least;
     for (name, least) in [("plant step", &least[0]), ("the same, Aligned", &aligned[0]), ("controller tick", &least[1])]
     {
         let [median, p99, p99_9, max] = quantiles(least);
