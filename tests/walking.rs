@@ -182,11 +182,12 @@ fn push_times() -> Vec<String> {
 }
 
 /// Impulses at the trunk within .05 s. They are half a grid step below the limits of `biped study pushes`, and the phases lie between the phases
-/// there. 4 N·s change the speed of the robot by .29 m/s, which is 1.5 times its walking speed.
+/// there. 5 N·s change the speed of the robot by .36 m/s, which is 1.8 times its walking speed. If no limit widens with the deviation
+/// (`gait/deviation.rs`), the walk falls under the first of them at five of the eight phases.
 #[test]
 fn it_survives_pushes_from_four_sides() {
     let impulses = [
-        ("walk", [[4.0, 0.0], [-5.0, 0.0], [0.0, 3.0], [0.0, -3.0]]),
+        ("walk", [[5.0, 0.0], [-5.0, 0.0], [0.0, 3.0], [0.0, -3.0]]),
         ("stamp", [[4.5, 0.0], [-5.0, 0.0], [0.0, 3.0], [0.0, -3.0]]),
     ];
     for (scene, impulses) in impulses {

@@ -51,11 +51,17 @@ impl Chain {
         self.total_mass * (gravity * lift + a * lever + level.copysign(lever) * moved)
     }
 
-    /// Range of torques for which the zero-moment point stays within ±`edge` [m] of the sole's centre [N·m]. The centre of gravity is
-    /// a pendulum with the rate `omega` [1/s]: a = ω² (x − p).
-    pub fn ankle_range(&self, task: &Task, ankle: Ankle, gravity: f64, omega: f64, edge: f64) -> [f64; 2] {
-        let x = task.x[ankle.axis()];
-        let [a, b] = [-edge, edge].map(|p| self.ankle_torque(task, ankle, gravity, p, omega * omega * (x - p)));
+    /// Range of torques for which the zero-moment point stays within ±`edge` [m] of the sole's centre [N·m]. `acceleration` is that of
+    /// the centre of gravity for a zero-moment point [m/s² of m].
+    pub fn ankle_range(
+        &self,
+        task: &Task,
+        ankle: Ankle,
+        gravity: f64,
+        edge: f64,
+        acceleration: impl Fn(f64) -> f64,
+    ) -> [f64; 2] {
+        let [a, b] = [-edge, edge].map(|p| self.ankle_torque(task, ankle, gravity, p, acceleration(p)));
         [a.min(b), a.max(b)]
     }
 }

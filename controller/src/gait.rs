@@ -6,8 +6,10 @@
 //! In phase *walk* both axes are pendulums (31), (32). Their states follow the measured centre of gravity: `gait/observer.rs`. The
 //! energy rule (39) keeps the lateral pendulum on its orbit, and that orbit sets the time of the steps: `gait/lateral.rs`. The
 //! sagittal pendulum is stabilised by the landing position of the foot and by the ankle, `gait/placement.rs`, or by the paper's
-//! energy rule (42), `gait/stepping.rs`. The exchange of support is in `gait/exchange.rs`, all other phases in `gait/phases.rs`.
+//! energy rule (42), `gait/stepping.rs`. Limits widen when the robot is pushed: `gait/deviation.rs`. The exchange of support is in
+//! `gait/exchange.rs`, all other phases in `gait/phases.rs`.
 
+mod deviation;
 mod exchange;
 mod lateral;
 mod model;

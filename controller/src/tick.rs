@@ -247,6 +247,7 @@ impl ControllerModel {
         } else {
             1.0
         };
+        let loaded = loaded + (1.0 - loaded) * gait.urgency;
         let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
         let mut narrow = |j: usize, [low, high]: [f64; 2]| {
             [limits[0][j], limits[1][j]] =
@@ -261,7 +262,13 @@ impl ControllerModel {
                 (at_rest(plan.load), at_rest(1.0 - plan.load))
             } else {
                 let swing = SWING_SHARE[k].max(SWING_SHARE_GROWTH[k] * self.gait.steady_acceleration(gait.step));
-                (self.chain.ankle_range(task, ankle, self.gravity, omega, loaded * edge), at_rest(swing))
+                let swing = swing + (PUSHED_SWING_SHARE - swing).max(0.0) * gait.urgency;
+                // A pendulum with the zero-moment point p; in the sagittal plane of a pushed robot, the plan.
+                let acceleration = |p: f64| {
+                    let free = omega * omega * (task.x[k] - p);
+                    free + [gait.urgency, 0.0][k] * (plan.acceleration[k] - free)
+                };
+                (self.chain.ankle_range(task, ankle, self.gravity, loaded * edge, acceleration), at_rest(swing))
             };
             narrow(ankle.joint(), stance);
             narrow(JOINTS - 1 - ankle.joint(), swing);
@@ -292,5 +299,7 @@ const SWING_SHARE: [f64; 2] = [0.31, 0.8];
 /// The least torque limit of that ankle, in the same unit, per acceleration of the swing foot in the steady gait [s²/m]. A foot that
 /// moves faster needs more torque to stay level. With [`SWING_SHARE`] alone the robot falls at .4 m/s.
 const SWING_SHARE_GROWTH: [f64; 2] = [0.04, 0.0];
+/// That limit of a robot that is pushed far along, in the same unit: in a hasty step the foot would turn on its way [-].
+const PUSHED_SWING_SHARE: f64 = 0.8;
 /// Share of the weight on the new stance foot immediately after an exchange [-].
 const FIRST_LOAD: f64 = 0.15;

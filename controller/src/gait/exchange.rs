@@ -50,6 +50,7 @@ impl GaitModel {
         let stopping = self.stopping(state);
         if stopping && state.step == 0.0 {
             state.phase = Phase::Land;
+            state.urgency = 0.0;
             return;
         }
         let wanted = if stopping { 0.0 } else { self.step_length() };

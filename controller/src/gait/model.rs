@@ -64,6 +64,8 @@ pub struct GaitState {
     pub foot: MinimumJerkState,
     /// Planned landing position x_t1 [m].
     pub landing: f64,
+    /// Share to which limits are widened because ξ_1 deviates from the steady gait: `deviation.rs` [-].
+    pub(crate) urgency: f64,
     /// Present step length W_1 [m].
     pub(crate) step: f64,
     /// Corrections learned from the last steps.
@@ -120,6 +122,7 @@ impl GaitModel {
             height: task.x[2],
             foot: MinimumJerkState::at_rest(task.x[3]),
             landing: task.x[3],
+            urgency: 0.0,
             step: 0.0,
             corrections: Corrections::default(),
         }

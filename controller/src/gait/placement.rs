@@ -51,6 +51,7 @@ impl GaitModel {
         } else {
             let distance = place(x_e, v_e) - foot.x;
             let deviation = x_e + per_x * distance - 0.5 * step + (v_e + per_v * distance - v_ref) / omega; // ξ_e − ξ_ref
+            state.urgency = self.urgency(deviation * libm::exp(-omega * left));
             let growth = libm::expm1(omega * left.max(self.parameters.shortest_correction));
             let most = self.zmp_range[0];
             (ANKLE_SHARE * deviation / growth).clamp(-most, most)

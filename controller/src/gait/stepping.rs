@@ -27,8 +27,9 @@ impl GaitModel {
         let [sagittal, lateral] = state.com;
         state.com = [pendulum(sagittal, &self.propagator[0], u_1), pendulum(lateral, &self.propagator[1], u_2)]; // (31), (32)
         let outward = state.com[1].x - 0.5 * self.width;
-        let lift = self.swing_height.height_and_rate(outward, state.com[1].v); // (43)
-        self.reference(state, task, lift.into(), 1.0)
+        let (height, rate) = self.swing_height.height_and_rate(outward, state.com[1].v); // (43)
+        let higher = 1.0 + state.urgency;
+        self.reference(state, task, [height * higher, rate * higher], 1.0)
     }
 
     /// Corrects the plan by the measured centre of gravity. Under the paper's sagittal rule (42) axis 1 is not corrected: the foot
