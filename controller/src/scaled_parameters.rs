@@ -42,8 +42,8 @@ const FARTHEST: f64 = 0.25;
 const SWING_ACCELERATION: [f64; 2] = [12.0, 18.0];
 /// A foot that is higher than this above the other one is in the air: a tenth of the default swing height [m].
 const AIRBORNE: f64 = 1e-3;
-/// Deviations of ξ_1 between which the limits of a pushed robot widen: those after pushes of .7 and 2 N·s [m].
-const DEVIATION: [f64; 2] = [0.01, 0.03];
+/// Deviations of ξ_1 between which the limits of a pushed robot widen: those after pushes of 1 and 2.7 N·s [m].
+const DEVIATION: [f64; 2] = [0.015, 0.04];
 /// Height of the swing foot in the posture for which ω, γ and J_n are computed [m].
 const MID_SWING: f64 = 0.02;
 /// v_0 of the energy rule: below this speed the input fades, because 1/v of (39) is singular [m/s].
