@@ -158,15 +158,17 @@ fn the_default_law_resists_both_tangents() {
     assert!((slide - fall).abs() < G * H, "{slide} m, {fall} m by theory");
 }
 
-/// The paper's single slip direction does not resist motion across it, so sticking feet creep and the walk drifts sideways. With
-/// resistance in both tangents, the robot only sways by about the width of a step. The amount of creep depends on rounding, and was .2 to
-/// .35 m in 110 s; the claim is many times the sway.
+/// The paper's single slip direction does not resist motion across it, so sticking feet creep. Gravity moves a walk across an incline of 3°
+/// downhill, by .9 m in 110 s. With resistance in both tangents it moves by a tenth of that.
 #[test]
 fn one_slip_direction_lets_the_walk_drift() {
-    let aside = |law: &str| run("walk", &["duration=110", law]).number("lateral_max_m");
+    let aside = |law: &str| {
+        let across = ["plant.incline_deg=3", "initial.orientation_deg=[0.0, 0.0, 90.0]"];
+        run("walk", &["duration=110", law, across[0], across[1]]).number("distance_m").abs()
+    };
     let [one, both] = ["plant.law=Complementarity", "plant.law=Aligned"].map(aside);
-    println!("{one} m aside with one slip direction, {both} m with both");
-    assert!(both < 0.1 && one > 4.0 * both, "{one} m with one direction, {both} m with both");
+    println!("{one} m downhill with one slip direction, {both} m with both");
+    assert!(both < 0.15 && one > 4.0 * both, "{one} m with one direction, {both} m with both");
 }
 
 #[test]
