@@ -1,6 +1,6 @@
 //! `biped top` of a session that another user shares: the owner's process sends the lines.
 
-use super::{Display, LINE_INTERVAL};
+use super::display::{Display, LINE_INTERVAL};
 use messages::session::{Session, SharedSession};
 use shared::exit::Failure;
 use shared::output::printable;
@@ -31,7 +31,8 @@ impl SharedDisplay {
         Ok(SharedDisplay(Display::attach(session)?))
     }
 
-    /// Reads the session, and returns a line once a second. Call it every [`POLL_INTERVAL`](super::POLL_INTERVAL), because in lockstep the plant waits for it.
+    /// Reads the session, and returns a line once a second. Call it every [`POLL_INTERVAL`](super::display::POLL_INTERVAL), because in
+    /// lockstep the plant waits for it.
     ///
     /// # Errors
     /// If the session cannot be read.
