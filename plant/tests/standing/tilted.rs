@@ -5,7 +5,7 @@ use biped_plant::Plant;
 use controller::Controller;
 
 /// Control periods in which a push presses the robot down, its feet slip, and it comes to rest.
-const SLIP: usize = 3000;
+const SLIP: usize = 4000;
 /// Control periods at rest that are observed.
 const REST: usize = 2000;
 
