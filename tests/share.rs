@@ -36,7 +36,10 @@ impl Place {
         std::fs::create_dir(&folder).expect("a folder");
         chown(&folder, Some(OWNER), Some(OWNER)).expect("root may");
         std::fs::set_permissions(&folder, PermissionsExt::from_mode(0o755)).expect("root may");
-        std::fs::copy(env!("CARGO_BIN_EXE_biped"), folder.join("biped")).expect("a copy");
+        // By another process: if this one had the file open for writing, a child of another test could inherit that, and a busy file cannot
+        // be executed.
+        let copied = Command::new("cp").arg(env!("CARGO_BIN_EXE_biped")).arg(&folder).status().expect("cp runs");
+        assert!(copied.success());
         Some(Place { folder })
     }
 
