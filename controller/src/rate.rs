@@ -45,8 +45,8 @@ pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Opt
     let pitch = jacobian * s;
     let mut weighted = pitch * pitch.transpose() * -share; // J C⁻¹ Jᵀ
     for column in jacobian.column_iter() {
-        for k in 0..7 {
-            for i in k..7 {
+        for k in 0..TASK {
+            for i in k..TASK {
                 weighted[(i, k)] += column[i] * column[k];
             }
         }
@@ -59,22 +59,22 @@ pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Opt
 
 /// Solves A x = b for a symmetric A by A = L D Lᵀ; `None` if A is not positive definite. Only the lower triangle of A is read.
 fn solve(mut a: SMatrix<f64, TASK, TASK>, mut b: TaskVector) -> Option<TaskVector> {
-    let mut inverse = [0.0; 7];
-    for k in 0..7 {
+    let mut inverse = [0.0; TASK];
+    for k in 0..TASK {
         if a[(k, k)] <= 0.0 || a[(k, k)].is_nan() {
             return None;
         }
         inverse[k] = 1.0 / a[(k, k)];
-        for j in k + 1..7 {
+        for j in k + 1..TASK {
             let factor = a[(j, k)] * inverse[k];
             b[j] -= factor * b[k];
-            for i in j..7 {
+            for i in j..TASK {
                 a[(i, j)] -= factor * a[(i, k)];
             }
         }
     }
-    for k in (0..7).rev() {
-        let known: f64 = (k + 1..7).map(|j| a[(j, k)] * b[j]).sum();
+    for k in (0..TASK).rev() {
+        let known: f64 = (k + 1..TASK).map(|j| a[(j, k)] * b[j]).sum();
         b[k] = (b[k] - known) * inverse[k];
     }
     Some(b)
@@ -132,7 +132,7 @@ pub fn resolve_by_interior_points(
             .extend((0..JOINTS).map(|i| (0..JOINTS).map(|j| if i == j { sign } else { 0.0 }).collect::<Vec<_>>()));
     }
     let right: Vec<f64> = xdot.iter().chain(upper.iter()).copied().chain(lower.iter().map(|low| -low)).collect();
-    let cones = [SupportedConeT::ZeroConeT(7), SupportedConeT::NonnegativeConeT(2 * JOINTS)];
+    let cones = [SupportedConeT::ZeroConeT(TASK), SupportedConeT::NonnegativeConeT(2 * JOINTS)];
     let settings = DefaultSettings {
         verbose: false,
         presolve_enable: false,

@@ -22,7 +22,7 @@ mod stale_files;
 mod stale_session;
 
 pub use membership::Membership;
-pub use private_file::owner as user_name;
+pub use private_file::user_name;
 pub use share::{ShareListener, SharedSession, group};
 pub use shm_usage::{REQUIRED_FILES, SHARED_MEMORY, ShmUsage};
 pub use stale_session::StaleSession;
@@ -91,7 +91,7 @@ impl Session {
 
     /// Another user who has a session of this name. Each user has separate sessions.
     pub(crate) fn other_owner(&self) -> Option<String> {
-        self.other_owners().next().map(private_file::owner)
+        self.other_owners().next().map(user_name)
     }
 
     /// Numbers of the other users who have a session of this name.

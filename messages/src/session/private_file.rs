@@ -71,7 +71,7 @@ pub(super) fn remove(path: &Path) {
 }
 
 /// Name of a user, or the number if the user has no name.
-pub fn owner(number: u32) -> String {
+pub fn user_name(number: u32) -> String {
     let user = User::from_uid(Uid::from_raw(number)).ok().flatten();
     user.map_or_else(|| number.to_string(), |user| user.name)
 }
@@ -79,7 +79,7 @@ pub fn owner(number: u32) -> String {
 /// Why the owner of a file is wrong; `None` if it is right.
 fn owner_problem(found: &Metadata) -> Option<String> {
     let ours = found.uid() == getuid().as_raw();
-    (!ours).then(|| format!("belongs to user {}", owner(found.uid())))
+    (!ours).then(|| format!("belongs to user {}", user_name(found.uid())))
 }
 
 fn access_error(path: &Path, owner_problem: &str) -> io::Error {

@@ -3,7 +3,7 @@
 //! Shared memory stays private, because iceoryx2 0.10 fixes its permissions when it is compiled. The socket is in a folder that only its
 //! owner and the group can enter. The system checks that, so both sides only check whom they talk to.
 
-use super::private_file::{owner, remove};
+use super::private_file::{remove, user_name};
 use super::{SHARED_MEMORY, Session};
 use crate::error::PortError;
 use nix::unistd::{Gid, Group, Uid, User, getgrouplist, getuid};
@@ -70,7 +70,7 @@ impl ShareListener {
             chown(path, None, Some(group.as_raw())).map_err(|error| match error.kind() {
                 ErrorKind::PermissionDenied => PortError::Share(format!(
                     "user {} cannot share with group {}, because only a member of a group can",
-                    owner(getuid().as_raw()),
+                    user_name(getuid().as_raw()),
                     group_name(group.as_raw())
                 )),
                 _ => failed(error),
@@ -138,7 +138,7 @@ impl SharedSession {
 
     /// Owner and name, as `--session` takes them.
     pub fn name(&self) -> String {
-        format!("{}/{}", owner(self.owner), self.session.name())
+        format!("{}/{}", user_name(self.owner), self.session.name())
     }
 
     /// Connects with the owner's process.
@@ -146,7 +146,7 @@ impl SharedSession {
     /// # Errors
     /// [`PortError::Share`] if the session is not shared, or not with this user.
     pub fn connect(&self) -> Result<UnixStream, PortError> {
-        let (name, user) = (self.session.name(), owner(self.owner));
+        let (name, user) = (self.session.name(), user_name(self.owner));
         let folder = share_folder(&self.session, self.owner);
         let not_shared = || match self.session.other_owners().any(|other| other == self.owner) {
             true => PortError::Share(format!("session `{name}` belongs to {user}; ask them for --share GROUP")),
@@ -161,7 +161,7 @@ impl SharedSession {
             ErrorKind::PermissionDenied => PortError::Share(format!(
                 "session `{name}` belongs to {user}, who shares it with group {}; {} is not a member",
                 group_name(found.gid()),
-                owner(getuid().as_raw())
+                user_name(getuid().as_raw())
             )),
             _ => not_shared(),
         };

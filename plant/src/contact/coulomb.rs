@@ -35,16 +35,12 @@ use super::mode::ContactMode;
 use super::problem::Problem;
 use super::report::Report;
 use super::round_cones::{RoundCones, contact_rows};
-use super::tolerance::{PROMISED, SOLVED};
+use super::tolerance::{MAX_MINIMA, PROMISED, SOLVED};
 use held_shift::HeldShift;
 use interior::{Interior, StepRule};
 use iterate::{Guess, Iterate, Limits, Start, Weight};
 use messages::scene::Law;
 use newton::PatchNewton;
-
-/// Energy minima at most. Of the problems that need them, half need one, and one in ten needs more than ten. Two feet that press against
-/// each other need up to 80.
-const MAX_MINIMA: u32 = 200;
 
 /// Workspace.
 #[derive(Clone, Debug, Default)]

@@ -116,6 +116,13 @@ pub(crate) const OVERREDUCTION: f64 = 1.5;
 /// A fixed-point iteration progresses if its change falls below this part of the least change before.
 pub(super) const FIXED_POINT_PROGRESS: f64 = 0.9;
 
+/// Minima of a fixed-point iteration without progress before its relaxation changes.
+pub(super) const FIXED_POINT_PATIENCE: u32 = 6;
+
+/// Minima of a fixed-point iteration at most. Of the problems of [`super::coulomb`] that need minima, half need one, and one in ten needs more
+/// than ten. Two feet that press against each other need up to 80.
+pub(super) const MAX_MINIMA: u32 = 200;
+
 /// Newton's method over patches progresses if its residual falls below this part of the least before.
 pub(super) const NEWTON_PROGRESS: f64 = 0.5;
 

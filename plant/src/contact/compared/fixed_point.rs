@@ -12,15 +12,12 @@
 //! Haslinger 1983 (Tresca). Acary, Cadoux, Lemaréchal & Malick, *A formulation of the linear discrete Coulomb friction problem via convex
 //! optimization*, ZAMM 91, 2011.
 
-use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PROGRESS, PROMISED, SOLVED};
+use super::super::tolerance::{
+    ACCELERATION, DAMPING, FIXED_POINT_PATIENCE, FIXED_POINT_PROGRESS, MAX_MINIMA, PROMISED, SOLVED,
+};
 use super::condition::Condition;
 use super::cone_solver::ConeSolver;
 use messages::scene::Iteration;
-
-/// Minima at most.
-const MAX_MINIMA: u32 = 200;
-/// Minima without progress before the relaxation changes.
-const PATIENCE: u32 = 6;
 
 impl ConeSolver {
     /// Iterates from the present impulse; false if that does not converge. Adds the minima to `count`.
@@ -35,7 +32,7 @@ impl ConeSolver {
             stalled += 1;
             if error < FIXED_POINT_PROGRESS * least {
                 (least, stalled) = (error, 0);
-            } else if stalled > PATIENCE {
+            } else if stalled > FIXED_POINT_PATIENCE {
                 (least, stalled, relaxation) =
                     (error, 0, if is_monotone { ACCELERATION * relaxation } else { DAMPING * relaxation });
             }

@@ -8,10 +8,7 @@
 
 use super::super::projection::norm;
 use super::super::round_cones::contact_rows;
-use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PROGRESS};
-
-/// Minima without progress before the relaxation changes.
-const PATIENCE: u32 = 6;
+use super::super::tolerance::{ACCELERATION, DAMPING, FIXED_POINT_PATIENCE, FIXED_POINT_PROGRESS};
 
 /// The held |v_F| of each contact; workspace.
 #[derive(Clone, Debug, Default)]
@@ -51,8 +48,8 @@ impl HeldShift {
         self.stalled += 1;
         if greatest < FIXED_POINT_PROGRESS * self.least {
             (self.least, self.stalled) = (greatest, 0);
-        } else if self.stalled > PATIENCE {
-            (self.least, self.stalled) = (greatest, if self.is_monotone { PATIENCE } else { 0 });
+        } else if self.stalled > FIXED_POINT_PATIENCE {
+            (self.least, self.stalled) = (greatest, if self.is_monotone { FIXED_POINT_PATIENCE } else { 0 });
             self.relaxation *= if self.is_monotone { ACCELERATION } else { DAMPING };
         }
         self.is_monotone = along > 0.0;
