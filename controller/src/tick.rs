@@ -1,5 +1,6 @@
 //! One control period: from encoder counts to joint torques, through all levels of section 3 of the paper.
 
+mod limits;
 mod snapshot;
 
 pub use snapshot::ControllerSnapshot;
@@ -8,7 +9,7 @@ use crate::ankle::Ankle;
 use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
-use crate::gait::{GaitModel, GaitState, Phase, Reference};
+use crate::gait::{GaitModel, GaitState, Reference};
 use crate::rate;
 use crate::resume;
 use crate::scaled_parameters::ScaledParameters;
@@ -235,47 +236,6 @@ impl ControllerModel {
         bounded.or_else(|| clamped(&low, &high))
     }
 
-    /// Torque limits in support order: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m].
-    ///
-    /// A foot that carries the whole weight tips when the zero-moment point reaches its edge. A foot that shares the load, and the
-    /// swing foot, get a share of that torque. After an exchange the load of the new stance foot rises from [`FIRST_LOAD`] to 1.
-    fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
-        let loading = self.chain.parameters.loading;
-        let stepping = gait.phase == Phase::Walk;
-        let loaded = if stepping && gait.steps > 0 {
-            FIRST_LOAD + (1.0 - FIRST_LOAD) * (gait.since / loading).min(1.0)
-        } else {
-            1.0
-        };
-        let loaded = loaded + (1.0 - loaded) * gait.urgency;
-        let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
-        let mut narrow = |j: usize, [low, high]: [f64; 2]| {
-            [limits[0][j], limits[1][j]] =
-                [low, high].map(|torque| torque.clamp(-self.torque_limit, self.torque_limit));
-        };
-        for ankle in Ankle::BOTH {
-            let k = ankle.axis();
-            let (edge, omega) = (self.constants.sole_edge[k], self.constants.omega[k]);
-            let level = edge * (self.chain.total_mass * self.gravity);
-            let at_rest = |share: f64| [-level * share, level * share];
-            let (stance, swing) = if plan.load < 1.0 {
-                (at_rest(plan.load), at_rest(1.0 - plan.load))
-            } else {
-                let swing = SWING_SHARE[k].max(SWING_SHARE_GROWTH[k] * self.gait.steady_acceleration(gait.step));
-                let swing = swing + (PUSHED_SWING_SHARE - swing).max(0.0) * gait.urgency;
-                // A pendulum with the zero-moment point p; in the sagittal plane of a pushed robot, the plan.
-                let acceleration = |p: f64| {
-                    let free = omega * omega * (task.x[k] - p);
-                    free + [gait.urgency, 0.0][k] * (plan.acceleration[k] - free)
-                };
-                (self.chain.ankle_range(task, ankle, self.gravity, loaded * edge, acceleration), at_rest(swing))
-            };
-            narrow(ankle.joint(), stance);
-            narrow(JOINTS - 1 - ankle.joint(), swing);
-        }
-        limits
-    }
-
     fn telemetry(&self, state: &ControllerState, gait: &GaitState, task: &Task, surface: &Joints) -> Telemetry {
         let [sagittal, lateral] = gait.com;
         Telemetry {
@@ -292,14 +252,3 @@ impl ControllerModel {
         }
     }
 }
-
-/// Torque limit of the swing foot's ankle, over that of a supporting foot at rest, pitch and roll [-]. It is large enough to keep the
-/// sole level when the robot is pushed.
-const SWING_SHARE: [f64; 2] = [0.31, 0.8];
-/// The least torque limit of that ankle, in the same unit, per acceleration of the swing foot in the steady gait [s²/m]. A foot that
-/// moves faster needs more torque to stay level. With [`SWING_SHARE`] alone the robot falls at .4 m/s.
-const SWING_SHARE_GROWTH: [f64; 2] = [0.04, 0.0];
-/// That limit of a robot that is pushed far along, in the same unit: in a hasty step the foot would turn on its way [-].
-const PUSHED_SWING_SHARE: f64 = 0.8;
-/// Share of the weight on the new stance foot immediately after an exchange [-].
-const FIRST_LOAD: f64 = 0.15;

@@ -83,7 +83,7 @@ impl Robot {
 
     /// Simulated time of the last sensors [s].
     pub fn time(&self) -> f64 {
-        self.sensors.stamp.sim_ns as f64 * 1e-9
+        self.sensors.stamp.time()
     }
 
     /// State of the drives.

@@ -113,7 +113,7 @@ impl Run {
 
     /// Simulated time [s].
     pub fn time(&self) -> f64 {
-        self.simulation.sensors().stamp.sim_ns as f64 * 1e-9
+        self.simulation.sensors().stamp.time()
     }
 
     /// Whether the posture is that of a fallen robot, as `biped run` judges it.

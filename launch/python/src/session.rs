@@ -259,7 +259,7 @@ impl Session {
     fn ask(&self, py: Python<'_>, action: Action) -> PyResult<f64> {
         let reply = py.detach(|| ask(&self.session, action)).map_err(|error| failed(error.into()))?;
         match reply.verdict == Verdict::Done as u64 {
-            true => Ok(reply.stamp.sim_ns as f64 * 1e-9),
+            true => Ok(reply.stamp.time()),
             false => {
                 let role = if action.is_for_controller() { "controller" } else { "plant" };
                 let reason = Verdict::text(reply.verdict);

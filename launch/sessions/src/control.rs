@@ -146,7 +146,7 @@ pub fn carry_out(session: &Session, wanted: Wanted, user: Option<u32>) -> Result
         let words = refusal(what, scene).unwrap_or_else(|| Verdict::text(reply.verdict).into());
         return Err(Failure::new(Exit::Usage, format!("the {role} of session `{name}` refuses: {words}")));
     }
-    let time = reply.stamp.sim_ns as f64 * 1e-9;
+    let time = reply.stamp.time();
     let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
     let result = match what {
         Action::Set { .. } => format!("set at t {time:.3} s"),

@@ -92,7 +92,7 @@ impl SwapSchedule {
         }
         let is_ready = self.is_ready()?;
         let half_period = 0.5 / self.contract.rate; // rounds to the nearest control period
-        let is_due = is_ready && now.sim_ns as f64 * 1e-9 >= next.time - half_period;
+        let is_due = is_ready && now.time() >= next.time - half_period;
         if let Some(successor) = self.successor.take_if(|_| is_due) {
             controller.terminate();
             children::wait_for_all(std::slice::from_mut(controller), EXIT_TIMEOUT, &mut meanwhile);

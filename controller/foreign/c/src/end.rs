@@ -159,8 +159,8 @@ impl ControllerHandle {
 
     /// State of the session.
     pub fn status(&self) -> ControllerStatus {
-        let Stamp { run, seq, sim_ns, .. } = self.reading.stamp;
-        ControllerStatus { run, seq, time: sim_ns as f64 * 1e-9, ..self.robot }
+        let stamp = self.reading.stamp;
+        ControllerStatus { run: stamp.run, seq: stamp.seq, time: stamp.time(), ..self.robot }
     }
 }
 
