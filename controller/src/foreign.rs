@@ -10,7 +10,7 @@ macro_rules! python {
 }
 
 /// Modules that every controller in Python imports.
-pub const PYTHON: [File; 2] = [python!("session.py"), python!("wire.py")];
+pub const PYTHON: [File; 3] = [python!("session.py"), python!("ports.py"), python!("wire.py")];
 /// A controller in Python: a spring and a damper in each joint.
 pub const PYTHON_STAND: File = python!("stand.py");
 /// The controller of the paper in Python.
