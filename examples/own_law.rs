@@ -1,21 +1,12 @@
 //! A contact law of your own: projected Gauss-Seidel. `cargo run --release --example own_law`
 //!
-//! It solves a brick that slides and turns, but not a recorded step of the walk: the feet act on each other through the trunk, and a sweep
+//! It solves a foot that slides and spins, but not a recorded step of the walk: the feet act on each other through the trunk, and a sweep
 //! changes one contact at a time. The default law solves both.
 
 use messages::{load, scene::Law};
 use plant::Plant;
 use plant::contact::{Memory, Problem, Solver};
 
-const BRICK: &str = r#"
-plant = { method = "SemiImplicitEuler" }
-initial = { clearance = 0.0, velocity = [0.5, 0.2, 0.0], angular_velocity = [0.0, 0.0, 1.0] }
-[[bodies]]
-name = "brick"
-mass = 2.0
-size = [0.2, 0.1, 0.06]
-contacts = [[0.1, 0.05, -0.03], [0.1, -0.05, -0.03], [-0.1, 0.05, -0.03], [-0.1, -0.05, -0.03]]
-"#;
 /// A contact problem of the walk. A run saves one if it ends with an unsolved problem: `--set plant.law=Aligned --set plant.tolerance=1e-15`.
 const RECORDED: &str = include_str!("recorded.json");
 
@@ -38,12 +29,12 @@ fn gauss_seidel(problem: &Problem, sweeps: usize) -> Vec<f64> {
     f
 }
 
-/// Prints the residual of the default law and that of a thousand sweeps, on the first step of the brick and on the recorded problem.
+/// Prints the residual of the default law and that of a thousand sweeps, on the first step of the foot and on the recorded problem.
 pub fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let mut plant = Plant::new(&load::parse(BRICK, "brick")?)?;
+    let mut plant = Plant::new(&load::built_in("spinning-foot")?)?;
     plant.step()?;
     let recorded = serde_json::from_value(serde_json::from_str::<serde_json::Value>(RECORDED)?["problem"].take())?;
-    for (name, problem, converges) in [("brick", plant.problem(), true), ("walk", &recorded, false)] {
+    for (name, problem, converges) in [("foot", plant.problem(), true), ("walk", &recorded, false)] {
         let mut solver = Solver::default();
         let default = solver.solve(problem, Law::Cone, &mut Memory::default()).natural_map;
         let own = solver.measure_impulse(problem, Law::Cone, &gauss_seidel(problem, 1000)).natural_map;

@@ -44,7 +44,8 @@ fn words(output: &Output) -> String {
 /// Asserts that both processes exit with code 0 and leave no file.
 fn ends_well(session: &Session, what: &str, plant: Child, controller: Output) {
     let plant = plant.wait_with_output().expect("our own child");
-    assert_eq!((controller.status.code(), words(&controller)), (Some(0), String::new()), "{what}");
+    let errors = words(&controller).lines().find(|line| !line.starts_with("waiting for the ")).map(String::from);
+    assert_eq!((controller.status.code(), errors), (Some(0), None), "{what}: {}", words(&controller));
     assert_eq!(plant.status.code(), Some(0), "{what}: {}", words(&plant));
     assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "{what}: left in shared memory");
 }
@@ -77,11 +78,24 @@ fn controllers_in_every_language_attach_by_the_name_of_the_session() {
         command.args(["-c", script, env!("CARGO_BIN_EXE_biped"), session.name()]);
         command
     };
-    let ways: [(&str, Start); 5] =
-        [("Rust", &by_name), ("Python", &of_python), ("C", &of_c), ("variable", &ours), ("shell", &by_shell)];
+    let python_by_shell = |session: &Session| {
+        let mut command = Command::new("sh");
+        let script = r#"eval "$("$0" session "$1")" && "$2" controller/foreign/python/stand.py"#; // the session is there already
+        command.args(["-c", script, env!("CARGO_BIN_EXE_biped"), session.name()]).arg(python());
+        command
+    };
+    let ways: [(&str, Start); 6] = [
+        ("Rust", &by_name),
+        ("Python", &of_python),
+        ("C", &of_c),
+        ("variable", &ours),
+        ("shell", &by_shell),
+        ("Python by shell", &python_by_shell),
+    ];
     for (what, command) in ways {
         let session = Session::unique();
         let plant = plant(&session);
+        wait_until("the session is there", || what != "Python by shell" || session.environment().is_some());
         ends_well(&session, what, plant, command(&session).output().expect("it starts"));
     }
     std::fs::remove_file(c).expect("our own file");
@@ -98,12 +112,43 @@ fn a_controller_may_come_before_its_plant() {
 }
 
 #[test]
+fn controllers_in_python_answer_biped_set_without_the_package() {
+    let cases: [(&str, &str, i32, &str); 3] = [
+        ("walk", "0.1", 0, "set at t"),
+        ("walk", "9", 2, "refuses: the robot cannot walk"),
+        ("stand", "0.1", 2, "this program does not serve the request"),
+    ];
+    for (controller, speed, code, words) in cases {
+        let session = Session::unique();
+        let plant = ["plant", "walk", "--set", "duration=1000", "--patience", "60", "--session", session.name()];
+        let mut plant = biped(&plant).spawn().expect("the program starts");
+        let file = format!("controller/foreign/python/{controller}.py");
+        let mut controller =
+            Command::new(python()).args([&file, "--session", session.name()]).spawn().expect("the program starts");
+        wait_until("the controller is a member", || session.members().len() == 2);
+        let set = ["set", "--session", session.name(), "--speed", speed];
+        let answer = std::iter::repeat_with(|| biped(&set).output().expect("it starts"))
+            .find(|answer| answer.status.code() != Some(3)) // until it serves
+            .expect("one answer");
+        let printed = format!("{}{}", String::from_utf8_lossy(&answer.stdout), self::words(&answer));
+        assert_eq!(answer.status.code(), Some(code), "{file}: {printed}");
+        assert!(printed.contains(words), "{file}: {printed}");
+        for child in [&mut controller, &mut plant] {
+            nix::sys::signal::kill(nix::unistd::Pid::from_raw(child.id() as i32), nix::sys::signal::Signal::SIGTERM)
+                .expect("alive");
+            child.wait().expect("our own child");
+        }
+        wait_until("the session has ended", || !session.is_running());
+    }
+}
+
+#[test]
 fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
     let session = Session::unique();
     let mut plant = plant(&session);
     let printed = |format: &str| {
         let output =
-            biped(&["session", session.name(), "--wait", "60", "--format", format]).output().expect("it starts");
+            biped(&["session", session.name(), "--wait", "30", "--format", format]).output().expect("it starts");
         assert_eq!(output.status.code(), Some(0), "{}", words(&output));
         serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
     };
@@ -113,6 +158,7 @@ fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
     assert!(contract.contains("pace=lockstep\n") && contract.contains("rate=1000 Hz\n"), "{contract}");
     let scene: Value = serde_json::from_str(environment["BIPED_SCENE"].as_str().expect("text")).expect("JSON");
     assert_eq!(scene["duration"], 1.0, "as it runs");
+    assert_eq!(environment["BIPED_PATIENCE"], "60", "that of the session, not the time to wait for its start");
     assert_eq!(printed("vscode")["env"], environment);
     plant.kill().expect("our own child");
     plant.wait().expect("our own child");
@@ -130,6 +176,8 @@ fn a_session_that_cannot_be_attached_to_is_named_in_a_sentence() {
         assert_eq!(sentence.lines().count(), 1, "{sentence}");
     };
     absent(&mut biped(&["session", session.name()]));
+    let waits = biped(&["session", session.name(), "--wait", "1.5"]).output().expect("it starts");
+    assert!(words(&waits).starts_with("waiting for the session: 1 of 1.5 s\nerror: no session"), "{}", words(&waits));
     absent(&mut biped(&["controller", "--patience", "0.2", "--session", session.name()]));
     let mut stand = Command::new(python());
     absent(

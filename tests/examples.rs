@@ -12,8 +12,13 @@ mod own_law;
 #[allow(dead_code, reason = "its main reads the arguments of a program of its own")]
 mod own_process;
 
+use messages::controller_program::control;
 use messages::session::Session;
+use own_process::Stand;
 use std::process::Command;
+use std::sync::atomic::AtomicBool;
+
+static NEVER: AtomicBool = AtomicBool::new(false);
 
 #[test]
 fn a_falling_body_lands_where_and_when_it_must() {
@@ -42,14 +47,14 @@ fn a_controller_of_its_own_attaches_to_a_session_by_its_name_until_the_end_of_th
         .args(["plant", "stand", "--set", "duration=1", "--session", session.name()])
         .spawn()
         .expect("the program starts");
-    let controlled = own_process::control(Some(session.name()));
+    let controlled = control::<Stand>(Some(session.name()), &NEVER);
     assert!(plant.wait().expect("it ends").success());
     controlled.expect("it answers until the goodbye");
 }
 
 #[test]
 fn a_session_that_cannot_be_is_refused_with_its_exit_code() {
-    let error = own_process::control(Some("no/such")).expect_err("no name of a session");
+    let error = control::<Stand>(Some("no/such"), &NEVER).expect_err("no name of a session");
     assert_eq!(
         (error.exit_code(), error.to_string().contains("`no/such` cannot name a session")),
         (2, true),

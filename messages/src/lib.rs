@@ -27,7 +27,7 @@
 //! | scenes as data; loading and checking them | [`scene`], [`load`] |
 //! | requests to a running session | [`action`] |
 //! | connection between the processes | [`port`] |
-//! | a controller of your own in a session | [`controller_session`] |
+//! | a controller of your own: as a program, in a session | [`controller_program`], [`controller_session`] |
 //! | sessions: names, members and files in shared memory | [`session`] |
 //! | monotonic clock, timeouts | [`clock`] |
 //! | environment variables of a process in a session | [`peer_environment`] |
@@ -40,6 +40,7 @@
 
 pub mod action;
 pub mod clock;
+pub mod controller_program;
 pub mod controller_session;
 pub mod describe;
 mod error;

@@ -1,5 +1,6 @@
 //! The environment variables by which a launcher tells a plant or controller which session to join. docs/WIRE.md lists them.
 
+use crate::clock::Timeout;
 use crate::error::PortError;
 use crate::load::text;
 use crate::port::Contract;
@@ -8,7 +9,7 @@ use crate::session::Session;
 use crate::wire::SCHEMA_HASH;
 use std::collections::BTreeMap;
 use std::env;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 /// Name of the variable that is set if a process replaces another one.
 pub const SUCCEEDS: &str = "BIPED_SUCCEEDS";
@@ -87,25 +88,37 @@ impl PeerEnvironment {
         }
     }
 
-    /// Takes part in a session by its name. Waits until its plant is there, at most for `patience`.
+    /// Takes part in a session by its name, with this patience. Waits as [`PeerEnvironment::published`].
     ///
     /// # Errors
-    /// No session of that name within that time, or another [`PeerEnvironmentError`].
+    /// As [`PeerEnvironment::published`].
     pub fn attach(
         name: &str,
         patience: Duration,
         keeps_waiting: impl Fn() -> bool,
     ) -> Result<PeerEnvironment, PeerEnvironmentError> {
-        let (session, start) = (Session::named(name)?, Instant::now());
+        Ok(PeerEnvironment { patience, ..PeerEnvironment::published(name, patience, keeps_waiting)? })
+    }
+
+    /// What the plant of a session has published. Waits for the plant, at most for `limit`, and reports the wait each second on standard
+    /// error.
+    ///
+    /// # Errors
+    /// No session of that name within that time, or another [`PeerEnvironmentError`].
+    pub fn published(
+        name: &str,
+        limit: Duration,
+        keeps_waiting: impl Fn() -> bool,
+    ) -> Result<PeerEnvironment, PeerEnvironmentError> {
+        let (session, mut waiting) = (Session::named(name)?, Timeout::new("session", limit));
         let published = || session.is_running().then(|| session.environment()).flatten();
         loop {
             if let Some(json) = published() {
                 let variables: BTreeMap<String, String> = serde_json::from_str(&json)
                     .map_err(|error| malformed(format!("session `{name}` has published no environment: {error}")))?;
-                let found = PeerEnvironment::parse(|key| variables.get(key).cloned())?;
-                return Ok(PeerEnvironment { patience, ..found });
+                return PeerEnvironment::parse(|key| variables.get(key).cloned());
             }
-            if start.elapsed() > patience || !keeps_waiting() {
+            if waiting.has_expired() || !keeps_waiting() {
                 return Err(PortError::NoSession { session: name.into(), other: session.other_owner() }.into());
             }
             std::thread::sleep(POLL);

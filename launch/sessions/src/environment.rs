@@ -47,7 +47,7 @@ pub fn run(args: &EnvironmentArgs, stop: &AtomicBool) -> Result<(), Failure> {
         Some(name) => name.clone(),
         None => single_named(Session::running())?.name().into(),
     };
-    let found = PeerEnvironment::attach(&name, Duration::from_secs_f64(args.wait), || !stop.load(Relaxed));
+    let found = PeerEnvironment::published(&name, Duration::from_secs_f64(args.wait), || !stop.load(Relaxed));
     check_interrupt(stop)?;
     let variables = found?.variables();
     let object = || variables.iter().map(|(key, value)| (key.to_string(), Value::from(value.as_str()))).collect();

@@ -1,6 +1,6 @@
 //! A new controller in Rust.
 
-use super::template::{NewFile, Template, code, in_clone, usage};
+use super::template::{NewFile, Template, code, in_clone, shell_word, usage};
 use controller::foreign;
 use shared::exit::Failure;
 use std::path::Path;
@@ -46,25 +46,24 @@ fn manifest(name: &str, from: Template, tree: Option<&Path>) -> Result<String, F
     };
     Ok(format!(
         "[package]\nname = \"{name}\"\nversion = \"0.1.0\"\nedition = \"2024\"\n\n\
-         [dependencies]\nctrlc = {{ version = \"3.5.2\", features = [\"termination\"] }} # TERM and Ctrl-C\n\
-         # both sides of a session need the same version\n{dependencies}\n\
+         [dependencies] # both sides of a session need the same version\n{dependencies}\n\
          [workspace] # a package of its own, wherever its folder is\n{patch}"
     ))
 }
 
 fn readme(name: &str, folder: &Path, scene: &str, has_tree: bool) -> String {
-    let folder = folder.display();
-    let program = format!("{folder}/target/release/{name}");
-    let build = format!("cargo build --release --manifest-path {folder}/Cargo.toml");
+    let (program, manifest) = (folder.join("target/release").join(name), shell_word(&folder.join("Cargo.toml")));
+    let program = shell_word(&program);
+    let build = format!("cargo build --release --manifest-path {manifest}");
     let unpublished = "If crates.io does not have the crates of biped yet, make this folder again by\n\
                        `biped new controller NAME --rust --tree CLONE`, with a clone of the repository of biped.\n";
     format!(
         "# A controller for biped\n\n\
          {build}\n\
-         biped run {scene} --controller {program}   # started by biped\n\
+         biped run {scene} --controller \"{program}\"   # started by biped\n\
          biped plant {scene} --session lab & {program} --session lab   # started by hand, for example in a debugger\n\
-         biped conform --controller {program}     # checks it against the rules of the wire\n\
-         cargo test --release --manifest-path {folder}/Cargo.toml\n{}",
+         biped conform --controller \"{program}\"     # checks it against the rules of the wire\n\
+         cargo test --release --manifest-path {manifest}\n{}",
         if has_tree { String::new() } else { format!("\n{unpublished}") }
     )
 }
@@ -76,9 +75,8 @@ use super::*;
 #[test]
 fn eight_finite_torques_within_the_limit() {
     let scene = messages::load::built_in("stand").expect("a built-in scene");
-    let mut stand = Stand::new(&scene);
-    let counts = stand.target.map(|angle| (angle / stand.count).round() as i64);
-    let torques = stand.tick(&Encoders { counts }).torque;
+    let mut stand = Stand::new(&scene).expect("it fits");
+    let torques = stand.tick(&Encoders::default()).expect("torques").torques.torque;
     assert!(torques.iter().all(|torque| torque.abs() <= scene.plant.torque_limit), "{torques:?}");
 }
 "#;
@@ -86,17 +84,15 @@ fn eight_finite_torques_within_the_limit() {
 const WALK_TEST: &str = r#"//! Claims about the controller.
 
 use super::*;
-use messages::wire::{Encoders, Stamp};
 
 #[test]
 fn eight_finite_torques_within_the_limit() {
     let scene = messages::load::built_in("walk").expect("a built-in scene");
-    let mut walk = Walk::new(&scene).unwrap_or_else(|error| panic!("{error}"));
+    let mut walk = Walk::new(&scene).expect("it fits");
     let count = std::f64::consts::TAU / f64::from(scene.plant.encoder_bits).exp2();
     let mut counts = [0; 8];
     counts.iter_mut().zip(&scene.initial.joints).for_each(|(count_of, angle)| *count_of = (angle / count).round() as i64);
-    let reading = Reading { encoders: Encoders { counts }, begins: true, stamp: Stamp::default() };
-    let (torques, _) = walk.tick(&scene, &reading).unwrap_or_else(|error| panic!("{error}"));
-    assert!(torques.torque.iter().all(|torque| torque.abs() <= scene.plant.torque_limit), "{torques:?}");
+    let torques = walk.tick(&Encoders { counts }).expect("torques").torques.torque;
+    assert!(torques.iter().all(|torque| torque.abs() <= scene.plant.torque_limit), "{torques:?}");
 }
 "#;
