@@ -127,6 +127,26 @@ fn a_missing_library_compiler_or_clone_is_named_in_one_sentence() {
 }
 
 #[test]
+fn the_commands_of_a_new_folder_are_for_a_shell_also_if_its_name_has_a_space() {
+    let folder = fresh_path("scaffold");
+    std::fs::create_dir(&folder).expect("a folder");
+    for (name, language) in [("my legs", "--python"), ("my C legs", "--c"), ("it's C++", "--cpp")] {
+        succeeds(&biped(&folder, &["new", "controller", name, language]), name);
+        let readme = std::fs::read_to_string(folder.join(name).join("README.md")).expect("a file");
+        let run = readme.lines().find(|line| line.starts_with("biped run")).expect("a command");
+        // a shell and the program see one name
+        let script = run.replace("biped run", "printf '%s\n'");
+        let words = Command::new("sh").args(["-c", &script]).output().expect("a shell");
+        let words = String::from_utf8(words.stdout).expect("text");
+        let command = words.lines().last().expect("a command");
+        let words = Command::new("sh").args(["-c", &format!("printf '%s\n' {command}")]).output().expect("a shell");
+        let words = String::from_utf8(words.stdout).expect("text");
+        assert!(words.lines().any(|word| word.starts_with(&format!("{name}/controller"))), "{run}");
+    }
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn mujoco_as_a_new_plant_is_walked_away_from_this_repository() {
     let folder = fresh_path("scaffold");
     std::fs::create_dir(&folder).expect("a folder");

@@ -1,6 +1,6 @@
 //! A new controller in C or C++.
 
-use super::template::{NewFile, Template, code, in_clone, usage};
+use super::template::{NewFile, Template, code, in_clone, shell_word, usage};
 use controller::foreign;
 use messages::describe;
 use shared::exit::Failure;
@@ -93,12 +93,12 @@ impl Language {
     }
 
     fn readme(&self, folder: &Path, scene: &str) -> String {
-        let folder = folder.display();
+        let (program, folder) = (shell_word(&folder.join("controller")), shell_word(folder));
         format!(
             "# A controller for biped\n\n\
              make -C {folder} BIPED_LIB=CLONE/target/release   # CLONE is a clone of biped, after cargo build --release -p biped-c there\n\
-             biped run {scene} --controller {folder}/controller   # started by biped\n\
-             biped plant {scene} --session lab & BIPED_SESSION=lab {folder}/controller   # started by hand, for example in a debugger\n\
+             biped run {scene} --controller \"{program}\"   # started by biped\n\
+             biped plant {scene} --session lab & BIPED_SESSION=lab {program}   # started by hand, for example in a debugger\n\
              make -C {folder} test                              # checks it against the rules of the wire; `biped` has to be in PATH\n"
         )
     }

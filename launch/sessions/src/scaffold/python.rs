@@ -1,6 +1,6 @@
 //! A new controller and a new plant in Python.
 
-use super::template::{NewFile, Template};
+use super::template::{NewFile, Template, shell_word};
 use crate::export::mjcf;
 use controller::foreign;
 use messages::load::built_in;
@@ -23,7 +23,7 @@ impl Template {
 /// A controller.
 pub fn controller(folder: &Path, from: Template) -> Result<Vec<NewFile>, Failure> {
     let (code, class, scene, more) = from.parts();
-    let program = folder.join("controller.py").display().to_string();
+    let program = shell_word(&folder.join("controller.py"));
     let code = code.replace(&format!("controller/foreign/python/{scene}.py"), &program);
     let texts = [
         ("controller.py", code),
@@ -40,14 +40,14 @@ fn copies(files: &[foreign::File]) -> impl Iterator<Item = NewFile> {
 }
 
 fn controller_readme(program: &str, scene: &str, folder: &Path) -> String {
-    let folder = folder.display();
+    let [requirements, test] = ["requirements.txt", "test_controller.py"].map(|file| shell_word(&folder.join(file)));
     format!(
         "# A controller for biped\n\n\
-         pip install -r {folder}/requirements.txt                       # once\n\
+         pip install -r {requirements}                       # once\n\
          biped run {scene} --controller \"python3 {program}\"   # started by biped\n\
          biped plant {scene} --session lab & python3 {program} --session lab   # started by hand, for example in a debugger\n\
          biped conform --controller \"python3 {program}\"       # checks it against the rules of the wire\n\
-         python3 {folder}/test_controller.py\n"
+         python3 {test}\n"
     )
 }
 
@@ -83,7 +83,7 @@ if __name__ == "__main__":
 
 /// MuJoCo as the plant.
 pub fn plant(folder: &Path) -> Result<Vec<NewFile>, Failure> {
-    let program = folder.join("plant.py").display().to_string();
+    let program = shell_word(&folder.join("plant.py"));
     let scene = built_in("walk")?;
     let texts = [
         ("plant.py", plant::foreign::MUJOCO_PLANT.replace("plant/foreign/mujoco/plant.py", &program)),
@@ -98,13 +98,13 @@ pub fn plant(folder: &Path) -> Result<Vec<NewFile>, Failure> {
 }
 
 fn plant_readme(program: &str, folder: &Path) -> String {
-    let folder = folder.display();
+    let [requirements, test] = ["requirements.txt", "test_plant.py"].map(|file| shell_word(&folder.join(file)));
     format!(
         "# MuJoCo as the plant for biped\n\n\
-         pip install CLONE -r {folder}/requirements.txt           # once; CLONE is a clone of biped, whose Python package this is\n\
+         pip install CLONE -r {requirements}           # once; CLONE is a clone of biped, whose Python package this is\n\
          biped run walk --plant \"python3 {program}\"       # the robot of `biped export mjcf`, walked by the controller of biped\n\
          biped conform --plant \"python3 {program}\"        # checks it against the rules of the wire\n\
-         python3 {folder}/test_plant.py                           # reads scene.json and robot.xml, which are for this test only\n"
+         python3 {test}                           # reads scene.json and robot.xml, which are for this test only\n"
     )
 }
 

@@ -30,6 +30,13 @@ pub(super) fn in_clone(tree: &Path, part: &str) -> Result<PathBuf, Failure> {
     }
 }
 
+/// A path as a word of a shell, also between double quotes.
+pub(super) fn shell_word(path: &Path) -> String {
+    let text = path.display().to_string();
+    let is_plain = |c: char| c.is_alphanumeric() || "/._-".contains(c);
+    if text.chars().all(is_plain) { text } else { format!("'{}'", text.replace('\'', r"'\''")) }
+}
+
 /// A source text without the comment at its head, which tells how to build it in this repository.
 pub(super) fn code<'a>(text: &'a str, first: &str) -> &'a str {
     text.find(first).map_or(text, |begin| &text[begin..])
