@@ -9,6 +9,7 @@ mod languages;
 
 use languages::{compile, python};
 use messages::session::Session;
+use messages::wire::{FNV_START, fnv1a};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -186,6 +187,16 @@ fn a_session_that_cannot_be_attached_to_is_named_in_a_sentence() {
             .env("BIPED_SESSION", session.name())
             .env("BIPED_PATIENCE", "0.2"),
     );
+    // A session of another user with that name: `daemon` has the number 1 on every Linux.
+    let hash = fnv1a(fnv1a(FNV_START, &1u32.to_le_bytes()), session.name().as_bytes()) as u32;
+    let members = Path::new("/dev/shm").join(format!("biped_{hash:08x}_members"));
+    std::fs::write(&members, session.name()).expect("a file in shared memory");
+    let program = "controller/foreign/python/stand.py";
+    let mut stand = Command::new(python());
+    let output = stand.arg(program).env("BIPED_SESSION", session.name()).env("BIPED_PATIENCE", "0").output();
+    std::fs::remove_file(members).expect("our own file");
+    let sentence = words(&output.expect("it starts"));
+    assert!(sentence.contains("the session of that name belongs to user daemon"), "{sentence}");
     assert_eq!(session.shm_files(), [""; 0].map(PathBuf::from), "a refused controller leaves nothing");
 
     // The place of a controller is taken.

@@ -17,6 +17,7 @@ Exit codes are those of biped: 0 after the plant's goodbye, 3 without a plant, 5
 import fcntl
 import json
 import os
+import pwd
 import secrets
 import signal
 import sys
@@ -37,10 +38,10 @@ if biped is None and ports.MISSING:
 NO_SESSION = 'start this program by: biped run SCENE --controller "python3 …", or with --session NAME of a running session'
 
 
-def prefix_of(name):
-    """The first part of the names of all files of this user's session of that name."""
+def prefix_of(name, user=os.getuid()):
+    """The first part of the names of all files of a user's session of that name."""
     hash = 0xCBF29CE484222325
-    for byte in os.getuid().to_bytes(4, "little") + name.encode():
+    for byte in user.to_bytes(4, "little") + name.encode():
         hash = (hash ^ byte) * 0x100000001B3 & 0xFFFF_FFFF_FFFF_FFFF
     return f"biped_{hash & 0xFFFF_FFFF:08x}_"
 
@@ -57,6 +58,14 @@ def is_running(prefix):
     return False
 
 
+def absence(name):
+    """A sentence that says why there is no session of this name for this user."""
+    for user in pwd.getpwall():
+        if user.pw_uid != os.getuid() and Path(f"/dev/shm/{prefix_of(name, user.pw_uid)}members").exists():
+            return f"no session `{name}` is running: the session of that name belongs to user {user.pw_name}"
+    return f"no session `{name}` is running: start one by biped plant SCENE --session {name}"
+
+
 def attach(name, patience=10.0):
     """The environment of a running session, which its plant has published; waits for it for `patience` seconds."""
     prefix, waiting = prefix_of(name), Waiting("session", patience)
@@ -67,7 +76,7 @@ def attach(name, patience=10.0):
         except FileNotFoundError:
             pass  # the session is just starting
         if waiting.has_expired():
-            fail(PEER_MISSING, f"no session `{name}` is running: start one by biped plant SCENE --session {name}")
+            fail(PEER_MISSING, absence(name))
         time.sleep(0.005)
 
 
