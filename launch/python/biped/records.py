@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from ._biped import layout, names
+from ._biped import InputError, layout, names
 
 _LAYOUT = {name: (size, fields) for name, size, fields in layout()}
 _NUMBERS = {"u32": np.uint32, "u64": np.uint64, "i64": np.int64, "f64": np.float64}
@@ -45,6 +45,8 @@ def records(message: str, data: bytes) -> Any:
 
 def empty(message: str) -> Any:
     """A message of zeros to fill in, such as ``Truth`` for :meth:`PlantSession.exchange`: ``truth.angle[:] = ...``, ``truth.penetration = ...``."""
+    if message not in _TYPES:
+        raise InputError(f"there is no message {message!r}: the messages are {', '.join(_TYPES)}")
     return np.zeros(1, _TYPES[message])[0]
 
 

@@ -1,6 +1,6 @@
 //! `PlantBatch`: many plants that step together, on all cores.
 
-use crate::arrays::{OutputArray, converted};
+use crate::arrays::{Natural, OutputArray, converted};
 use crate::crew::for_each;
 use crate::error::InputError;
 use crate::plant::Plant;
@@ -34,11 +34,16 @@ impl PlantBatch {
 
     /// As :meth:`Plant.step` for every plant, with torques of shape (plants, 8) [N·m]. Returns :attr:`counts`. If some plants fail, all
     /// others have stepped, and the error names the first that failed.
-    #[pyo3(signature = (torques = None, periods = 1))]
-    fn step(&self, py: Python<'_>, torques: Option<&Bound<'_, PyAny>>, periods: u64) -> PyResult<Py<PyArray2<i64>>> {
+    #[pyo3(signature = (torques = None, periods = Natural(1)), text_signature = "($self, torques=None, periods=1)")]
+    fn step(
+        &self,
+        py: Python<'_>,
+        torques: Option<&Bound<'_, PyAny>>,
+        periods: Natural,
+    ) -> PyResult<Py<PyArray2<i64>>> {
         let torques = torques.map(|torques| self.torques(torques)).transpose()?;
         let torques_of = |plant: usize| torques.as_ref().map(|torques| torques[plant]);
-        if let Some((plant, stopped)) = self.each(py, |plant, run| run.advance(torques_of(plant), periods))? {
+        if let Some((plant, stopped)) = self.each(py, |plant, run| run.advance(torques_of(plant), periods.0))? {
             return Err(named(py, plant, stopped.into()));
         }
         Ok(self.counts.view(py))
@@ -89,18 +94,22 @@ impl PlantBatch {
         let mut locks = self.plants.iter().map(|plant| plant.get().lock()).collect::<PyResult<Vec<_>>>()?;
         let (mut counts, mut angles) = (self.counts.written(py), self.angles.written(py));
         let rows = counts.as_slice_mut()?.as_chunks_mut().0.iter_mut().zip(angles.as_slice_mut()?.as_chunks_mut().0);
-        let parts = locks.iter_mut().map(|lock| &mut **lock).zip(&self.radians_per_count).zip(rows);
-        let parts =
-            parts.map(|((run, &radians_per_count), (counts, angles))| Part { run, radians_per_count, counts, angles });
-        let parts: Vec<Mutex<Part>> = parts.map(Mutex::new).collect();
+        let members = locks.iter_mut().map(|lock| &mut **lock).zip(&self.radians_per_count).zip(rows);
+        let members = members.map(|((run, &radians_per_count), (counts, angles))| Member {
+            run,
+            radians_per_count,
+            counts,
+            angles,
+        });
+        let members: Vec<Mutex<Member>> = members.map(Mutex::new).collect();
         let failures = Mutex::new(vec![]);
         py.detach(|| {
-            for_each(parts.len(), &|plant| {
-                let mut part = parts[plant].lock().unwrap_or_else(PoisonError::into_inner);
-                if let Err(stopped) = work(plant, part.run) {
+            for_each(members.len(), &|plant| {
+                let mut member = members[plant].lock().unwrap_or_else(PoisonError::into_inner);
+                if let Err(stopped) = work(plant, member.run) {
                     failures.lock().unwrap_or_else(PoisonError::into_inner).push((plant, stopped));
                 }
-                part.publish();
+                member.publish();
             });
         });
         let failures = failures.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -108,15 +117,15 @@ impl PlantBatch {
     }
 }
 
-/// What a thread needs of one plant.
-struct Part<'a> {
+/// A plant of the batch: its run, and its rows of the arrays.
+struct Member<'a> {
     run: &'a mut Run,
     radians_per_count: f64,
     counts: &'a mut [i64; JOINTS],
     angles: &'a mut [f64; JOINTS],
 }
 
-impl Part<'_> {
+impl Member<'_> {
     /// Writes the sensors into the arrays.
     fn publish(&mut self) {
         *self.counts = self.run.simulation.sensors().encoders.counts;

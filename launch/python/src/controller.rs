@@ -1,7 +1,7 @@
 //! `Controller`: the paper's walking controller.
 
 use crate::arrays::{OutputArray, counts, record};
-use crate::error::{ControllerError, Error, InputError};
+use crate::error::{ControllerError, Error, InputError, without_panic};
 use crate::scene::Scene;
 use crate::snapshot::ControllerSnapshot;
 use messages::wire::{Encoders, JOINTS};
@@ -39,7 +39,8 @@ impl Controller {
     /// call overwrites.
     fn tick(&self, py: Python<'_>, counts: &Bound<'_, PyAny>) -> PyResult<Py<PyArray1<f64>>> {
         let encoders = Encoders { counts: self::counts(counts)? };
-        let torques = self.lock()?.tick(&encoders).map_err(unfit)?;
+        let mut controller = self.lock()?;
+        let torques = without_panic(ControllerError::new_err, || controller.tick(&encoders).map_err(unfit))?;
         self.torques.write(py, torques.torque.into_iter())?;
         Ok(self.torques.view(py))
     }
@@ -67,7 +68,8 @@ impl Controller {
         if snapshot.scene.get().scene != self.scene.get().scene {
             return Err(InputError::new_err("the snapshot is of a controller of another scene"));
         }
-        self.lock()?.restore(&snapshot.state).map_err(unfit)
+        let mut controller = self.lock()?;
+        without_panic(ControllerError::new_err, || controller.restore(&snapshot.state).map_err(unfit))
     }
 
     #[getter]

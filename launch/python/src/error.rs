@@ -2,6 +2,7 @@
 
 use pyo3::create_exception;
 use pyo3::exceptions::PyException;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 create_exception!(biped, Error, PyException, "Base of all exceptions of this package.");
 create_exception!(
@@ -53,3 +54,9 @@ create_exception!(
     SessionError,
     "The session refuses: it has another contract or a controller already, or a request cannot be done."
 );
+
+/// Does this. A panic is a defect of the program, and becomes a failure with a sentence.
+pub fn without_panic<T, E>(failure: impl FnOnce(String) -> E, work: impl FnOnce() -> Result<T, E>) -> Result<T, E> {
+    let defect = || failure("a defect of this program; standard error has the details".into());
+    catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|_| Err(defect()))
+}

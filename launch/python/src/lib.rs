@@ -11,7 +11,7 @@
 //! | `PlantBatch`: many plants on all cores | `batch.rs`, `crew.rs` |
 //! | `Controller` | `controller.rs` |
 //! | `Session`: a running session | `session.rs`, `ports.rs`, `interrupt.rs` |
-//! | `PlantSession`: a plant of one's own in a session | `plant_session.rs`, `robot.rs` |
+//! | `PlantSession`: a plant of one's own in a session | `plant_session.rs`, `lockstep_plant.rs` |
 //! | recordings | `recording.rs` |
 
 mod arrays;
@@ -20,11 +20,11 @@ mod controller;
 mod crew;
 mod error;
 mod interrupt;
+mod lockstep_plant;
 mod plant;
 mod plant_session;
 mod ports;
 mod recording;
-mod robot;
 mod run;
 mod scene;
 mod session;

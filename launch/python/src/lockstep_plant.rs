@@ -9,7 +9,7 @@ use plant::command_pipeline::CommandPipeline;
 use plant::process::{AnswerWait, Waited};
 
 /// A plant's end of a session.
-pub struct Robot {
+pub struct LockstepPlant {
     port: PlantPort,
     commands: CommandPipeline,
     /// The last sensors; their number is 0 before the first ones.
@@ -24,15 +24,15 @@ pub struct Robot {
     wait_ns: u64,
 }
 
-impl Robot {
+impl LockstepPlant {
     /// Joins the session of an environment as its plant.
-    pub fn join(environment: PeerEnvironment) -> Result<Robot, CallFailure> {
+    pub fn join(environment: PeerEnvironment) -> Result<LockstepPlant, CallFailure> {
         let PeerEnvironment { session, contract, patience, scene, .. } = environment;
         if contract.pace != Pace::Lockstep {
             return Err(CallFailure::misuse("this plant goes in lockstep alone: leave out --realtime"));
         }
         let stamp = Stamp { run: random().max(1), epoch: random(), ..Stamp::default() };
-        Ok(Robot {
+        Ok(LockstepPlant {
             port: PlantPort::open(&session, &contract)?,
             commands: CommandPipeline::new(&scene, stamp.run),
             sensors: Sensors { stamp, ..Sensors::default() },

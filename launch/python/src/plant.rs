@@ -1,6 +1,6 @@
 //! `Plant`: robot, ground and drives, one control period at a time.
 
-use crate::arrays::{OutputArray, record, torques, vector};
+use crate::arrays::{Natural, OutputArray, record, torques, vector};
 use crate::error::{Error, InputError, SceneError, SimulationError};
 use crate::run::Run;
 use crate::scene::Scene;
@@ -50,9 +50,9 @@ impl Plant {
 
     /// Starts again from time zero, with another seed of all random numbers if one is given. Returns :attr:`counts`.
     #[pyo3(signature = (*, seed = None))]
-    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<Py<PyArray1<i64>>> {
+    fn reset(&self, py: Python<'_>, seed: Option<Natural>) -> PyResult<Py<PyArray1<i64>>> {
         let mut run = self.lock()?;
-        run.reset(seed).map_err(failed)?;
+        run.reset(seed.map(|Natural(seed)| seed)).map_err(failed)?;
         self.publish(py, &run)?;
         Ok(self.counts.view(py))
     }
@@ -64,13 +64,18 @@ impl Plant {
     /// :raises InputError: wrong shape, not finite, or refused by the plant
     /// :raises EndedError: the run had already ended
     /// :raises SimulationError: the simulation failed; only ``reset`` and ``restore`` help then
-    #[pyo3(signature = (torques = None, periods = 1))]
-    fn step(&self, py: Python<'_>, torques: Option<&Bound<'_, PyAny>>, periods: u64) -> PyResult<Py<PyArray1<i64>>> {
+    #[pyo3(signature = (torques = None, periods = Natural(1)), text_signature = "($self, torques=None, periods=1)")]
+    fn step(
+        &self,
+        py: Python<'_>,
+        torques: Option<&Bound<'_, PyAny>>,
+        periods: Natural,
+    ) -> PyResult<Py<PyArray1<i64>>> {
         let torques = torques.map(self::torques).transpose()?;
         let mut run = self.lock()?;
         let outcome = {
             let run: &mut Run = &mut run;
-            py.detach(|| run.advance(torques, periods))
+            py.detach(|| run.advance(torques, periods.0))
         };
         self.publish(py, &run)?;
         outcome?;
@@ -114,7 +119,7 @@ impl Plant {
             )));
         }
         let mut run = self.lock()?;
-        run.restore(&snapshot.state);
+        run.restore(&snapshot.state)?;
         self.publish(py, &run)?;
         Ok(self.counts.view(py))
     }

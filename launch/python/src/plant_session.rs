@@ -3,8 +3,8 @@
 use crate::arrays::{OutputArray, counts, message};
 use crate::error::SessionError;
 use crate::interrupt::Interrupt;
+use crate::lockstep_plant::LockstepPlant;
 use crate::ports::failed;
-use crate::robot::Robot;
 use crate::scene::Scene;
 use biped_c::failure::CallFailure;
 use messages::peer_environment::PeerEnvironment;
@@ -22,8 +22,8 @@ use std::cell::{RefCell, RefMut};
 #[pyclass(frozen, module = "biped")]
 pub struct PlantSession {
     scene: Py<Scene>,
-    /// `None` only while the session is dropped. The robot is absent after ``close``.
-    robot: Option<SendWrapper<RefCell<Option<Robot>>>>,
+    /// The outer `None`: the session is being dropped. The inner one: it is closed.
+    plant: Option<SendWrapper<RefCell<Option<LockstepPlant>>>>,
     torques: OutputArray<f64, Ix1>,
 }
 
@@ -34,12 +34,12 @@ impl PlantSession {
         let join = || {
             let environment = PeerEnvironment::from_env(|| false).map_err(CallFailure::from)?;
             let (name, scene) = (environment.session.name().to_string(), environment.scene.clone());
-            Ok((Scene { name, scene }, Robot::join(environment)?))
+            Ok((Scene { name, scene }, LockstepPlant::join(environment)?))
         };
         let joined: Result<_, CallFailure> = py.detach(|| SendWrapper::new(join())).take();
-        let (scene, robot) = joined.map_err(failed)?;
-        let robot = Some(SendWrapper::new(RefCell::new(Some(robot))));
-        Ok(PlantSession { scene: Py::new(py, scene)?, robot, torques: OutputArray::new(py, [JOINTS])? })
+        let (scene, plant) = joined.map_err(failed)?;
+        let plant = Some(SendWrapper::new(RefCell::new(Some(plant))));
+        Ok(PlantSession { scene: Py::new(py, scene)?, plant, torques: OutputArray::new(py, [JOINTS])? })
     }
 
     /// Sends encoder counts, shape (8,), and waits for the answer. Returns the torques for the control period that begins now, shape (8,)
@@ -59,12 +59,12 @@ impl PlantSession {
     ) -> PyResult<Option<Py<PyArray1<f64>>>> {
         let counts = self::counts(counts)?;
         let truth: Truth = truth.map_or(Ok(Truth::default()), |data| message("truth", data))?;
-        let mut robot = self.robot()?;
-        let robot = robot.as_mut().ok_or_else(|| SessionError::new_err("this session is closed"))?;
+        let mut plant = self.plant()?;
+        let plant = plant.as_mut().ok_or_else(|| SessionError::new_err("this session is closed"))?;
         let interrupt = Interrupt::default();
         let outcome = {
-            let mut robot = SendWrapper::new(robot);
-            py.detach(|| robot.exchange(counts, truth, || interrupt.is_absent()))
+            let mut plant = SendWrapper::new(plant);
+            py.detach(|| plant.exchange(counts, truth, || interrupt.is_absent()))
         };
         interrupt.check()?;
         let Some(torques) = outcome.map_err(failed)? else { return Ok(None) };
@@ -74,8 +74,8 @@ impl PlantSession {
 
     /// Announces the end of the run, if that has not happened, and leaves the session. The end of a ``with`` block does so.
     fn close(&self) -> PyResult<()> {
-        let robot = self.robot()?.take();
-        robot.map_or(Ok(()), |mut robot| robot.leave().map_err(failed))
+        let plant = self.plant()?.take();
+        plant.map_or(Ok(()), |mut plant| plant.leave().map_err(failed))
     }
 
     #[getter]
@@ -86,13 +86,13 @@ impl PlantSession {
     /// Simulated time of the last exchange [s].
     #[getter]
     fn time(&self) -> PyResult<f64> {
-        Ok(self.robot()?.as_ref().map_or(0.0, Robot::time))
+        Ok(self.plant()?.as_ref().map_or(0.0, LockstepPlant::time))
     }
 
     /// What drives the robot: one of ``STATES``.
     #[getter]
     fn state(&self) -> PyResult<&'static str> {
-        Ok(self.robot()?.as_ref().map_or(STATES[0], |robot| STATES[robot.state() as usize]))
+        Ok(self.plant()?.as_ref().map_or(STATES[0], |plant| STATES[plant.state() as usize]))
     }
 
     fn __enter__(this: PyRef<'_, Self>) -> PyRef<'_, Self> {
@@ -106,22 +106,22 @@ impl PlantSession {
 }
 
 impl PlantSession {
-    /// The robot, for the thread that opened the session.
-    fn robot(&self) -> PyResult<RefMut<'_, Option<Robot>>> {
-        let robot = self.robot.as_ref().filter(|robot| robot.valid());
-        let robot = robot.ok_or_else(|| SessionError::new_err("a session belongs to the thread that opened it"))?;
-        robot.try_borrow_mut().map_err(|_| SessionError::new_err("this session is in use already"))
+    /// The plant, for the thread that opened the session.
+    fn plant(&self) -> PyResult<RefMut<'_, Option<LockstepPlant>>> {
+        let plant = self.plant.as_ref().filter(|plant| plant.valid());
+        let plant = plant.ok_or_else(|| SessionError::new_err("a session belongs to the thread that opened it"))?;
+        plant.try_borrow_mut().map_err(|_| SessionError::new_err("this session is in use already"))
     }
 }
 
 impl Drop for PlantSession {
     fn drop(&mut self) {
         // In another thread the port cannot be closed. It stays open until the process ends.
-        let Some(robot) = self.robot.take() else { return };
-        if !robot.valid() {
-            std::mem::forget(robot);
-        } else if let Some(mut robot) = robot.take().into_inner() {
-            let _ = robot.leave(); // the connection is already lost if this fails
+        let Some(plant) = self.plant.take() else { return };
+        if !plant.valid() {
+            std::mem::forget(plant);
+        } else if let Some(mut plant) = plant.take().into_inner() {
+            let _ = plant.leave(); // the connection is already lost if this fails
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The run of a plant: what `biped run --in-process` does in a control period, with torques from anywhere.
 
 use crate::arrays::converted;
-use crate::error::{ControllerError, EndedError, InputError, SimulationError};
+use crate::error::{ControllerError, EndedError, InputError, SimulationError, without_panic};
 use crate::scene::Scene;
 use messages::wire::{Command, JOINTS, PlantState, REFUSALS, Stamp, Stamped, Telemetry, Torques, Truth};
 use numpy::{PyReadonlyArray2, PyUntypedArrayMethods};
@@ -63,9 +63,21 @@ impl Run {
     }
 
     /// Returns to a snapshot.
-    pub fn restore(&mut self, snapshot: &SimulationSnapshot) {
-        self.failure = None;
-        self.simulation.restore(snapshot);
+    pub fn restore(&mut self, snapshot: &SimulationSnapshot) -> Result<(), Stopped> {
+        let outcome = without_panic(Stopped::Failed, || {
+            self.simulation.restore(snapshot);
+            Ok(())
+        });
+        self.keep_failure(outcome)
+    }
+
+    /// Remembers whether the run has failed.
+    fn keep_failure(&mut self, outcome: Result<(), Stopped>) -> Result<(), Stopped> {
+        self.failure = match &outcome {
+            Err(Stopped::Failed(failure)) => Some(failure.clone()),
+            _ => None,
+        };
+        outcome
     }
 
     /// Simulates control periods with these torques, or without a command. Stops at the end of the run.
@@ -76,11 +88,8 @@ impl Run {
         if self.ended() {
             return Err(Stopped::Ended(self.time()));
         }
-        let outcome = self.periods(torques, periods);
-        if let Err(Stopped::Failed(failure)) = &outcome {
-            self.failure = Some(failure.clone());
-        }
-        outcome
+        let outcome = without_panic(Stopped::Failed, || self.periods(torques, periods));
+        self.keep_failure(outcome)
     }
 
     fn periods(&mut self, torques: Option<[f64; JOINTS]>, periods: u64) -> Result<(), Stopped> {

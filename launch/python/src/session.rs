@@ -1,6 +1,6 @@
 //! `Session`: a running session, as its controller or as an observer.
 
-use crate::arrays::{OutputArray, message, record, torques, vector};
+use crate::arrays::{Natural, OutputArray, message, record, torques, vector};
 use crate::error::{RefusedError, SessionError};
 use crate::interrupt::Interrupt;
 use crate::ports::{Ports, failed, seconds, set_points};
@@ -151,15 +151,15 @@ impl Session {
     }
 
     /// Runs a paused session for some control periods.
-    #[pyo3(signature = (periods = 1))]
-    fn step(&self, py: Python<'_>, periods: u64) -> PyResult<f64> {
-        self.ask(py, Action::Step { periods })
+    #[pyo3(signature = (periods = Natural(1)), text_signature = "($self, periods=1)")]
+    fn step(&self, py: Python<'_>, periods: Natural) -> PyResult<f64> {
+        self.ask(py, Action::Step { periods: periods.0 })
     }
 
     /// Starts a new run from time zero.
     #[pyo3(signature = (*, seed = None))]
-    fn reset(&self, py: Python<'_>, seed: Option<u64>) -> PyResult<f64> {
-        self.ask(py, Action::Reset { seed })
+    fn reset(&self, py: Python<'_>, seed: Option<Natural>) -> PyResult<f64> {
+        self.ask(py, Action::Reset { seed: seed.map(|Natural(seed)| seed) })
     }
 
     /// Switches the drives on again after a fault.

@@ -122,9 +122,19 @@ class Ends(unittest.TestCase):
                 biped.gym.Environment("Push", **options)
         env = biped.gym.Environment("Push")
         env.reset()
-        for action in [np.zeros(7), np.full(8, np.nan)]:
-            with self.assertRaisesRegex(biped.InputError, r"finite and have the shape \(1, 8\)"):
+        for action, words in [
+            (np.zeros(7), r"an action has the shape \(8,\).*: this one has \(7,\)"),
+            (np.append(np.zeros(7), np.nan), "an action must be finite, but number 7 of robot 0 is nan"),
+        ]:
+            with self.assertRaisesRegex(biped.InputError, words):
                 env.step(action)
+        for environment, options, words in [
+            ("Push", {"pus": [0, 6, 0]}, "'pus' is no option of this environment: it has \\['push', 'time'\\]"),
+            ("Push", {"push": [6]}, r"impulse with the shape \(3,\).*this one has the shape \(1,\)"),
+            ("Stand", {"push": [0, 6, 0]}, "'push' is no option of this environment: it has none"),
+        ]:
+            with self.assertRaisesRegex(biped.InputError, words):
+                biped.gym.Environment(environment).reset(options=options)
 
 
 class Many(unittest.TestCase):

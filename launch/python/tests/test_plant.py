@@ -197,6 +197,18 @@ class Arrays(unittest.TestCase):
             biped.Controller(self.scene).tick(self.plant.angles)
         self.assertEqual(self.plant.time, 0.0)
 
+    def test_a_number_of_periods_or_a_seed_below_zero_is_refused(self):
+        batch = biped.PlantBatch([self.plant])
+        for call in [lambda: self.plant.step(periods=-1), lambda: batch.step(periods=-1), lambda: self.plant.reset(seed=-1)]:
+            with self.assertRaisesRegex(biped.InputError, "-1 is not a whole number of 0 or more"):
+                call()
+        with self.assertRaisesRegex(biped.InputError, "1.5 is not a whole number"):
+            self.plant.step(periods=1.5)
+        self.plant.step(periods=np.int64(2))
+        self.assertEqual(self.plant.time, 0.002)
+        with self.assertRaisesRegex(biped.InputError, "no message 'Truht': the messages are .*Truth"):
+            biped.empty("Truht")
+
     def test_torques_that_are_not_finite_or_too_large_are_refused_by_name(self):
         for wrong in [np.nan, np.inf, -np.inf]:
             torques = np.zeros(8)

@@ -18,11 +18,46 @@ def springs(plant, periods):
     return plant.hash
 
 
+def springless(scene, periods):
+    """The hash of a plant without torques."""
+    plant = biped.Plant(scene)
+    plant.step(periods=periods)
+    return plant.hash
+
+
 def walk(plant, controller, periods):
     """The controller walks for some periods. Returns the hash of the plant, and what the controller shows of itself."""
     for _ in range(periods):
         plant.step(controller.tick(plant.counts))
     return plant.hash, controller.telemetry().tobytes()
+
+
+def fnv1a(data):
+    """The check sum of a snapshot's state."""
+    result = 0xCBF29CE484222325
+    for byte in data:
+        result = (result ^ byte) * 0x100000001B3 & 0xFFFF_FFFF_FFFF_FFFF
+    return result
+
+
+def varint(number):
+    """A number as the bytes of a snapshot have it: seven bits a byte."""
+    low, high = number & 127, number >> 7
+    return bytes([low | 128]) + varint(high) if high else bytes([low])
+
+
+def forgeries(data):
+    """The bytes of a snapshot with one number less in a list of numbers, and with the right check sum. No program writes such bytes."""
+    begin = 0
+    for _ in ["kind", "version"]:
+        begin += 1 + data[begin]
+    check, start = [place + 1 for place in range(begin, begin + 20) if data[place] < 128][:2]  # where hash of the scene and check sum end
+    state = data[start:]
+    assert data == data[:check] + varint(fnv1a(state)) + state
+    for place in range(len(state) - 9):
+        if state[place] in (7, 8, 14):  # lengths of lists
+            changed = state[:place] + bytes([state[place] - 1]) + state[place + 9 :]
+            yield data[:check] + varint(fnv1a(changed)) + changed
 
 
 class Snapshots(unittest.TestCase):
@@ -71,6 +106,25 @@ class Snapshots(unittest.TestCase):
         ]:
             with self.assertRaisesRegex(biped.InputError, words):
                 biped.Snapshot.from_bytes(of, wrong)
+
+    def test_a_defect_of_the_simulation_is_an_exception_of_this_package_and_a_reset_helps(self):
+        scene, defects = biped.Scene("stand"), []
+        plant, other = biped.Plant(scene), biped.Plant(scene)
+        plant.step(periods=50)
+        for data in forgeries(plant.snapshot().to_bytes()):
+            for subject in [plant, biped.PlantBatch([other, plant])]:
+                try:
+                    plant.restore(biped.Snapshot.from_bytes(scene, data))
+                    subject.step(periods=2)
+                except biped.SimulationError as error:
+                    defects.append(str(error))
+                except biped.InputError:
+                    pass  # the bytes are no state
+                plant.reset()
+        self.assertIn("a defect of this program; standard error has the details", defects)
+        self.assertIn("plant 1: a defect of this program; standard error has the details", defects)
+        plant.step(periods=50)
+        self.assertEqual(plant.hash, springless(scene, 50))
 
     def test_a_pickled_controller_goes_on_with_the_same_bits_here_and_in_another_process(self):
         scene = biped.Scene("walk", {"duration": 1000})

@@ -26,6 +26,8 @@ class Task:
 
     #: Built-in scene, and control periods for which an action holds.
     built_in, periods = "stand", 5
+    #: What ``options`` of ``reset`` may have.
+    options: Sequence[str] = ()
 
     def __init__(
         self, robots: int, *, duration: float = 5.0, settings: Mapping[str, Any] | None = None, noise: float = 0.2, truth: bool = False
@@ -43,6 +45,9 @@ class Task:
 
     def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any]) -> None:
         """Starts an episode of one robot. All that is random comes from ``random``."""
+        for name in options:
+            if name not in self.options:
+                raise InputError(f"{name!r} is no option of this environment: it has {list(self.options) or 'none'}")
         plant = self.plants[robot]
         plant.reset(seed=int(random.integers(1, 2**32)))
         plant.push([*random.uniform(-self.noise, self.noise, 2), 0.0], duration=0.001)
@@ -52,8 +57,12 @@ class Task:
     def step(self, actions: Any) -> tuple[Array, NDArray[np.bool_], NDArray[np.bool_]]:
         """One action of each robot, shape (robots, 8): rewards, and which robots have fallen or have reached the end."""
         actions = np.asarray(actions, float)
-        if actions.shape != self.actions.shape or not np.isfinite(actions).all():
-            raise InputError(f"actions must be finite and have the shape {self.actions.shape}: these have the shape {actions.shape}")
+        if actions.shape != self.actions.shape:
+            (robots, joints), shape = self.actions.shape, actions.shape[1:] if len(self.plants) == 1 else actions.shape
+            raise InputError(f"an action has the shape ({joints},), {robots} of them ({robots}, {joints}): this one has {shape}")
+        if not np.isfinite(actions).all():
+            robot, joint = np.argwhere(~np.isfinite(actions))[0]
+            raise InputError(f"an action must be finite, but number {joint} of robot {robot} is {actions[robot, joint]}")
         self.actions = np.clip(actions, -1.0, 1.0)
         failed = False
         for period in range(self.periods):
@@ -135,6 +144,7 @@ class Push(Task):
     """
 
     periods = 20
+    options = ("push", "time")
 
     def __init__(self, robots: int, *, duration: float = 3.0, impulse: float = 8.0, offset: float = 0.5, **others: Any) -> None:
         super().__init__(robots, duration=duration, **others)
@@ -144,7 +154,10 @@ class Push(Task):
     def reset(self, robot: int, random: np.random.Generator, options: Mapping[str, Any]) -> None:
         super().reset(robot, random, options)
         size, direction, time = self.impulse * random.uniform(0.5, 1.0), random.uniform(-np.pi, np.pi), random.uniform(0.2, 0.8)
-        self.pushes[robot] = options.get("push", [size * np.cos(direction), size * np.sin(direction), 0.0])
+        push = np.asarray(options.get("push", [size * np.cos(direction), size * np.sin(direction), 0.0]), float)
+        if push.shape != (3,):
+            raise InputError(f"the option 'push' is an impulse with the shape (3,) [N·s]: this one has the shape {push.shape}")
+        self.pushes[robot] = push
         self.at[robot] = round(options.get("time", time) * self.scene.rate)
 
     def disturb(self, period: int) -> None:
