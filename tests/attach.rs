@@ -113,6 +113,10 @@ fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
     assert!(contract.contains("pace=lockstep\n") && contract.contains("rate=1000 Hz\n"), "{contract}");
     let scene: Value = serde_json::from_str(environment["BIPED_SCENE"].as_str().expect("text")).expect("JSON");
     assert_eq!(scene["duration"], 1.0, "as it runs");
+    // the wait of this command is not the patience of the program that gets the environment
+    assert_eq!(environment["BIPED_PATIENCE"], "10");
+    let at_once = biped(&["session", session.name(), "--format", "json"]).output().expect("it starts").stdout;
+    assert_eq!(serde_json::from_slice::<Value>(&at_once).expect("JSON"), environment);
     assert_eq!(printed("vscode")["env"], environment);
     plant.kill().expect("our own child");
     plant.wait().expect("our own child");

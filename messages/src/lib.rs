@@ -57,4 +57,4 @@ pub mod scene;
 pub mod session;
 pub mod wire;
 
-pub use log::{log, printable};
+pub use log::{legible, log, printable};

@@ -4,7 +4,7 @@ use clap::{Args, ValueEnum};
 use messages::peer_environment::PeerEnvironment;
 use messages::session::Session;
 use serde_json::{Map, Value, json};
-use shared::args::{parse_within, single_named};
+use shared::args::{DEFAULT_PATIENCE, parse_within, single_named};
 use shared::exit::{Failure, check_interrupt};
 use shared::output::print_text;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -49,7 +49,8 @@ pub fn run(args: &EnvironmentArgs, stop: &AtomicBool) -> Result<(), Failure> {
     };
     let found = PeerEnvironment::attach(&name, Duration::from_secs_f64(args.wait), || !stop.load(Relaxed));
     check_interrupt(stop)?;
-    let variables = found?.variables();
+    // Our wait is for the session. The program that gets the environment has patience of its own.
+    let variables = PeerEnvironment { patience: Duration::from_secs_f64(DEFAULT_PATIENCE), ..found? }.variables();
     let object = || variables.iter().map(|(key, value)| (key.to_string(), Value::from(value.as_str()))).collect();
     print_text(match args.format {
         EnvironmentFormat::Shell => {
