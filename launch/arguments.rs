@@ -13,6 +13,10 @@ const REPLACEMENT: char = '\u{fffd}';
 /// Parses the arguments, or ends the program. A path may have any bytes. All other arguments must be text.
 pub fn matches(command: Command) -> ArgMatches {
     command.try_get_matches().unwrap_or_else(|error| {
+        if std::env::args_os().any(|one| one.to_string_lossy().contains(char::is_control)) && error.use_stderr() {
+            log(shortened(error.render().to_string().trim_end())); // the error quotes it
+            std::process::exit(Exit::Usage as i32)
+        }
         let is_about_bytes = error.kind() == ErrorKind::InvalidUtf8 || error.to_string().contains(REPLACEMENT);
         let bad: Vec<String> = std::env::args_os().skip(1).filter(|one| one.to_str().is_none()).map(escaped).collect();
         if !is_about_bytes || bad.is_empty() {

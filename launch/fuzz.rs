@@ -16,9 +16,10 @@ use messages::load::{load, parse, validate};
 use messages::scene::{Law, Method, Scene};
 use nix::time::{ClockId, clock_gettime};
 use sessions::run::in_process;
-use shared::exit::{Exit, Failure};
+use shared::exit::{Exit, Failure, check_interrupt};
 use shared::list::SCENES;
-use std::path::PathBuf;
+use shared::output::shortened;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
 
@@ -30,8 +31,13 @@ const MAX_PERIODS: f64 = 50.0;
 const MAX_GAIN: f64 = 1e-6;
 /// Longest processor time of one input [s]. `tests/fuzz/run` ends an input that never returns, by the wall clock.
 const MAX_TIME: f64 = 5.0;
-/// Longest error message [bytes].
-const MAX_MESSAGE: usize = 1500;
+/// A scene is interrupted, as by Ctrl-C, at the end of the control period in which its processor time exceeds this [s]. Its steps may be
+/// slow, but it has to end.
+const INTERRUPTED_AFTER: f64 = 2.0;
+/// Greatest ratio of the inertias of a scene [-]: with more, rounding (1e-16) leaves less than four digits of the lesser.
+const MAX_RATIO: f64 = 1e12;
+/// Longest error message, as the program prints it [characters]: an excerpt of a file has several lines of up to 400.
+const MAX_MESSAGE: usize = 2500;
 
 /// The kind of input, by the environment variable `BIPED_FUZZ`.
 #[derive(Clone, Copy)]
@@ -60,17 +66,17 @@ static TARGET: LazyLock<FuzzTarget> = LazyLock::new(|| match std::env::var("BIPE
 fuzz_target!(init: begin(), |input: &[u8]| {
     let start = seconds();
     let outcome = match *TARGET {
-        FuzzTarget::Scene => scene(&String::from_utf8_lossy(input)),
+        FuzzTarget::Scene => scene(&String::from_utf8_lossy(input), start + INTERRUPTED_AFTER),
         FuzzTarget::Set => set(&String::from_utf8_lossy(input)),
-        FuzzTarget::Robot => load("walk", &[format!("robot={}", file(input).display())], SCENES).map_err(Failure::from).and_then(walks),
+        FuzzTarget::Robot => robot(&file(input)),
         FuzzTarget::Contact => commands(input, &[&["contact"]]),
         FuzzTarget::Recording => commands(input, &[&["info"], &["replay"], &["replay", "--plant"]]),
     };
     let took = seconds() - start;
     assert!(took < MAX_TIME, "it took {took} s");
     if let Err(Failure { exit, message, .. }) = outcome {
-        let known = [Exit::Usage, Exit::Fault, Exit::Incompatible, Exit::Fell, Exit::Unsolved].contains(&exit);
-        assert!(known && !message.is_empty() && message.len() < MAX_MESSAGE, "{exit:?}: {message}");
+        let known = [Exit::Usage, Exit::Fault, Exit::Incompatible, Exit::Fell, Exit::Unsolved, Exit::Interrupted].contains(&exit);
+        assert!(known && !message.is_empty() && shortened(&message).chars().count() < MAX_MESSAGE, "{exit:?}: {message}");
     }
 });
 
@@ -91,13 +97,30 @@ fn begin() {
     }
 }
 
-fn scene(text: &str) -> Result<(), Failure> {
+/// Runs a scene, until the processor time `end` at most [s].
+fn scene(text: &str, end: f64) -> Result<(), Failure> {
     let scene = parse(text, "fuzz")?;
     validate(&scene, "fuzz")?;
-    if is_passive(&scene) {
-        energy::check(&scene, periods(&scene) as usize, MAX_GAIN)?;
+    if !is_within_precision(&scene) {
+        return Ok(());
     }
-    walks(scene)
+    if is_passive(&scene) {
+        energy::check(&scene, periods(&scene) as usize, MAX_GAIN, || seconds() < end)?;
+    }
+    runs(scene, || check_interrupt(&AtomicBool::new(seconds() >= end)))
+}
+
+/// Whether the inertias that a contact point meets differ by less than [`MAX_RATIO`]. Otherwise one step can take ten seconds, which
+/// docs/RELIABILITY.md tells.
+fn is_within_precision(scene: &Scene) -> bool {
+    let inertias = scene.bodies.iter().flat_map(|body| {
+        let points = body.contacts.iter().chain(body.spheres.iter().map(|ball| &ball.at)).chain([&body.size]);
+        let reach = points.flatten().chain(&body.com).fold(f64::MIN_POSITIVE, |most: f64, part| most.max(part.abs()));
+        body.moments().map(|moment| moment / reach.powi(2)).into_iter().chain([body.mass])
+    });
+    let (least, most) =
+        inertias.fold((f64::INFINITY, 0.0), |(least, most): (f64, f64), one| (least.min(one), most.max(one)));
+    most <= MAX_RATIO * least
 }
 
 /// Whether a scene can only lose energy: it has no springs, pushes, restitution or controller, and its law and method gain none.
@@ -112,16 +135,21 @@ fn is_passive(scene: &Scene) -> bool {
 fn set(text: &str) -> Result<(), Failure> {
     let settings: Vec<String> =
         text.lines().filter(|line| !line.trim_start().starts_with("robot")).map(String::from).collect();
-    walks(load("walk", &settings, SCENES)?)
+    runs(load("walk", &settings, SCENES)?, || Ok(()))
 }
 
-/// Runs a scene for a short time. All of its numbers have to be finite.
-fn walks(scene: Scene) -> Result<(), Failure> {
+/// Runs the walk of the robot in a file.
+fn robot(file: &Path) -> Result<(), Failure> {
+    runs(load("walk", &[format!("robot={}", file.display())], SCENES)?, || Ok(()))
+}
+
+/// Runs a scene for a short time, until `check` fails. All of its numbers have to be finite.
+fn runs(scene: Scene, check: impl Fn() -> Result<(), Failure>) -> Result<(), Failure> {
     let duration = periods(&scene) / scene.rate;
     in_process(&Scene { duration, ..scene }, |truth| {
         let numbers = truth.base_position.iter().chain(&truth.base_velocity).chain(&truth.angle).chain(&truth.rate);
         assert!(numbers.copied().all(f64::is_finite), "at {} ns: {truth:?}", truth.stamp.sim_ns);
-        Ok(())
+        check()
     })
 }
 

@@ -119,6 +119,9 @@ enum CliCommand {
 fn main() -> ExitCode {
     // With this signal blocked, a file that exceeds `ulimit -f` causes a write error, as a full disk does.
     let _ = SigSet::from(Signal::SIGXFSZ).thread_block();
+    if let Err(failure) = resource_limits::check_stack() {
+        return ended(failure);
+    }
     let stop = Arc::new(AtomicBool::new(false));
     let stop_handle = stop.clone();
     if let Err(error) = ctrlc::set_handler(move || stop_handle.store(true, Relaxed)) {
@@ -128,14 +131,14 @@ fn main() -> ExitCode {
     }
     let matches = arguments::matches(help::grouped::<Cli>());
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
-    match dispatch(cli, &stop) {
-        Ok(()) => Exit::Ok.into(),
-        Err(failure) => {
-            let saved = failure.unsolved.map_or(String::new(), |problem| problem.save());
-            log(format_args!("error: {}{saved}", shortened(&failure.message)));
-            failure.exit.into()
-        }
-    }
+    dispatch(cli, &stop).map_or_else(ended, |()| Exit::Ok.into())
+}
+
+/// Reports a failure, and gives its exit code.
+fn ended(failure: Failure) -> ExitCode {
+    let saved = failure.unsolved.map_or(String::new(), |problem| problem.save());
+    log(format_args!("error: {}{saved}", shortened(&failure.message)));
+    failure.exit.into()
 }
 
 /// Runs the command.

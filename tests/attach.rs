@@ -160,6 +160,8 @@ fn biped_session_prints_the_contract_as_json_and_for_an_editor() {
     let scene: Value = serde_json::from_str(environment["BIPED_SCENE"].as_str().expect("text")).expect("JSON");
     assert_eq!(scene["duration"], 1.0, "as it runs");
     assert_eq!(environment["BIPED_PATIENCE"], "60", "that of the session, not the time to wait for its start");
+    let at_once = biped(&["session", session.name(), "--format", "json"]).output().expect("it starts").stdout;
+    assert_eq!(serde_json::from_slice::<Value>(&at_once).expect("JSON"), environment);
     assert_eq!(printed("vscode")["env"], environment);
     plant.kill().expect("our own child");
     plant.wait().expect("our own child");

@@ -27,7 +27,7 @@ fn a_bad_value_is_refused_with_its_key_in_every_role() {
         .map(|(key, length)| format!("{key}={}", "b".repeat(length)));
     for role in ["run", "plant", "controller"] {
         refused(&[role, "walk", "--set", "plant.dt=0"], &["plant.dt = 0", "greater than 0"]);
-        refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 0.000000000001", "at most 1000000 steps"]);
+        refused(&[role, "walk", "--set", "plant.dt=1e-12"], &["plant.dt = 1e-12", "at most 1000000 steps"]);
         refused(&[role, "walk", "--set", "plant.friction=nan"], &["plant.friction = NaN", "finite"]);
         refused(&[role, "walk", "--set", "bodies.trunk.mass=-3"], &["bodies.trunk.mass = -3", "greater than 0"]);
         refused(&[role, "walk", "--set", "plant.fricton=1"], &["--set plant.fricton=1", "`friction`"]);
@@ -219,6 +219,7 @@ fn wrong_usage_is_refused() {
     refused(&["soak", "--minutes", "-1"], &["a number of minutes"]);
     refused(&["chart", "--peers=nosuch.csv"], &["nosuch.csv"]);
     refused(&["view", "README.md", "--out", "./README.md"], &["README.md is the input file"]);
+    refused(&["run", "walk", "--swap", "1e300=biped controller"], &["--swap 1e300: the run ends"]);
     refused(&["run", "walk", "--swap", "inf=biped controller"], &["a simulated time"]);
 }
 
@@ -253,6 +254,20 @@ fn write_errors_are_reported_at_once() {
     ] {
         let (code, errors) = biped(&[long, &["--out", "README.md/x"]].concat());
         assert!(code == Some(4) && errors.contains("README.md/x cannot be written"), "{long:?}: {code:?} {errors}");
+    }
+}
+
+#[test]
+fn control_characters_of_arguments_do_not_reach_the_terminal() {
+    for arguments in [
+        &["run\rerror: none\u{8}"][..],
+        &["run", "walk", "--\u{7}bell"],
+        &["study", "\u{1b}[2J\r"],
+        &["run", "\u{9b}2J"],
+    ] {
+        let (code, errors) = biped(arguments);
+        let is_plain = !errors.contains(|character: char| character.is_control() && character != '\n');
+        assert!(code == Some(2) && errors.starts_with("error: ") && is_plain, "{arguments:?}: {errors:?}");
     }
 }
 

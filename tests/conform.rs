@@ -2,7 +2,10 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-use std::process::{Command, Output};
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::Pid;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 const BIPED: &str = env!("CARGO_BIN_EXE_biped");
 
@@ -44,6 +47,21 @@ fn a_program_that_does_nothing_breaks_the_first_rule() {
 fn a_background_process_of_the_program_does_not_delay_the_check() {
     let (code, broken, printed) = conform(&["--plant", "sh -c 'sleep 3600 & exit 7'", "--patience", "1"]);
     assert!(code == Some(10) && broken[0].contains("exit code 7"), "{printed}");
+}
+
+#[test]
+fn an_interrupt_ends_the_wait_for_a_program_that_never_answers() {
+    for role in ["--controller", "--plant"] {
+        let mut check = Command::new(BIPED);
+        check.args(["conform", role, "sleep 60", "--patience", "50"]);
+        let child = check.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+        std::thread::sleep(Duration::from_secs(1)); // until it waits
+        let start = Instant::now();
+        kill(Pid::from_raw(child.id() as i32), Signal::SIGINT).expect("our own child");
+        let Output { status, stderr, .. } = child.wait_with_output().expect("it ends");
+        assert_eq!((status.code(), &*String::from_utf8_lossy(&stderr)), (Some(130), "error: interrupted\n"), "{role}");
+        assert!(start.elapsed() < Duration::from_secs(40), "before its patience is over");
+    }
 }
 
 #[test]

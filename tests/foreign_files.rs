@@ -29,13 +29,14 @@ fn files(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
 }
 
 /// Commands that write files, with short runs, and the files that each of them writes.
-const WRITERS: [(&str, &[&str]); 9] = [
+const WRITERS: [(&str, &[&str]); 10] = [
     (
         "run stand --in-process --quiet --set duration=0.1 --out out",
         &["out/summary.json", "out/trajectory.csv", "out/report.html", "out/scene.toml"],
     ),
     ("run stand --in-process --quiet --set duration=0.1 --record new.mcap", &["new.mcap"]),
     ("view run.mcap --out view.html", &["view.html"]),
+    ("view run.mcap --out page", &["page"]),
     ("convert run.mcap --csv tables", &["tables/truth.csv", "tables/sensors.csv"]),
     ("convert run.mcap --table table.csv", &["table.csv"]),
     ("convert run.mcap --mcap copy.mcap", &["copy.mcap"]),
@@ -92,6 +93,24 @@ fn foreign_files_survive_every_command_and_files_of_this_program_are_replaced() 
 }
 
 #[test]
+fn a_folder_for_results_that_is_something_else_is_refused_as_such() {
+    let folder = fresh_path("no-folder");
+    std::fs::create_dir(&folder).expect("a folder");
+    std::fs::write(folder.join("file"), "mine").expect("a file");
+    std::os::unix::fs::symlink("nowhere", folder.join("dangling")).expect("a link");
+    std::os::unix::fs::symlink("loop", folder.join("loop")).expect("a link");
+    for path in ["file", "dangling", "loop"] {
+        for command in ["run stand --in-process --quiet --out", "study laws --out", "chart --out"] {
+            let (code, printed) = within(&folder, &format!("{command} {path}"));
+            let sentence = format!("error: {path} is not a folder: choose another path\n");
+            assert_eq!((code, printed), (Some(2), sentence), "{command} {path}");
+        }
+    }
+    assert_eq!(std::fs::read(folder.join("file")).expect("a file"), b"mine");
+    std::fs::remove_dir_all(folder).expect("our own folder");
+}
+
+#[test]
 fn pipes_devices_and_folders_are_refused_by_every_reading_command() {
     let folder = fresh_path("endless");
     std::fs::create_dir(&folder).expect("a folder");
@@ -110,6 +129,7 @@ fn pipes_devices_and_folders_are_refused_by_every_reading_command() {
         "convert FILE --csv x",
         "convert FILE --mcap x.mcap",
         "robustness --merge FILE",
+        "sweep walk plant.friction=0.7 --merge FILE",
         "chart --peers=FILE",
     ];
     for (file, what) in [("pipe", "pipe"), ("/dev/zero", "device"), (".", "folder")] {

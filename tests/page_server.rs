@@ -38,8 +38,12 @@ impl ViewServer {
 
     /// Sends a raw request, which may be malformed, and returns the whole answer.
     fn send(&self, request: &str) -> String {
+        self.send_bytes(request.as_bytes())
+    }
+
+    fn send_bytes(&self, request: &[u8]) -> String {
         let mut stream = self.connect();
-        let _ = stream.write_all(request.as_bytes()); // the server may have closed the connection
+        let _ = stream.write_all(request); // the server may have closed the connection
         read_to_end(&mut stream)
     }
 
@@ -170,6 +174,61 @@ fn endless_requests_and_silent_clients_use_no_memory_and_block_nobody() {
     let answers: Vec<String> = slow.iter_mut().map(read_to_end).collect();
     assert!(answers.iter().all(|answer| answer.is_empty() || answer.starts_with("HTTP/1.1 408")), "{answers:?}");
     eventually("an end of all connections", || view.open_files() == files);
+    let more = view.peak_memory() - memory;
+    assert!(more < 16_000, "{more} kB more");
+    walk.end_with(view.process);
+}
+
+/// All with the token: an authorised client may be broken too.
+#[test]
+fn malformed_requests_get_an_answer_or_an_end_and_the_next_client_is_served() {
+    let walk = Running::unobserved("malformed");
+    walk.ask(Action::Pause);
+    let view = ViewServer::open(&walk, &[]);
+    let memory = view.peak_memory();
+    let head = format!("Host: {}\r\nAuthorization: Bearer {}\r\n", view.address, view.token);
+    let close = format!("{head}Connection: close\r\n");
+    let chunked = format!("POST /ask HTTP/1.1\r\n{close}Transfer-Encoding: chunked\r\n\r\n");
+    let long = "x".repeat(1 << 20);
+    let get = |path: &[u8]| [b"GET ", path, b" HTTP/1.1\r\n", close.as_bytes(), b"\r\n"].concat();
+    for (request, statuses) in [
+        (format!("{chunked}10\r\n{{\"what\":\"pause\"}}\r\n0\r\n\r\n").into_bytes(), &["200"][..]),
+        (format!("{chunked}fffffffffffffffff1\r\nx").into_bytes(), &["400", "413"]), // beyond 64 bits
+        (format!("{chunked}1;{long}").into_bytes(), &["400", "413", ""]),            // an endless extension
+        (format!("{chunked}0\r\nx: {long}\r\n").into_bytes(), &["400", "413", ""]),  // an endless trailer
+        (
+            format!("POST /ask HTTP/1.1\r\n{close}Content-Length: 3\r\nContent-Length: 5\r\n\r\nabcde").into_bytes(),
+            &["400"],
+        ),
+        (format!("POST /ask HTTP/1.1\r\n{close}Content-Length: -3\r\n\r\nabc").into_bytes(), &["400"]),
+        (
+            format!("POST /ask HTTP/1.1\r\n{close}Content-Length: 99999999999999999999999\r\n\r\n").into_bytes(),
+            &["400"],
+        ),
+        (format!("GET /{long} HTTP/1.1\r\n{close}\r\n").into_bytes(), &["414", "431", ""]),
+        (format!("GET / HTTP/1.1\r\n{}{close}\r\n", "a: b\r\n".repeat(200)).into_bytes(), &["431"]),
+        (get(b"/\xff\xfe"), &["400", "404"]),
+        (get(b"/%ff%00"), &["404"]),
+        (get(b"/frames?from=-1&run=99999999999999999999999"), &["200"]),
+        (
+            format!("GET /nope HTTP/1.1\r\n{head}\r\n")
+                .repeat(500)
+                .into_bytes()
+                .into_iter()
+                .chain(get(b"/nope"))
+                .collect(),
+            &["404"],
+        ),
+        (format!("GET / HTTP/1.1\r\n{head}Connection: Upgrade\r\nUpgrade: websocket\r\n\r\n").into_bytes(), &["200"]),
+        (b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n".to_vec(), &["400", "505", ""]),
+        (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03".repeat(60), &["400", ""]), // a browser that wants TLS
+    ] {
+        let shown = String::from_utf8_lossy(&request[..request.len().min(200)]).into_owned();
+        let answer = view.send_bytes(&request);
+        let status = answer.split(' ').nth(1).unwrap_or_default();
+        assert!(statuses.contains(&status), "{shown}: {}", &answer[..answer.len().min(200)]);
+        assert!(view.serves(), "after {shown}");
+    }
     let more = view.peak_memory() - memory;
     assert!(more < 16_000, "{more} kB more");
     walk.end_with(view.process);

@@ -2,7 +2,8 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
-use nix::unistd::getuid;
+use nix::sys::signal::{Signal, kill};
+use nix::unistd::{Pid, getuid};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::os::unix::fs::{MetadataExt, PermissionsExt, chown};
@@ -78,10 +79,13 @@ fn eventually(what: &str, mut holds: impl FnMut() -> bool) {
     }
 }
 
+fn signal(child: &Child, signal: Signal) {
+    kill(Pid::from_raw(child.id() as i32), signal).expect("a signal to our own child");
+}
+
 /// Ends a program in order, and returns its exit code and standard error.
 fn interrupt(child: Child) -> (Option<i32>, String) {
-    let pid = nix::unistd::Pid::from_raw(child.id() as i32);
-    nix::sys::signal::kill(pid, nix::sys::signal::Signal::SIGINT).expect("a signal to our own child");
+    signal(&child, Signal::SIGINT);
     let Output { status, stderr, .. } = child.wait_with_output().expect("the program ends");
     (status.code(), String::from_utf8_lossy(&stderr).into_owned())
 }
@@ -172,6 +176,20 @@ fn members_of_the_group_reach_a_shared_session_and_nobody_else_does() {
     let silent: Vec<_> = (0..8).map(|_| UnixStream::connect(&socket).expect("root may enter")).collect();
     eventually("a free place", || place.run(member, &["rearm", "--session", &full]).0 == Some(0));
     drop(silent);
+    // An answer that cannot come is waited for only until Ctrl-C.
+    let owners_process = launcher.id().to_string();
+    signal(&launcher, Signal::SIGSTOP);
+    let waiting = place.biped(member, &["rearm", "--session", &full]).spawn().expect("the program starts");
+    std::thread::sleep(Duration::from_millis(500)); // until it has installed its handler
+    let (code, errors) = interrupt(waiting);
+    assert_eq!((code, errors.as_str()), (Some(130), "error: interrupted\n"));
+    signal(&launcher, Signal::SIGCONT);
+    // The system refuses the thread of a request.
+    let mut limit = Command::new("prlimit");
+    limit.args(["--nproc=1:", "--pid", &owners_process]).uid(OWNER).gid(GROUP); // root may lack the right
+    assert!(limit.status().expect("prlimit runs").success());
+    let (code, printed) = place.run(member, &["rearm", "--session", &full]);
+    assert!(code == Some(4) && printed.contains("a thread cannot be started"), "{code:?} {printed}");
     let (code, errors) = interrupt(launcher);
     assert_eq!(code, Some(130), "{errors}");
     for (mut watcher, _) in watchers {

@@ -58,4 +58,4 @@ pub mod scene;
 pub mod session;
 pub mod wire;
 
-pub use log::{log, printable};
+pub use log::{legible, log, printable};

@@ -9,6 +9,15 @@ pub fn log(message: impl Display) {
     let _ = writeln!(stderr(), "{}", printable(&message.to_string()));
 }
 
+/// Digits that the plain form of a number may have more than its scientific form.
+const PLAIN_DIGITS: usize = 6;
+
+/// A number as a person would write it: 0.000001 and 1000000, but 1e-9 and 1e30, which have hundreds of digits in the worst case.
+pub fn legible(number: f64) -> String {
+    let (plain, scientific) = (number.to_string(), format!("{number:e}"));
+    if plain.len() > scientific.len() + PLAIN_DIGITS { scientific } else { plain }
+}
+
 /// Text in which control characters are escaped, so that a name cannot send commands to the terminal.
 pub fn printable(text: &str) -> String {
     let shown = |character: char| match character.is_control() && !matches!(character, '\t' | '\n') {
@@ -16,4 +25,29 @@ pub fn printable(text: &str) -> String {
         false => character.to_string(),
     };
     text.chars().map(shown).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_have_no_long_rows_of_zeros() {
+        let numbers = [0.0, -1.5, 0.000001, 1e6, 1e9, 1e-9, 1e300, -5e-324, 0.1 + 0.2, f64::NAN, f64::INFINITY];
+        let shown = numbers.map(legible);
+        let right = [
+            "0",
+            "-1.5",
+            "0.000001",
+            "1000000",
+            "1e9",
+            "1e-9",
+            "1e300",
+            "-5e-324",
+            "0.30000000000000004",
+            "NaN",
+            "inf",
+        ];
+        assert_eq!(shown, right);
+    }
 }

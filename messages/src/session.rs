@@ -154,6 +154,15 @@ impl Session {
         private_file::open(&self.lock_file(), File::options().read(true)).is_ok_and(|file| file.try_lock().is_err())
     }
 
+    /// Checks that a process is in the session now.
+    ///
+    /// # Errors
+    /// [`PortError::NoSession`], which names another user who has a session of that name.
+    pub fn require_running(&self) -> Result<(), PortError> {
+        let missing = || PortError::NoSession { session: self.name().into(), other: self.other_owner() };
+        if self.is_running() { Ok(()) } else { Err(missing()) }
+    }
+
     /// Numbers of the processes in the session that this user may see.
     pub fn members(&self) -> Vec<u32> {
         let entries = std::fs::read_dir("/proc").into_iter().flatten().flatten();

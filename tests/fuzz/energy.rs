@@ -5,8 +5,8 @@ use messages::wire::Torques;
 use plant::kinematics::{self, Pose};
 use plant::{Plant, PlantError};
 
-/// Runs a number of control periods of a passive scene. In each, the energy may rise by `most` at most, relative to the largest energy so
-/// far.
+/// Runs a number of control periods of a passive scene, as long as `goes_on`. In each, the energy may rise by `most` at most, relative to
+/// the largest energy so far.
 ///
 /// # Errors
 /// An error of the plant.
@@ -14,11 +14,11 @@ use plant::{Plant, PlantError};
 /// # Panics
 /// If the energy rises by more, unless a body was inside the ground, which pushes it out: at the start, or in a tile that it entered from
 /// the side.
-pub fn check(scene: &Scene, periods: usize, most: f64) -> Result<(), PlantError> {
+pub fn check(scene: &Scene, periods: usize, most: f64, goes_on: impl Fn() -> bool) -> Result<(), PlantError> {
     let mut plant = Plant::new(scene)?;
     let mut was_inside = plant.truth().penetration > 0.0;
     let (mut before, mut scale) = energy(&plant);
-    for period in 0..periods {
+    for period in (0..periods).take_while(|_| goes_on()) {
         plant.advance(&Torques::default())?;
         let (now, size) = energy(&plant);
         scale = scale.max(size);

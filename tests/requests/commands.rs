@@ -2,7 +2,7 @@
 
 use crate::live::biped;
 use crate::walking;
-use messages::port::{Action, Contract, Pace, PlantPort, PortError, ask};
+use messages::port::{Action, Contract, Pace, PlantPort, PortError, Verdict, ask};
 use messages::scene::Scene;
 use messages::session::Session;
 use serde_json::Value;
@@ -48,6 +48,8 @@ fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_
     let errors = String::from_utf8_lossy(&stderr);
     assert_eq!(status.code(), Some(3), "{errors}");
     assert!(errors.contains("no session") && errors.contains(session.name()), "{errors}");
+    let output = biped(&["push", "0,1,0", "--body", "trunk", "--session", session.name()]).output().expect("it runs");
+    assert!(output.status.code() == Some(3) && String::from_utf8_lossy(&output.stderr).contains("no session"));
     for bad in [&["push", "1,2"][..], &["set"], &["step", "many"], &["set", "--speed", "fast"]] {
         assert_eq!(biped(bad).output().expect("the program runs").status.code(), Some(2), "{bad:?}");
     }
@@ -59,7 +61,11 @@ fn a_refused_request_names_the_allowed_values() {
     for (command, words) in [
         (&["push", "0,1,0", "--body", "torso"][..], "the scene has no body `torso`; its bodies are "),
         (&["push", "0,1,0", "--body", "99"], "no body `99`; its bodies are left foot"),
-        (&["push", "nan,0,0"], "from -1000 to 1000 N·s"),
+        (&["push", "1001,0,0"], "from -1000 to 1000 N·s"),
+        (&["push", "nan,0,0"], "invalid value 'nan,0,0' for '<IMPULSE>': three finite numbers"),
+        (&["push", "0,1,0", "--duration", "inf"], "invalid value 'inf' for '--duration <DURATION>': a finite number"),
+        (&["set", "--speed", "nan"], "invalid value 'nan' for '--speed <SPEED>': a finite number"),
+        (&["set", "--period=1e999"], "invalid value '1e999' for '--period <PERIOD>': a finite number"),
         (&["push", "0,1,0", "--duration", "61"], "from 0 to 60 s"),
         (&["set", "--speed", "99"], "m"),
     ] {
@@ -68,6 +74,8 @@ fn a_refused_request_names_the_allowed_values() {
         let errors = String::from_utf8_lossy(&output.stderr);
         assert!(output.status.code() == Some(2) && errors.contains(words), "{command:?}: {errors}");
     }
+    let not_finite = Action::Push { body: 4, impulse: [f64::NAN, 0.0, 0.0], duration: 0.05 };
+    assert_ne!(walk.ask(not_finite).verdict, Verdict::Done as u64, "other programs can send it");
     walk.end();
 }
 

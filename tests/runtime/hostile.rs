@@ -152,9 +152,10 @@ fn resource_limits_that_are_too_low_are_reported_at_the_start() {
     let ours = env!("CARGO_BIN_EXE_biped");
     for (limit, words) in [
         ("-n 40", "the limit of open files is 40, but 128 are needed"),
-        ("-d 9000", "the limit of memory is 8 MB, but 64 MB are needed"),
-        ("-v 60000", "the limit of address space is 58 MB, but 64 MB are needed"),
-        ("-s 200", "the limit of the stack is 0 MB, but 1 MB are needed"),
+        ("-d 9000", "the limit of memory is 9000 kB, but 65536 kB are needed"),
+        ("-v 60000", "the limit of address space is 60000 kB, but 65536 kB are needed"),
+        ("-s 200", "the limit of the stack is 200 kB, but 1024 kB are needed"),
+        ("-s 64", "the limit of the stack is 64 kB, but 1024 kB are needed"),
     ] {
         for how in ["", "--in-process"] {
             let script = format!("ulimit {limit}; exec '{ours}' run walk --quiet --set duration=0.2 {how}");
@@ -163,6 +164,15 @@ fn resource_limits_that_are_too_low_are_reported_at_the_start() {
             let (code, errors) = exits(shell.spawn().expect("a shell"));
             assert!(code == Some(4) && errors.contains(words), "{limit} {how}: {code:?} {errors}");
         }
+    }
+    // the files of a session are in memory, and count
+    for blocks in [1, 40, 8000] {
+        let script = format!("ulimit -f {blocks}; exec '{ours}' run walk --quiet --set duration=0.2");
+        let mut shell = std::process::Command::new("sh");
+        shell.args(["-c", &script]).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
+        let (code, errors) = exits(shell.spawn().expect("a shell"));
+        assert!(code == Some(6) && errors.contains("the limit of the size of files is"), "{code:?} {errors}");
+        assert!(errors.contains("`ulimit -f unlimited`"), "{errors}");
     }
     // doctor asks for no more than the program needs
     let doctor =

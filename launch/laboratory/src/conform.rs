@@ -57,7 +57,8 @@ pub fn run(args: &ConformArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let scene = SceneArgs { scene: args.scene.clone(), robot: None, settings: args.settings.clone() };
     let mut report = RuleReport { kept: 0, broken: 0, stop };
     let command = args.controller.as_ref().or(args.plant.as_ref()).cloned().unwrap_or_default();
-    let host = ProgramSetup { command, scene: scene.load()?, patience: Duration::from_secs_f64(args.patience) };
+    let patience = Duration::from_secs_f64(args.patience);
+    let host = ProgramSetup { command, scene: scene.load()?, patience, stop };
     if host.scene.controller.is_none() {
         return Err(Failure::new(
             Exit::Usage,

@@ -3,6 +3,7 @@
 use nix::sys::signal::Signal;
 use sessions::children::read_stderr;
 use sessions::process::Process;
+use shared::thread;
 use std::process::{Command, ExitStatus, Stdio};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -46,8 +47,8 @@ impl Subject {
     ) -> Result<Subject, String> {
         let silent = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
         let mut process = start(silent).map_err(|error| format!("{command:?} cannot be started: {error}"))?;
-        let output = process.stderr().map(|pipe| std::thread::spawn(move || read_stderr(pipe)));
-        Ok(Subject { process, output })
+        let output = process.stderr().map(|pipe| thread::start(move || read_stderr(pipe))).transpose();
+        Ok(Subject { process, output: output.map_err(|failure| failure.message)? })
     }
 
     /// Identifier of the process.

@@ -92,7 +92,7 @@ impl RoleProcess {
         .map_err(failed)?;
         let bar = bar.clone();
         let show = move |line: &str| bar.suspend(|| log(format_args!("{name}: {line}")));
-        let errors = process.stderr().map(|stderr| stderr::forward(stderr, origin, show));
+        let errors = process.stderr().map(|stderr| stderr::forward(stderr, origin, show)).transpose()?;
         Ok(RoleProcess { name, process, errors })
     }
 

@@ -2,14 +2,15 @@
 
 use clap::{ArgGroup, Args, Subcommand};
 use controller::Controller;
+use messages::legible;
 use messages::load::parse;
 use messages::port::{Action, Verdict, ask_for};
 use messages::scene::Scene;
-use messages::session::Session;
+use messages::session::{Session, SharedSession};
 use messages::wire::STATES;
 use plant::process::{MAX_PUSH_DURATION, MAX_PUSH_IMPULSE, is_push_accepted};
-use shared::args::{Reachable, SessionArgs};
-use shared::exit::{Exit, Failure};
+use shared::args::{Reachable, SessionArgs, parse_finite};
+use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::print_text;
 use shared::share::{self, Wanted};
 use std::sync::atomic::AtomicBool;
@@ -51,7 +52,7 @@ pub struct PushRequestArgs {
     #[arg(long, default_value = "4")]
     body: String,
     /// Duration of the push [s]
-    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true)]
+    #[arg(long, default_value_t = 0.05, allow_negative_numbers = true, value_parser = parse_finite)]
     duration: f64,
     #[command(flatten)]
     session: SessionArgs,
@@ -62,19 +63,19 @@ pub struct PushRequestArgs {
 #[command(group = ArgGroup::new("either").args(["period", "speed"]).required(true).multiple(true))]
 pub struct SetRequestArgs {
     /// Period of two steps [s]
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = parse_finite)]
     period: Option<f64>,
     /// Walking speed [m/s]
-    #[arg(long, allow_negative_numbers = true)]
+    #[arg(long, allow_negative_numbers = true, value_parser = parse_finite)]
     speed: Option<f64>,
     #[command(flatten)]
     session: SessionArgs,
 }
 
 fn parse_vector(text: &str) -> Result<[f64; 3], String> {
-    let parts: Option<Vec<f64>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    let parts: Option<Vec<f64>> = text.split(',').map(|part| parse_finite(part.trim()).ok()).collect();
     let parts = parts.and_then(|parts| <[f64; 3]>::try_from(parts).ok());
-    parts.ok_or_else(|| "three numbers x,y,z separated by commas are needed, such as 0,3,0".into())
+    parts.ok_or_else(|| "three finite numbers x,y,z separated by commas are needed, such as 0,3,0".into())
 }
 
 /// The commands that send a request.
@@ -112,15 +113,19 @@ pub fn run(command: ControlCommand, stop: &AtomicBool) -> Result<(), Failure> {
         ControlCommand::Push(args) => Wanted::Push { body: args.body, impulse: args.impulse, duration: args.duration },
     };
     let answer = match reachable {
-        Reachable::Own(session) => carry_out(&session, wanted, None)?,
-        Reachable::Shared(shared) => {
-            let mut stream = share::send(&shared, &wanted)?;
-            let none = || Failure::new(Exit::PeerMissing, format!("session {} ended without an answer", shared.name()));
-            share::read_answer(&shared, &mut stream, stop)?.ok_or_else(none)?
-        }
+        Reachable::Own(session) => carry_out(&session, wanted, None),
+        Reachable::Shared(shared) => carry_out_shared(&shared, &wanted, stop),
     };
+    let answer = answer.or_else(|failure| check_interrupt(stop).and(Err(failure)))?;
     print_text(format_args!("{answer}\n"));
     Ok(())
+}
+
+/// Sends a request to a session of another user. Returns the answer in words.
+fn carry_out_shared(shared: &SharedSession, wanted: &Wanted, stop: &AtomicBool) -> Result<String, Failure> {
+    let mut stream = share::send(shared, wanted)?;
+    let none = || Failure::new(Exit::PeerMissing, format!("session {} ended without an answer", shared.name()));
+    share::read_answer(shared, &mut stream, stop)?.ok_or_else(none)
 }
 
 /// Sends a request to a session of this user, for the other user of this number if there is one. Returns the answer in words.
@@ -137,7 +142,9 @@ pub fn carry_out(session: &Session, wanted: Wanted, user: Option<u32>) -> Result
         Wanted::Step { periods } => Action::Step { periods },
         Wanted::Reset { seed } => Action::Reset { seed },
         Wanted::Set { period, speed } => Action::Set { period, speed },
-        Wanted::Push { body, impulse, duration } => Action::Push { body: body_index(&body, scene)?, impulse, duration },
+        Wanted::Push { body, impulse, duration } => {
+            Action::Push { body: body_index(&body, session, scene)?, impulse, duration }
+        }
         Wanted::Top => return Err(Failure::new(Exit::Usage, "top is not a request")),
     };
     let reply = ask_for(session, what, user)?;
@@ -178,16 +185,20 @@ fn push_effect(scene: &Scene, body: usize, [x, y, z]: [f64; 3], duration: f64) -
     let speed = (x * x + y * y + z * z).sqrt() / mass;
     let body = scene.bodies.get(body).map_or("?", |body| &body.name);
     format!(
-        "; {body} gets {x},{y},{z} N·s within {duration} s, which changes the speed of {mass:.1} kg by {speed:.2} m/s"
+        "; {body} gets {} N·s within {} s, which changes the speed of {mass:.1} kg by {speed:.2} m/s",
+        [x, y, z].map(legible).join(","),
+        legible(duration)
     )
 }
 
 /// Number of a body that is given by number or name.
-fn body_index(body: &str, scene: impl Fn() -> Option<Scene>) -> Result<usize, Failure> {
+fn body_index(body: &str, session: &Session, scene: impl Fn() -> Option<Scene>) -> Result<usize, Failure> {
     if let Ok(number) = body.parse() {
         return Ok(number);
     }
-    let names = scene().map_or(vec![], |scene| names_of(&scene));
+    session.require_running()?;
+    let unknown = || format!("session `{}` has published no scene: give the body by its number", session.name());
+    let names = names_of(&scene().ok_or_else(|| Failure::new(Exit::Usage, unknown()))?);
     names.iter().position(|name| name == body).ok_or_else(|| Failure::new(Exit::Usage, no_such_body(body, &names)))
 }
 

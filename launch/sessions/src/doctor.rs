@@ -11,6 +11,7 @@ use nix::sys::statvfs::{FsFlags, statvfs};
 use nix::sys::utsname::uname;
 use shared::exit::{Exit, Failure};
 use shared::output::print_text;
+use shared::thread;
 use std::fmt;
 use std::os::unix::fs::MetadataExt;
 
@@ -136,7 +137,8 @@ fn limits() -> Vec<CheckResult> {
     let text = |value: u64| if value == RLIM_INFINITY { "unlimited".to_string() } else { value.to_string() };
     let (locked, priority, files) =
         (limit(Resource::RLIMIT_MEMLOCK), limit(Resource::RLIMIT_RTPRIO), limit(Resource::RLIMIT_NOFILE));
-    let [memory, fifo] = std::thread::spawn(realtime::missing_privileges).join().unwrap_or_default();
+    let [memory, fifo] =
+        thread::start(realtime::missing_privileges).ok().and_then(|asking| asking.join().ok()).unwrap_or_default();
     let granted = |item, limit, remedy: Option<String>| {
         let found = format!("{limit}; {}", if remedy.is_none() { "granted on request" } else { "refused on request" });
         CheckResult::checked(item, found, remedy.is_none(), || Level::Warning(remedy.unwrap_or_default()))

@@ -19,7 +19,15 @@ const EXTRA_THREADS: usize = 6;
 /// Stack of a thread that only waits [bytes].
 const PROBE_STACK: usize = 1 << 16;
 
-/// Raises the limit of open files as far as the user may, then checks all limits.
+/// Checks the limit of the stack. This comes first of all, because parsing the arguments already needs one.
+///
+/// # Errors
+/// If it is too low; the message names it and the command that raises it.
+pub fn check_stack() -> Result<(), Failure> {
+    check_limit(Resource::RLIMIT_STACK, "the stack", MIN_STACK, "ulimit -s 8192")
+}
+
+/// Raises the limit of open files as far as the user may, then checks all other limits.
 ///
 /// # Errors
 /// If a limit is too low; the message names it and the command that raises it.
@@ -29,24 +37,23 @@ pub fn check() -> Result<(), Failure> {
     {
         let _ = setrlimit(Resource::RLIMIT_NOFILE, hard, hard); // after a refusal, the soft limit is checked below
     }
-    for (resource, what, needed, remedy) in [
-        (Resource::RLIMIT_NOFILE, "open files", MIN_OPEN_FILES, "ulimit -n 1024"),
-        (Resource::RLIMIT_DATA, "memory", MIN_MEMORY, "ulimit -d unlimited"),
-        (Resource::RLIMIT_AS, "address space", MIN_MEMORY, "ulimit -v unlimited"),
-        (Resource::RLIMIT_STACK, "the stack", MIN_STACK, "ulimit -s 8192"),
-    ] {
-        let allowed = getrlimit(resource).map_or(RLIM_INFINITY, |(soft, _)| soft);
-        if allowed < needed {
-            let is_bytes = resource != Resource::RLIMIT_NOFILE;
-            let [allowed, needed] = [allowed, needed].map(|limit| match is_bytes {
-                true => format!("{} MB", limit >> 20),
-                false => limit.to_string(),
-            });
-            let words = format!("the limit of {what} is {allowed}, but {needed} are needed: `{remedy}`");
-            return Err(Failure::new(Exit::Fault, words));
-        }
-    }
+    check_limit(Resource::RLIMIT_NOFILE, "open files", MIN_OPEN_FILES, "ulimit -n 1024")?;
+    check_limit(Resource::RLIMIT_DATA, "memory", MIN_MEMORY, "ulimit -d unlimited")?;
+    check_limit(Resource::RLIMIT_AS, "address space", MIN_MEMORY, "ulimit -v unlimited")?;
     check_threads(EXTRA_THREADS + std::thread::available_parallelism().map_or(1, usize::from))
+}
+
+fn check_limit(resource: Resource, what: &str, needed: u64, remedy: &str) -> Result<(), Failure> {
+    let allowed = getrlimit(resource).map_or(RLIM_INFINITY, |(soft, _)| soft);
+    if allowed >= needed {
+        return Ok(());
+    }
+    let text = |limit: u64| match resource {
+        Resource::RLIMIT_NOFILE => limit.to_string(),
+        _ => format!("{} kB", limit >> 10),
+    };
+    let words = format!("the limit of {what} is {}, but {} are needed: `{remedy}`", text(allowed), text(needed));
+    Err(Failure::new(Exit::Fault, words))
 }
 
 /// Checks by trial that `count` threads can exist at the same time.

@@ -6,6 +6,7 @@ mod one_process;
 mod two_processes;
 
 use crate::model::RunModel;
+use messages::legible;
 use messages::load;
 use messages::scene::{Ground, Scene};
 use monitor::{RunMonitor, fall_failure};
@@ -48,7 +49,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         return Err(Failure::new(Exit::Usage, words));
     }
     if let Some(late) = args.swap.iter().find(|swap| swap.time >= scene.duration) {
-        let words = format!("--swap {}: the run ends at {} s", late.time, scene.duration);
+        let words = format!("--swap {}: the run ends at {} s", legible(late.time), legible(scene.duration));
         return Err(Failure::new(Exit::Usage, words));
     }
     warn_of_penetration(scene);

@@ -7,6 +7,7 @@ use records::top::{POLL_INTERVAL, SharedDisplay};
 use shared::exit::{Exit, Failure};
 use shared::output::log;
 use shared::share::{self, Wanted};
+use shared::thread;
 use std::io;
 use std::os::unix::net::UnixStream;
 use std::sync::Arc;
@@ -65,9 +66,7 @@ impl ShareServer {
         let listener = ShareListener::open(session, group(name)?)?;
         let (stop, session) = (Arc::new(AtomicBool::new(false)), session.clone());
         let stopped = stop.clone();
-        let thread = std::thread::Builder::new().name("share".into());
-        let thread = thread.spawn(move || serve(&listener, &session, &stopped));
-        let thread = thread.map_err(|error| Failure::new(Exit::Fault, format!("a thread cannot start: {error}")))?;
+        let thread = thread::start(move || serve(&listener, &session, &stopped))?;
         Ok(ShareServer { stop, thread: Some(thread) })
     }
 }
@@ -112,8 +111,8 @@ fn accept<'scope>(
         let _ = share::answer(&mut stream, Err(Failure::new(Exit::PeerMissing, words)));
         return;
     }
-    let watching = watching.clone();
-    scope.spawn(move || {
+    let (watching, refused) = (watching.clone(), stream.try_clone());
+    let started = thread::start_scoped(scope, move || {
         // It is no error if the other user has gone.
         let _ = match share::receive(&mut stream, stop) {
             Ok(Wanted::Top) => watching.send(stream).map_err(io::Error::other),
@@ -122,6 +121,10 @@ fn accept<'scope>(
         };
         open.fetch_sub(1, Relaxed);
     });
+    if let Err(failure) = started {
+        open.fetch_sub(1, Relaxed);
+        let _ = refused.and_then(|mut stream| share::answer(&mut stream, Err(failure)));
+    }
 }
 
 /// The users who look at `biped top`, with one reader of the session for all of them.

@@ -6,6 +6,7 @@
 //! blends from the torques of the predecessor to those of the successor (`plant/src/handover.rs`).
 
 use crate::children::{self, RoleProcess};
+use messages::legible;
 use messages::port::{Action, Contract, Pace, ask};
 use messages::session::Session;
 use messages::wire::Stamp;
@@ -143,7 +144,7 @@ impl SwapSchedule {
     /// A message about the first swap that has not been performed, if there is one.
     pub fn unfinished(&self) -> Option<String> {
         let next = self.pending.front()?;
-        Some(format!("`{}` was to take over at t {} s, but did not", next.command, next.time))
+        Some(format!("`{}` was to take over at t {} s, but did not", next.command, legible(next.time)))
     }
 }
 

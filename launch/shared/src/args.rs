@@ -84,6 +84,14 @@ pub fn parse_seconds(text: &str) -> Result<f64, String> {
     parse_within(text, "a number of seconds", SECONDS_RANGE)
 }
 
+/// Parses a number that is not NaN or infinite.
+///
+/// # Errors
+/// If the text is no such number.
+pub fn parse_finite(text: &str) -> Result<f64, String> {
+    text.parse().ok().filter(|number: &f64| number.is_finite()).ok_or_else(|| "a finite number is needed".into())
+}
+
 /// Parses a number within a range. `what` names it in the error.
 ///
 /// # Errors

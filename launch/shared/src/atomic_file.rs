@@ -10,13 +10,14 @@ pub const MARK: &str = "<!-- biped -->\n";
 /// Number of leading bytes by which this program recognizes its own files [bytes].
 const SIGNATURE_BYTES: usize = 12;
 
-/// Writes a text file atomically, through a temporary file beside it and a rename. SVG and HTML files begin with [`MARK`].
+/// Writes a text file atomically, through a temporary file beside it and a rename. A drawing or page, in SVG or HTML, gets [`MARK`] as its
+/// first line, whatever the file is called: its own beginning is that of any other page.
 ///
 /// # Errors
 /// An error of the file system, with the file's name; or a file at this path that begins differently. The temporary file is
 /// removed in both cases.
 pub fn write_atomically(path: &Path, text: &str) -> io::Result<()> {
-    let mark = if path.extension().is_some_and(|kind| kind == "svg" || kind == "html") { MARK } else { "" };
+    let mark = if text.starts_with('<') { MARK } else { "" };
     let signature = if mark.is_empty() { text } else { mark };
     let written = AtomicFile::create(path, signature.as_bytes()).and_then(|mut output| {
         output.file.write_all(mark.as_bytes())?;

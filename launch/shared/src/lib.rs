@@ -1,4 +1,4 @@
-//! Parts that all commands share: arguments, built-in scenes, exit codes, output files, progress.
+//! Parts that all commands share: arguments, built-in scenes, exit codes, output files, progress, threads.
 
 pub mod args;
 pub mod atomic_file;
@@ -8,4 +8,5 @@ pub mod list;
 pub mod output;
 pub mod progress;
 pub mod share;
+pub mod thread;
 pub mod unsolved_problem;

@@ -50,7 +50,12 @@ fn shortened_line(line: &str) -> String {
 /// # Errors
 /// If the folder cannot be created.
 pub fn create_folder(path: &Path) -> Result<(), Failure> {
-    fs::create_dir_all(path).map_err(|error| write_failure(path, &error))
+    fs::create_dir_all(path).map_err(|error| match error.kind() {
+        ErrorKind::AlreadyExists => {
+            Failure::new(Exit::Usage, format!("{} is not a folder: choose another path", path.display()))
+        }
+        _ => write_failure(path, &error),
+    })
 }
 
 /// Creates an output folder, and checks that each of these files can be replaced: it is missing, or begins with the given text.
@@ -76,9 +81,11 @@ pub fn temporary_folder(purpose: &str) -> Result<PathBuf, Failure> {
     mkdtemp(&folder).map_err(|error| write_failure(&folder, &error))
 }
 
-/// The failure that reports a file or folder that cannot be written.
+/// The failure that reports a file or folder that cannot be written. The error may begin with its path too.
 pub fn write_failure(path: &Path, error: &impl std::fmt::Display) -> Failure {
-    Failure::new(Exit::Fault, format!("{} cannot be written: {error}", path.display()))
+    let (path, error) = (path.display().to_string(), error.to_string());
+    let reason = error.strip_prefix(&format!("{path}: ")).unwrap_or(&error);
+    Failure::new(Exit::Fault, format!("{path} cannot be written: {reason}"))
 }
 
 /// Takes an exclusive lock on an output file.

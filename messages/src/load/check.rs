@@ -1,6 +1,7 @@
 //! Rules for the values of a scene or a robot. Each rule contains the sentence of its error message.
 
 use super::error::SceneError;
+use crate::legible;
 use crate::robot::{Body, DriveParameters, JointKind, Robot};
 use crate::scene::{ControllerScene, LinkScene, Scene};
 use crate::wire::JOINTS;
@@ -72,7 +73,9 @@ pub(super) type Checked = Result<(), SceneError>;
 
 impl Validator<'_> {
     fn fail(&self, key: &str, value: impl ToString, rule: impl Into<String>) -> SceneError {
-        SceneError::Invalid { origin: self.origin.into(), key: key.into(), value: value.to_string(), rule: rule.into() }
+        let value = value.to_string();
+        let value = value.parse().map_or(value, legible);
+        SceneError::Invalid { origin: self.origin.into(), key: key.into(), value, rule: rule.into() }
     }
 
     pub(super) fn require(&self, holds: bool, key: &str, value: impl ToString, rule: impl Into<String>) -> Checked {
@@ -132,15 +135,16 @@ impl Validator<'_> {
         let steps = 1.0 / (scene.rate * scene.plant.dt);
         let whole = steps.round() >= 1.0 && (steps - steps.round()).abs() < STEP_ROUNDING * steps;
         let rule = format!(
-            "a whole number of steps must fit into one control period of 1/{} s, not {steps}: try {}",
-            scene.rate,
-            1.0 / (scene.rate * steps.round().max(1.0)),
+            "a whole number of steps must fit into one control period of 1/{} s, not {}: try {}",
+            legible(scene.rate),
+            legible(steps),
+            legible(1.0 / (scene.rate * steps.round().max(1.0))),
         );
         self.require(whole, "plant.dt", scene.plant.dt, rule)?;
-        let rule = format!("at most {MAX_STEPS} steps may fit into a control period of 1/{} s", scene.rate);
+        let rule = format!("at most {MAX_STEPS} steps may fit into a control period of 1/{} s", legible(scene.rate));
         self.require(steps <= MAX_STEPS, "plant.dt", scene.plant.dt, rule)?;
         let periods = scene.duration * scene.rate;
-        let rule = format!("it must be at least one control period of 1/{} s", scene.rate);
+        let rule = format!("it must be at least one control period of 1/{} s", legible(scene.rate));
         self.require(periods.round() >= 1.0, "duration", scene.duration, rule)
     }
 
@@ -256,7 +260,7 @@ impl Validator<'_> {
         let half = controller.period / 2.0;
         let rule = format!(
             "half of it, one step, must last at least {LEAST_STEP_PERIODS} control periods of 1/{} s",
-            scene.rate
+            legible(scene.rate)
         );
         self.require(half * scene.rate >= LEAST_STEP_PERIODS, "controller.period", controller.period, rule)
     }

@@ -8,6 +8,7 @@
 //! | `collision`: box | contact points at its bottom corners |
 //! | `effort`, `drake:rotor_inertia` times `drake:gear_ratio`², `damping` | drives |
 //! | `fixed` joints of links without mass | nothing |
+//! | `calibration`, and elements of other programs such as `gazebo` | nothing: they describe no part of the robot |
 //!
 //! Properties of joints that this simulator does not model are refused: [`unsupported`].
 
@@ -71,9 +72,9 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
         }
     }
     let drives = DriveParameters {
-        inertia: require_common("rotor_inertia", &rotors(root)?)?,
+        inertia: require_common("rotor_inertia", &rotors(root)?, moving().count())?,
         damping: damping.or(Some(0.0)),
-        torque_limit: require_common("effort", &efforts(moving())?)?,
+        torque_limit: require_common("effort", &efforts(moving())?, moving().count())?,
         encoder_bits: None,
     };
     let name = root.attribute("name").unwrap_or_default();
@@ -108,21 +109,27 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
     Ok(body)
 }
 
-/// Adds the contact points and balls of a collision shape. Cylinders and meshes are ignored.
+/// Adds the contact points and balls of a collision shape. Other shapes would touch the ground somewhere else, so they are refused.
 fn add_contacts(body: &mut Body, collision: Node) -> Parsed<()> {
-    let Some(geometry) = child(collision, "geometry") else { return Ok(()) };
     let at = origin(collision, &body.name)?;
-    if let Some(ball) = child(geometry, "sphere") {
-        let radius = number(ball, "radius")?;
-        match radius == POINT_RADIUS {
-            true => body.contacts.push([at[0], at[1], point_height(at[2])]),
-            false => body.spheres.push(Sphere { at, radius }),
-        }
-    }
-    if let Some(shape) = child(geometry, "box") {
-        let half = vector(shape, "size")?.map(|side| 0.5 * side);
-        for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
-            body.contacts.push([at[0] + x * half[0], at[1] + y * half[1], at[2] - half[2]]);
+    for shape in children(collision, "geometry").flat_map(|geometry| geometry.children()).filter(Node::is_element) {
+        match shape.tag_name().name() {
+            "sphere" => match number(shape, "radius")? {
+                POINT_RADIUS => body.contacts.push([at[0], at[1], point_height(at[2])]),
+                radius => body.spheres.push(Sphere { at, radius }),
+            },
+            "box" => {
+                let half = vector(shape, "size")?.map(|side| 0.5 * side);
+                for (x, y) in [(1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)] {
+                    body.contacts.push([at[0] + x * half[0], at[1] + y * half[1], at[2] - half[2]]);
+                }
+            }
+            other => {
+                return Err(format!(
+                    "the collision of `{}` has a {other}, but only spheres and boxes touch the ground here: use them, or remove it",
+                    body.name
+                ));
+            }
         }
     }
     Ok(())
@@ -181,11 +188,13 @@ fn common(values: &[f64]) -> Option<f64> {
     values.first().copied().filter(|first| values.iter().all(|value| value == first))
 }
 
-/// The common value of a quantity that must be equal for all drives.
-fn require_common(what: &str, values: &[f64]) -> Parsed<Option<f64>> {
+/// The common value of a quantity that must be equal for all drives, or absent from all.
+fn require_common(what: &str, values: &[f64], drives: usize) -> Parsed<Option<f64>> {
     let kinds: BTreeSet<String> = values.iter().map(f64::to_string).collect();
     match kinds.len() {
-        0 | 1 => Ok(common(values)),
+        0 => Ok(None),
+        1 if values.len() == drives => Ok(common(values)),
+        1 => Err(format!("{what} is given for {} of {drives} joints, but all drives must be equal", values.len())),
         _ => Err(format!("{what} differs between joints ({kinds:?}), but all drives must be equal")),
     }
 }

@@ -68,9 +68,7 @@ impl SessionNode {
 
     /// Joins a session that other processes have created.
     pub fn attach(session: &Session) -> Result<SessionNode, PortError> {
-        if !session.is_running() {
-            return Err(PortError::NoSession { session: session.name().into(), other: session.other_owner() });
-        }
+        session.require_running()?;
         SessionNode::join(session, None)
     }
 

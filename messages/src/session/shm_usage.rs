@@ -2,6 +2,7 @@
 
 use crate::error::PortError;
 use nix::errno::Errno;
+use nix::sys::resource::{RLIM_INFINITY, Resource, getrlimit};
 use nix::sys::statvfs::statvfs;
 use nix::unistd::{AccessFlags, access};
 
@@ -38,11 +39,21 @@ impl ShmUsage {
         Ok(ShmUsage { size: stat.blocks() as u64 * unit, free: stat.blocks_available() as u64 * unit, files })
     }
 
-    /// Checks that this much memory is free. When shared memory is full, the system kills a process by SIGBUS and reports no error.
+    /// Checks that this much memory is free, and that a file of it may have a third of that size. When shared memory is full, the system
+    /// kills a process by SIGBUS and reports no error.
     ///
     /// # Errors
-    /// [`PortError::SharedMemory`] if less is free.
+    /// [`PortError::SharedMemory`] if less is free, or allowed.
     pub fn require(bytes: u64) -> Result<(), PortError> {
+        let (largest, allowed) = (bytes / 3, getrlimit(Resource::RLIMIT_FSIZE).map_or(RLIM_INFINITY, |(soft, _)| soft));
+        if allowed < largest {
+            let words = format!(
+                "the limit of the size of files is {} kB, but {} kB are needed: `ulimit -f unlimited`",
+                allowed >> 10,
+                largest >> 10
+            );
+            return Err(PortError::SharedMemory(words));
+        }
         let ShmUsage { free, files, .. } = ShmUsage::now()?;
         let lack = |has: String, needed: String| {
             let words =

@@ -45,7 +45,7 @@ pub fn run(args: &ChartArgs, watch: &ChartProgress) -> Result<(), Failure> {
         watch.expect(scenes.len());
         for (x, scene) in &scenes {
             watch.step(Job::Timing)?;
-            if let Ok((seconds, _)) = time(scene, &[]) {
+            if let Ok((seconds, _)) = time(scene, &[], watch.stop) {
                 let us = 1e6 * seconds / scene.periods() as f64;
                 keep_least(&mut points, Point { curve: curve.name, engine: OURS, x: *x, us });
             }

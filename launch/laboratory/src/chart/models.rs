@@ -3,11 +3,11 @@
 use super::cases::{self, Combination, LAW, METHOD};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
-use super::trial::{RunEnd, RunLog, time, watch};
+use super::trial::{RunEnd, RunLog, time, watch_until};
 use super::watch::{ChartProgress, Job};
 use messages::load::parse;
 use messages::scene::{Base, Law, Scene};
-use shared::exit::{Exit, Failure};
+use shared::exit::{Exit, Failure, check_interrupt};
 
 /// The step [s].
 const H: f64 = 1e-3;
@@ -47,13 +47,14 @@ pub fn measure(progress: &ChartProgress) -> Result<Vec<Measurement>, Failure> {
         for (name, mut scene, law) in models {
             progress.step(Job::Sizing)?;
             (scene.plant.law, scene.plant.method, scene.plant.dt, scene.rate) = (law, METHOD, H, 1.0 / H);
-            let RunEnd::Done(log) = watch(&scene, &[]) else {
+            let RunEnd::Done(log) = watch_until(&scene, &[], progress.stop) else {
+                check_interrupt(progress.stop)?;
                 return Err(Failure::new(
                     Exit::Fault,
                     format!("the model {} / {name} cannot be simulated", group.name),
                 ));
             };
-            let (seconds, _) = time(&scene, &[])?;
+            let (seconds, _) = time(&scene, &[], progress.stop)?;
             answers.push((name, answer(&log), seconds, scene.duration, scene.periods()));
         }
         let Some(full) = answers.last().map(|last| last.1) else { continue };

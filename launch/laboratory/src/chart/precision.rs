@@ -4,7 +4,7 @@ use super::cases::{self, Combination, ComparisonScene, HOP, PENETRATION, combina
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
 use super::metrics::{Metric, SIGNORINI, metrics};
-use super::trial::{RunEnd, time, watch};
+use super::trial::{RunEnd, time, watch_until};
 use super::watch::{ChartProgress, Job};
 use messages::scene::Scene;
 use nalgebra::Vector3;
@@ -62,7 +62,7 @@ pub fn trials(chosen: &[ComparisonScene], quick: bool, watch: &ChartProgress) ->
     let _core = Core::hold();
     for trial in trials.iter_mut().filter(|trial| trial.result.is_ok()) {
         watch.step(Job::Timing)?;
-        let (seconds, hash) = time(&trial.scene, &[])?;
+        let (seconds, hash) = time(&trial.scene, &[], watch.stop)?;
         if hash != trial.hash {
             let message = format!(
                 "{} with {}: the timed run differs from the watched one",
@@ -93,7 +93,7 @@ fn run(
         hash: 0,
         seconds: f64::NAN,
     };
-    match watch(&trial.scene, &[]) {
+    match watch_until(&trial.scene, &[], progress.stop) {
         RunEnd::Refused => trial.result = Err(NoMetrics::Refused),
         RunEnd::Broken(error) => trial.result = Err(NoMetrics::Broken(error)),
         RunEnd::Done(log) => {

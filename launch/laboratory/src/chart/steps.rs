@@ -3,11 +3,12 @@
 use super::cases::{self, Combination, LAW, METHOD};
 use super::core::Core;
 use super::csv::{Measurement, OURS, View};
-use super::trial::{RunEnd, quantile, times, watch};
+use super::trial::{RunEnd, quantile, times, watch_until};
 use super::watch::{ChartProgress, Job};
 use messages::scene::{Law, Method, Scene};
 use messages::wire::Torques;
 use shared::exit::{Exit, Failure};
+use std::sync::atomic::AtomicBool;
 
 /// Timed scenes: name, title, and duration [s].
 pub const LOADS: [(&str, &str, f64); 4] = [
@@ -38,7 +39,7 @@ pub fn measure(quick: bool, progress: &ChartProgress) -> Result<Vec<Measurement>
             let mut scene = cases::scene(name, combination, H, &[])?;
             let duration = if combination.share() < 1.0 { 0.1 * duration } else { duration };
             scene.duration = if quick { duration.min(0.4) } else { duration };
-            let Some(mut times) = step_times(&scene)? else { continue };
+            let Some(mut times) = step_times(&scene, progress.stop)? else { continue };
             rows.extend([(MEDIAN, 0.5), (P99, 0.99)].map(|(metric, share)| {
                 let seconds = quantile(&mut times, share);
                 Measurement {
@@ -68,10 +69,10 @@ fn combinations(name: &str, quick: bool) -> Vec<Combination> {
 }
 
 /// Time of every step [s]. The torques are those of the scene's controller in an earlier run; its states must be reproduced.
-fn step_times(scene: &Scene) -> Result<Option<Vec<f64>>, Failure> {
+fn step_times(scene: &Scene, stop: &AtomicBool) -> Result<Option<Vec<f64>>, Failure> {
     let Some(torques) = driven(scene) else { return Ok(None) };
-    let RunEnd::Done(log) = watch(scene, &torques) else { return Ok(None) };
-    match times(scene, &torques)? {
+    let RunEnd::Done(log) = watch_until(scene, &torques, stop) else { return Ok(None) };
+    match times(scene, &torques, stop)? {
         (times, hash) if hash == log.hash => Ok(Some(times)),
         _ => Err(Failure::new(Exit::Fault, "the timed run differs from the watched one")),
     }

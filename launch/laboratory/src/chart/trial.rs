@@ -6,6 +6,8 @@ use nalgebra::Vector3;
 use nix::time::{ClockId, clock_gettime};
 use plant::kinematics::{self, Pose, Totals};
 use plant::{Plant, PlantError};
+use shared::exit::{Failure, check_interrupt};
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::time::Instant;
 
 /// A sample of the robot's state after a step.
@@ -57,7 +59,7 @@ pub struct RunLog {
 pub enum RunEnd {
     /// It reached its end.
     Done(RunLog),
-    /// The method cannot simulate the scene.
+    /// The method cannot simulate the scene, or Ctrl-C.
     Refused,
     /// It broke off.
     Broken(PlantError),
@@ -65,12 +67,20 @@ pub enum RunEnd {
 
 /// Runs a scene with the `torques` of each control period, and without torques after the last of them; keeps a record.
 pub fn watch(scene: &Scene, torques: &[Torques]) -> RunEnd {
+    watch_until(scene, torques, &AtomicBool::new(false))
+}
+
+/// As [`watch`], until Ctrl-C, for runs that may take long.
+pub fn watch_until(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> RunEnd {
     let Ok(mut plant) = Plant::new(scene) else { return RunEnd::Refused };
     let mut pose = Pose::new(plant.model());
     let mut log = RunLog::default();
     log.samples.reserve(periods(scene) + 1);
     log.record(&plant, &mut pose, 0.0);
     for period in 0..periods(scene) {
+        if stop.load(Relaxed) {
+            return RunEnd::Refused;
+        }
         if let Err(error) = plant.advance(torques.get(period).unwrap_or(&Torques::default())) {
             return RunEnd::Broken(error);
         }
@@ -86,14 +96,15 @@ pub fn watch(scene: &Scene, torques: &[Torques]) -> RunEnd {
 /// CPU time of the same run without a record [s], and the hash of its states. A short run is repeated, and the least time counts.
 ///
 /// # Errors
-/// If the run breaks off.
-pub fn time(scene: &Scene, torques: &[Torques]) -> Result<(f64, u64), PlantError> {
+/// If the run breaks off. Ctrl-C.
+pub fn time(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Result<(f64, u64), Failure> {
     let (mut least, mut spent, mut hash) = (f64::INFINITY, 0.0, 0);
     let mut runs = 0;
     while runs == 0 || (runs < 3 && spent < 0.1) || (runs < 25 && spent < 0.02) {
         let mut plant = Plant::new(scene)?;
         let start = cpu_seconds();
         for period in 0..periods(scene) {
+            check_interrupt(stop)?;
             plant.advance(torques.get(period).unwrap_or(&Torques::default()))?;
         }
         let taken = cpu_seconds() - start;
@@ -110,18 +121,19 @@ pub fn time(scene: &Scene, torques: &[Torques]) -> Result<(f64, u64), PlantError
 /// percentile.
 ///
 /// # Errors
-/// If the run breaks off.
-pub fn times(scene: &Scene, torques: &[Torques]) -> Result<(Vec<f64>, u64), PlantError> {
+/// If the run breaks off. Ctrl-C.
+pub fn times(scene: &Scene, torques: &[Torques], stop: &AtomicBool) -> Result<(Vec<f64>, u64), Failure> {
     let asking = median(&mut (0..999).map(|_| Instant::now().elapsed().as_secs_f64()).collect::<Vec<_>>());
     let run = || {
         let mut plant = Plant::new(scene)?;
         let steps = (0..periods(scene)).map(|period| {
+            check_interrupt(stop)?;
             let start = Instant::now();
             plant.advance(torques.get(period).unwrap_or(&Torques::default()))?;
             Ok((start.elapsed().as_secs_f64() - asking).max(0.0))
         });
-        let steps = steps.collect::<Result<Vec<_>, PlantError>>()?;
-        Ok((steps, plant.truth().hash))
+        let steps = steps.collect::<Result<Vec<_>, Failure>>()?;
+        Ok::<_, Failure>((steps, plant.truth().hash))
     };
     let whole = |run: &(Vec<f64>, u64)| run.0.iter().sum::<f64>();
     let mut shortest = run()?;

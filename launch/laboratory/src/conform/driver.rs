@@ -1,6 +1,6 @@
 //! The peer of a plant: its controller and a recorder.
 
-use super::program::{END_LIMIT, ProgramSetup, ProgramUnderTest};
+use super::program::{ProgramSetup, ProgramUnderTest};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use controller::Controller;
@@ -69,13 +69,8 @@ impl Driver {
     pub fn next(&mut self, program: &mut ProgramUnderTest) -> Result<Sensors, String> {
         let start = Instant::now();
         while !self.receive_sensors()? {
-            let before = self.sensors.stamp.seq;
-            if program.has_ended() {
-                return Err(format!("it ended after sensors {before}: {}", program.end(END_LIMIT)?));
-            }
-            if start.elapsed() > self.patience {
-                return Err(format!("no sensors after number {before} within {} s", self.patience.as_secs_f64()));
-            }
+            let missing = format_args!("no sensors after number {}", self.sensors.stamp.seq);
+            program.may_answer(missing, start, self.patience)?;
         }
         Ok(self.sensors)
     }

@@ -25,7 +25,7 @@ const SHORT: u64 = 20;
 pub fn check(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
     let mut scene = host.scene.clone();
     scene.duration = DURATION;
-    let host = &ProgramSetup { command: host.command.clone(), scene, patience: host.patience };
+    let host = &ProgramSetup { command: host.command.clone(), scene, ..*host };
     let refusals = |host: &ProgramSetup, report: &mut RuleReport| refusals::check(host, ProgramRole::Plant, report);
     report.each(host, &[whole_session, succession, refusals, silence, on_time])
 }
@@ -225,7 +225,7 @@ fn silence(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
 
 /// In real time: the number of sensors, and the state of the drives when commands stop.
 fn on_time(host: &ProgramSetup, report: &mut RuleReport) -> Result<(), String> {
-    let mut host = ProgramSetup { command: host.command.clone(), scene: host.scene.clone(), patience: host.patience };
+    let mut host = ProgramSetup { command: host.command.clone(), scene: host.scene.clone(), ..*host };
     host.scene.duration = 1e6;
     let environment = host.environment(Pace::RealTime);
     let mut driver = Driver::new(&host, &environment)?;

@@ -8,22 +8,26 @@ use messages::session::Session;
 use nix::sys::signal::Signal;
 use sessions::children;
 use sessions::process::child_command;
+use std::fmt::Arguments;
 use std::os::unix::process::ExitStatusExt;
 use std::process::ExitStatus;
-use std::time::Duration;
+use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
+use std::time::{Duration, Instant};
 
 /// Time limit for the program to end after the request to end.
 pub const END_LIMIT: Duration = Duration::from_secs(3);
 
 /// The tested program and the scene.
-pub struct ProgramSetup {
+pub struct ProgramSetup<'a> {
     pub command: String,
     pub scene: Scene,
     /// Time limit for the start of the program and for its answers.
     pub patience: Duration,
+    /// Ctrl-C ends every wait for the program.
+    pub stop: &'a AtomicBool,
 }
 
-impl ProgramSetup {
+impl<'a> ProgramSetup<'a> {
     /// A unique session with the scene's contract.
     pub fn environment(&self, pace: Pace) -> PeerEnvironment {
         let (scene, session) = (self.scene.clone(), Session::unique());
@@ -37,20 +41,38 @@ impl ProgramSetup {
     }
 
     /// Starts the program in the session.
-    pub fn start(&self, environment: &PeerEnvironment) -> Result<ProgramUnderTest, String> {
+    pub fn start(&self, environment: &PeerEnvironment) -> Result<ProgramUnderTest<'a>, String> {
         let variables = children::environment_variables(environment).map_err(|failure| failure.message)?;
         let mut command =
             child_command(&children::become_arguments(&self.command)).map_err(|error| error.to_string())?;
-        Ok(ProgramUnderTest { process: Some(Subject::start_group(command.envs(variables))?) })
+        Ok(ProgramUnderTest { process: Some(Subject::start_group(command.envs(variables))?), stop: self.stop })
     }
 }
 
 /// A process of the program, with its child processes.
-pub struct ProgramUnderTest {
+pub struct ProgramUnderTest<'a> {
     process: Option<Subject>,
+    stop: &'a AtomicBool,
 }
 
-impl ProgramUnderTest {
+impl ProgramUnderTest<'_> {
+    /// Checks whether a message may still come that has been awaited since `start`; `missing` says what is missing without it.
+    ///
+    /// # Errors
+    /// If it has ended, or its patience is over, or Ctrl-C.
+    pub fn may_answer(&mut self, missing: Arguments, start: Instant, patience: Duration) -> Result<(), String> {
+        if self.stop.load(Relaxed) {
+            return Err("interrupted".into());
+        }
+        if self.has_ended() {
+            return Err(format!("{missing}, for it ended: {}", self.end(END_LIMIT)?));
+        }
+        match start.elapsed() > patience {
+            true => Err(format!("{missing} within {} s", patience.as_secs_f64())),
+            false => Ok(()),
+        }
+    }
+
     /// Whether the process has ended.
     pub fn has_ended(&mut self) -> bool {
         self.process.as_mut().is_none_or(Subject::has_ended)

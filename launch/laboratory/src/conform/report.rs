@@ -20,6 +20,9 @@ pub struct RuleReport<'a> {
 impl RuleReport<'_> {
     /// Reports whether a rule of a section of docs/WIRE.md was kept.
     pub fn rule(&mut self, rule: &str, section: &str, finding: Finding) -> bool {
+        if self.stop.load(Relaxed) {
+            return false; // what was interrupted says nothing
+        }
         match &finding {
             Ok(remark) if remark.is_empty() => print_text(format_args!("ok      {rule}\n")),
             Ok(remark) => print_text(format_args!("ok      {rule} ({remark})\n")),

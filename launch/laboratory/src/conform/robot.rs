@@ -1,6 +1,6 @@
 //! The peer of a controller: a simulated robot.
 
-use super::program::{END_LIMIT, ProgramSetup, ProgramUnderTest};
+use super::program::{ProgramSetup, ProgramUnderTest};
 use super::report::Finding;
 use super::stamps::{Expected, Stamps};
 use messages::clock::{now_ns, random};
@@ -50,13 +50,8 @@ impl SimulatedRobot {
                 self.torques = command.torques;
                 return Ok(command);
             }
-            let asked = sensors.stamp.seq;
-            if program.has_ended() {
-                return Err(format!("it ended at sensors {asked}: {}", program.end(END_LIMIT)?));
-            }
-            if start.elapsed() > self.patience {
-                return Err(format!("no answer to sensors {asked} within {} s", self.patience.as_secs_f64()));
-            }
+            let missing = format_args!("no answer to sensors {}", sensors.stamp.seq);
+            program.may_answer(missing, start, self.patience)?;
         }
     }
 

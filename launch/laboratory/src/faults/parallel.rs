@@ -3,6 +3,7 @@
 use super::memory;
 use super::test_session::FaultTrial;
 use shared::progress::BatchProgress;
+use shared::thread;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering::Relaxed};
 
 /// Number of parallel trials.
@@ -36,9 +37,14 @@ pub fn in_parallel(
         outcomes
     };
     let mut all = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..WORKERS.min(count)).map(|nth| scope.spawn(move || work(nth == 0))).collect();
-        let failed = || vec![(count, Err("the thread of the trials failed".into()))];
-        workers.into_iter().flat_map(|worker| worker.join().unwrap_or_else(|_| failed())).collect::<Vec<_>>()
+        let start = |nth| thread::start_scoped(scope, move || work(nth == 0));
+        let workers: Vec<_> = (0..WORKERS.min(count)).map(start).collect();
+        let failed = |why: String| vec![(count, Err(why))];
+        let outcomes = workers.into_iter().flat_map(|worker| match worker {
+            Ok(worker) => worker.join().unwrap_or_else(|_| failed("the thread of the trials failed".into())),
+            Err(failure) => failed(failure.message),
+        });
+        outcomes.collect::<Vec<_>>()
     });
     progress.finish();
     all.sort_by_key(|(nth, _)| *nth);

@@ -30,7 +30,7 @@ impl BarePlant {
     ///
     /// # Errors
     /// If the session cannot be made.
-    pub fn open(session: &Session, ours: bool) -> Result<BarePlant, PortError> {
+    pub fn open(session: &Session, ours: bool) -> Result<BarePlant, Failure> {
         let contract = null_plant();
         open_with_timeout(|| match ours {
             true => Ok(BarePlant::Ours(Box::new(PlantPort::open(session, &contract)?.waiting(Waiting::Spin)))),
@@ -76,7 +76,7 @@ impl BareController {
     ///
     /// # Errors
     /// If the session cannot be made.
-    pub fn open(session: &Session, ours: bool) -> Result<BareController, PortError> {
+    pub fn open(session: &Session, ours: bool) -> Result<BareController, Failure> {
         let contract = null_plant();
         open_with_timeout(|| match ours {
             true => {

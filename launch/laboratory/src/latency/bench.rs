@@ -6,6 +6,7 @@ use messages::session::Session;
 use sessions::children::SessionCleanup;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::progress::BatchProgress;
+use shared::thread;
 use std::os::fd::{AsRawFd, RawFd};
 use std::sync::atomic::AtomicBool;
 
@@ -41,7 +42,7 @@ impl Plan {
 /// # Errors
 /// The failure of the function.
 pub fn on_new_thread(job: impl FnOnce() -> Result<(), Failure> + Send) -> Result<(), Failure> {
-    let ended = std::thread::scope(|scope| scope.spawn(job).join());
+    let ended = std::thread::scope(|scope| Ok::<_, Failure>(thread::start_scoped(scope, job)?.join()))?;
     ended.unwrap_or_else(|_| Err(Failure::new(Exit::Fault, "the thread of the measurement failed")))
 }
 

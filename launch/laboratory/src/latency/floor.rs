@@ -4,6 +4,7 @@ use super::spread::Spread;
 use messages::clock::{now_ns, sleep_until};
 use sessions::realtime::{RealtimeArgs, minimize_timer_slack};
 use shared::exit::{Exit, Failure};
+use shared::thread;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 use std::thread::JoinHandle;
@@ -20,10 +21,13 @@ pub struct Floor {
 impl Floor {
     /// Starts it with the scheduling of the measured loops, half a period after `start_ns`. Both then share the load of the host but do
     /// not disturb each other.
-    pub fn start(start_ns: u64, system: RealtimeArgs) -> Floor {
+    ///
+    /// # Errors
+    /// If the system refuses the thread.
+    pub fn start(start_ns: u64, system: RealtimeArgs) -> Result<Floor, Failure> {
         let stop = Arc::new(AtomicBool::new(false));
         let asked = stop.clone();
-        let thread = std::thread::spawn(move || {
+        let thread = thread::start(move || {
             minimize_timer_slack();
             system.apply()?;
             let mut spread = Spread::new()?;
@@ -34,8 +38,8 @@ impl Floor {
                 deadline += (1 + late / PERIOD_NS) * PERIOD_NS;
             }
             Ok(spread)
-        });
-        Floor { stop, thread }
+        })?;
+        Ok(Floor { stop, thread })
     }
 
     /// Ends it and returns how late it woke.

@@ -46,7 +46,7 @@ pub fn link(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
     let (mut wake, mut trip, mut skipped) = (Spread::new()?, Spread::new()?, 0);
     let begin = now_ns() + 20 * PERIOD_NS; // time to get ready
     let end = begin + (bench.plan.paced_s * 1e9) as u64;
-    let floor = Floor::start(begin, system.for_child(0));
+    let floor = Floor::start(begin, system.for_child(0))?;
     system.for_child(0).apply()?;
     let before = Usage::of("thread-self");
     let (mut deadline, mut seq) = (begin, 1);
@@ -111,7 +111,7 @@ pub fn walk(bench: &mut Bench, results: &mut Results, system: RealtimeArgs) -> R
         }
         match &floor {
             None if watch.periods() > 0 => {
-                floor = Some(Floor::start(watch.begin_ns(), system.for_child(0)));
+                floor = Some(Floor::start(watch.begin_ns(), system.for_child(0))?);
                 before = Usage::of(&plant);
             }
             Some(_) if watch.periods() < (seconds * 1e3) as u64 => after = Usage::of(&plant),

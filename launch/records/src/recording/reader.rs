@@ -69,7 +69,7 @@ impl RecordingReader {
             Ok(file) => file,
             Err(error) => return refuse(format!("cannot be opened: {error}")),
         };
-        let (records, codecs) = (RecordStream::new(file), RecordingTopic::ALL.map(RecordingTopic::codec));
+        let (records, codecs) = (RecordStream::new(file)?, RecordingTopic::ALL.map(RecordingTopic::codec));
         let (channels, metadata) = (HashMap::new(), BTreeMap::new());
         let mut reader = RecordingReader {
             records,

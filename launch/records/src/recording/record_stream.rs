@@ -3,6 +3,8 @@
 use mcap::records::{Record, op};
 use mcap::sans_io::linear_reader::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use mcap::{McapError, McapResult};
+use shared::exit::Failure;
+use shared::thread;
 use std::borrow::Cow;
 use std::fs::File;
 use std::io::Read;
@@ -43,14 +45,17 @@ impl RecordBatch {
 
 impl RecordStream {
     /// Starts to read a file.
-    pub fn new(file: File) -> RecordStream {
+    ///
+    /// # Errors
+    /// If the thread cannot be started.
+    pub fn new(file: File) -> Result<RecordStream, Failure> {
         let (to, batches) = sync_channel(MAX_QUEUED_BATCHES);
-        std::thread::spawn(move || {
+        thread::start(move || {
             if let Err(error) = read(file, &to) {
                 let _ = to.send(Err(error));
             }
-        });
-        RecordStream { batches, batch: RecordBatch::default(), next: 0 }
+        })?;
+        Ok(RecordStream { batches, batch: RecordBatch::default(), next: 0 })
     }
 
     /// Opcode and content of the next record. `None` at the end.
@@ -190,7 +195,7 @@ mod tests {
 
     /// Length of each record, and whether the stream ended without an error.
     fn lengths(bytes: &[u8]) -> (Vec<usize>, bool) {
-        let (mut records, mut lengths) = (RecordStream::new(file(bytes)), vec![]);
+        let (mut records, mut lengths) = (RecordStream::new(file(bytes)).expect("a thread"), vec![]);
         loop {
             match records.next() {
                 Some(Ok((_, data))) => lengths.push(data.len()),

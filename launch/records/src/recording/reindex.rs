@@ -17,9 +17,9 @@ use std::sync::atomic::AtomicBool;
 pub fn run(from: &Path, to: &Path, stop: &AtomicBool) -> Result<(), Failure> {
     refuse_overwriting_input(from, to)?;
     RecordingReader::open(from)?; // refuses a file that is not a recording of this program
-    let mut records = messages::file::open(from)
-        .map(RecordStream::new)
+    let file = messages::file::open(from)
         .map_err(|error| Failure::new(Exit::Usage, format!("{}: cannot be opened: {error}", from.display())))?;
+    let mut records = RecordStream::new(file)?;
     let draft = AtomicFile::create(to, MAGIC).map_err(|error| write_failure(to, &error))?;
     let mut file =
         draft.file.try_clone().map_err(McapError::from).and_then(create).map_err(|e| write_failure(to, &e))?;

@@ -18,6 +18,7 @@ use messages::wire::{STATES, Truth};
 use serde::Deserialize;
 use shared::exit::{Exit, Failure};
 use shared::output::print_text;
+use shared::thread;
 use std::collections::VecDeque;
 use std::net::SocketAddr;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -53,7 +54,7 @@ pub fn run(session: &Session, address: SocketAddr, stop: &AtomicBool) -> Result<
     print_text(format_args!("session {name}: open {}\n", server.url));
     let page_state = Arc::new(LivePage::new(session.clone(), &scene));
     let shared = page_state.clone();
-    std::thread::spawn(move || server.serve(move |method, path, query, body| shared.answer(method, path, query, body)));
+    thread::start(move || server.serve(move |method, path, query, body| shared.answer(method, path, query, body)))?;
     let (mut sampler, mut received) = (FrameSampler::new(&scene), Instant::now());
     while !stop.load(Relaxed) && !has_ended(session, received) {
         while let Some(truth) = truths.read()? {

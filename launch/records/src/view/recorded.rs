@@ -13,6 +13,7 @@ use messages::wire::Truth;
 use shared::exit::{Exit, Failure, check_interrupt};
 use shared::output::{log, print_text, refuse_overwriting_input, write_atomically, write_failure};
 use shared::progress::BatchProgress;
+use shared::thread;
 use std::net::SocketAddr;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
@@ -46,12 +47,12 @@ pub fn run(
     let server = PageServer::open(address)?;
     print_text(format_args!("{}: open {}\n", file.display(), server.url));
     let page = Bytes::from(page);
-    std::thread::spawn(move || {
+    thread::start(move || {
         server.serve(move |method, path, _, _| match (method, path) {
             (&Method::GET, "/") => html(&page),
             _ => not_found(),
         });
-    });
+    })?;
     while !stop.load(Relaxed) {
         std::thread::sleep(POLL_INTERVAL);
     }

@@ -8,6 +8,7 @@ use hyper_util::rt::{TokioIo, TokioTimer};
 use rustix::net::sockopt::set_tcp_user_timeout;
 use shared::exit::{Exit, Failure};
 use shared::output::log;
+use shared::thread;
 use std::collections::VecDeque;
 use std::convert::Infallible;
 use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
@@ -24,6 +25,8 @@ const MAX_HEADER_BYTES: usize = 16 << 10;
 const MAX_CONNECTIONS: usize = 64;
 /// Greatest number of answers that are computed at the same time.
 const MAX_CONCURRENT_ANSWERS: usize = 8;
+/// Time that an idle thread is kept: longer than a run, so that one is always there. Without any, tokio panics if the system refuses it.
+const THREAD_KEEP_ALIVE: Duration = Duration::from_secs(365 * 24 * 3600);
 /// Delay after a failure to accept a connection.
 const ACCEPT_RETRY: Duration = Duration::from_millis(100);
 
@@ -49,8 +52,11 @@ impl PageServer {
         let runtime = Builder::new_current_thread()
             .enable_all()
             .max_blocking_threads(MAX_CONCURRENT_ANSWERS)
+            .thread_keep_alive(THREAD_KEEP_ALIVE)
             .build()
             .map_err(refuse)?;
+        thread::start(|| ())?;
+        let _ = runtime.block_on(runtime.spawn_blocking(|| ()));
         let listener = std::net::TcpListener::bind(address).map_err(refuse)?;
         // Connections inherit this option from the listener.
         set_tcp_user_timeout(&listener, IO_TIMEOUT.as_millis() as u32).map_err(|error| refuse(error.into()))?;

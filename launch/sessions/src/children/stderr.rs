@@ -1,7 +1,9 @@
 //! Standard error of a child process: forwarded line by line, with the last error kept for the final message. Output of any kind is
 //! harmless: invalid UTF-8 is replaced, long lines are cut, and the kept error is bounded.
 
+use shared::exit::Failure;
 use shared::output::printable;
+use shared::thread;
 use std::io::{self, BufRead, BufReader, Read};
 use std::thread::JoinHandle;
 
@@ -23,12 +25,15 @@ pub enum Origin {
 
 /// Reads standard error in a thread until the child closes it, and forwards lines to `show`. The thread returns the lines of the last
 /// error.
+///
+/// # Errors
+/// If the thread cannot be started.
 pub fn forward(
     stderr: impl Read + Send + 'static,
     origin: Origin,
     show: impl Fn(&str) + Send + 'static,
-) -> JoinHandle<Vec<String>> {
-    std::thread::spawn(move || {
+) -> Result<JoinHandle<Vec<String>>, Failure> {
+    thread::start(move || {
         let mut stderr = BufReader::new(stderr);
         let mut error: Vec<String> = Vec::new();
         let mut last = String::new();
@@ -106,6 +111,7 @@ mod tests {
         let shown = Arc::new(Mutex::new(Vec::new()));
         let lines = shown.clone();
         let kept = forward(text, origin, move |line| lines.lock().expect("no panic").push(line.into()));
+        let kept = kept.expect("a thread");
         let kept = kept.join().expect("no panic");
         (Arc::into_inner(shown).expect("the last").into_inner().expect("no panic"), kept)
     }

@@ -6,6 +6,7 @@ use messages::wire::{Command, Sensors, Stamp, Stamped, Truth};
 use plant::Simulation;
 use plant::process::ExchangeOutcome;
 use shared::exit::{Exit, Failure, check_interrupt};
+use shared::thread;
 use std::sync::atomic::AtomicBool;
 use std::sync::mpsc;
 
@@ -31,7 +32,7 @@ pub fn run(scene: &Scene, monitor: &mut RunMonitor, stop: &AtomicBool) -> Result
         Ok(())
     };
     std::thread::scope(|scope| {
-        let recording = scope.spawn(record);
+        let recording = thread::start_scoped(scope, record)?;
         let mut batch = Vec::with_capacity(BATCH);
         let outcome = in_process(scene, |truth| {
             check_interrupt(stop)?;

@@ -76,11 +76,13 @@ fn has_stops(joint: Node) -> Parsed<bool> {
     };
     // By the format a missing limit is 0. If both are missing, the joint has no stops.
     let has_limits = ["lower", "upper"].iter().any(|key| limit.attribute(*key).is_some());
-    Ok(has_limits && (optional(limit, "lower", 0.0)? > -far || optional(limit, "upper", 0.0)? < far))
+    let (lower, upper) = (optional(limit, "lower", 0.0)?, optional(limit, "upper", 0.0)?);
+    Ok(has_limits && !(lower <= -far && upper >= far)) // NaN is no free range
 }
 
 fn is_slow(joint: Node) -> Parsed<bool> {
-    child(joint, "limit").map_or(Ok(false), |limit| Ok(optional(limit, "velocity", f64::INFINITY)? < FREE_SPEED))
+    let is_free = |limit| Ok(optional(limit, "velocity", f64::INFINITY)? >= FREE_SPEED); // NaN is no free range
+    child(joint, "limit").map_or(Ok(false), |limit| is_free(limit).map(|free| !free))
 }
 
 #[cfg(test)]
@@ -113,6 +115,9 @@ mod tests {
             ("revolute", "<limit upper='100' effort='1'/>", "stops"),
             ("prismatic", "<limit lower='-1' upper='1' effort='1'/>", "stops"),
             ("continuous", "<limit effort='1' velocity='12'/>", "velocity"),
+            ("continuous", "<limit effort='1' velocity='nan'/>", "velocity"),
+            ("revolute", "<limit lower='nan' upper='nan' effort='1'/>", "stops"),
+            ("revolute", "<dynamics damping='1' friction='nan'/>", "friction"),
         ] {
             let refused = parse(&robot(kind, within)).expect_err(words);
             assert!(refused.starts_with("joint `j` is ") && refused.contains(words), "{refused}");
@@ -131,6 +136,50 @@ mod tests {
     fn properties_that_no_number_can_correct_are_named_first() {
         let both = "<mimic joint='k'/><dynamics friction='1'/><limit lower='0' upper='1' effort='1'/>";
         assert!(parse(&robot("revolute", both)).expect_err("coupled").contains("mimic"));
+    }
+
+    #[test]
+    fn collisions_that_cannot_be_modelled_are_refused() {
+        let with = |shapes: &str| robot("continuous", "").replacen("</link>", &format!("{shapes}</link>"), 1);
+        let shape = |shape: &str| format!("<collision><geometry>{shape}</geometry></collision>");
+        let [good, ball] = ["<box size='1 1 1'/>", "<sphere radius='1'/>"].map(shape);
+        for (bad, what) in [
+            ("<mesh filename='package://r/foot.stl'/>", "mesh"),
+            ("<cylinder radius='1' length='1'/>", "cylinder"),
+            ("<capsule radius='1' length='1'/>", "capsule"),
+        ] {
+            let refused = parse(&with(&(good.clone() + &shape(bad)))).expect_err(what);
+            assert_eq!(
+                refused,
+                format!(
+                    "the collision of `a` has a {what}, but only spheres and boxes touch the ground here: use them, or remove it"
+                )
+            );
+        }
+        let body = &parse(&with(&(good + &ball))).expect("a robot").bodies[0];
+        assert_eq!((body.contacts.len(), body.spheres.len()), (4, 1), "all shapes count");
+    }
+
+    #[test]
+    fn drives_of_which_only_some_are_given_are_refused() {
+        let joint = |name: &str, within: &str| {
+            format!("<joint name='{name}' type='continuous'><parent link='a'/><child link='{name}'/>{within}</joint>")
+        };
+        let link = |name: &str| {
+            format!(
+                "<link name='{name}'><inertial><mass value='1'/><inertia ixx='1' iyy='1' izz='1'/></inertial></link>"
+            )
+        };
+        let limit = "<limit effort='5'/>";
+        let file = |second: &str| {
+            let parts = [link("a"), link("b"), link("c"), joint("b", limit), joint("c", second)];
+            format!("<robot name='r'>{}</robot>", parts.concat())
+        };
+        assert_eq!(parse(&file(limit)).expect("a robot").drives.torque_limit, Some(5.0));
+        let refused = parse(&file("")).expect_err("one without");
+        assert_eq!(refused, "effort is given for 1 of 2 joints, but all drives must be equal");
+        let refused = parse(&file("<limit effort='6'/>")).expect_err("another one");
+        assert!(refused.starts_with("effort differs between joints"), "{refused}");
     }
 
     #[test]
