@@ -31,6 +31,10 @@ pub(crate) const STANDING_BOUND: f64 = 2.0 * SOLVED;
 /// contacts then seldom exceeds [`SOLVED`].
 pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
+/// Compliance in the last stage for round cones. A light body may carry a heavy one, which moves 1e-13 times as easily; with
+/// [`COMPLIANCE`] the light one gives way instead. It lies above the rounding of A (1e-16), so that dependent impulses stay small.
+pub(super) const LEAST_COMPLIANCE: f64 = 1e-3 * COMPLIANCE;
+
 /// Compliance while Lemke's method pivots with 32 digits. It lies far above the rounding of A (1e-16), so that there is one solution. It is
 /// a tenth of [`SOLVED`], so that it does not show in the residual.
 pub(super) const LEMKE_COMPLIANCE: f64 = 0.1 * SOLVED;
@@ -126,7 +130,10 @@ pub(super) const MAX_MINIMA: u32 = 200;
 /// Newton's method over patches progresses if its residual falls below this part of the least before.
 pub(super) const NEWTON_PROGRESS: f64 = 0.5;
 
-/// Factor on the relaxation of a fixed-point iteration that creeps in one direction without progress.
+/// Factor on an update of a fixed-point iteration that creeps in one direction, at most.
+pub(super) const MAX_EXTRAPOLATION: f64 = 1e3;
+
+/// Factor on the relaxation of a compared fixed-point iteration that creeps in one direction without progress.
 pub(super) const ACCELERATION: f64 = 2.0;
 
 /// Factor on the relaxation of a fixed-point iteration that overshoots to and fro without progress.
