@@ -130,10 +130,7 @@ pub(super) const MAX_MINIMA: u32 = 200;
 /// Newton's method over patches progresses if its residual falls below this part of the least before.
 pub(super) const NEWTON_PROGRESS: f64 = 0.5;
 
-/// Factor on an update of a fixed-point iteration that creeps in one direction, at most.
-pub(super) const MAX_EXTRAPOLATION: f64 = 1e3;
-
-/// Factor on the relaxation of a compared fixed-point iteration that creeps in one direction without progress.
+/// Factor on the relaxation of a fixed-point iteration that creeps in one direction without progress.
 pub(super) const ACCELERATION: f64 = 2.0;
 
 /// Factor on the relaxation of a fixed-point iteration that overshoots to and fro without progress.

@@ -120,14 +120,14 @@ fn delassus_times(problem: &Problem, f: &[f64]) -> Vec<f64> {
     v
 }
 
-/// Three steps of walks with .9, 1.25 and 2.85 kg on the trunk, and one of `biped study problems`. Both feet press against each other. The
-/// shift creeps towards its limit, by 1.4 % of the way in each minimum of the last problem, until an update is extrapolated.
+/// Three steps of walks with .9, 1.25 and 2.85 kg on the trunk, in which both feet press against each other. The shift creeps towards its
+/// limit, with a residual of 1e-5 after 50 minima, until the relaxation grows.
 #[test]
 fn many_minima_solve_feet_that_press_against_each_other() {
     let recorded = include_str!("../../../tests/data/pressing_feet.json");
     let problems: Vec<Problem> = serde_json::from_str(recorded).unwrap_or_else(|error| panic!("{error}"));
-    assert_eq!(problems.len(), 4);
+    assert_eq!(problems.len(), 3);
     assert_eq!(missed(&problems, Coulomb::energy_minima), 0);
     let others = missed(&problems, |solver| solver.newton_from_memory(Limits::NORMAL) || solver.interior_points());
-    assert_eq!(others, 4, "they need the minima");
+    assert_eq!(others, 3, "they need the minima");
 }
