@@ -9,7 +9,7 @@
 //!     energy minima      with De Saxcé's shift held, each followed by Newton, until the shift
 //!                        equals mu times the slip speed                                          (held_shift)
 //!     patience           interior points with cautious steps, then Newton from the memory,
-//!                        both with more steps without progress
+//!                        both with more steps without progress; with less compliance, then as usual
 //!     store              the impulse with the least residual, and the modes of its contacts      (certificate)
 //! ```
 //!
@@ -134,11 +134,14 @@ impl Coulomb {
 
     /// Interior points with cautious steps, then Newton's method from the memory, both with more patience.
     fn patient_attempts(&mut self, problem: &Problem, memory: &Memory) -> bool {
-        if self.interior_then_newton(StepRule::CAUTIOUS, Limits::PATIENT, false) {
+        if self.interior_then_newton(StepRule::CAUTIOUS, Limits::STIFF, false) {
             return true;
         }
-        self.recall(problem, memory);
-        self.newton_from_memory(Limits::PATIENT) || self.best.error <= PROMISED
+        let solved = [Limits::STIFF, Limits::PATIENT].into_iter().any(|limits| {
+            self.recall(problem, memory);
+            self.newton_from_memory(limits)
+        });
+        solved || self.best.error <= PROMISED
     }
 
     /// Interior points, and Newton's method from modes that they indicate; at their end with patches, then without.

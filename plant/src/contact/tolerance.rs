@@ -31,6 +31,10 @@ pub(crate) const STANDING_BOUND: f64 = 2.0 * SOLVED;
 /// contacts then seldom exceeds [`SOLVED`].
 pub(crate) const COMPLIANCE: f64 = 0.5 * SOLVED;
 
+/// Compliance in the last stage for round cones. A light body may carry a heavy one, which moves 1e-13 times as easily; with
+/// [`COMPLIANCE`] the light one gives way instead. It lies above the rounding of A (1e-16), so that dependent impulses stay small.
+pub(super) const LEAST_COMPLIANCE: f64 = 1e-3 * COMPLIANCE;
+
 /// Compliance while Lemke's method pivots with 32 digits. It lies far above the rounding of A (1e-16), so that there is one solution. It is
 /// a tenth of [`SOLVED`], so that it does not show in the residual.
 pub(super) const LEMKE_COMPLIANCE: f64 = 0.1 * SOLVED;

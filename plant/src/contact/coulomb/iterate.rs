@@ -1,6 +1,7 @@
 //! Initial guess and iterate of the methods for the round cone.
 
 use super::super::mode::ContactMode;
+use super::super::tolerance::{COMPLIANCE, LEAST_COMPLIANCE};
 
 /// Initial guess for Newton's method: modes, and slip velocities in scaled units.
 #[derive(Clone, Debug, Default)]
@@ -21,22 +22,28 @@ pub(super) struct Start<'a> {
     pub limits: Limits,
 }
 
-/// When a run of Newton's method gives up.
+/// When a run of Newton's method gives up, and how compliant the contacts are meanwhile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
     /// Steps at most.
     steps: u32,
     /// Steps without progress at most.
     patience: u32,
+    /// ε [-].
+    pub compliance: f64,
+    /// Whether the compliance counts from the initial impulse, not from zero.
+    pub compliance_from_start: bool,
 }
 
 impl Limits {
     /// From a good guess the method takes one to four steps.
-    pub const NORMAL: Limits = Limits { steps: 12, patience: 4 };
+    pub const NORMAL: Limits = Limits { steps: 12, patience: 4, compliance: COMPLIANCE, compliance_from_start: false };
     /// From modes that interior points have indicated before they end.
-    pub const EARLY: Limits = Limits { steps: 4, patience: 4 };
-    /// For the last stage.
-    pub const PATIENT: Limits = Limits { steps: 36, patience: 12 };
+    pub const EARLY: Limits = Limits { steps: 4, patience: 4, compliance: COMPLIANCE, compliance_from_start: false };
+    /// For the last stage, with hardly any compliance.
+    pub const STIFF: Limits = Limits { compliance: LEAST_COMPLIANCE, ..Limits::PATIENT };
+    /// For the last stage, with the usual compliance.
+    pub const PATIENT: Limits = Limits { steps: 36, patience: 12, compliance: COMPLIANCE, compliance_from_start: true };
 
     /// Whether the method gives up at a step. `best` is the step of the least residual so far.
     pub fn are_reached(self, step: u32, best: u32) -> bool {

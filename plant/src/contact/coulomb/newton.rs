@@ -23,7 +23,7 @@ mod modes;
 use super::super::lu::Lu;
 use super::super::mode::ContactMode;
 use super::super::round_cones::{RoundCones, contact_rows};
-use super::super::tolerance::{COMPLIANCE, NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
+use super::super::tolerance::{NEWTON_PROGRESS, PATCH_NEWTON_ROUNDING, SOLVED, WELL_SOLVED};
 use super::iterate::{Iterate, Start, Weight};
 use super::patch::{LinkContacts, Patch};
 use equations::{Equations, ModeWeights, Unknown};
@@ -47,6 +47,8 @@ pub(super) struct PatchNewton {
     matrix: Vec<f64>,
     factor: Lu,
     right: Vec<f64>,
+    /// ε.
+    compliance: f64,
     /// f₀, the centre of the proximal step; and G y, the impulse before it is distributed over patches.
     prox_centre: Vec<f64>,
     undistributed: Vec<f64>,
@@ -79,11 +81,15 @@ impl PatchNewton {
     /// Iterates from the present impulse to the solution. A patch that does not hold is released. False if it does not converge.
     pub fn run(&mut self, cones: &RoundCones, start: Start, iterate: &mut Iterate) -> bool {
         let Start { guess, patches, weight, limits } = start;
+        self.compliance = limits.compliance;
         self.contacts.clear();
         self.contacts.resize(cones.contacts, ModeWeights::default());
         self.groups.iter_mut().for_each(|group| (group.sticks, group.may_stick) = (false, patches));
         self.prox_centre.clear();
         self.prox_centre.resize(iterate.f.len(), 0.0);
+        if limits.compliance_from_start {
+            self.prox_centre.clone_from(&iterate.f);
+        }
         self.undistributed.clone_from(&iterate.f);
         self.velocity(cones, iterate);
         let (mut refined, mut least, mut least_step) = (0, f64::INFINITY, 0);
@@ -151,13 +157,25 @@ impl PatchNewton {
     /// v + ε(G y − f₀).
     fn add_compliance(&self, v: &mut [f64]) {
         for ((v, y), prox_centre) in v.iter_mut().zip(&self.undistributed).zip(&self.prox_centre) {
-            *v += COMPLIANCE * (y - prox_centre);
+            *v += self.compliance * (y - prox_centre);
         }
     }
 
     /// Solves the equations once and writes f = G y; with `min_norm`, the normal impulses get the least norm.
     fn solve(&mut self, cones: &RoundCones, min_norm: bool, f: &mut [f64]) -> bool {
-        let PatchNewton { groups, contacts, patch, unknowns, response, matrix, factor, right, prox_centre, .. } = self;
+        let PatchNewton {
+            groups,
+            contacts,
+            patch,
+            unknowns,
+            response,
+            matrix,
+            factor,
+            right,
+            compliance,
+            prox_centre,
+            ..
+        } = self;
         unknowns.clear();
         for (g, group) in groups.iter_mut().enumerate() {
             if group.sticks {
@@ -193,7 +211,7 @@ impl PatchNewton {
             equations.scatter(*unknown, |row, weight| {
                 let a = &cones.delassus[row * m..][..m];
                 response.iter_mut().zip(a).for_each(|(sum, a)| *sum = a.mul_add(weight, *sum));
-                response[row] += COMPLIANCE * weight;
+                response[row] += *compliance * weight;
             });
             equations.gather(unknowns, response, matrix);
             if let Unknown::Transverse(i) = *unknown {
@@ -204,7 +222,7 @@ impl PatchNewton {
             equations.use_min_norm_pressure(unknowns, matrix);
         }
         response.clear();
-        response.extend(cones.drift.iter().zip(&*prox_centre).map(|(b, prox_centre)| COMPLIANCE * prox_centre - b));
+        response.extend(cones.drift.iter().zip(&*prox_centre).map(|(b, prox_centre)| *compliance * prox_centre - b));
         equations.gather(unknowns, response, right);
         if !factor.factorize(n, matrix, 0.0) {
             return false;
