@@ -6,7 +6,7 @@
 use controller::encoder::{EncoderModel, EncoderState};
 use controller::servo::{ServoModel, ServoState};
 use controller::stability::ServoLoop;
-use controller::support::Joints;
+use controller::support::{JointMatrix, Joints};
 use messages::load::parse;
 use messages::scene::{ControllerScene, LinkScene, Method, Scene};
 use messages::wire::{Command, Torques};
@@ -44,7 +44,7 @@ fn speeds(scene: &Scene, settings: &ControllerScene, ratio: f64, delay: u32) -> 
     let mut link =
         Injector::new(&LinkScene { delay_ms: 1e3 * period * f64::from(delay), ..LinkScene::default() }, period);
     let reader = EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz);
-    let servo = ServoModel::new(settings, Joints::repeat(ratio * INERTIA), period, 1.0);
+    let servo = ServoModel::new(settings, JointMatrix::identity() * (ratio * INERTIA), period, 1.0);
     let (mut reading, mut state, mut newest) = (EncoderState::default(), ServoState::default(), Command::default());
     let (zero, limits) = (Joints::zeros(), [-1e3, 1e3].map(Joints::repeat));
     let mut speeds = Vec::new();

@@ -5,9 +5,9 @@
 
 use crate::error::ControllerError;
 use crate::rate;
-use crate::support::{Chain, Joints, Posture, TaskVector};
+use crate::support::{Chain, JointMatrix, Joints, Posture, TaskVector};
 use messages::robot::CROUCH;
-use messages::scene::{ControllerScene, PlantScene, Scene};
+use messages::scene::{ControllerScene, NominalInertia, PlantScene, Scene};
 use messages::wire::JOINTS;
 use nalgebra::{Matrix3, SMatrix, Vector3};
 
@@ -18,19 +18,21 @@ pub struct Constants {
     pub omega: [f64; 2],
     /// γ_0 of (31): effect of the swing foot's forward acceleration on the zero-moment point [-].
     pub swing_coupling: f64,
-    /// J_n, support order [kg·m²].
-    pub nominal_inertia: Joints,
+    /// J_n, support order; a diagonal matrix if the scene asks for a number for each joint [kg·m²].
+    pub nominal_inertia: JointMatrix,
     /// M + J_r 1: inertia matrix of the joints with the supporting foot fixed, including the drives, support order [kg·m²].
-    pub inertia: SMatrix<f64, JOINTS, JOINTS>,
+    pub inertia: JointMatrix,
     /// Largest distance of the zero-moment point from the sole's centre, along and across [m].
     pub sole_edge: [f64; 2],
 }
 
 /// Share of the sole's half-depth and half-width to which the zero-moment point may come [-]. At 1 the foot would tip.
 const SOLE_SHARE: f64 = 0.95;
-/// J_n over the effective inertia of a joint while all other joints are free [-]. A larger value makes the servo
-/// stiffer and lowers the delay that it tolerates (`stability.rs`).
-const INERTIA_MARGIN: f64 = 2.0;
+/// J_n over the inertia matrix [-]. A larger value makes the servo stiffer and lowers the delay that it tolerates
+/// (`stability.rs`).
+const MATRIX_MARGIN: f64 = 1.5;
+/// The same for a number for each joint, over the effective inertia of the joint while all other joints are free [-].
+const DIAGONAL_MARGIN: f64 = 2.0;
 /// x_2/W_2 of the posture in the middle of a step: between the turning point of the default orbit, .39, and the exchange, .5 [-].
 const MID_STEP_SHARE: f64 = 0.4;
 /// Heights of the centre of gravity that an error suggests, over the height with straight legs [-]. They only appear in the message.
@@ -70,7 +72,7 @@ impl Constants {
         Ok(Constants {
             omega,
             swing_coupling: swing[0] * omega[0] * omega[0],
-            nominal_inertia: nominal_inertia(inertia),
+            nominal_inertia: nominal_inertia(scene, &inertia),
             inertia,
             sole_edge: chain.sole_half.map(|half| SOLE_SHARE * half),
         })
@@ -127,9 +129,9 @@ fn link_tensor(chain: &Chain, at: &Posture, i: usize) -> Matrix3<f64> {
 }
 
 /// M + J_r 1, where M is the inertia matrix of the joints with the supporting foot fixed.
-fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> SMatrix<f64, JOINTS, JOINTS> {
+fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> JointMatrix {
     let at = chain.forward_kinematics(s);
-    let mut inertia = SMatrix::<f64, JOINTS, JOINTS>::identity() * drive_inertia;
+    let mut inertia = JointMatrix::identity() * drive_inertia;
     for i in 0..=JOINTS {
         let (linear, angular) = link_motion(&at, i);
         let tensor = link_tensor(chain, &at, i);
@@ -138,10 +140,16 @@ fn inertia(chain: &Chain, s: &Joints, drive_inertia: f64) -> SMatrix<f64, JOINTS
     inertia
 }
 
-/// J_n = [`INERTIA_MARGIN`]/((M + J_r 1)⁻¹)_ii.
-fn nominal_inertia(inertia: SMatrix<f64, JOINTS, JOINTS>) -> Joints {
-    match inertia.cholesky() {
-        Some(factor) => factor.inverse().diagonal().map(|inverse| INERTIA_MARGIN / inverse),
-        None => Joints::repeat(f64::NAN),
+/// J_n from M + J_r 1. With a number for each joint, coupled joints are accelerated too little: without drive inertia, the motion of the
+/// whole robot about its ankle has a twelfth of the inertia that it needs, and the robot falls.
+fn nominal_inertia(scene: &ControllerScene, inertia: &JointMatrix) -> JointMatrix {
+    match scene.nominal_inertia() {
+        NominalInertia::Matrix => inertia * MATRIX_MARGIN,
+        NominalInertia::Diagonal => match inertia.cholesky() {
+            Some(factor) => {
+                JointMatrix::from_diagonal(&factor.inverse().diagonal().map(|inverse| DIAGONAL_MARGIN / inverse))
+            }
+            None => JointMatrix::repeat(f64::NAN),
+        },
     }
 }

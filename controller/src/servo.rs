@@ -9,8 +9,11 @@
 //! If the switching element brings σ to zero in one switching period, σ_{k+1} = T_s (K_n/J_n) S d', which is (24). The paper's
 //! switching element is a relay. In a sampled loop a relay chatters between the torque limits, so the default is a saturation
 //! with a boundary layer.
+//!
+//! J_n is a matrix by default, so that a torque of one joint is aware of the others: docs/DESIGN.md. The paper has a number for each
+//! joint, and so a diagonal matrix.
 
-use crate::support::{Joints, mirror};
+use crate::support::{JointMatrix, Joints, mirror};
 use messages::scene::{ControllerScene, Switching};
 use messages::wire::JOINTS;
 
@@ -24,7 +27,7 @@ const SATURATION_ACCELERATION: f64 = 180.0;
 #[derive(Clone, Debug)]
 pub struct ServoModel {
     /// J_n [kg·m²].
-    pub nominal_inertia: Joints,
+    pub nominal_inertia: JointMatrix,
     /// Largest acceleration that the switching element demands [rad/s²].
     pub max_acceleration: f64,
     /// κ = 1/T_s [1/s].
@@ -49,9 +52,9 @@ pub struct ServoState {
 }
 
 impl ServoModel {
-    /// Servos of a scene with these nominal inertias [kg·m²], sampled once each `period` [s]. `scale` is the ratio of the robot's
+    /// Servos of a scene with this nominal inertia [kg·m²], sampled once each `period` [s]. `scale` is the ratio of the robot's
     /// times to those of Table 1.
-    pub fn new(scene: &ControllerScene, nominal_inertia: Joints, period: f64, scale: f64) -> Self {
+    pub fn new(scene: &ControllerScene, nominal_inertia: JointMatrix, period: f64, scale: f64) -> Self {
         let table_1 = match scene.switching {
             Switching::BoundaryLayer => SATURATION_ACCELERATION,
             Switching::Relay => RELAY_ACCELERATION,
@@ -67,9 +70,9 @@ impl ServoModel {
     }
 
     /// Rate bounds that keep the torque of [`drive`](Self::drive) within ±`bound` [N·m] inside the boundary layer:
-    /// q̇ + (±bound − τ_ff − d̂)/(J_n κ), from τ = τ_ff + d̂ + J_n κ (q̇_ref − q̇).
+    /// q̇ + (±bound − τ_ff − d̂)/(J_n κ), from τ = τ_ff + d̂ + J_n κ (q̇_ref − q̇), for a diagonal J_n.
     pub fn rates_within(&self, state: &ServoState, rate: &Joints, feed_forward: &Joints, bound: f64) -> [Joints; 2] {
-        let slope = self.nominal_inertia * self.switch_rate;
+        let slope = self.nominal_inertia.diagonal() * self.switch_rate;
         let idle = feed_forward + state.disturbance;
         [-bound, bound].map(|limit| rate + (Joints::repeat(limit) - idle).component_div(&slope))
     }
@@ -80,7 +83,7 @@ impl ServoModel {
         if let Some(before) = state.rate {
             let forget = libm::exp(-self.observer_bandwidth * self.period);
             let acceleration = (rate - before) / self.period;
-            let unexplained = state.effort - self.nominal_inertia.component_mul(&acceleration);
+            let unexplained = state.effort - self.nominal_inertia * acceleration;
             state.disturbance = state.disturbance * forget + unexplained * (1.0 - forget);
         }
         state.rate = Some(*rate);
@@ -101,7 +104,7 @@ impl ServoModel {
             Switching::Relay if sigma == 0.0 => 0.0,
             Switching::Relay => self.max_acceleration.copysign(sigma),
         });
-        let wanted = feed_forward + state.disturbance - self.nominal_inertia.component_mul(&switch);
+        let wanted = feed_forward + state.disturbance - self.nominal_inertia * switch;
         let [low, high] = limits;
         let torque = wanted.zip_zip_map(low, high, |torque: f64, low: f64, high: f64| torque.max(low).min(high));
         state.effort = torque - feed_forward; // after the limit: otherwise the observer would wind up

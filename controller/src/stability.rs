@@ -2,7 +2,7 @@
 //!
 //! With a fixed supporting foot, and without weight and velocity products, the robot is M q̈ = τ. Its servos are equal except for
 //! the factor J_n. Coordinates that diagonalise M⁻¹J_n separate the loops: each is that of one joint with the inertia J = J_n/λ,
-//! where λ is an eigenvalue of M⁻¹J_n. With u = (τ − τ_ff)/J_n, the period T and a command that acts d periods late, one period is
+//! where λ is an eigenvalue of M⁻¹J_n. If J_n is a multiple of M, all λ are that multiple. With u = (τ − τ_ff)/J_n, the period T and a command that acts d periods late, one period is
 //! ```text
 //!   v⁺ = v + T λ u_{−d}                            speed, after a constant torque
 //!   r⁺ = r + α (v + β T λ u_{−d} − r)              difference of encoders, low-passed: α = 1 − exp(−2π f T)
@@ -15,7 +15,6 @@
 
 use crate::constants::Constants;
 use crate::error::ControllerError;
-use crate::support::Joints;
 use messages::scene::{Method, Scene};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use std::f64::consts::TAU;
@@ -54,10 +53,12 @@ const U: usize = 3;
 pub fn loops(scene: &Scene) -> Result<Vec<ServoLoop>, ControllerError> {
     let settings = scene.controller.as_ref().ok_or(ControllerError::NoController)?;
     let constants = Constants::of(scene)?;
-    let scale: Joints = constants.nominal_inertia.map(f64::sqrt);
-    // Eigenvalues of J_n^{-1/2} M J_n^{-1/2} are 1/λ.
-    let scaled = constants.inertia.map_with_location(|i, j, m| m / (scale[i] * scale[j]));
-    let mut ratios: Vec<f64> = SymmetricEigen::new(scaled).eigenvalues.iter().map(|inverse| 1.0 / inverse).collect();
+    // With M = L Lᵀ, λ are the eigenvalues of the symmetric matrix L⁻¹ J_n L⁻ᵀ.
+    let Some(root) = constants.inertia.cholesky().and_then(|factor| factor.l().try_inverse()) else {
+        return Err(ControllerError::Robot("its inertia matrix is not positive definite".into()));
+    };
+    let scaled = root * constants.nominal_inertia * root.transpose();
+    let mut ratios: Vec<f64> = SymmetricEigen::new(scaled).eigenvalues.iter().copied().collect();
     ratios.sort_by(f64::total_cmp);
     let midpoint = match scene.plant.method {
         Method::SemiImplicitEuler => 0.5 + 0.5 * scene.rate * scene.plant.dt,
@@ -118,26 +119,31 @@ impl ServoLoop {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use messages::scene::ControllerScene;
+    use messages::scene::{ControllerScene, NominalInertia};
+
+    fn scene(inertia: NominalInertia) -> Scene {
+        let controller = ControllerScene { nominal_inertia: Some(inertia), ..ControllerScene::default() };
+        Scene { controller: Some(controller), ..Scene::default() }
+    }
 
     fn of_the_paper() -> Vec<ServoLoop> {
-        loops(&Scene { controller: Some(ControllerScene::default()), ..Scene::default() })
-            .expect("the robot of Table 1")
+        loops(&scene(NominalInertia::Diagonal)).expect("the robot of Table 1")
     }
 
     #[test]
-    fn the_inertia_ratios_of_the_robot_sum_up_to_twice_the_number_of_joints() {
+    fn a_number_for_each_joint_has_ratios_with_a_mean_of_two_and_a_matrix_has_eight_equal_ones() {
         // tr M⁻¹J_n = Σ 2 (M⁻¹)_ii/(M⁻¹)_ii.
         let sum: f64 = of_the_paper().iter().map(|servo| servo.inertia_ratio).sum();
         assert!((sum - 16.0).abs() < 1e-9, "{sum}");
+        let matrix = loops(&scene(NominalInertia::Matrix)).expect("the robot of Table 1");
+        assert!(matrix.iter().all(|servo| (servo.inertia_ratio - 1.5).abs() < 1e-12), "{matrix:?}");
     }
 
     #[test]
     fn the_loop_of_all_joints_is_as_stable_as_the_worst_of_the_eight() {
-        let scene = Scene { controller: Some(ControllerScene::default()), ..Scene::default() };
-        let constants = Constants::of(&scene).expect("the paper's robot");
+        let constants = Constants::of(&scene(NominalInertia::Diagonal)).expect("the paper's robot");
         let inverse = constants.inertia.try_inverse().expect("it has mass");
-        let coupling = inverse * nalgebra::SMatrix::from_diagonal(&constants.nominal_inertia); // M⁻¹J_n
+        let coupling = inverse * constants.nominal_inertia; // M⁻¹J_n
         let loops = of_the_paper();
         for delay in [0.0, 2.0, 3.0, 4.0] {
             // The map is affine in λ. The map of all joints has M⁻¹J_n in place of λ.

@@ -17,6 +17,8 @@ const AXIS_TOLERANCE: f64 = 1e-9;
 
 /// One number per joint.
 pub type Joints = SVector<f64, JOINTS>;
+/// One number per pair of joints.
+pub type JointMatrix = SMatrix<f64, JOINTS, JOINTS>;
 /// Number of components of the task (26): the robot has one joint more.
 pub const TASK: usize = 7;
 /// x = [x_c1 x_c2 x_c3 x_t1 x_t2 x_t3 x_g] of (26).

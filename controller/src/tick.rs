@@ -24,6 +24,7 @@ struct ControllerModel {
     scene: ControllerScene,
     gravity: f64,
     torque_limit: f64,
+    drive_inertia: f64,
     chain: Chain,
     constants: Constants,
     encoder: EncoderModel,
@@ -63,6 +64,7 @@ impl Controller {
         let model = ControllerModel {
             gravity: scene.plant.gravity,
             torque_limit: scene.plant.torque_limit,
+            drive_inertia: scene.plant.drive_inertia,
             encoder: EncoderModel::new(scene.plant.encoder_bits, period, settings.rate_filter_hz),
             gait: GaitModel::new(&settings, &chain, &constants, period),
             servo: ServoModel::new(&settings, constants.nominal_inertia, period, chain.parameters.time),

@@ -7,7 +7,7 @@ mod defaults;
 mod ground;
 
 pub use crate::law::{Iteration, Law};
-pub use choices::{Base, Gait, Jitter, Method, Sagittal, Switching};
+pub use choices::{Base, Gait, Jitter, Method, NominalInertia, Sagittal, Switching};
 pub use ground::{Ground, GroundTile, RandomTiles};
 
 use crate::robot::Body;
@@ -197,6 +197,9 @@ pub struct ControllerScene {
     /// Bound on each servo's torque, converted to rate bounds of the QP; absent: none [N·m].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub torque_bound: Option<f64>,
+    /// Nominal inertia J_n of the servos (23); absent: `matrix`, but `diagonal` with a `torque_bound`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nominal_inertia: Option<NominalInertia>,
     /// Switching element of the sliding mode.
     pub switching: Switching,
     /// Inverse of the switching time, 1/T_s of (24) [1/s].
@@ -207,4 +210,12 @@ pub struct ControllerScene {
     pub rate_filter_hz: f64,
     /// Whether to feed forward gravity and the planned acceleration.
     pub feed_forward: bool,
+}
+
+impl ControllerScene {
+    /// The nominal inertia of the servos. A bound on each torque bounds each rate only if J_n is diagonal.
+    pub fn nominal_inertia(&self) -> NominalInertia {
+        let implied = if self.torque_bound.is_some() { NominalInertia::Diagonal } else { NominalInertia::Matrix };
+        self.nominal_inertia.unwrap_or(implied)
+    }
 }

@@ -144,8 +144,8 @@ SOLE_SHARE = 0.95  # share of the sole's half-depth and half-width to which the 
 class Constants:
     """ω_1, ω_2, γ, J_n and the limits of the ankles, from the full inverse dynamics at rest in the posture of the middle of a step."""
 
-    def __init__(self, chain, height, plant):
-        s = posture(chain, np.array([0.0, 0.4 * chain.width, height, 0.0, chain.width, 0.02 * chain.length, 0.0]))
+    def __init__(self, chain, scene, plant):
+        s = posture(chain, np.array([0.0, 0.4 * chain.width, scene["com_height"], 0.0, chain.width, 0.02 * chain.length, 0.0]))
         joint, com, _, axis = chain.forward_kinematics(s)
         tilt = roll(s[0])
         joint, com, axis = (v @ tilt.T for v in (joint, com, axis))
@@ -170,7 +170,10 @@ class Constants:
 
         self.omega = sqrt(-1.0 / zmp_shift(0)[0]), sqrt(-1.0 / zmp_shift(1)[1])
         self.gamma = zmp_shift(3)[0] * self.omega[0] ** 2
-        self.nominal_inertia = 2.0 / np.diag(np.linalg.inv(inertia))
+        if scene.get("nominal_inertia") == "diagonal":  # a number for each joint, as in the paper
+            self.nominal_inertia = np.diag(2.0 / np.diag(np.linalg.inv(inertia)))
+        else:
+            self.nominal_inertia = 1.5 * inertia
         self.sole_edge = SOLE_SHARE * chain.sole_half[:2]
         self.ankle_limit = weight * self.sole_edge  # along and across: pitch and roll [N·m]
 

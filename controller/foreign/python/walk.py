@@ -38,14 +38,14 @@ class Servo:
     def observe(self, rate):
         """Updates the disturbance: the part of the acceleration that the effort of the last period does not explain."""
         if self.rate is not None:
-            unexplained = self.effort - self.J_n * (rate - self.rate) / self.h
+            unexplained = self.effort - self.J_n @ (rate - self.rate) / self.h
             self.disturbance = self.disturbance * self.forget + unexplained * (1.0 - self.forget)
         self.rate = rate
 
     def drive(self, rate, reference, feed_forward, limits):
         sigma = rate - reference
         switch = self.reach * np.sign(sigma) if self.relay else np.clip(self.kappa * sigma, -self.reach, self.reach)
-        torque = np.clip(feed_forward + self.disturbance - self.J_n * switch, *limits)  # (24)
+        torque = np.clip(feed_forward + self.disturbance - self.J_n @ switch, *limits)  # (24)
         self.effort = torque - feed_forward  # after the limit: otherwise the observer would wind up
         return torque, sigma
 
@@ -61,7 +61,7 @@ class Walk:
         if "rate_limit" in self.scene or "torque_bound" in self.scene:
             session.fail(2, "controller.rate_limit and torque_bound need a QP with bounds, which walk.py does not have")
         self.chain = Chain(scene["bodies"])
-        self.constants = Constants(self.chain, self.scene["com_height"], self.plant)
+        self.constants = Constants(self.chain, self.scene, self.plant)
         self.servo = Servo(self.scene, self.constants.nominal_inertia, self.h, self.chain.time)
         self.count = tau / 2 ** self.plant["encoder_bits"]  # [rad]
         self.share = 1.0 - exp(-tau * self.scene["rate_filter_hz"] * self.h)
@@ -156,10 +156,13 @@ class Walk:
     def limits(self, task, plan):
         """Torque limits: those of the drives and, at the ankles, those that keep the soles flat on the ground [N·m]. A foot that
         carries the whole weight tips when the zero-moment point reaches its edge, with a = ω² (x − p), (31), (32). A foot that
-        shares the load, and the swing foot, get a share of the torque at rest."""
+        shares the load, and the swing foot, get a share of the torque at rest. A drive that accelerates needs its own torque J_r q̈
+        in addition."""
         gait, constants, ends = self.gait, self.constants, np.array([-1.0, 1.0])
         loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
         limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))
+        xddot = np.array([*plan.acceleration, 0.0, gait.foot.a, 0.0, 0.0, 0.0])
+        drives = self.plant["drive_inertia"] * resolve(task.jacobian, xddot, np.zeros(8))
         for joint, axis in ANKLES:
             at_rest = constants.ankle_limit[axis] * ends
             if plan.load < 1.0:
@@ -168,7 +171,7 @@ class Walk:
                 p = (FIRST_LOAD + (1.0 - FIRST_LOAD) * loading) * constants.sole_edge[axis] * ends
                 a = constants.omega[axis] ** 2 * (task.x[axis] - p)
                 stance, swing = np.sort(self.ankle_torque(task, joint, axis, p, a)), SWING_SHARE[axis] * at_rest
-            limits[:, joint], limits[:, 7 - joint] = stance, swing
+            limits[:, joint], limits[:, 7 - joint] = stance + drives[joint], swing + drives[7 - joint]
         return limits.clip(-self.plant["torque_limit"], self.plant["torque_limit"])
 
     def fill_telemetry(self, telemetry, task, sigma):

@@ -3,7 +3,8 @@
 use super::ControllerModel;
 use crate::ankle::Ankle;
 use crate::gait::{GaitState, Phase, Reference};
-use crate::support::{Joints, Task};
+use crate::rate;
+use crate::support::{Joints, Task, TaskVector};
 use messages::wire::JOINTS;
 
 /// Torque limit of the swing foot's ankle, over that of a supporting foot at rest, pitch and roll [-]. It is large enough to keep the
@@ -22,6 +23,7 @@ impl ControllerModel {
     ///
     /// A foot that carries the whole weight tips when the zero-moment point reaches its edge. A foot that shares the load, and the
     /// swing foot, get a share of that torque. After an exchange the load of the new stance foot rises from [`FIRST_LOAD`] to 1.
+    /// A drive that accelerates needs its own torque in addition, because that torque does not reach the foot.
     pub(super) fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
         let loading = self.chain.parameters.loading;
         let stepping = gait.phase == Phase::Walk;
@@ -31,10 +33,11 @@ impl ControllerModel {
             1.0
         };
         let loaded = loaded + (1.0 - loaded) * gait.urgency;
+        let drives = self.drive_torque(gait, task, plan);
         let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
         let mut narrow = |j: usize, [low, high]: [f64; 2]| {
             [limits[0][j], limits[1][j]] =
-                [low, high].map(|torque| torque.clamp(-self.torque_limit, self.torque_limit));
+                [low, high].map(|torque| (torque + drives[j]).clamp(-self.torque_limit, self.torque_limit));
         };
         for ankle in Ankle::BOTH {
             let k = ankle.axis();
@@ -57,5 +60,13 @@ impl ControllerModel {
             narrow(JOINTS - 1 - ankle.joint(), swing);
         }
         limits
+    }
+
+    /// J_r q̈: the torque that accelerates the drives as planned [N·m].
+    fn drive_torque(&self, gait: &GaitState, task: &Task, plan: &Reference) -> Joints {
+        let [a_1, a_2] = plan.acceleration;
+        let xddot = TaskVector::from([a_1, a_2, 0.0, gait.foot.a, 0.0, 0.0, 0.0]);
+        let qddot = rate::resolve(&task.jacobian, &xddot, &Joints::zeros());
+        qddot.map_or_else(Joints::zeros, |qddot| self.drive_inertia * qddot)
     }
 }

@@ -3,7 +3,7 @@
 use super::error::SceneError;
 use crate::legible;
 use crate::robot::{Body, DriveParameters, JointKind, Robot};
-use crate::scene::{ControllerScene, LinkScene, Scene};
+use crate::scene::{ControllerScene, LinkScene, NominalInertia, Scene};
 use crate::wire::JOINTS;
 use std::f64::consts::PI;
 use std::ops::RangeInclusive;
@@ -257,6 +257,10 @@ impl Validator<'_> {
         ] {
             self.not_negative(key, value)?;
         }
+        let bounded = controller.torque_bound.is_some();
+        let rule = "it must be diagonal with controller.torque_bound, because the torque of a joint depends on all rates with a matrix";
+        let matrix = controller.nominal_inertia() == NominalInertia::Matrix;
+        self.require(!(bounded && matrix), "controller.nominal_inertia", "matrix", rule)?;
         let half = controller.period / 2.0;
         let rule = format!(
             "half of it, one step, must last at least {LEAST_STEP_PERIODS} control periods of 1/{} s",

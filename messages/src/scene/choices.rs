@@ -111,6 +111,16 @@ pub enum Sagittal {
     Energy,
 }
 
+/// Nominal inertia J_n of the servos.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "kebab-case")]
+pub enum NominalInertia {
+    /// A matrix: that of the robot with its drives and a fixed supporting foot.
+    Matrix,
+    /// A number for each joint, as in (23).
+    Diagonal,
+}
+
 /// Switching element of the sliding mode.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "kebab-case")]

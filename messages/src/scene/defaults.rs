@@ -88,6 +88,7 @@ impl Default for ControllerScene {
             swing_gain: 40.0,
             rate_limit: None,
             torque_bound: None,
+            nominal_inertia: None,
             switching: Switching::BoundaryLayer,
             switch_rate: 80.0,
             observer_bandwidth: 20.0,
