@@ -126,9 +126,9 @@ fn it_stops_with_its_soles_flat() {
 #[test]
 fn it_walks_with_realistic_sensors_and_drives() {
     let cases: [&[&str]; 9] = [
-        &["plant.latency_ticks=3"],
+        &["plant.latency_ticks=4"],
         &["plant.friction=0.2"],
-        &["plant.payload_kg=3"],
+        &["plant.payload_kg=6"],
         &["plant.encoder_bits=14"],
         &["plant.torque_limit=16"],
         &["rate=250"],
@@ -139,6 +139,25 @@ fn it_walks_with_realistic_sensors_and_drives() {
     for summary in run_all("walk", &cases) {
         summary.assert_ranges(&[("distance_m", 1.8..=2.8), ("yaw_deg", -20.0..=20.0)]);
     }
+}
+
+/// The servos follow from the robot and its drives. If J_n were a number for each joint, the robot would fall without drive inertia. If the
+/// limits of the ankles ignored the torque that accelerates the drives, it would fall with heavy ones.
+#[test]
+fn it_walks_alike_with_light_and_heavy_drives() {
+    let drives = ["0", "0.01", "0.03", "0.3", "0.5"].map(|inertia| format!("plant.drive_inertia={inertia}"));
+    let late = "plant.latency_ticks=1";
+    let cases: Vec<[&str; 2]> = drives.iter().map(|drive| [drive.as_str(), late]).collect();
+    for summary in run_all("walk", &cases.iter().map(|case| &case[..]).collect::<Vec<_>>()) {
+        summary.assert_ranges(&[
+            ("distance_m", 2.2..=2.5),
+            ("speed_mps", 0.19..=0.21),
+            ("period_s", 0.597..=0.603),
+            ("foot_tilt_max_deg", 0.0..=0.2),
+        ]);
+    }
+    let each_joint = "controller.nominal_inertia=diagonal";
+    assert!(run("walk", &["plant.drive_inertia=0", each_joint]).fell(), "the control");
 }
 
 #[test]

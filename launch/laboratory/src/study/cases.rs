@@ -41,7 +41,8 @@ fn margins() -> Vec<StudyCase> {
     vary("friction", "", "plant.friction", &["0.4", "0.3", "0.2", "0.15", "0.08"]);
     vary("payload", " kg", "plant.payload_kg", &["1", "2", "3", "4", "6"]);
     vary("encoder", " bit", "plant.encoder_bits", &["18", "16", "15", "14", "13"]);
-    vary("torque limit", " N·m", "plant.torque_limit", &["25", "20", "16", "14", "12"]);
+    vary("torque limit", " N·m", "plant.torque_limit", &["25", "20", "16", "14", "12.5", "12"]);
+    vary("drive inertia", " kg·m²", "plant.drive_inertia", &["0", "0.01", "0.03", "0.3", "0.5"]);
     vary("joint damping", " N·m·s", "plant.joint_damping", &["0.2", "0.5"]);
     vary("speed", " m/s", "controller.speed", &["-0.3", "-0.1", "0.1", "0.3"]);
     vary("observer of the CoG", " 1/s", "controller.com_feedback", &["5", "10", "40"]);
@@ -50,7 +51,12 @@ fn margins() -> Vec<StudyCase> {
     cases.push(case("control 2000 Hz", "walk", &["rate=2000", "plant.dt=0.0005"]));
     cases.push(case("relay", "walk", &["controller.switching=relay"]));
     cases.push(case("joint rates ≤ 4 rad/s in the QP", "walk", &["controller.rate_limit=4"]));
-    cases.push(case("no drive inertia", "walk", &["plant.drive_inertia=0"]));
+    cases.push(case("no drive inertia, 1 ms late", "walk", &["plant.drive_inertia=0", "plant.latency_ticks=1"]));
+    cases.push(case(
+        "no drive inertia, a number for each joint (control)",
+        "walk",
+        &["plant.drive_inertia=0", "controller.nominal_inertia=diagonal"],
+    ));
     cases.push(case("the paper's sagittal rule", "walk-literal", &[]));
     cases.push(case("the paper, all at once", "paper", &[]));
     cases.push(case("without feedback from the robot (control)", "walk", &["controller.com_feedback=0"]));
