@@ -30,7 +30,7 @@ pub struct Constants {
 const SOLE_SHARE: f64 = 0.95;
 /// J_n over the inertia matrix [-]. A larger value makes the servo stiffer and lowers the delay that it tolerates
 /// (`stability.rs`).
-const MATRIX_MARGIN: f64 = 1.5;
+pub(crate) const MATRIX_MARGIN: f64 = 1.5;
 /// The same for a number for each joint, over the effective inertia of the joint while all other joints are free [-].
 const DIAGONAL_MARGIN: f64 = 2.0;
 /// x_2/W_2 of the posture in the middle of a step: between the turning point of the default orbit, .39, and the exchange, .5 [-].

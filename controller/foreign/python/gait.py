@@ -12,6 +12,7 @@ from math import ceil, copysign, cosh, exp, expm1, sinh, sqrt, tanh, tau
 import numpy as np
 
 import wire
+from robot import INERTIA_MARGIN
 from pendulum import MinimumJerkState, clip, lateral_energy, turning_point, virtual_input
 
 STAND, SWAY, LIFT, WALK, LAND, REST = range(len(wire.PHASE))
@@ -68,7 +69,9 @@ class Gait:
         self.is_disabled, self.l_x, self.l_v = kept == 1.0, 1 - kept**2, (1 - kept) ** 2 / h
         # delay of a joint rate after its reference: 1/κ of the boundary layer, less the delays of the measured rates. Without this
         # lead the observer would hold the plan back
-        late = 1 / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
+        sensitivity = self.omega[1] / (self.omega[1] + scene["observer_bandwidth"])
+        sooner = 0.0 if scene.get("nominal_inertia") == "diagonal" else (1 - 1 / INERTIA_MARGIN) * sensitivity
+        late = (1 - sooner) / scene["switch_rate"] - 1 / (tau * scene["rate_filter_hz"]) - 1.5 * h
         self.servo_lag = 0.0 if scene["switching"] == "relay" else max(0.0, late)
         self.set_points(scene)
         self.phase, self.since, self.time, self.steps = STAND, 0.0, 0.0, 0

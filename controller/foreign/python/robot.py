@@ -138,6 +138,7 @@ def level(swing_pitch):
     return -LEVEL_WEIGHT * LEVEL_GAIN * swing_pitch * PITCH_SUM
 
 
+INERTIA_MARGIN = 1.5  # J_n over the inertia matrix
 SOLE_SHARE = 0.95  # share of the sole's half-depth and half-width to which the zero-moment point may come
 
 
@@ -173,7 +174,7 @@ class Constants:
         if scene.get("nominal_inertia") == "diagonal":  # a number for each joint, as in the paper
             self.nominal_inertia = np.diag(2.0 / np.diag(np.linalg.inv(inertia)))
         else:
-            self.nominal_inertia = 1.5 * inertia
+            self.nominal_inertia = INERTIA_MARGIN * inertia
         self.sole_edge = SOLE_SHARE * chain.sole_half[:2]
         self.ankle_limit = weight * self.sole_edge  # along and across: pitch and roll [N·m]
 

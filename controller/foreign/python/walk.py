@@ -162,7 +162,8 @@ class Walk:
         loading = min(1.0, gait.since / (LOADING * self.chain.time)) if gait.phase == WALK and gait.steps > 0 else 1.0
         limits = np.outer(ends, np.full(8, self.plant["torque_limit"]))
         xddot = np.array([*plan.acceleration, 0.0, gait.foot.a, 0.0, 0.0, 0.0])
-        drives = self.plant["drive_inertia"] * resolve(task.jacobian, xddot, np.zeros(8))
+        inertia = self.plant["drive_inertia"] if self.scene["feed_forward"] else 0.0
+        drives = inertia * resolve(task.jacobian, xddot, np.zeros(8))
         for joint, axis in ANKLES:
             at_rest = constants.ankle_limit[axis] * ends
             if plan.load < 1.0:

@@ -98,7 +98,7 @@ impl GaitModel {
             width,
             propagator: omega.map(|omega| Propagator::new(omega, h)),
             observer: Observer::new(scene.com_feedback, h),
-            servo_lag: servo_lag(scene, h),
+            servo_lag: servo_lag(scene, omega[1], h),
             unit_energy: sagittal_energy(omega[0], 1.0, period),
             orbit_limits: OrbitLimits::new(omega[1], width, period),
             touchdown_speed: omega[0] * (0.5 / libm::tanh(quarter) - swing_coupling / libm::sinh(quarter)),

@@ -10,7 +10,8 @@
 //!
 //! The plan agrees with the robot only if the robot has no delay either: see [`servo_lag`].
 
-use messages::scene::{ControllerScene, Switching};
+use crate::constants::MATRIX_MARGIN;
+use messages::scene::{ControllerScene, NominalInertia, Switching};
 use std::f64::consts::TAU;
 
 /// Time by which the measured rate lags behind the reference [control periods]. A rate is a mean over one period, so it is half a
@@ -39,17 +40,26 @@ impl Observer {
     }
 }
 
-/// Delay of a joint rate after its reference [s].
+/// Delay of a joint rate after its reference, for a motion that grows as e^(ωt) [s].
 ///
-/// The boundary layer of the servo is a lag of 1/κ. The servo compares the reference with measured rates that are late
-/// themselves. So the lag of their filter, 1/(2π f), and [`SAMPLING_LEAD`] are subtracted. The relay has no such lag.
+/// ```text
+///   σ = −(1 − (1 − 1/λ) S) q̈/κ      λ = J_n/M,  S = ω/(ω + g)
+/// ```
+/// This follows from the torque and the observer of the servo (`servo.rs`) with M q̈ = τ − τ_ff. A number for each joint has no single λ;
+/// then S is ignored. The servo compares the reference with measured rates that are late themselves. So the lag of their filter,
+/// 1/(2π f), and [`SAMPLING_LEAD`] are subtracted. The relay has no such lag.
 ///
 /// Without this lead the plan runs ahead of the robot, the observer holds the plan back, and the steps last .70 s instead of .60.
-pub fn servo_lag(scene: &ControllerScene, h: f64) -> f64 {
+pub fn servo_lag(scene: &ControllerScene, omega: f64, h: f64) -> f64 {
+    let sensitivity = omega / (omega + scene.observer_bandwidth);
+    let sooner = match scene.nominal_inertia() {
+        NominalInertia::Matrix => (1.0 - 1.0 / MATRIX_MARGIN) * sensitivity,
+        NominalInertia::Diagonal => 0.0,
+    };
     match scene.switching {
         Switching::Relay => 0.0,
         Switching::BoundaryLayer => {
-            (1.0 / scene.switch_rate - 1.0 / (TAU * scene.rate_filter_hz) - SAMPLING_LEAD * h).max(0.0)
+            ((1.0 - sooner) / scene.switch_rate - 1.0 / (TAU * scene.rate_filter_hz) - SAMPLING_LEAD * h).max(0.0)
         }
     }
 }

@@ -62,8 +62,11 @@ impl ControllerModel {
         limits
     }
 
-    /// J_r q̈: the torque that accelerates the drives as planned [N·m].
+    /// J_r q̈: the torque that accelerates the drives as planned [N·m]. The paper has no feed-forward, and so none of this.
     fn drive_torque(&self, gait: &GaitState, task: &Task, plan: &Reference) -> Joints {
+        if !self.scene.feed_forward {
+            return Joints::zeros();
+        }
         let [a_1, a_2] = plan.acceleration;
         let xddot = TaskVector::from([a_1, a_2, 0.0, gait.foot.a, 0.0, 0.0, 0.0]);
         let qddot = rate::resolve(&task.jacobian, &xddot, &Joints::zeros());
