@@ -78,7 +78,7 @@ fn the_robot_walks_with_a_controller_restarted_every_200_ms_and_not_with_one_res
     let living = |periods: u64| walk_with(&scene, |seq| seq > 2000 && seq % periods == 0);
     let (lowest, speed) = living(200);
     assert!(lowest > MIN_HEIGHT && speed > 0.15, "trunk at {lowest} m, {speed} m/s");
-    let ends: Vec<_> = (4..=10).step_by(3).map(living).collect();
+    let ends: Vec<_> = (2..=4).map(living).collect();
     println!("{ends:.2?}");
     assert!(ends.iter().all(|(lowest, speed)| *lowest < MIN_HEIGHT || *speed < 0.05), "one walks: {ends:?}");
 }

@@ -41,9 +41,10 @@ fn the_energy_rule_attracts_to_the_orbit_and_nothing_does_without_it() {
     for summary in run_all("stamp", &with.each_ref().map(|settings| &settings[..])) {
         summary.assert_ranges(&[("period_s", 0.588..=0.612), ("period_std_s", 0.0..=0.006), ("steps", 30.0..=34.0)]);
     }
-    let periods = run_all("stamp", &without.each_ref().map(|settings| &settings[..]));
-    let periods: Vec<_> = periods.iter().map(|summary| summary.number("period_s")).collect();
-    assert!(periods.iter().all(|period| (period / 0.6 - 1.0).abs() > 0.02), "{periods:?} without the rule");
+    for summary in run_all("stamp", &without.each_ref().map(|settings| &settings[..])) {
+        let [period, scatter] = ["period_s", "period_std_s"].map(|key| summary.number(key));
+        assert!((period / 0.6 - 1.0).abs() > 0.02 || scatter > 0.012, "{period} ± {scatter} s without the rule");
+    }
 }
 
 #[test]
@@ -223,17 +224,17 @@ fn it_survives_pushes_from_four_sides() {
     }
 }
 
-/// The negative case: without feedback, the robot falls under pushes that the default survives at all phases but at most one.
+/// The negative case: without feedback, the robot falls under pushes that the default survives at every phase.
 #[test]
 fn without_feedback_in_the_planner_pushes_make_it_fall() {
     let fallen = |feedback: &str| {
         let feedback = format!("controller.com_feedback={feedback}");
         let falls =
-            |time: &String| run("walk", &["duration=9", &feedback, "plant.push_impulse=[0.0, 3.5, 0.0]", time]).fell();
+            |time: &String| run("walk", &["duration=9", &feedback, "plant.push_impulse=[5.0, 0.0, 0.0]", time]).fell();
         push_times().iter().filter(|time| falls(time)).count()
     };
     let [with, without] = ["20", "0"].map(fallen);
-    assert!(with <= 1 && without >= 3, "{with} of 8 fall with it, {without} without");
+    assert!(with == 0 && without >= 4, "{with} of 8 fall with it, {without} without");
 }
 
 /// Forward and backward, up to 2.5 times the speed of the scene. From .4 m/s on the robot falls if the torque limit of the swing foot's

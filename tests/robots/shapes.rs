@@ -72,7 +72,7 @@ fn a_robot_with_shanks_a_fifth_longer_walks() {
     let file = RobotFile::new(&robot);
     let time = SimilarityScale::between(&table_1(), &robot.bodies).time();
     run("walk", &[&file.setting()]).assert_ranges(&[
-        ("speed_mps", 0.2 * time..=0.21 * time),
+        ("speed_mps", 0.199 * time..=0.202 * time),
         ("period_s", 0.599 * time..=0.601 * time),
         ("yaw_deg", -0.1..=0.1),
         ("foot_tilt_max_deg", 0.0..=0.2),
@@ -120,14 +120,14 @@ fn legs(mass: f64) -> Robot {
 fn robots_walk_within_a_documented_distance_from_table_1() {
     type Kind = (&'static str, fn(f64) -> Robot, &'static [f64], &'static [f64]);
     let kinds: [Kind; 8] = [
-        ("all lengths", similar, &[0.03, 0.1, 0.5, 2.0, 10.0, 50.0], &[0.01]),
+        ("all lengths", similar, &[0.02, 0.03, 0.1, 0.5, 2.0, 10.0, 50.0], &[0.01]),
         ("length of the shanks", shanks, &[0.25, 0.35, 0.5, 1.2, 2.0, 3.0], &[]),
         ("length of the thighs", thighs, &[0.4, 0.5, 0.8, 1.2, 2.0, 3.0], &[]),
         ("distance of the hips", hips, &[0.2, 0.35, 0.5, 0.7, 1.5, 2.0, 3.0, 5.0], &[]),
-        ("length of the soles", soles, &[0.7, 0.8, 2.0, 3.0], &[0.35]),
-        ("mass of the trunk", trunk, &[0.1, 0.5, 1.5, 2.0, 3.0], &[8.0, 10.0]),
-        ("the same, drives as they are", trunk_on_weak_drives, &[2.5, 5.0, 7.0], &[]),
-        ("mass of thighs and shanks", legs, &[0.1, 0.5, 2.0, 8.0], &[]),
+        ("length of the soles", soles, &[0.2, 0.25, 0.35, 0.5, 0.7, 2.0, 3.0], &[0.1, 0.15]),
+        ("mass of the trunk", trunk, &[0.1, 0.5, 2.0, 3.0, 5.0, 8.0, 15.0, 30.0], &[]),
+        ("the same, drives as they are", trunk_on_weak_drives, &[2.5, 5.0, 8.0], &[10.0]),
+        ("mass of thighs and shanks", legs, &[0.1, 0.5, 2.0, 8.0, 20.0], &[]),
     ];
     let mut wrong = Vec::new();
     for (what, robot, walk, fall) in kinds {

@@ -13,7 +13,8 @@ const REST: usize = 2000;
 /// state, contacts solved one by one end in the same velocity.
 #[test]
 fn a_robot_that_rests_on_an_edge_after_a_slip_stands() {
-    let scene = scene("stand", &["plant.push_impulse=[0,0,-20]", "plant.push_time=1"]);
+    let scene =
+        scene("stand", &["plant.push_impulse=[0,0,-20]", "plant.push_time=1", "controller.nominal_inertia=diagonal"]);
     let mut plant = Plant::new(&scene).expect("a plant");
     let mut one_by_one = Plant::new(&scene).expect("a plant").without_standing_feet();
     let mut controller = Controller::new(&scene).expect("a controller");
