@@ -231,6 +231,8 @@ mod tests {
         refused(&["controller.period=0.01"], &["controller.period", "control periods"]);
         refused(&["controller.com_height=-0.27"], &["controller.com_height"]);
         refused(&["controller.torque_bound=0"], &["controller.torque_bound"]);
+        let both = ["controller.torque_bound=20", "controller.nominal_inertia=matrix"];
+        refused(&both, &["controller.nominal_inertia", "diagonal"]);
         let one = "[[bodies]]\nname = \"a\"\nmass = 1.0\nsize = [1.0, 1.0, 1.0]\n";
         let point = format!("{one}contacts = [{}]", "[0.0, 0.0, 0.0],".repeat(CONTACTS + 1));
         let two_bases = one.to_string() + &one.replace("\"a\"", "\"b\"");
