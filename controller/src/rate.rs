@@ -29,62 +29,22 @@ fn pitch_sum() -> Joints {
     Joints::from([0.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 0.0])
 }
 
+/// w/(1 + w sᵀs).
+fn share() -> f64 {
+    LEVEL_WEIGHT / (1.0 + LEVEL_WEIGHT * pitch_sum().dot(&pitch_sum()))
+}
+
 /// c_0 of (28) for a swing foot with this pitch [rad].
 pub fn bias(pitch: f64) -> Joints {
     -LEVEL_WEIGHT * LEVEL_GAIN * pitch * pitch_sum()
 }
 
-/// Joint rates without bounds, in closed form; `None` if J is singular.
-///
-/// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0. By the Sherman-Morrison formula C⁻¹ = I − share s sᵀ.
-/// Shapes: J 7×8, ẋ 7, c_0 8. Source: (28), (29).
+/// Joint rates without bounds, in closed form; `None` if J is singular. See [`RateSolver::rates`].
 pub fn resolve(jacobian: &TaskJacobian, xdot: &TaskVector, bias: &Joints) -> Option<Joints> {
-    let s = pitch_sum();
-    let share = LEVEL_WEIGHT / (1.0 + LEVEL_WEIGHT * s.dot(&s));
-    let unweigh = |v: &Joints| v - s * (share * s.dot(v));
-    let pitch = jacobian * s;
-    let mut weighted = pitch * pitch.transpose() * -share; // J C⁻¹ Jᵀ
-    for column in jacobian.column_iter() {
-        for k in 0..TASK {
-            for i in k..TASK {
-                weighted[(i, k)] += column[i] * column[k];
-            }
-        }
-    }
-    let free = unweigh(bias);
-    let lambda = solve(weighted, xdot - jacobian * free)?;
-    let rates = free + unweigh(&jacobian.tr_mul(&lambda));
-    rates.iter().all(|rate| rate.is_finite()).then_some(rates)
+    RateSolver::new(jacobian)?.rates(xdot, bias)
 }
 
-/// Solves A x = b for a symmetric A by A = L D Lᵀ; `None` if A is not positive definite. Only the lower triangle of A is read.
-fn solve(mut a: SMatrix<f64, TASK, TASK>, mut b: TaskVector) -> Option<TaskVector> {
-    let mut inverse = [0.0; TASK];
-    for k in 0..TASK {
-        if a[(k, k)] <= 0.0 || a[(k, k)].is_nan() {
-            return None;
-        }
-        inverse[k] = 1.0 / a[(k, k)];
-        for j in k + 1..TASK {
-            let factor = a[(j, k)] * inverse[k];
-            b[j] -= factor * b[k];
-            for i in j..TASK {
-                a[(i, j)] -= factor * a[(i, k)];
-            }
-        }
-    }
-    for k in (0..TASK).rev() {
-        let known: f64 = (k + 1..TASK).map(|j| a[(j, k)] * b[j]).sum();
-        b[k] = (b[k] - known) * inverse[k];
-    }
-    Some(b)
-}
-
-/// Joint rates within `lower` ≤ q̇ ≤ `upper` [rad/s]; `None` if no rates within the bounds satisfy (29), or if J is singular.
-///
-/// Seven equations for eight rates leave one direction n with J n = 0. The unbounded solution is stationary, so the objective grows
-/// as t² along n. The bounded solution is therefore the point between the bounds with the smallest |t|. It is exact up to rounding
-/// and needs no allocation.
+/// Joint rates within bounds; `None` also if J is singular. See [`RateSolver::rates_within`].
 pub fn resolve_bounded(
     jacobian: &TaskJacobian,
     xdot: &TaskVector,
@@ -92,26 +52,100 @@ pub fn resolve_bounded(
     lower: &Joints,
     upper: &Joints,
 ) -> Option<Joints> {
-    let free = resolve(jacobian, xdot, bias)?;
-    let s = pitch_sum();
-    let direction = s - resolve(jacobian, &(jacobian * s), &Joints::zeros())?; // n
-    let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
-    for i in 0..JOINTS {
-        let room = [lower[i] - free[i], upper[i] - free[i]];
-        if direction[i].abs() < LEAST_SHARE {
-            if room[0] > 0.0 || room[1] < 0.0 {
+    RateSolver::new(jacobian)?.rates_within(xdot, bias, lower, upper)
+}
+
+/// J C⁻¹ Jᵀ = L D Lᵀ of a posture, for any number of task rates. By the Sherman-Morrison formula C⁻¹ = I − share s sᵀ.
+pub struct RateSolver<'a> {
+    jacobian: &'a TaskJacobian,
+    /// L D. Only the lower triangle is used.
+    factor: SMatrix<f64, TASK, TASK>,
+    /// The diagonal of D⁻¹.
+    inverse: [f64; TASK],
+}
+
+impl<'a> RateSolver<'a> {
+    /// `None` if J is singular.
+    pub fn new(jacobian: &'a TaskJacobian) -> Option<RateSolver<'a>> {
+        let pitch = jacobian * pitch_sum();
+        let mut factor = pitch * pitch.transpose() * -share();
+        for column in jacobian.column_iter() {
+            for k in 0..TASK {
+                for i in k..TASK {
+                    factor[(i, k)] += column[i] * column[k];
+                }
+            }
+        }
+        let mut inverse = [0.0; TASK];
+        for k in 0..TASK {
+            if factor[(k, k)] <= 0.0 || factor[(k, k)].is_nan() {
                 return None;
             }
-            continue;
+            inverse[k] = 1.0 / factor[(k, k)];
+            for j in k + 1..TASK {
+                let ratio = factor[(j, k)] * inverse[k];
+                for i in j..TASK {
+                    factor[(i, j)] -= ratio * factor[(i, k)];
+                }
+            }
         }
-        let [a, b] = room.map(|room| room / direction[i]);
-        least = least.max(a.min(b));
-        most = most.min(a.max(b));
+        Some(RateSolver { jacobian, factor, inverse })
     }
-    // Rounding may leave a rate just outside its bound.
-    let within =
-        |t: f64| (free + direction * t).zip_zip_map(lower, upper, |rate: f64, low, high| rate.max(low).min(high));
-    (least <= most).then(|| within(0.0_f64.max(least).min(most)))
+
+    /// Joint rates without bounds; `None` if they are not finite.
+    ///
+    /// q̇ = C⁻¹(c_0 + Jᵀλ) with (J C⁻¹ Jᵀ) λ = ẋ − J C⁻¹ c_0. Shapes: J 7×8, ẋ 7, c_0 8. Source: (28), (29).
+    pub fn rates(&self, xdot: &TaskVector, bias: &Joints) -> Option<Joints> {
+        let (s, share) = (pitch_sum(), share());
+        let unweigh = |v: &Joints| v - s * (share * s.dot(v));
+        let free = unweigh(bias);
+        let lambda = self.solve(xdot - self.jacobian * free);
+        let rates = free + unweigh(&self.jacobian.tr_mul(&lambda));
+        rates.iter().all(|rate| rate.is_finite()).then_some(rates)
+    }
+
+    /// Solves L D Lᵀ x = b.
+    fn solve(&self, mut b: TaskVector) -> TaskVector {
+        let RateSolver { factor, inverse, .. } = self;
+        for k in 0..TASK {
+            for j in k + 1..TASK {
+                b[j] -= factor[(j, k)] * inverse[k] * b[k];
+            }
+        }
+        for k in (0..TASK).rev() {
+            let known: f64 = (k + 1..TASK).map(|j| factor[(j, k)] * b[j]).sum();
+            b[k] = (b[k] - known) * inverse[k];
+        }
+        b
+    }
+
+    /// Joint rates within `lower` ≤ q̇ ≤ `upper` [rad/s]; `None` if no rates within the bounds satisfy (29).
+    ///
+    /// Seven equations for eight rates leave one direction n with J n = 0. The unbounded solution is stationary, so the objective grows
+    /// as t² along n. The bounded solution is therefore the point between the bounds with the smallest |t|. It is exact up to rounding
+    /// and needs no allocation.
+    pub fn rates_within(&self, xdot: &TaskVector, bias: &Joints, lower: &Joints, upper: &Joints) -> Option<Joints> {
+        let free = self.rates(xdot, bias)?;
+        let s = pitch_sum();
+        let direction = s - self.rates(&(self.jacobian * s), &Joints::zeros())?; // n
+        let (mut least, mut most) = (f64::NEG_INFINITY, f64::INFINITY);
+        for i in 0..JOINTS {
+            let room = [lower[i] - free[i], upper[i] - free[i]];
+            if direction[i].abs() < LEAST_SHARE {
+                if room[0] > 0.0 || room[1] < 0.0 {
+                    return None;
+                }
+                continue;
+            }
+            let [a, b] = room.map(|room| room / direction[i]);
+            least = least.max(a.min(b));
+            most = most.min(a.max(b));
+        }
+        // Rounding may leave a rate just outside its bound.
+        let within =
+            |t: f64| (free + direction * t).zip_zip_map(lower, upper, |rate: f64, low, high| rate.max(low).min(high));
+        (least <= most).then(|| within(0.0_f64.max(least).min(most)))
+    }
 }
 
 /// As [`resolve_bounded`], by an interior-point method, for comparison. It allocates. Each call makes a new solver, because a

@@ -2,7 +2,8 @@
 //!
 //! With a fixed supporting foot, and without weight and velocity products, the robot is M q̈ = τ. Its servos are equal except for
 //! the factor J_n. Coordinates that diagonalise M⁻¹J_n separate the loops: each is that of one joint with the inertia J = J_n/λ,
-//! where λ is an eigenvalue of M⁻¹J_n. If J_n is a multiple of M, all λ are that multiple. With u = (τ − τ_ff)/J_n, the period T and a command that acts d periods late, one period is
+//! where λ is an eigenvalue of M⁻¹J_n. If J_n is a multiple of M, all λ are that multiple. With u = (τ − τ_ff)/J_n, the period T and a
+//! command that acts d periods late, one period is
 //! ```text
 //!   v⁺ = v + T λ u_{−d}                            speed, after a constant torque
 //!   r⁺ = r + α (v + β T λ u_{−d} − r)              difference of encoders, low-passed: α = 1 − exp(−2π f T)

@@ -10,7 +10,7 @@ use crate::constants::Constants;
 use crate::encoder::{EncoderModel, EncoderState};
 use crate::error::ControllerError;
 use crate::gait::{GaitModel, GaitState, Reference};
-use crate::rate;
+use crate::rate::{self, RateSolver};
 use crate::resume;
 use crate::scaled_parameters::ScaledParameters;
 use crate::servo::{ServoModel, ServoState};
@@ -102,10 +102,11 @@ impl Controller {
         let rate = state.in_support_order(&state.encoder.rate);
         model.servo.observe(&mut state.servo, &rate);
         let feed_forward = model.feed_forward(state, &task, &plan);
-        let reference = model
-            .resolve(state, &task, &plan, &rate, &feed_forward) // (28), (29)
-            .ok_or(ControllerError::Singular { time: gait.time })?;
-        let limits = model.torque_limits(&gait, &task, &plan);
+        let singular = ControllerError::Singular { time: gait.time };
+        let Some(solver) = RateSolver::new(&task.jacobian) else { return Err(singular) };
+        let bias = rate::bias(task.swing_pitch / model.chain.parameters.time);
+        let reference = model.resolve(state, &solver, &plan, &bias, &rate, &feed_forward).ok_or(singular)?; // (28), (29)
+        let limits = model.torque_limits(&gait, &task, &solver, &plan);
         let (torque, surface) = model.servo.drive(&mut state.servo, &rate, &reference, &feed_forward, &limits); // (24)
         *telemetry = model.telemetry(state, &gait, &task, &state.in_support_order(&surface));
         Ok(Torques { torque: state.in_support_order(&torque).into() })
@@ -212,15 +213,15 @@ impl ControllerModel {
     fn resolve(
         &self,
         state: &ControllerState,
-        task: &Task,
+        solver: &RateSolver,
         plan: &Reference,
+        bias: &Joints,
         rate: &Joints,
         feed_forward: &Joints,
     ) -> Option<Joints> {
         let parameters = &self.chain.parameters;
-        let bias = rate::bias(task.swing_pitch / parameters.time);
         let clamped = |low: &Joints, high: &Joints| {
-            rate::resolve(&task.jacobian, &plan.xdot, &bias).map(|free| free.zip_zip_map(low, high, f64::clamp))
+            solver.rates(&plan.xdot, bias).map(|free| free.zip_zip_map(low, high, f64::clamp))
         };
         let hard = Joints::repeat(parameters.rate_limit);
         if self.scene.rate_limit.is_none() && self.scene.torque_bound.is_none() {
@@ -234,7 +235,7 @@ impl ControllerModel {
             high = most.zip_zip_map(&low, &high, f64::clamp);
             low = least.zip_zip_map(&low, &high, f64::clamp);
         }
-        let bounded = rate::resolve_bounded(&task.jacobian, &plan.xdot, &bias, &low, &high);
+        let bounded = solver.rates_within(&plan.xdot, bias, &low, &high);
         bounded.or_else(|| clamped(&low, &high))
     }
 

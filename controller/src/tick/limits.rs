@@ -3,7 +3,7 @@
 use super::ControllerModel;
 use crate::ankle::Ankle;
 use crate::gait::{GaitState, Phase, Reference};
-use crate::rate;
+use crate::rate::RateSolver;
 use crate::support::{Joints, Task, TaskVector};
 use messages::wire::JOINTS;
 
@@ -24,7 +24,13 @@ impl ControllerModel {
     /// A foot that carries the whole weight tips when the zero-moment point reaches its edge. A foot that shares the load, and the
     /// swing foot, get a share of that torque. After an exchange the load of the new stance foot rises from [`FIRST_LOAD`] to 1.
     /// A drive that accelerates needs its own torque in addition, because that torque does not reach the foot.
-    pub(super) fn torque_limits(&self, gait: &GaitState, task: &Task, plan: &Reference) -> [Joints; 2] {
+    pub(super) fn torque_limits(
+        &self,
+        gait: &GaitState,
+        task: &Task,
+        solver: &RateSolver,
+        plan: &Reference,
+    ) -> [Joints; 2] {
         let loading = self.chain.parameters.loading;
         let stepping = gait.phase == Phase::Walk;
         let loaded = if stepping && gait.steps > 0 {
@@ -33,7 +39,7 @@ impl ControllerModel {
             1.0
         };
         let loaded = loaded + (1.0 - loaded) * gait.urgency;
-        let drives = self.drive_torque(gait, task, plan);
+        let drives = self.drive_torque(gait, solver, plan);
         let mut limits = [-self.torque_limit, self.torque_limit].map(Joints::repeat);
         let mut narrow = |j: usize, [low, high]: [f64; 2]| {
             [limits[0][j], limits[1][j]] =
@@ -63,13 +69,12 @@ impl ControllerModel {
     }
 
     /// J_r q̈: the torque that accelerates the drives as planned [N·m]. The paper has no feed-forward, and so none of this.
-    fn drive_torque(&self, gait: &GaitState, task: &Task, plan: &Reference) -> Joints {
+    fn drive_torque(&self, gait: &GaitState, solver: &RateSolver, plan: &Reference) -> Joints {
         if !self.scene.feed_forward {
             return Joints::zeros();
         }
         let [a_1, a_2] = plan.acceleration;
         let xddot = TaskVector::from([a_1, a_2, 0.0, gait.foot.a, 0.0, 0.0, 0.0]);
-        let qddot = rate::resolve(&task.jacobian, &xddot, &Joints::zeros());
-        qddot.map_or_else(Joints::zeros, |qddot| self.drive_inertia * qddot)
+        solver.rates(&xddot, &Joints::zeros()).map_or_else(Joints::zeros, |qddot| self.drive_inertia * qddot)
     }
 }
