@@ -2,6 +2,7 @@
 
 #![expect(clippy::expect_used, reason = "a test may panic")]
 
+mod bells;
 mod recorder;
 mod sessions;
 
@@ -9,7 +10,6 @@ use biped_messages::port::{Contract, ControllerPort, Pace, PlantPort, PortError,
 use biped_messages::scene::Scene;
 use biped_messages::session::Session;
 use biped_messages::wire::{Command, Sensors, Stamp};
-use nix::time::ClockId;
 use std::time::{Duration, Instant};
 
 fn contract() -> Contract {
@@ -25,19 +25,14 @@ fn sensors(seq: u64, epoch: u64) -> Sensors {
     Sensors { stamp: Stamp { seq, epoch, ..Stamp::default() }, ..Sensors::default() }
 }
 
-/// Processor time of this thread so far.
-fn processor_time() -> Duration {
-    ClockId::CLOCK_THREAD_CPUTIME_ID.now().expect("a clock").into()
-}
-
-/// Answers sensors until the last ones. Returns their number, and the processor time of that.
-fn answer(session: &Session, waiting: Waiting, epoch: u64) -> (u64, Duration) {
+/// Answers sensors until the last ones. Returns their number.
+fn answer(session: &Session, waiting: Waiting, epoch: u64) -> u64 {
     let mut port = ControllerPort::open(session, &contract()).expect("controller").waiting(waiting);
-    let (mut answered, start) = (0, processor_time());
+    let mut answered = 0;
     loop {
         let Some(sensors) = port.wait().expect("waiting") else { continue };
         if sensors.last != 0 {
-            return (answered, processor_time() - start);
+            return answered;
         }
         answered += 1;
         let stamp = Stamp { ack: sensors.stamp.seq, epoch, ..Stamp::default() };
@@ -45,34 +40,30 @@ fn answer(session: &Session, waiting: Waiting, epoch: u64) -> (u64, Duration) {
     }
 }
 
-fn ask(port: &mut PlantPort, seq: u64, epoch: u64) {
-    port.send(sensors(seq, epoch)).expect("sending");
+/// Sends sensors and waits for their answer.
+fn ask(port: &mut PlantPort, seq: u64, epoch: u64) -> Result<(), PortError> {
+    port.send(sensors(seq, epoch))?;
     let start = Instant::now();
     loop {
-        match port.wait().expect("waiting") {
-            Some(command) if command.stamp.ack == seq => return,
+        match port.wait()? {
+            Some(command) if command.stamp.ack == seq => return Ok(()),
             _ => assert!(start.elapsed() < Duration::from_secs(20), "no answer to {seq}"),
         }
     }
 }
 
-/// Checks that each of `rounds` messages of sensors gets its answer. Returns the processor time of both sides.
-fn all_sensors_are_answered(rounds: u64, [asking, answering]: [Waiting; 2], [plant, controller]: [u64; 2]) -> Duration {
+/// Checks that each of `rounds` messages of sensors gets its answer.
+fn all_sensors_are_answered(rounds: u64, [asking, answering]: [Waiting; 2], [plant, controller]: [u64; 2]) {
     let session = Session::unique();
-    let total = std::thread::scope(|scope| {
+    std::thread::scope(|scope| {
         let other = scope.spawn(|| answer(&session, answering, controller));
         let mut port = PlantPort::open(&session, &contract()).expect("plant").waiting(asking);
-        let start = processor_time();
-        (1..=rounds).for_each(|seq| ask(&mut port, seq, plant));
-        let own = processor_time() - start;
+        (1..=rounds).try_for_each(|seq| ask(&mut port, seq, plant)).expect("answers");
         port.send(Sensors { last: 1, ..sensors(rounds + 1, plant) }).expect("sending");
         drop(port); // The goodbye can still be read after its sender has ended.
-        let (answered, others) = other.join().expect("controller");
-        assert_eq!(answered, rounds);
-        own + others
+        assert_eq!(other.join().expect("controller"), rounds);
     });
     assert_eq!(session.shm_files(), Vec::<std::path::PathBuf>::new());
-    total
 }
 
 #[test]
@@ -81,24 +72,6 @@ fn all_sensors_are_answered_for_each_way_of_waiting_and_no_file_remains() {
         all_sensors_are_answered(5_000, [waiting; 2], WITHOUT_BELLS);
         all_sensors_are_answered(5_000, [waiting; 2], EPOCHS);
     }
-}
-
-/// A side falls back to the event if the other one does not sign the bell.
-#[test]
-fn a_program_with_bells_and_one_without_can_exchange_messages() {
-    let [plant, controller] = EPOCHS;
-    all_sensors_are_answered(1_000, [Waiting::Event; 2], [plant, 0]);
-    all_sensors_are_answered(1_000, [Waiting::Event; 2], [0, controller]);
-}
-
-/// The reason for the bell. The event takes eight system calls for each message, the bell two.
-#[test]
-fn the_bell_takes_less_processor_time_than_the_event() {
-    let taken = [WITHOUT_BELLS, EPOCHS];
-    let turns = (0..5).map(|_| taken.map(|epochs| all_sensors_are_answered(3_000, [Waiting::Event; 2], epochs)));
-    let [event, bell] = turns.reduce(|[a, b], [c, d]| [a.min(c), b.min(d)]).expect("five turns");
-    println!("event {event:?}, bell {bell:?}: {:.2} times", bell.as_secs_f64() / event.as_secs_f64());
-    assert!(bell < event.mul_f64(0.85), "{bell:?} beside {event:?}");
 }
 
 #[test]
