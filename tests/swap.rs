@@ -65,7 +65,7 @@ fn a_successor_that_exits_before_its_swap_ends_the_run() {
     assert!(printed.contains("the successor exited before it took over"), "{printed}");
     assert_eq!(summary["fell"], false);
     let (_, printed) = walk("stand", &["sleep 600".into()], &[1.0], &["--patience", "1"]);
-    assert!(printed.contains("the successor did not join within 1s"), "{printed}");
+    assert!(printed.contains("the successor did not join within 1 s"), "{printed}");
 }
 
 #[test]

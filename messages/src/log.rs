@@ -18,18 +18,32 @@ pub fn legible(number: f64) -> String {
     if plain.len() > scientific.len() + PLAIN_DIGITS { scientific } else { plain }
 }
 
-/// Text in which control characters are escaped, so that a name cannot send commands to the terminal.
+/// Text in which control characters are escaped, so that a name can neither send commands to the terminal nor change the order in which its
+/// characters are shown.
 pub fn printable(text: &str) -> String {
-    let shown = |character: char| match character.is_control() && !matches!(character, '\t' | '\n') {
+    let shown = |character: char| match is_hidden(character) {
         true => character.escape_default().to_string(),
         false => character.to_string(),
     };
     text.chars().map(shown).collect()
 }
 
+/// Whether a character has an effect instead of a shape. Bidirectional controls show later characters in another order (Unicode Annex 9).
+fn is_hidden(character: char) -> bool {
+    let bidirectional =
+        matches!(character, '\u{61c}' | '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
+    bidirectional || character.is_control() && !matches!(character, '\t' | '\n')
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_cannot_command_the_terminal_or_reorder_a_line() {
+        assert_eq!(printable("a\u{1b}[2J\u{202e}gpj.exe\u{2066}"), "a\\u{1b}[2J\\u{202e}gpj.exe\\u{2066}");
+        assert_eq!(printable("naïve 歩行 שלום\tand\n"), "naïve 歩行 שלום\tand\n");
+    }
 
     #[test]
     fn numbers_have_no_long_rows_of_zeros() {

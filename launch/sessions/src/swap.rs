@@ -135,7 +135,7 @@ impl SwapSchedule {
             successor.joined = self.session.members().into_iter().any(is_in_group).then(Instant::now);
         }
         if successor.joined.is_none() && successor.started.elapsed() > self.patience {
-            let words = format!("the successor did not join within {:?}", self.patience);
+            let words = format!("the successor did not join within {} s", self.patience.as_secs_f64());
             return Err(Failure::new(Exit::PeerMissing, words));
         }
         Ok(successor.joined.is_some_and(|joined| joined.elapsed() > READY_DELAY))

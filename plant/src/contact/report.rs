@@ -1,10 +1,12 @@
 //! Report on the solution of a contact problem.
 
+use super::tolerance::PROMISED;
+
 /// Quality and cost of the solution of one contact problem.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Report {
-    /// Natural map of (17)-(22), ||f - P_K(f - v^)||, relative to the step's scale max(||f||, ||b||). All quantities are scaled by the
-    /// diagonal of A to sqrt(J). It is the same measure for every law. `EnergyQp` violates it by design when a contact slides.
+    /// Greatest natural map of (17)-(22) with the round cone, |f - P_K(f - (F/V) v^)| / F, of all contacts; F and V are the contact's own
+    /// scales. It is the same measure for every law. `EnergyQp` violates it by design when a contact slides.
     pub natural_map: f64,
     /// The same map for the conditions of the law itself: it measures the solver, not the law.
     pub own: f64,
@@ -20,6 +22,14 @@ pub struct Report {
     pub pivots: u32,
     /// The remembered basis was the solution.
     pub warm: bool,
-    /// No attempt met the tolerance of the problem itself; `own` holds the residual of the best attempt.
+    /// No attempt met the tolerance of the problem itself; `own` holds the residual of the best attempt. It is always set if `own` of
+    /// `Cone` or of a law with a basis exceeds 1e-10.
     pub fallback: bool,
+}
+
+impl Report {
+    /// Whether `own` exceeds the promised 1e-10, or is NaN.
+    pub fn breaks_promise(&self) -> bool {
+        self.own.is_nan() || self.own > PROMISED
+    }
 }

@@ -32,7 +32,8 @@ impl Solver {
             Law::Cone => self.coulomb.solve(problem, memory, &mut self.impulse),
             _ => self.compared.solve(problem, law, memory, &mut self.impulse),
         };
-        self.certify(problem, law, report)
+        let report = self.certify(problem, law, report);
+        Report { fallback: report.fallback || law == Law::Cone && report.breaks_promise(), ..report }
     }
 
     /// Residuals of a given impulse, for the comparison of other solvers.

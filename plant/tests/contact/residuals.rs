@@ -2,7 +2,7 @@
 
 use super::mechanism::of_rows;
 use super::{assert_near, point_mass};
-use biped_plant::contact::{Problem, Report, Solver};
+use biped_plant::contact::{Memory, Problem, Report, Solver};
 use messages::scene::Law;
 
 /// Inverse mass of the point [1/kg].
@@ -118,4 +118,15 @@ fn residuals_do_not_depend_on_units() {
         assert_near("f_N v_N", report.signorini, one.signorini, ROUNDING);
         assert_near("angle", report.slip_misalignment, one.slip_misalignment, ROUNDING);
     }
+}
+
+/// Newton's method judges a scaled problem, the certificate the problem as posed. Where bodies of 1 kg and 1e14 kg touch, rounding can part
+/// the two: the former meets its tolerance in this problem, and the natural map is 1e-3.
+#[test]
+fn an_impulse_that_the_certificate_refuses_is_flagged() {
+    let problem: Problem = serde_json::from_str(include_str!("../data/beyond_certificate.json")).expect("a problem");
+    let mut solver = Solver::default();
+    let report = solver.solve(&problem, Law::Cone, &mut Memory::default());
+    assert!(report.own > 1e-4, "not the problem that this test needs: {report:?}");
+    assert!(report.fallback, "{report:?}");
 }

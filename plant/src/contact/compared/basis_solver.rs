@@ -16,7 +16,7 @@
 use super::super::memory::Memory;
 use super::super::problem::Problem;
 use super::super::report::Report;
-use super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE, PROMISED, SOLVED};
+use super::super::tolerance::{COMPLIANCE, LEMKE_COMPLIANCE, SOLVED};
 use super::basis_system::BasisSystem;
 use super::energy_qp::shift_path::ShiftPath;
 use super::energy_qp::{EnergyQp, minimises_energy};
@@ -64,7 +64,7 @@ impl BasisSolver {
             self.restore_best();
         }
         report.own = square_cone::natural_map(&self.scaled, &self.f, &self.v, optimality(law));
-        report.fallback = !(found || report.own <= PROMISED);
+        report.fallback = report.breaks_promise();
         report.warm = found && self.is_as_before(problem, memory);
         self.unscale(impulse);
         self.store(problem, memory, impulse);

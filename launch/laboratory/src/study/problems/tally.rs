@@ -2,7 +2,7 @@
 
 use super::families::ProblemFamily;
 use messages::scene::Law;
-use plant::contact::{PROMISED, Problem, Report};
+use plant::contact::{Problem, Report};
 use strum::VariantArray;
 
 /// The laws of the study.
@@ -38,7 +38,7 @@ impl SolverTally {
         self.warm += usize::from(is_remembered && own.warm);
         self.rows = self.rows.max(problem.rows());
         self.natural_map = self.natural_map.max(judged.own);
-        self.unsolved += usize::from(judged.own.is_nan() || judged.own > PROMISED);
+        self.unsolved += usize::from(judged.breaks_promise());
         self.fallbacks += usize::from(own.fallback);
         let pairs = problem.contacts * (2 + 2 * problem.tangents); // v_N, the facets, the slip speed of each
         self.pivots.push((own.pivots, f64::from(own.pivots) / pairs as f64));
