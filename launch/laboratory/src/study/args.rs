@@ -54,6 +54,9 @@ pub struct PushArgs {
     /// Seed of the long walks [1]; for `pushes`
     #[arg(long, value_name = "N")]
     pub(super) seed: Option<u64>,
+    /// Use the robot of this TOML or URDF file, and pushes that are scaled to it; for `pushes`
+    #[arg(long, value_name = "FILE")]
+    pub(super) robot: Option<String>,
     /// A setting of both scenes, as for `run`; for `pushes`
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub(super) settings: Vec<String>,
@@ -68,6 +71,7 @@ impl PushArgs {
             ("--offset", self.offset.is_some()),
             ("--directions", !self.directions.is_empty()),
             ("--seed", self.seed.is_some()),
+            ("--robot", self.robot.is_some()),
             ("--set", !self.settings.is_empty()),
         ];
         match (study, given.iter().find(|option| option.1)) {

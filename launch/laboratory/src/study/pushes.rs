@@ -2,6 +2,8 @@
 //!
 //! The impulse grows in steps until the robot falls. Survival is not monotonic, so greater impulses without a fall do not count. Long walks
 //! with random pushes follow; they reveal controllers that withstand only a single push.
+//!
+//! Impulses of another robot are scaled by M √(g L), as in [`SimilarityScale`], and printed as those of the paper's robot.
 
 mod limit;
 mod trial;
@@ -11,8 +13,10 @@ use super::tables::{publish, table};
 use clap::ValueEnum;
 use limit::Pendulum;
 use messages::load::load;
+use messages::robot::SimilarityScale;
 use messages::scene::Scene;
 use rayon::prelude::*;
+use shared::args::settings_with_robot;
 use shared::csv;
 use shared::exit::Failure;
 use shared::list::SCENES;
@@ -39,8 +43,8 @@ const EVERY: f64 = 5.0;
 /// A bad setting, Ctrl-C, or a folder that cannot be written.
 pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     let asked = &args.pushes;
-    let scenes: Vec<Scene> =
-        GAITS.iter().map(|(name, _)| load(name, &asked.settings, SCENES)).collect::<Result<_, _>>()?;
+    let settings = settings_with_robot(&asked.robot, &asked.settings);
+    let scenes: Vec<Scene> = GAITS.iter().map(|(name, _)| load(name, &settings, SCENES)).collect::<Result<_, _>>()?;
     let directions = if asked.directions.is_empty() { Direction::value_variants() } else { &asked.directions };
     let shares = asked.shares();
     let mut phases = Vec::new();
@@ -63,7 +67,7 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         .par_iter()
         .map(|&(duration, most, seed)| {
             let scene = Scene { duration, ..scenes[0].clone() };
-            long_walk(&scene, most, seed, stop).inspect(|_| counter.add_done(1))
+            long_walk(&scene, most * impulse_scale(&scene), seed, stop).inspect(|_| counter.add_done(1))
         })
         .collect::<Result<_, _>>()?;
     counter.finish();
@@ -72,7 +76,8 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
     for (scene, (_, gait)) in scenes.iter().zip(GAITS) {
         let pendulum = Pendulum::of(scene, stop)?;
         for (&direction, survived) in directions.iter().zip(&mut singles) {
-            let limits: Vec<f64> = shares.iter().map(|&share| pendulum.limit(direction, share)).collect();
+            let limit = |&share: &f64| pendulum.limit(direction, share) / impulse_scale(scene);
+            let limits: Vec<f64> = shares.iter().map(limit).collect();
             rows.push(row(gait, direction, survived, &limits));
         }
     }
@@ -86,18 +91,33 @@ pub fn run(args: &StudyArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let cells = [format!("{count} of {duration} s"), format!("{most} N·s"), falls.len().to_string()];
         walked.push([&cells[..], &[falls.join(" "), format!("{yaw:.0}")]].concat());
     }
-    let text = format!("{}\n{}", table(&rows), table(&walked));
+    let text = format!("{}\n{}{}", table(&rows), table(&walked), note_on_scale(&scenes[0]));
     publish(args, &text, &[("", csv::text(&rows)), ("-walks", csv::text(&walked))])
 }
 
-/// Impulse [N·s] up to which the robot does not fall, for a push at `share` of a period after [`BEGIN`].
+/// Ratio of the robot's impulses to those of the paper's robot: M √(g L), at equal gravity [-].
+fn impulse_scale(scene: &Scene) -> f64 {
+    let scale = SimilarityScale::between(&Scene::default().bodies, &scene.bodies);
+    scale.mass * scale.speed()
+}
+
+fn note_on_scale(scene: &Scene) -> String {
+    match impulse_scale(scene) {
+        1.0 => String::new(),
+        scale => format!(
+            "\nImpulses are those of the paper's robot, M √(g L) being equal: this robot was pushed {scale:.3} times as hard.\n"
+        ),
+    }
+}
+
+/// Impulse [N·s], divided by [`impulse_scale`], up to which the robot does not fall, for a push at `share` of a period after [`BEGIN`].
 fn survived(scene: &Scene, direction: Direction, share: f64, stop: &AtomicBool) -> Result<f64, Failure> {
     let period = scene.controller.as_ref().map_or(0.0, |controller| controller.period);
     let time = BEGIN + share * period;
     let scene = Scene { duration: time + AFTER, ..scene.clone() };
-    let mut survived = 0.0;
+    let (scale, mut survived) = (impulse_scale(&scene), 0.0);
     while survived < GREATEST {
-        let impulse = direction.unit().map(|part| part * (survived + GROWTH));
+        let impulse = direction.unit().map(|part| part * (survived + GROWTH) * scale);
         if disturbed(&scene, &[TimedPush { time, impulse }], stop)?.fall.is_some() {
             break;
         }
