@@ -1,4 +1,4 @@
-//! Explicit methods and stiff joints: the limit of stability.
+//! Dampers: the limit of stability of explicit methods, and the decay in a step of the default.
 
 use biped_plant::Plant;
 use messages::scene::{Method, Scene};
@@ -33,5 +33,32 @@ fn a_damper_is_refused_from_the_step_at_which_it_would_add_energy() {
         println!("{method:?}: {below:?} rad/s after 2000 steps, {above:?}");
         assert!(below.as_ref().is_ok_and(|rate| *rate < 1e-6), "{method:?}: {below:?}");
         assert!(above.is_err_and(|error| error.to_string().contains("of the joint of body `rod`")), "{method:?}");
+    }
+}
+
+/// Factor of the rod's rate in one step of the default, for z = h d/H.
+fn decay(z: f64) -> f64 {
+    let mut plant = Plant::new(&rod(Method::MidpointContact, 0.0, z / 1e-3)).expect("a scene");
+    plant.step().expect("a step");
+    plant.state().xdot[0] / 0.1
+}
+
+/// The exact factor is e^−z. A weight of ½ for the end of the step would miss it by z³/12.
+#[test]
+fn a_weak_damper_slows_its_joint_by_the_exponential_up_to_the_third_power_of_the_step() {
+    for z in [0.03, 0.1, 0.3, 1.0] {
+        let missed = decay(z) - (-z).exp();
+        println!("z = {z}: {missed:e}, z⁴/72 = {:e}", z.powi(4) / 72.0);
+        assert!(missed.abs() < z.powi(4) / 60.0, "z = {z}: {missed:e}");
+    }
+}
+
+/// The factor is −2/z in the limit. With a weight of ½ it would be −1: the joint would swing to and fro.
+#[test]
+fn a_strong_damper_stops_its_joint_in_one_step() {
+    for z in [10.0, 1e2, 1e4, 1e6] {
+        let left = decay(z);
+        println!("z = {z}: {left:e} of the rate is left");
+        assert!(left.abs() < 3.0 / z, "z = {z}: {left:e}");
     }
 }

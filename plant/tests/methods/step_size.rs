@@ -29,6 +29,23 @@ fn the_error_of_a_doubled_step_is_near_its_tolerance() {
     assert_eq!((counts.evaluations, counts.rejected), (3, 0), "a part whose error is below its tolerance is accepted");
 }
 
+/// Every trial of a part takes the twelve stages of the method. The first trial is as long as the step: under a tolerance that it misses it
+/// is rejected.
+#[test]
+fn the_event_driven_method_counts_the_parts_that_it_rejects() {
+    let counts = |tolerance: f64| {
+        let mut scene = tumbling(Base::Quaternion);
+        scene.plant.tolerance_step = tolerance;
+        let mut plant = plant(scene, Method::EventDriven, 0.2);
+        run_steps(&mut plant, 1);
+        plant.counts()
+    };
+    let [loose, tight] = [1e3, 1e-12].map(counts);
+    println!("{loose:?}, {tight:?}");
+    assert_eq!((loose.evaluations, loose.rejected), (12, 0), "one part is enough");
+    assert!(tight.evaluations >= 36 && tight.rejected > 0, "the first part is too long: {tight:?}");
+}
+
 /// Steps that are not rejected are two half steps, and nothing remains of the whole step that they are compared with: no contact mode, no
 /// acceleration. A body in flight, a cube that slides to a stop, and a foot that lands and stands. Nothing rolls here, because the recovery
 /// of a gap depends on the whole step.
