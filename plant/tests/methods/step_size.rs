@@ -5,8 +5,12 @@ use biped_plant::PlantError;
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
 
-/// The errors of the parts of a step add up, here with one sign. Each is below its tolerance, and none so far below that effort was wasted.
-/// The first part is as long as the step, and is rejected.
+/// Error of a part at which step size control aims, over its tolerance: SAFETY to the power of 3, as the error grows with h³.
+const TARGET: f64 = 0.9 * 0.9 * 0.9;
+
+/// The errors of the parts of a step add up, here with one sign. Each is near its target; the last part is shorter than planned. If the
+/// difference of one step and two half steps were taken for the error of the two, the errors would be a third of the target. The first part
+/// is as long as the step, and is rejected.
 #[test]
 fn the_error_of_a_doubled_step_is_near_its_tolerance() {
     let run = |method: Method, tolerance: f64| {
@@ -23,7 +27,7 @@ fn the_error_of_a_doubled_step_is_near_its_tolerance() {
         let parts = counts.evaluations as f64 / 3.0 - counts.rejected as f64; // one whole and two halves each
         let missed = distance(&doubled, &exact) / (parts * tolerance);
         println!("{tolerance:e}: a part of {parts} misses {missed:.2} of it; {counts:?}");
-        assert!((0.1..1.0).contains(&missed) && counts.rejected > 0, "{tolerance:e}: {missed}, {counts:?}");
+        assert!((0.5 * TARGET..1.0).contains(&missed) && counts.rejected > 0, "{tolerance:e}: {missed}, {counts:?}");
     }
     let counts = run(Method::StepDoubling, 1e3).counts();
     assert_eq!((counts.evaluations, counts.rejected), (3, 0), "a part whose error is below its tolerance is accepted");
