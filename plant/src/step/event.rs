@@ -41,7 +41,7 @@ const MAX_PARTS: u32 = 2000;
 const MAX_TRIALS: usize = 100;
 /// Shortest step of the error control, relative to dt [-]. Short enough that a bend of the acceleration costs little accuracy; long enough
 /// that alternating contact modes do not stop the integration.
-const MIN_STEP: f64 = 1e-4;
+pub(super) const MIN_STEP: f64 = 1e-4;
 /// Greatest factor from one step of the error control to the next [-].
 const MAX_FACTOR: f64 = 5.0;
 /// 1/8: the combined error estimate of DOP853 goes with h⁸ [-].
@@ -103,7 +103,8 @@ impl Plant {
         loop {
             self.integrate(tableau, part)?;
             let [fifth, third] = DOP853_ERRORS.map(|weights| self.work.stages.sum(&self.work.start, weights, part));
-            let error = if fifth > 0.0 {
+            // a square that underflows leaves no error; without the comparison it would leave 0/0
+            let error = if fifth * fifth > 0.0 {
                 fifth * fifth / (fifth * fifth + THIRD_ORDER_WEIGHT * third * third).sqrt()
             } else {
                 0.0

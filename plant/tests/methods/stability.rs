@@ -36,6 +36,27 @@ fn a_damper_is_refused_from_the_step_at_which_it_would_add_energy() {
     }
 }
 
+/// A rate that has decayed to 1e-159 has an error estimate whose square is 0. Without a rule for that the method ended with 0/0. The
+/// shortest step of its error control is dt/10000; where even that one is unstable, the scene is refused.
+#[test]
+fn the_event_driven_method_stops_a_damped_joint_or_refuses_the_damper() {
+    for (damping, steps) in [(1e3, 1000), (1e5, 100), (1e7, 5), (5.8e7, 5)] {
+        let mut plant = Plant::new(&rod(Method::EventDriven, 0.0, damping)).expect("a scene");
+        (0..steps).for_each(|_| _ = plant.advance(&Torques::default()).expect("a step"));
+        let (angle, rate) = (plant.state().x[0], plant.state().xdot[0]);
+        println!("{damping:e}: {rate:e} rad/s at {angle:e} rad, {:?}", plant.counts());
+        assert!(rate.abs() < 1e-9 && (angle * damping / 0.1 - 1.0).abs() < 1e-6, "{damping:e}: {rate:e}, {angle:e}");
+    }
+    for damping in [6e7, 1e9, 1e12] {
+        let error = Plant::new(&rod(Method::EventDriven, 0.0, damping)).err().expect("a refusal").to_string();
+        println!("{error}");
+        assert!(
+            error.contains("take a shorter plant.dt, or a method that has springs and dampers implicit"),
+            "{error}"
+        );
+    }
+}
+
 /// Factor of the rod's rate in one step of the default, for z = h d/H.
 fn decay(z: f64) -> f64 {
     let mut plant = Plant::new(&rod(Method::MidpointContact, 0.0, z / 1e-3)).expect("a scene");
