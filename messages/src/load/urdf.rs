@@ -10,8 +10,10 @@
 //! | `fixed` joints of links without mass | nothing |
 //! | `calibration`, and elements of other programs such as `gazebo` | nothing: they describe no part of the robot |
 //!
-//! Properties of joints that this simulator does not model are refused: [`unsupported`].
+//! Properties of joints that this simulator does not model are refused: [`unsupported`]. So are parts that may occur once and occur
+//! twice: [`repeated`].
 
+mod repeated;
 mod unsupported;
 mod xml;
 
@@ -37,6 +39,7 @@ pub(super) fn parse(text: &str) -> Parsed<Robot> {
     if root.tag_name().name() != "robot" {
         return Err(format!("the root element of a URDF file is `robot`, not `{}`", root.tag_name().name()));
     }
+    repeated::refuse(root)?;
     let joints: Vec<Node> = children(root, "joint").collect();
     unsupported::refuse(&joints)?;
     let mut bodies = vec![];
@@ -91,7 +94,7 @@ fn body(link: Node, name: &str, joint: Option<Node>) -> Parsed<Body> {
     let rounding = ROUNDING * moments.into_iter().fold(0.0, f64::max);
     for product in ["ixy", "ixz", "iyz"] {
         let value = optional(tensor, product, 0.0)?;
-        if value.is_nan() || value.abs() > rounding {
+        if value.abs() > rounding {
             return Err(format!("{product} of `{name}` is {value}, not 0: the principal axes must be x, y and z"));
         }
     }

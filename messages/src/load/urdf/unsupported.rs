@@ -69,6 +69,7 @@ fn has_friction(joint: Node) -> Parsed<bool> {
 
 fn has_stops(joint: Node) -> Parsed<bool> {
     let Some(limit) = child(joint, "limit") else { return Ok(false) };
+    let (lower, upper) = (optional(limit, "lower", 0.0)?, optional(limit, "upper", 0.0)?);
     let far = match attribute(joint, "type")? {
         "revolute" => FREE_ANGLE,
         "prismatic" => FREE_TRAVEL,
@@ -76,13 +77,11 @@ fn has_stops(joint: Node) -> Parsed<bool> {
     };
     // By the format a missing limit is 0. If both are missing, the joint has no stops.
     let has_limits = ["lower", "upper"].iter().any(|key| limit.attribute(*key).is_some());
-    let (lower, upper) = (optional(limit, "lower", 0.0)?, optional(limit, "upper", 0.0)?);
-    Ok(has_limits && !(lower <= -far && upper >= far)) // NaN is no free range
+    Ok(has_limits && (lower > -far || upper < far))
 }
 
 fn is_slow(joint: Node) -> Parsed<bool> {
-    let is_free = |limit| Ok(optional(limit, "velocity", f64::INFINITY)? >= FREE_SPEED); // NaN is no free range
-    child(joint, "limit").map_or(Ok(false), |limit| is_free(limit).map(|free| !free))
+    child(joint, "limit").map_or(Ok(false), |limit| Ok(optional(limit, "velocity", FREE_SPEED)? < FREE_SPEED))
 }
 
 #[cfg(test)]
@@ -115,9 +114,6 @@ mod tests {
             ("revolute", "<limit upper='100' effort='1'/>", "stops"),
             ("prismatic", "<limit lower='-1' upper='1' effort='1'/>", "stops"),
             ("continuous", "<limit effort='1' velocity='12'/>", "velocity"),
-            ("continuous", "<limit effort='1' velocity='nan'/>", "velocity"),
-            ("revolute", "<limit lower='nan' upper='nan' effort='1'/>", "stops"),
-            ("revolute", "<dynamics damping='1' friction='nan'/>", "friction"),
         ] {
             let refused = parse(&robot(kind, within)).expect_err(words);
             assert!(refused.starts_with("joint `j` is ") && refused.contains(words), "{refused}");
@@ -129,6 +125,29 @@ mod tests {
             ("prismatic", "<limit lower='-10' upper='10' effort='1'/>"),
         ] {
             parse(&robot(kind, within)).expect("a robot with rounding errors");
+        }
+    }
+
+    #[test]
+    fn values_that_are_not_finite_are_refused() {
+        for kind in ["revolute", "continuous"] {
+            for (tag, key) in [
+                ("limit", "effort"),
+                ("limit", "velocity"),
+                ("limit", "lower"),
+                ("limit", "upper"),
+                ("dynamics", "damping"),
+                ("dynamics", "friction"),
+            ] {
+                for value in ["nan", "inf", "-inf", "1e999"] {
+                    let refused = parse(&robot(kind, &format!("<{tag} {key}='{value}'/>"))).expect_err(value);
+                    assert_eq!(refused, format!("{key}=\"{value}\" of {tag} is not a finite number"));
+                }
+            }
+        }
+        for (from, to) in [("0 1 0", "0 nan 0"), ("0 -1e-17 0", "0 inf 0"), ("value='1'", "value='nan'")] {
+            let refused = parse(&robot("continuous", "").replace(from, to)).expect_err(to);
+            assert!(refused.contains("finite number"), "{refused}");
         }
     }
 

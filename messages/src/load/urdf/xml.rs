@@ -25,10 +25,10 @@ pub fn attribute<'a>(node: Node<'a, 'a>, key: &str) -> Parsed<&'a str> {
     node.attribute(key).ok_or_else(|| format!("a {} has no {key}", node.tag_name().name()))
 }
 
-/// Attribute of a node as a number.
+/// Attribute of a node as a finite number.
 pub fn number(node: Node, key: &str) -> Parsed<f64> {
     let text = attribute(node, key)?;
-    text.trim().parse().map_err(|_| format!("{key}=\"{text}\" of {} is not a number", node.tag_name().name()))
+    finite(text).ok_or_else(|| format!("{key}=\"{text}\" of {} is not a finite number", node.tag_name().name()))
 }
 
 /// Attribute of a node as a number, or `otherwise` if it is absent.
@@ -36,10 +36,15 @@ pub fn optional(node: Node, key: &str, otherwise: f64) -> Parsed<f64> {
     node.attribute(key).map_or(Ok(otherwise), |_| number(node, key))
 }
 
-/// Attribute of a node as three numbers.
+/// Attribute of a node as three finite numbers.
 pub fn vector(node: Node, key: &str) -> Parsed<[f64; 3]> {
     let text = attribute(node, key)?;
-    let parts: Option<Vec<f64>> = text.split_whitespace().map(|part| part.parse().ok()).collect();
+    let parts: Option<Vec<f64>> = text.split_whitespace().map(finite).collect();
     let parts = parts.and_then(|parts| parts.try_into().ok());
-    parts.ok_or_else(|| format!("{key}=\"{text}\" of {} is not three numbers", node.tag_name().name()))
+    parts.ok_or_else(|| format!("{key}=\"{text}\" of {} is not three finite numbers", node.tag_name().name()))
+}
+
+/// The finite number that a text states.
+fn finite(text: &str) -> Option<f64> {
+    text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }
