@@ -82,6 +82,26 @@ fn a_cube_stands_under_a_hundredfold_gravity() {
     }
 }
 
+/// Gap and velocity of a contact decay by a part of the step at most. A decay of 20/s, whatever the step, threw a cube at rest off the
+/// ground in steps of .2 s, and in slow motion under a small gravity.
+#[test]
+fn a_cube_at_rest_stays_in_long_steps_and_in_slow_motion() {
+    for method in ["Rk4Impact", "EventDriven"] {
+        for (gravity, dt) in [(9.81, 0.001), (9.81, 0.01), (9.81, 0.2), (9.81e-6, 1.0), (9.81e-12, 1e3)] {
+            let text = cube(0.5, gravity, dt, [0.0; 3], [0.0; 3])
+                .replace("duration = 1.0", &format!("duration = {}", 500.0 * dt))
+                .replace("clearance = 0.05", "clearance = 0.0")
+                .replace("[plant]\n", &format!("[plant]\nmethod = \"{method}\"\n"));
+            let states = run(&text);
+            let moved = states.iter().fold(0.0, |most: f64, (at, speed)| {
+                most.max((at[2] - 0.05).abs()).max(speed.iter().fold(0.0, |most, v| most.max(v.abs() * dt)))
+            });
+            println!("{method}, g = {gravity:e}, dt = {dt}: moves by {moved:.1e} m");
+            assert!(moved < 1e-9, "{method}, g = {gravity:e}, dt = {dt}: {moved:e}");
+        }
+    }
+}
+
 /// A cube with huge friction tumbles over its edges, comes to rest, and does not sink.
 #[test]
 fn a_cube_with_huge_friction_does_not_slip() {

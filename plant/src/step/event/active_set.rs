@@ -20,9 +20,12 @@ use nalgebra::Vector3;
 
 /// A contact is active up to this gap [length of the model]. An impact is located to 1e-15 m, so a landed point is far below it.
 const ACTIVE_GAP: f64 = 1e-8;
-/// Rate at which gap and velocity of active contacts decay to zero [1/s]. It is slow: the stages of a step are off the ground by h², and a
-/// fast decay there would reduce the method's order.
+/// Greatest rate at which gap and velocity of active contacts decay to zero [1/s]. It is slow: the stages of a step are off the ground by
+/// h², and a fast decay there would reduce the method's order.
 const BAUMGARTE_RATE: f64 = 20.0;
+/// Greatest decay in a step of dt [-]. A long step, or a scene in slow motion, has a slower decay in proportion; beyond 2.78 the decay would
+/// be unstable in RK4.
+const BAUMGARTE_DECAY: f64 = 0.25;
 /// A faster approach to the ground is an impact [lengths/s].
 const IMPACT_SPEED: f64 = 1e-6;
 /// A contact with a slower slip sticks [lengths/s].
@@ -116,12 +119,13 @@ impl Contacts {
             let clear = slip.dot(&contact.slip_direction) > MIN_SLIP * contact.speed;
             if clear { slip.normalize() } else { contact.slip_direction }
         };
+        let rate = BAUMGARTE_RATE.min(BAUMGARTE_DECAY / world.settings.h);
         let drift = |i: usize, own: Vector3<f64>| {
             let touch = &touches[i];
             let velocity = velocity(touch);
             let bias_acceleration = composite.bias_acceleration(model, free.pose, &model.contact_points[touch.id]);
-            let mut drift = own + bias_acceleration + velocity * BAUMGARTE_RATE;
-            drift.z += (velocity.z + touch.gap * BAUMGARTE_RATE) * BAUMGARTE_RATE;
+            let mut drift = own + bias_acceleration + velocity * rate;
+            drift.z += (velocity.z + touch.gap * rate) * rate;
             drift
         };
         let problem = per_contact.map.drift(model, free, touches, Law::Cone, drift);
