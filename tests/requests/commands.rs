@@ -1,6 +1,6 @@
 //! Claims about the commands that send requests, their refusals, and the requests in the results of a run.
 
-use crate::live::biped;
+use crate::live::{biped, eventually};
 use crate::walking;
 use messages::port::{Action, Contract, Pace, PlantPort, PortError, Verdict, ask};
 use messages::scene::Scene;
@@ -23,6 +23,7 @@ fn every_request_command_is_accepted_as_documented() {
             "run; trunk gets 0,0.1,-0.1 N·s within 0.1 s, which changes the speed of",
         ),
         ("push 0.1,0,0 --body trunk", "run; trunk gets 0.1,0,0 N·s"),
+        ("push 0.1,0,0", "run; trunk gets 0.1,0,0 N·s"),
         ("set --speed 0.1", "set"),
         ("set --period 0.65", "set"),
         ("set --speed -0.1 --period 0.6", "set"),
@@ -53,6 +54,26 @@ fn a_missing_control_service_and_ambiguous_sessions_give_a_sentence_and_an_exit_
     for bad in [&["push", "1,2"][..], &["set"], &["step", "many"], &["set", "--speed", "fast"]] {
         assert_eq!(biped(bad).output().expect("the program runs").status.code(), Some(2), "{bad:?}");
     }
+}
+
+/// The paper's trunk is body 4. Other robots have other numbers, or fewer bodies.
+#[test]
+fn a_push_without_a_body_pushes_the_base_of_the_scene() {
+    let session = Session::unique();
+    let name = session.name();
+    let settings = ["--realtime", "--quiet", "--set", "duration=600", "--set", "bodies.0.name=only", "--session", name];
+    let mut run = biped(&[&["run", "slide"][..], &settings].concat()).spawn().expect("the program starts");
+    let mut said = String::new();
+    eventually("an answer", || {
+        let Output { status, stdout, stderr } =
+            biped(&["push", "0,0.1,0", "--session", name]).output().expect("the program runs");
+        said = String::from_utf8_lossy(&[stdout, stderr].concat()).into();
+        status.code() != Some(3) // no session yet
+    });
+    nix::sys::signal::kill(nix::unistd::Pid::from_raw(run.id() as i32), nix::sys::signal::Signal::SIGTERM)
+        .expect("our own child");
+    run.wait().expect("our own child");
+    assert!(said.contains("only gets 0,0.1,0 N·s"), "{said}");
 }
 
 #[test]

@@ -83,10 +83,10 @@ impl Plant {
     }
 
     /// Pushes a body's centre of mass from now on: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. Without
-    /// a body it pushes the trunk.
+    /// a body it pushes the base, which is the trunk of a biped.
     #[pyo3(signature = (impulse, *, body = None, duration = 0.05))]
     fn push(&self, impulse: &Bound<'_, PyAny>, body: Option<&Bound<'_, PyAny>>, duration: f64) -> PyResult<()> {
-        let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_trunk(body)?);
+        let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_base(body)?);
         if !is_push_accepted(&impulse, duration) {
             return Err(InputError::new_err(format!(
                 "a push of {impulse:?} N·s over {duration} s is out of range: at most {MAX_PUSH_IMPULSE} N·s per axis, \

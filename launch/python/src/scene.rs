@@ -2,7 +2,6 @@
 
 use crate::error::{InputError, SceneError};
 use messages::load::{self, load, parse, validate};
-use messages::robot::TRUNK;
 use pyo3::prelude::*;
 use pyo3::types::{PyBool, PyDict, PyFloat, PyInt, PyString, PyTuple};
 use records::analysis::KinematicTree;
@@ -145,10 +144,9 @@ impl Scene {
 }
 
 impl Scene {
-    /// Number of a body; by default of the trunk.
-    pub fn body_or_trunk(&self, body: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
-        let trunk = || self.scene.bodies.iter().position(|body| body.name == TRUNK).unwrap_or(0);
-        body.map_or_else(|| Ok(trunk()), |body| self.body(body))
+    /// Number of a body; by default of the base.
+    pub fn body_or_base(&self, body: Option<&Bound<'_, PyAny>>) -> PyResult<usize> {
+        body.map_or_else(|| Ok(self.scene.base_body()), |body| self.body(body))
     }
 
     /// Number of a body that is given by its name or number.

@@ -117,7 +117,7 @@ impl Session {
         }
     }
 
-    /// Pushes a body, by default the trunk: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. As all requests
+    /// Pushes a body, by default the base: impulse in the world frame, shape (3,) [N·s], spread over a duration [s]. As all requests
     /// it returns the simulated time at which it took effect [s].
     ///
     /// :raises RefusedError: no such body, or out of range
@@ -130,7 +130,7 @@ impl Session {
         body: Option<&Bound<'_, PyAny>>,
         duration: f64,
     ) -> PyResult<f64> {
-        let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_trunk(body)?);
+        let (impulse, body) = (vector("impulse", impulse)?, self.scene.get().body_or_base(body)?);
         self.ask(py, Action::Push { body, impulse, duration })
     }
 

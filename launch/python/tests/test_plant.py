@@ -280,6 +280,14 @@ class Words(unittest.TestCase):
         plant.push([0, 60, 0])
         run(plant, controller)
         self.assertTrue(plant.fallen)
+        hinge = 'joint = { parent = "b", axis = [0.0, 1.0, 0.0], at = [0.0, 0.0, 0.0] }'
+        text = f'[[bodies]]\nname = "a"\nmass = 1.0\n{hinge}\n[[bodies]]\nname = "b"\nmass = 1.0\n'
+        own = [biped.Plant(biped.Scene.parse(text, "own")) for _ in range(2)]
+        own[0].push([0, 1, 0])
+        own[1].push([0, 1, 0], body="b")
+        for plant_of_its_own in own:
+            plant_of_its_own.step()
+        self.assertEqual(own[0].hash, own[1].hash)
         with self.assertRaisesRegex(biped.InputError, r"impulse must be an array of float64 with the shape \(3,\)"):
             plant.push([0, 1])
         for wrong, words in [({"body": "head"}, "head.*trunk"), ({"duration": -1}, "out of range")]:

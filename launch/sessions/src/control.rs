@@ -48,9 +48,9 @@ pub struct PushRequestArgs {
     /// Impulse x,y,z in the world frame: forward, left, up [N·s]
     #[arg(value_parser = parse_vector, allow_hyphen_values = true)]
     impulse: [f64; 3],
-    /// Body to push: its name or its number in the scene; 4 is the trunk of the paper's robot
-    #[arg(long, default_value = "4")]
-    body: String,
+    /// Body to push: its name or its number in the scene; by default the base, which is the trunk of a biped
+    #[arg(long)]
+    body: Option<String>,
     /// Duration of the push [s]
     #[arg(long, default_value_t = 0.05, allow_negative_numbers = true, value_parser = parse_finite)]
     duration: f64,
@@ -143,7 +143,7 @@ pub fn carry_out(session: &Session, wanted: Wanted, user: Option<u32>) -> Result
         Wanted::Reset { seed } => Action::Reset { seed },
         Wanted::Set { period, speed } => Action::Set { period, speed },
         Wanted::Push { body, impulse, duration } => {
-            Action::Push { body: body_index(&body, session, scene)?, impulse, duration }
+            Action::Push { body: body_index(body.as_deref(), session, scene)?, impulse, duration }
         }
         Wanted::Top => return Err(Failure::new(Exit::Usage, "top is not a request")),
     };
@@ -191,14 +191,16 @@ fn push_effect(scene: &Scene, body: usize, [x, y, z]: [f64; 3], duration: f64) -
     )
 }
 
-/// Number of a body that is given by number or name.
-fn body_index(body: &str, session: &Session, scene: impl Fn() -> Option<Scene>) -> Result<usize, Failure> {
-    if let Ok(number) = body.parse() {
+/// Number of a body that is given by number or name; of the scene's base by default.
+fn body_index(body: Option<&str>, session: &Session, scene: impl Fn() -> Option<Scene>) -> Result<usize, Failure> {
+    if let Some(number) = body.and_then(|body| body.parse().ok()) {
         return Ok(number);
     }
     session.require_running()?;
     let unknown = || format!("session `{}` has published no scene: give the body by its number", session.name());
-    let names = names_of(&scene().ok_or_else(|| Failure::new(Exit::Usage, unknown()))?);
+    let scene = scene().ok_or_else(|| Failure::new(Exit::Usage, unknown()))?;
+    let Some(body) = body else { return Ok(scene.base_body()) };
+    let names = names_of(&scene);
     names.iter().position(|name| name == body).ok_or_else(|| Failure::new(Exit::Usage, no_such_body(body, &names)))
 }
 

@@ -3,6 +3,7 @@
 use crate::children;
 use crate::open::open_with_timeout;
 use crate::realtime;
+use crate::run::warn_of_duration;
 use crate::share::ShareArgs;
 use clap::Args;
 use messages::peer_environment::PeerEnvironment;
@@ -64,6 +65,7 @@ impl RoleArgs {
             (Some(scene), session) => {
                 let (robot, settings) = (self.robot.clone(), self.settings.clone());
                 let scene = SceneArgs { scene: scene.clone(), robot, settings }.load()?;
+                warn_of_duration(&scene);
                 let contract = Contract::of(&scene, self.pace.pace()).with_tunnel(self.tunnel);
                 let session = Session::named(session.map_or(SESSION, String::as_str))?;
                 Ok(PeerEnvironment { session, contract, patience: self.pace.patience(), scene, takes_over: false })

@@ -28,6 +28,8 @@ pub use one_process::{in_process, in_process_with};
 
 /// Initial penetration above which the user is warned; less can be rounding in the pose of the scene [m].
 const PENETRATION_WARNING: f64 = 1e-6;
+/// A duration this close to a whole number of control periods is one, within rounding [-].
+const DURATION_ROUNDING: f64 = 1e-9;
 
 /// Energy error above which the user is warned, relative to the largest kinetic energy [-]. The walk with the default method has a
 /// hundredth of it.
@@ -52,6 +54,7 @@ pub fn run(args: &RunArgs, stop: &AtomicBool) -> Result<(), Failure> {
         let words = format!("--swap {}: the run ends at {} s", legible(late.time), legible(scene.duration));
         return Err(Failure::new(Exit::Usage, words));
     }
+    warn_of_duration(scene);
     warn_of_penetration(scene);
     let mut monitor = RunMonitor::new(scene, args.out.is_some(), args.quiet);
     for output in args.record.path().into_iter().chain(args.out.as_deref()) {
@@ -125,6 +128,18 @@ fn warn_of_energy_error(summary: &Summary, ground: &Ground) {
                 "the run {what} {energy:.1e} J; its largest kinetic energy is {kinetic:.1e} J: plant.dt is too long for plant.method{advice}"
             ));
         }
+    }
+}
+
+/// Warns about a duration that is no whole number of control periods. The run ends with the nearest period.
+pub fn warn_of_duration(scene: &Scene) {
+    let Scene { duration, rate, .. } = *scene;
+    let simulated = scene.periods() as f64 / rate;
+    if (simulated - duration).abs() > DURATION_ROUNDING * duration {
+        let [simulated, duration, rate] = [simulated, duration, rate].map(legible);
+        log(format_args!(
+            "the run lasts {simulated} s, not {duration} s: duration is no whole number of control periods of 1/{rate} s"
+        ));
     }
 }
 

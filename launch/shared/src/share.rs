@@ -38,7 +38,8 @@ pub enum Wanted {
         speed: Option<f64>,
     },
     Push {
-        body: String,
+        /// The base by default.
+        body: Option<String>,
         impulse: [f64; 3],
         duration: f64,
     },

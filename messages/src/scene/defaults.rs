@@ -29,6 +29,11 @@ impl Scene {
         self.robot.as_deref().unwrap_or(own)
     }
 
+    /// Number of the base: the body without a joint to another one.
+    pub fn base_body(&self) -> usize {
+        self.bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0)
+    }
+
     /// Number of control periods.
     pub fn periods(&self) -> u64 {
         (self.duration * self.rate).round() as u64

@@ -72,8 +72,8 @@ impl EnergyBalance {
         let plant = &scene.plant;
         let tilt = plant.incline_deg.to_radians();
         let joints = scene.bodies.iter().filter_map(|body| body.joint.as_ref());
-        let base = || scene.bodies.iter().position(|body| body.joint.is_none());
-        let body = scene.bodies.iter().position(|body| body.name == plant.push_body).or_else(base).unwrap_or(0);
+        let named = scene.bodies.iter().position(|body| body.name == plant.push_body);
+        let body = named.unwrap_or_else(|| scene.base_body());
         let duration = (plant.push_duration / plant.dt).round().max(1.0) * plant.dt;
         EnergyBalance {
             gravity: Vector3::new(tilt.sin(), 0.0, -tilt.cos()) * plant.gravity,

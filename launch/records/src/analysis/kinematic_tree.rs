@@ -70,7 +70,7 @@ impl KinematicTree {
     pub fn new(scene: &Scene) -> Self {
         let bodies = scene.bodies.clone();
         let find = |name: &str| bodies.iter().position(|body| body.name == name);
-        let base = bodies.iter().position(|body| body.joint.is_none()).unwrap_or(0);
+        let base = scene.base_body();
         let or_base = |name: &str| find(name).unwrap_or(base);
         let contacts = (bodies.iter().enumerate())
             .flat_map(|(i, body)| body.contact_spheres().map(move |ball| (i, ball)))

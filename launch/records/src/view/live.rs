@@ -140,7 +140,7 @@ impl FrameQueue {
 struct LivePage {
     session: Session,
     page: Bytes,
-    trunk: usize,
+    base: usize,
     queue: Mutex<FrameQueue>,
 }
 
@@ -158,7 +158,7 @@ impl LivePage {
             below: "",
             scene: &load::text(scene),
         };
-        LivePage { page: page.html().into(), trunk: robot.trunk, session, queue: Mutex::default() }
+        LivePage { page: page.html().into(), base: scene.base_body(), session, queue: Mutex::default() }
     }
 
     fn answer(&self, method: &Method, path: &str, query: Query, body: &str) -> Answer {
@@ -182,7 +182,7 @@ impl LivePage {
         let Ok(request) = serde_json::from_str::<PageRequest>(body) else {
             return text(400, "This request is malformed.\n");
         };
-        match ask(&self.session, request.into_ask(self.trunk)) {
+        match ask(&self.session, request.into_ask(self.base)) {
             Ok(reply) if reply.verdict == Verdict::Done as u64 => {
                 let state = STATES.get(reply.state as usize).copied().unwrap_or("?");
                 text(200, &format!("done at t {:.2} s: {state}", reply.stamp.time()))
@@ -205,7 +205,7 @@ enum PageRequest {
     Reset,
     Rearm,
     Push {
-        /// The trunk by default.
+        /// The base by default.
         body: Option<usize>,
         impulse: [f64; 3],
     },
@@ -216,7 +216,7 @@ enum PageRequest {
 }
 
 impl PageRequest {
-    fn into_ask(self, trunk: usize) -> Action {
+    fn into_ask(self, base: usize) -> Action {
         match self {
             PageRequest::Pause => Action::Pause,
             PageRequest::Resume => Action::Resume,
@@ -224,7 +224,7 @@ impl PageRequest {
             PageRequest::Reset => Action::Reset { seed: None },
             PageRequest::Rearm => Action::Rearm,
             PageRequest::Push { body, impulse } => {
-                Action::Push { body: body.unwrap_or(trunk), impulse, duration: PUSH_DURATION }
+                Action::Push { body: body.unwrap_or(base), impulse, duration: PUSH_DURATION }
             }
             PageRequest::Set { period, speed } => Action::Set { period: Some(period), speed: Some(speed) },
         }
