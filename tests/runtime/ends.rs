@@ -133,3 +133,24 @@ fn a_scene_from_a_pipe_runs_in_two_processes_with_the_same_bits() {
     };
     assert_eq!(hash(""), hash("--in-process"));
 }
+
+#[test]
+fn a_duration_that_is_no_whole_number_of_periods_is_named_in_one_process_and_in_two() {
+    for (duration, extra, said) in [
+        ("0.2055", &["--in-process"][..], true),
+        ("0.2055", &[], true),
+        ("0.21", &["--in-process"], false),
+        ("0.21", &[], false),
+    ] {
+        let duration = format!("duration={duration}");
+        let arguments = ["run", "slide", "--quiet", "--set", "rate=100", "--set", &duration, "--set", "plant.dt=0.001"];
+        let session = session("duration");
+        let named = ["--session", session.name()];
+        let mut command = Command::new(env!("CARGO_BIN_EXE_biped"));
+        command.args(arguments).args(extra).args(if extra.is_empty() { &named[..] } else { &[] });
+        let Output { status, stderr, .. } = command.output().expect("the program runs");
+        let errors = String::from_utf8_lossy(&stderr);
+        assert!(status.success(), "{errors}");
+        assert_eq!(errors.matches("the run lasts 0.21 s, not 0.2055 s").count(), usize::from(said), "{errors}");
+    }
+}
