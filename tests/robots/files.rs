@@ -91,7 +91,7 @@ fn a_robot_file_that_is_no_biped_is_refused_with_a_sentence() {
     refused("toml", "bodies = []", &["at least one body"]);
     edited("urdf", "<inertial>", "<inertia1>", &["not XML"]);
     edited("urdf", "<mass value=\"1\"/>", "", &["left_foot", "no mass"]);
-    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"one\"/>", &["\"one\"", "not a number"]);
+    edited("urdf", "<mass value=\"1\"/>", "<mass value=\"one\"/>", &["\"one\"", "not a finite number"]);
     edited("urdf", "<mass value=\"1\"/>", "<mass value=\"1.1\"/>", &["mirror image", "mass"]);
     edited("urdf", "ixy=\"0\"", "ixy=\"0.001\"", &["ixy of `left_foot`"]);
     edited("urdf", "effort=\"40\"", "effort=\"50\"", &["effort differs"]);
