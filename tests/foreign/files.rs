@@ -6,7 +6,7 @@ use crate::languages::python;
 use messages::scene::{Base, Scene};
 use nalgebra::{UnitQuaternion, Vector3};
 use plant::dynamics;
-use plant::kinematics::{self, Pose};
+use plant::kinematics::Pose;
 use plant::model::Model;
 use plant::state::State;
 use serde_json::{Value, json};

@@ -1,7 +1,7 @@
 //! Flight: order, energy, momentum, and orientations at which virtual joints are singular.
 
 use crate::support::{body, distance, plant, run_steps, totals, tumbling};
-use biped_plant::kinematics::{self, Pose};
+use biped_plant::kinematics::Pose;
 use biped_plant::{Plant, PlantError};
 use messages::scene::{Base, Method, Scene};
 use messages::wire::Torques;
